@@ -10,10 +10,17 @@ use tautline_core::simulation::{Recording, Simulated, SimulationOptions, record}
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 use tautline_workflow::identification::{Identification, IdentificationRequest, identify};
 
-/// Latency of the external instrument (s).
-pub const DELAY_S: f64 = 0.034;
-/// Drift of its clock.
-pub const DRIFT: f64 = 5e-5;
+/// What is late in a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Late {
+    /// The external instrument, whose clock drifts as well.
+    Instrument,
+    /// The force sensors.
+    Forces,
+}
+
+/// Drift of the clock of the external instrument.
+const DRIFT: f64 = 5e-5;
 /// The error of a delay that counts as found, whatever its interval (s).
 const GOOD_S: f64 = 2e-4;
 /// Error of the cable per revolution that is hidden beside the latency, and the cable.
@@ -27,10 +34,48 @@ pub const RECORDING: Recording = Recording {
     correlation_s: 0.05,
 };
 
+impl Late {
+    /// Its delay (s).
+    #[must_use]
+    pub fn delay_s(self) -> f64 {
+        match self {
+            Self::Instrument => 0.034,
+            Self::Forces => 0.05,
+        }
+    }
+
+    fn title(self) -> &'static str {
+        match self {
+            Self::Instrument => "instrument",
+            Self::Forces => "forces",
+        }
+    }
+
+    /// Effects and their parameter, the delay first, with their sizes.
+    fn effects(self) -> Vec<(&'static str, &'static str, f64)> {
+        match self {
+            Self::Instrument => vec![
+                ("tracker_latency", "delay", self.delay_s()),
+                ("tracker_clock", "drift", DRIFT),
+            ],
+            Self::Forces => vec![("force_latency", "delay", self.delay_s())],
+        }
+    }
+
+    /// Them as settings: as they are hidden, or 0 to be estimated.
+    fn settings(self, is_hidden: bool) -> Vec<EffectSetting> {
+        let size = |size: f64| if is_hidden { size } else { 0.0 };
+        let effects = self.effects().into_iter();
+        effects
+            .map(|(effect, parameter, hidden)| setting(effect, &[], parameter, size(hidden)))
+            .collect()
+    }
+}
+
 /// Figures of one robot over many recordings.
 #[derive(Debug, Clone, Default)]
 pub struct MotionRow {
-    /// Preset.
+    /// Preset, and what is late.
     pub robot: String,
     /// Number of recordings.
     pub recordings: usize,
@@ -40,12 +85,14 @@ pub struct MotionRow {
     pub delay_bias_s: f64,
     /// Root mean square error of the delay (s).
     pub delay_rms_s: f64,
+    /// Mean of its stated standard deviations (s).
+    pub delay_sd_s: f64,
     /// Share of delays within 0.2 ms of the truth or whose interval covers it.
     pub delay_good: f64,
     /// Share of 95 % intervals that cover the delay.
     pub delay_covered: f64,
-    /// Share that cover the drift.
-    pub drift_covered: f64,
+    /// Share that cover the drift, where a clock drifts.
+    pub drift_covered: Option<f64>,
     /// Share that cover coordinates of entry points.
     pub entry_covered: f64,
     /// Mean chi-square over the degrees of freedom.
@@ -67,8 +114,8 @@ pub struct DoctorRow {
     pub clock_named: f64,
     /// Share in which the wrong drum, hidden beside them, is named.
     pub drum_named: f64,
-    /// Number of other causes that were named.
-    pub wrong: usize,
+    /// Other causes that were named, with their seeds.
+    pub others: Vec<(u64, &'static str)>,
     /// Mean time of a diagnosis (s).
     pub seconds: f64,
 }
@@ -96,15 +143,17 @@ fn setting(effect: &str, targets: &[String], parameter: &str, value: f64) -> Eff
     }
 }
 
-/// A recording with the latency and the drift, and a wrong drum if that is wanted.
+/// A recording in which something is late, and with a wrong drum if that is wanted.
 ///
 /// # Errors
 /// If it cannot be simulated.
-pub fn recorded(robot: &Robot, seed: u64, drum: bool) -> Result<Simulated> {
-    let mut effects = vec![
-        setting("tracker_latency", &[], "delay", DELAY_S),
-        setting("tracker_clock", &[], "drift", DRIFT),
-    ];
+pub fn recorded(
+    robot: &Robot,
+    late: Late,
+    recording: &Recording,
+    (seed, drum): (u64, bool),
+) -> Result<Simulated> {
+    let mut effects = late.settings(true);
     if drum {
         let (scale, cable) = DRUM;
         let target = robot.cables[cable].name.clone();
@@ -114,18 +163,15 @@ pub fn recorded(robot: &Robot, seed: u64, drum: bool) -> Result<Simulated> {
         effects,
         ..SimulationOptions::new(0, seed)
     };
-    Ok(record(robot, &options, &RECORDING)?)
+    Ok(record(robot, &options, recording)?)
 }
 
-/// Identifies a robot from a recording, with latency and drift.
+/// Identifies a robot from a recording, with what is late.
 ///
 /// # Errors
 /// If the data do not make a problem.
-pub fn identified(run: &Simulated) -> Result<Identification> {
-    let effects = [
-        setting("tracker_latency", &[], "delay", 0.0),
-        setting("tracker_clock", &[], "drift", 0.0),
-    ];
+fn identified(run: &Simulated, late: Late) -> Result<Identification> {
+    let effects = late.settings(false);
     let mut request = IdentificationRequest::new(run.dataset.clone(), Method::Joint, &effects)?;
     request.lists_readings = false;
     Ok(identify(&request, &mut |_| Control::Continue)?)
@@ -135,18 +181,19 @@ pub fn identified(run: &Simulated) -> Result<Identification> {
 ///
 /// # Errors
 /// If the preset is unknown or cannot be simulated.
-pub fn study(name: &str, recordings: usize, first_seed: u64) -> Result<MotionRow> {
+pub fn study(name: &str, late: Late, recordings: usize, first_seed: u64) -> Result<MotionRow> {
     let robot = tracked(name)?;
     let mut row = MotionRow {
-        robot: name.to_owned(),
+        robot: format!("{name}, {}", late.title()),
         recordings,
+        drift_covered: (late == Late::Instrument).then_some(0.0),
         ..MotionRow::default()
     };
     let (mut entries, mut entries_covered) = (0.0_f64, 0.0);
     let share = 1.0 / recordings as f64;
     for seed in first_seed..first_seed + recordings as u64 {
-        let run = recorded(&robot, seed, false)?;
-        let found = identified(&run)?;
+        let run = recorded(&robot, late, &RECORDING, (seed, false))?;
+        let found = identified(&run, late)?;
         let solution = &found.solution;
         row.samples += share * found.dataset.measurements.len() as f64;
         row.chi2_ratio += share * solution.chi2 / solution.degrees_of_freedom;
@@ -163,16 +210,18 @@ pub fn study(name: &str, recordings: usize, first_seed: u64) -> Result<MotionRow
                     entries_covered += covers(solution.globals.entry_points[cable][axis] - truth);
                 }
                 ParameterId::Effect { effect: 0, .. } => {
-                    let error = found.free_effects()[0].values[0] - DELAY_S;
+                    let error = found.free_effects()[0].values[0] - late.delay_s();
                     row.delay_bias_s += share * error;
                     row.delay_rms_s += share * error * error;
+                    row.delay_sd_s += share * sd;
                     row.delay_covered += share * covers(error);
                     let good = error.abs() < GOOD_S || covers(error) > 0.0;
                     row.delay_good += share * f64::from(u8::from(good));
                 }
                 ParameterId::Effect { effect: 1, .. } => {
                     let error = found.free_effects()[1].values[0] - DRIFT;
-                    row.drift_covered += share * covers(error);
+                    let covered = row.drift_covered.get_or_insert_default();
+                    *covered += share * covers(error);
                 }
                 _ => {}
             }
@@ -204,11 +253,16 @@ pub fn named(diagnosis: &Diagnosis) -> Vec<(&'static str, Vec<usize>)> {
         .collect()
 }
 
-/// Asks the doctor about many recordings of one preset, with a wrong drum beside latency and drift in every second one.
+/// Asks the doctor about many recordings of one preset, with a wrong drum beside latency and drift where the seed is odd.
 ///
 /// # Errors
 /// If the preset is unknown or cannot be simulated.
-pub fn doctor_study(name: &str, recordings: usize, first_seed: u64) -> Result<DoctorRow> {
+pub fn doctor_study(
+    name: &str,
+    recordings: usize,
+    first_seed: u64,
+    recording: &Recording,
+) -> Result<DoctorRow> {
     let robot = tracked(name)?;
     let mut row = DoctorRow {
         robot: name.to_owned(),
@@ -216,16 +270,19 @@ pub fn doctor_study(name: &str, recordings: usize, first_seed: u64) -> Result<Do
         ..DoctorRow::default()
     };
     let share = 1.0 / recordings as f64;
-    for seed in first_seed..first_seed + recordings as u64 {
+    let seeds = first_seed..first_seed + recordings as u64;
+    let drums = seeds.clone().filter(|seed| seed % 2 == 1).count();
+    for seed in seeds {
         let drum = seed % 2 == 1;
-        let (diagnosis, seconds) = opinion(&recorded(&robot, seed, drum)?)?;
+        let run = recorded(&robot, Late::Instrument, recording, (seed, drum))?;
+        let (diagnosis, seconds) = opinion(&run)?;
         row.seconds += share * seconds;
         for (effect, cables) in named(&diagnosis) {
             match effect {
                 "tracker_latency" => row.latency_named += share,
                 "tracker_clock" => row.clock_named += share,
-                "winch_scale" if drum && cables == [DRUM.1] => row.drum_named += 2.0 * share,
-                _ => row.wrong += 1,
+                "winch_scale" if drum && cables == [DRUM.1] => row.drum_named += 1.0 / drums as f64,
+                _ => row.others.push((seed, effect)),
             }
         }
     }
@@ -236,19 +293,21 @@ pub fn doctor_study(name: &str, recordings: usize, first_seed: u64) -> Result<Do
 #[must_use]
 pub fn markdown(rows: &[MotionRow], doctor: &[DoctorRow]) -> String {
     let mut text = String::from(
-        "| robot | recordings | samples used | delay, mean error ms | rms error ms | within 0.2 ms or its interval | 95 % intervals cover: delay | drift | entry points | chi-square over dof | solve s |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+        "| robot, what is late | recordings | samples used | delay, mean error ms | rms error ms | stated ms | within 0.2 ms or its interval | 95 % intervals cover: delay | drift | entry points | chi-square over dof | solve s |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {
         text += &format!(
-            "| {} | {} | {:.0} | {:+.3} | {:.3} | {:.1} % | {:.1} % | {:.1} % | {:.1} % | {:.3} | {:.2} |\n",
+            "| {} | {} | {:.0} | {:+.3} | {:.3} | {:.3} | {:.1} % | {:.1} % | {} | {:.1} % | {:.3} | {:.2} |\n",
             row.robot,
             row.recordings,
             row.samples,
             1e3 * row.delay_bias_s,
             1e3 * row.delay_rms_s,
+            1e3 * row.delay_sd_s,
             100.0 * row.delay_good,
             100.0 * row.delay_covered,
-            100.0 * row.drift_covered,
+            row.drift_covered
+                .map_or("–".into(), |covered| format!("{:.1} %", 100.0 * covered)),
             100.0 * row.entry_covered,
             row.chi2_ratio,
             row.seconds,
@@ -263,7 +322,7 @@ pub fn markdown(rows: &[MotionRow], doctor: &[DoctorRow]) -> String {
             100.0 * row.latency_named,
             100.0 * row.clock_named,
             100.0 * row.drum_named,
-            row.wrong,
+            row.others.len(),
             row.seconds,
         );
     }

@@ -7,9 +7,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use tautline_validation::motion::{Late, RECORDING};
 use tautline_validation::{
-    adjusted, hangprinter, isolability, motion, nist, screenshots, sessions, table1, truth,
-    which_sensor, window, your_data,
+    adjusted, hangprinter, isolability, many_poses, motion, nist, screenshots, sessions,
+    study_speed, table1, truth, which_sensor, window, your_data,
 };
 
 /// Presets of the truth study.
@@ -21,8 +22,8 @@ const FIRST_SEED: u64 = 1000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, hangprinter [FOLDER], isolability, motion [RECORDINGS], nist, hidden KIND, workbench [write | PART], \
-             studies [FIRST_DATA_SETS], which-sensor [write], study-speed [CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], nist, hidden KIND, workbench [write | PART], \
+             studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data";
 
 fn main() -> Result<()> {
@@ -37,9 +38,13 @@ fn main() -> Result<()> {
         Some("truth") => println!("{}", truth_table(argument)?),
         Some("table1") => println!("{}", table1::markdown(&table1::study(10)?)),
         Some("adjusted") => println!("{}", adjusted::markdown(&adjusted::study()?)),
+        Some("many-poses") => {
+            let poses = argument.map_or(Ok(1_000_000), str::parse)?;
+            println!("{}", many_poses::markdown(&many_poses::identify(poses)?));
+        }
         Some("hangprinter") => println!("{}", hangprinter_table(argument)?),
         Some("isolability") => println!("{}", isolability_table()?),
-        Some("motion") => println!("{}", motion_table(argument)?),
+        Some("motion") => println!("{}", motion_table(&arguments[1..])?),
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
         Some("workbench") => workbench(argument)?,
         Some("hidden") => hidden::command(&arguments[1..])?,
@@ -66,14 +71,22 @@ fn isolability_table() -> Result<String> {
     Ok(isolability::markdown(&pairs))
 }
 
-fn motion_table(recordings: Option<&str>) -> Result<String> {
-    let recordings = recordings.map_or(Ok(300), str::parse)?;
+/// Identifies so many recordings of each robot, and asks the doctor about so many.
+fn motion_table(numbers: &[String]) -> Result<String> {
+    let number = |k: usize| numbers.get(k).map(|text| text.parse::<usize>());
+    let recordings = number(0).unwrap_or(Ok(300))?;
+    let asked = number(1).unwrap_or(Ok(recordings))?;
     let robots = ["mini", "planar"];
-    let rows = robots.map(|name| motion::study(name, recordings, FIRST_SEED));
-    let doctor = robots.map(|name| motion::doctor_study(name, recordings, FIRST_SEED));
-    let rows: Result<Vec<_>> = rows.into_iter().collect();
-    let doctor: Result<Vec<_>> = doctor.into_iter().collect();
-    Ok(motion::markdown(&rows?, &doctor?))
+    let rows = [Late::Instrument, Late::Forces]
+        .into_iter()
+        .flat_map(|late| robots.map(|name| motion::study(name, late, recordings, FIRST_SEED)));
+    let rows: Vec<_> = rows.collect::<Result<_>>()?;
+    let doctor = robots.map(|name| motion::doctor_study(name, asked, FIRST_SEED, &RECORDING));
+    let doctor: Vec<_> = doctor.into_iter().collect::<Result<_>>()?;
+    for row in &doctor {
+        eprintln!("{}, other causes named: {:?}", row.robot, row.others);
+    }
+    Ok(motion::markdown(&rows, &doctor))
 }
 
 fn truth_table(data_sets: Option<&str>) -> Result<String> {
@@ -140,14 +153,18 @@ fn which_sensor_tables(what: Option<&str>) -> Result<()> {
     Ok(())
 }
 
-/// Calibrations per second and core, and how far from the solver alone.
-fn study_speed(calibrations: Option<&str>) -> Result<()> {
-    let speed = which_sensor::speed(calibrations.map_or(Ok(2_000), str::parse)?)?;
-    println!(
-        "{:.0} calibrations of MINI per second and core; the solver alone takes {:.1} % of their time",
-        speed.per_second,
-        100.0 * speed.solver_share
-    );
+/// Speed and memory of studies, printed, or put into docs/STUDIES.md, because nothing else may run on the machine meanwhile.
+fn study_speed(what: Option<&str>) -> Result<()> {
+    let is_written = what == Some("write");
+    let calibrations = what.filter(|_| !is_written);
+    let table = study_speed::table(calibrations.map_or(Ok(1_000_000), str::parse)?)?;
+    println!("{table}");
+    if is_written {
+        let path = document().with_file_name("STUDIES.md");
+        let mut text = fs::read_to_string(&path).context("docs/STUDIES.md")?;
+        replace(&mut text, "speed", &table)?;
+        tautline_session::write_text(&path, &text)?;
+    }
     Ok(())
 }
 
@@ -165,7 +182,7 @@ fn write(folder: Option<&str>) -> Result<()> {
     replace(&mut text, "table1", &table1::markdown(&table1::study(10)?))?;
     let adjusted = adjusted::markdown(&adjusted::study()?);
     replace(&mut text, "adjusted", &adjusted)?;
-    replace(&mut text, "motion", &motion_table(None)?)?;
+    replace(&mut text, "motion", &motion_table(&[])?)?;
     replace(&mut text, "isolability", &isolability_table()?)?;
     replace(&mut text, "hidden_effects", &hidden::tables()?)?;
     match hangprinter_table(folder) {

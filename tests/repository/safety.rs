@@ -1,4 +1,4 @@
-//! Every test that docs/SAFETY.md names exists.
+//! Every guarantee and every hazard of docs/SAFETY.md names tests, and they exist.
 
 use std::collections::HashSet;
 use std::fs;
@@ -6,17 +6,22 @@ use std::path::Path;
 
 const SAFETY: &str = include_str!("../../docs/SAFETY.md");
 
-/// Names of all functions in the Rust files below a folder.
-fn functions(folder: &Path, names: &mut HashSet<String>) {
+/// Names of all tests in the Rust files below a folder.
+fn tests(folder: &Path, names: &mut HashSet<String>) {
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         if path.is_dir() {
-            functions(&path, names);
+            tests(&path, names);
         } else if path.extension().is_some_and(|extension| extension == "rs") {
             let text = fs::read_to_string(&path).expect("a file");
-            let found = text.split("fn ").skip(1);
-            let found = found.filter_map(|rest| rest.split_once('(').map(|(name, _)| name));
-            names.extend(found.map(str::to_owned));
+            let marked = text.split("#[test]").skip(1);
+            let marked = marked.filter_map(|rest| rest.split_once("fn ")?.1.split_once('('));
+            names.extend(marked.map(|(name, _)| name.to_owned()));
+            let listed = text.split("over_both! {").skip(1);
+            let listed = listed.filter_map(|rest| rest.split_once('}'));
+            for (list, _) in listed {
+                names.extend(list.split(',').map(|name| name.trim().to_owned()));
+            }
         }
     }
 }
@@ -35,8 +40,8 @@ fn named(text: &str) -> Vec<&str> {
 fn every_test_that_shows_a_guarantee_exists() {
     let mut known = HashSet::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    functions(&root.join("src"), &mut known);
-    functions(&root.join("tests"), &mut known);
+    tests(&root.join("src"), &mut known);
+    tests(&root.join("tests"), &mut known);
     let named = named(SAFETY);
     assert!(named.len() > 30, "only {} tests are named", named.len());
     let missing: Vec<&&str> = named
@@ -44,4 +49,21 @@ fn every_test_that_shows_a_guarantee_exists() {
         .filter(|name| !known.contains(**name))
         .collect();
     assert!(missing.is_empty(), "{missing:?}");
+}
+
+#[test]
+fn every_guarantee_and_every_hazard_names_a_test() {
+    let is_rule = |line: &&str| line.starts_with("|---");
+    let lines: Vec<&str> = SAFETY.lines().collect();
+    let mut rows = 0;
+    for (at, _) in lines.iter().enumerate().filter(|(_, line)| is_rule(line)) {
+        for row in lines[at + 1..]
+            .iter()
+            .take_while(|line| line.starts_with('|'))
+        {
+            assert!(!named(row).is_empty(), "{row}");
+            rows += 1;
+        }
+    }
+    assert!(rows > 20, "only {rows} rows");
 }

@@ -20,7 +20,7 @@ use tautline_workflow::report::ReportFormat;
 use tautline_workflow::templates::Template;
 
 use super::stage::{LARGE, Stage};
-use super::{files, open, phase};
+use super::{SESSION, files, open, phase};
 
 /// Sizes of the window (pixels).
 const SIZES: [[f32; 2]; 3] = [[1024.0, 640.0], [1280.0, 800.0], [1920.0, 1080.0]];
@@ -57,7 +57,9 @@ impl Looks {
     fn take(&mut self, name: &str, of: &str, size: [f32; 2], scale: f32) -> Result<()> {
         self.stage.resize(size, scale);
         let file = format!("{name}-{}-{:.0}-{of}.png", size[0], 100.0 * scale);
-        files::write_still(&self.into.join(file), &self.stage.picture()?)
+        files::write_still(&self.into.join(&file), &self.stage.picture()?)?;
+        println!("{file}");
+        Ok(())
     }
 }
 
@@ -74,18 +76,55 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
         into,
         only: only.map(str::to_owned),
     };
-    demo(&mut looks)?;
-    if only.is_some_and(|only| only.starts_with("demo")) {
-        return Ok(());
+    let is_asked = |names: &[&str], only: &str| {
+        let mut names = names.iter();
+        names.any(|name| name.contains(only) || only.starts_with(name))
+    };
+    // What no name begins like can be anywhere.
+    let only = only.filter(|only| SECTIONS.iter().any(|(names, _)| is_asked(names, only)));
+    for (names, section) in SECTIONS {
+        if only.is_none_or(|only| is_asked(names, only)) {
+            section(&mut looks)?;
+            looks.stage.give(FileCommand::Close);
+            looks.stage.give(FileCommand::Answer(Answer::Discard));
+        }
     }
-    looks.stage.give(FileCommand::Close);
-    looks.stage.give(FileCommand::Answer(Answer::Discard));
+    Ok(())
+}
+
+/// Takes pictures from the start screen on, and leaves a session at most.
+type Section = fn(&mut Looks) -> Result<()>;
+
+/// How names of pictures begin, and what takes them.
+const SECTIONS: [(&[&str], Section); 8] = [
+    (&["demo"], demo),
+    (&["start", "compare-empty", "which-sensor"], without_session),
+    (&["import", "new-robot"], imports),
+    (&["inspector-suspended", "inspector-hall"], other_pulleys),
+    (&["phase", "inspector", "doctor"], phases),
+    (&["plot"], plots),
+    (DIALOGS, dialogs),
+    (&["compare"], comparison),
+];
+
+/// How names of pictures of dialogs begin.
+const DIALOGS: &[&str] = &[
+    "palette", "log", "report", "manual", "about", "unsaved", "save-as", "menu",
+];
+
+/// Screens that need no session.
+fn without_session(looks: &mut Looks) -> Result<()> {
     looks.at("start")?;
-    imports(&mut looks)?;
     looks.stage.give(CompareCommand::Show);
     looks.at("compare-empty")?;
     looks.stage.give(ViewCommand::Go(Screen::WhichSensor));
     looks.at("which-sensor")?;
+    looks.stage.give(ViewCommand::Go(Screen::Start));
+    Ok(())
+}
+
+/// Pulleys of other robots.
+fn other_pulleys(looks: &mut Looks) -> Result<()> {
     for (session, name) in [
         ("suspended-sag/session.json", "inspector-suspended"),
         ("hall-creep-and-slip/session.json", "inspector-hall"),
@@ -94,10 +133,11 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
         looks.stage.give(ViewCommand::Inspect(Some(1)));
         looks.at(name)?;
     }
-    open(&mut looks.stage, "mini-winch-scale/session.json");
-    phases(&mut looks)?;
-    plots(&mut looks)?;
-    dialogs(&mut looks)?;
+    Ok(())
+}
+
+/// Two runs of one robot.
+fn comparison(looks: &mut Looks) -> Result<()> {
     looks.stage.give(CompareCommand::Show);
     looks.stage.give(CompareCommand::Clear(Side::A));
     for run in ["before.json", "after.json"] {
@@ -107,7 +147,9 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
     looks.at("compare")?;
     looks.stage.show("cable-6, ");
     looks.stage.press_first("cable-6, ");
-    looks.at("compare-row")
+    looks.at("compare-row")?;
+    looks.stage.give(ViewCommand::Go(Screen::Start));
+    Ok(())
 }
 
 /// Files of other programs: without a robot, a recording, and a log with mistakes.
@@ -199,6 +241,7 @@ fn demo(looks: &mut Looks) -> Result<()> {
 }
 
 fn phases(looks: &mut Looks) -> Result<()> {
+    open(&mut looks.stage, SESSION);
     for (step, parts) in [
         (
             Phase::Precalibration,
@@ -251,6 +294,7 @@ fn inspector(looks: &mut Looks) -> Result<()> {
 }
 
 fn plots(looks: &mut Looks) -> Result<()> {
+    open(&mut looks.stage, SESSION);
     phase(&mut looks.stage, Phase::Identification);
     looks.stage.give(ViewCommand::Select(Selection {
         cable: Some(2),
@@ -289,6 +333,7 @@ fn plots(looks: &mut Looks) -> Result<()> {
 }
 
 fn dialogs(looks: &mut Looks) -> Result<()> {
+    open(&mut looks.stage, SESSION);
     looks.stage.give(ViewCommand::Palette(true));
     looks.at("palette")?;
     looks.stage.give(ViewCommand::Palette(false));

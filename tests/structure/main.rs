@@ -69,7 +69,12 @@ const CRATES: [Rules; 9] = [
     },
     Rules {
         folder: "src/python",
-        crates: &["tautline_core", "tautline_session", "tautline_workflow"],
+        crates: &[
+            "tautline_core",
+            "tautline_session",
+            "tautline_workflow",
+            "tautline_study",
+        ],
         order: &[],
     },
     Rules {
