@@ -7,6 +7,7 @@ pub mod hangprinter;
 pub mod harness;
 pub mod hidden;
 pub mod isolability;
+pub mod live_readings;
 pub mod many_poses;
 pub mod motion;
 pub mod nist;

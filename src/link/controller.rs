@@ -87,6 +87,24 @@ pub trait Controller: Send {
     /// If the connection is lost or the controller does not answer.
     fn sample(&mut self) -> Result<Sample, LinkError>;
 
+    /// Asks the controller to send its readings every so many seconds, until the connection ends. They are for display:
+    /// whatever decides is read by [`Controller::sample`].
+    ///
+    /// # Errors
+    /// If it cannot do that or the connection is lost.
+    fn subscribe(&mut self, _every_s: f64) -> Result<(), LinkError> {
+        let text = "it sends nothing of its own accord";
+        Err(LinkError::Refused(text.to_owned()))
+    }
+
+    /// The readings that it has sent since this was last asked, the oldest first. Does not wait.
+    ///
+    /// # Errors
+    /// If the connection is lost.
+    fn sent(&mut self) -> Result<Vec<Sample>, LinkError> {
+        Ok(Vec::new())
+    }
+
     /// Starts to move to the home reference platform, where the encoders are zeroed.
     ///
     /// # Errors

@@ -80,6 +80,18 @@ impl TimedSocket {
         Ok(self.0.local_addr().map_err(Broken::Io)?.ip())
     }
 
+    /// Whether something has arrived that was not received yet.
+    pub fn has_received(&self) -> Result<bool, Broken> {
+        self.0.set_nonblocking(true).map_err(Broken::Io)?;
+        let peeked = self.0.peek(&mut [0]);
+        self.0.set_nonblocking(false).map_err(Broken::Io)?;
+        match peeked {
+            Ok(0) => Err(Broken::Closed),
+            Ok(_) => Ok(true),
+            Err(error) => passing(error).map(|()| false),
+        }
+    }
+
     /// Receives as many bytes as the buffer has.
     pub fn fill(&mut self, buffer: &mut [u8], until: Instant) -> Result<(), Broken> {
         let mut done = 0;

@@ -100,6 +100,9 @@ class Part:
     def value(self):
         return self.variable.value[self.start :]
 
+    def register_notification(self):
+        return self.variable.register_notification()
+
     def write(self, value, request=None):
         old = self.variable.value
         if self.start + len(value) > len(old):
@@ -230,6 +233,8 @@ def kind_of(request):
     group = struct.unpack("<I", request.ams_header.data[:4].ljust(4, b"\0"))[0]
     if command == constants.ADSCOMMAND_READSTATE:
         return "state"
+    if command in (constants.ADSCOMMAND_ADDDEVICENOTE, constants.ADSCOMMAND_DELDEVICENOTE):
+        return "lookup"
     if command == constants.ADSCOMMAND_WRITE or group == constants.ADSIGRP_SUMUP_WRITE:
         return "write"
     if group == constants.ADSIGRP_SYM_INFOBYNAMEEX:

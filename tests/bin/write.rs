@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use tautline_validation::motion::{Late, RECORDING};
 use tautline_validation::{
-    adjusted, hangprinter, isolability, many_poses, motion, nist, screenshots, sessions,
-    study_speed, table1, truth, which_sensor, window, your_data,
+    adjusted, hangprinter, isolability, live_readings, many_poses, motion, nist, screenshots,
+    sessions, study_speed, table1, truth, which_sensor, window, your_data,
 };
 
 /// Presets of the truth study.
@@ -22,7 +22,7 @@ const FIRST_SEED: u64 = 1000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data";
 
@@ -41,6 +41,13 @@ fn main() -> Result<()> {
         Some("many-poses") => {
             let poses = argument.map_or(Ok(1_000_000), str::parse)?;
             println!("{}", many_poses::markdown(&many_poses::identify(poses)?));
+        }
+        Some("live-readings") => {
+            let seconds = argument.map_or(Ok(20.0), str::parse)?;
+            println!(
+                "{}",
+                live_readings::markdown(&live_readings::study(seconds)?)
+            );
         }
         Some("hangprinter") => println!("{}", hangprinter_table(argument)?),
         Some("isolability") => println!("{}", isolability_table()?),

@@ -1,11 +1,15 @@
 //! The window beside a controller that misbehaves: it tells the same sentences as the commands, and is as careful.
 
+use std::time::Instant;
+
 use tautline_core::robot::presets;
 use tautline_link::adjusting::{Adjustment as Attempt, Holds};
 use tautline_session::{AdsPlace, ControllerKind, Outcome, PlannedPose, Session, Timestamp};
+use tautline_validation::ads::symbols::global;
 use tautline_validation::ads::unruly::{Action, Kind, Unruly};
 use tautline_validation::ads::{Host, Plant};
 use tautline_workbench::model::command::{Answer, FileCommand, RobotCommand};
+use tautline_workbench::model::link::scope::Scope;
 use tautline_workbench::model::phase::Phase;
 use tautline_workbench::shell::State;
 use tautline_workflow::adjusting::{self, Purpose};
@@ -211,4 +215,21 @@ fn other_clients_and_restarts_end_the_run_with_the_sentence_of_the_commands() {
     let series = bench.session();
     assert_eq!((series.measurements.len(), &series.plan), (0, &plan));
     assert_eq!(series.name, "test, another series");
+}
+
+#[test]
+fn readings_that_are_sent_reach_the_scope() {
+    let plant = Plant::unruly();
+    plant.server.run_clock(&global("time"), Instant::now());
+    let mut bench = connected(&plant);
+    let readings = |state: &State| state.model.link.scope(Scope::readings).unwrap_or(0);
+    let asked = plant.server.count(Kind::Read);
+    let shown = readings(bench.state());
+    bench.wait("readings", |state| readings(state) >= shown + 100);
+    // Far more are shown than were asked for.
+    let asked = plant.server.count(Kind::Read) - asked;
+    assert!(asked < 50, "{asked} requests");
+    bench.give(RobotCommand::Disconnect);
+    bench.wait("the end", |state| !state.model.link.is_connected());
+    assert_eq!(plant.server.subscriptions(), 0);
 }

@@ -5,6 +5,7 @@
 
 use super::address::AdsAddress;
 use super::codes::{AdsCode, RUN, state_name};
+use super::notifications::{self, Row, Rows};
 use super::options::AdsOptions;
 use super::symbols::{Place, Symbol};
 use super::wire::{AmsAddress, Command, Wire, words};
@@ -49,6 +50,9 @@ pub(super) struct AdsClient {
     timeout_s: f64,
     /// Whether the controller takes several parts in one request.
     sums: bool,
+    /// Handles of what is subscribed to.
+    handles: Vec<u32>,
+    rows: Rows,
 }
 
 impl AdsClient {
@@ -73,6 +77,8 @@ impl AdsClient {
                         wire,
                         timeout_s: options.timeout_s,
                         sums: true,
+                        handles: Vec::new(),
+                        rows: Rows::default(),
                     });
                 }
                 Err(Broken::Invalid(_)) => {
@@ -197,6 +203,45 @@ impl AdsClient {
             Err(lost) => Err(lost),
         };
         places.iter().map(&mut read).collect()
+    }
+
+    /// Subscribes to places, which are sent every so many seconds; all of them or, after a refusal, none. Returns the
+    /// handle of each.
+    pub fn subscribe(&mut self, places: &[Place], every_s: f64) -> Answer<Vec<u32>> {
+        self.unsubscribe()?;
+        self.wire.keep_notifications();
+        for place in places {
+            let request = [place.head().concat(), notifications::cycle(every_s)].concat();
+            match self.ask(Command::Subscribe, &request, 4) {
+                Ok(handle) if handle.len() == 4 => self.handles.push(word(&handle)),
+                Ok(_) => return Err(broken("the handle of a subscription is incomplete")),
+                Err(refused) => {
+                    self.unsubscribe()?;
+                    return Err(refused);
+                }
+            }
+        }
+        Ok(self.handles.clone())
+    }
+
+    /// Ends all subscriptions. That a controller does not know one of them any more is as good.
+    pub fn unsubscribe(&mut self) -> Answer<()> {
+        for handle in std::mem::take(&mut self.handles) {
+            match self.ask(Command::Unsubscribe, &handle.to_le_bytes(), 0) {
+                Ok(_) | Err(RequestError::Refused(_)) => {}
+                Err(lost) => return Err(lost),
+            }
+        }
+        Ok(())
+    }
+
+    /// The values that were sent of moments of which all subscribed places have arrived, the oldest first.
+    pub fn notified(&mut self) -> Answer<Vec<Row>> {
+        let frames = self.wire.take_notifications();
+        let frames = frames.map_err(|broken| RequestError::Lost(lost(broken, self.timeout_s)))?;
+        let count = self.handles.len();
+        let rows = frames.iter().flat_map(|frame| self.rows.take(frame, count));
+        Ok(rows.collect())
     }
 
     /// Writes places in their order and stops after the batch of the first that is refused, whose index is returned.

@@ -5,12 +5,13 @@
 //! after at most [`AdsOptions::timeout_s`]. There is no thread: an answer is read by whoever asked. Nothing is written
 //! before [`crate::Controller::arm`].
 //!
-//! Readings are polled, because one request returns all readings of one moment. Notifications of several symbols arrive
-//! one by one and queue up where nobody takes them.
+//! Whatever decides is polled: one request returns all readings of one moment, and an answer proves that the controller is
+//! there. Notifications, which the controller sends in every cycle, are for display only.
 
 mod address;
 mod client;
 mod codes;
+mod notifications;
 mod options;
 mod program;
 mod symbols;

@@ -3,6 +3,7 @@
 use super::address::AdsAddress;
 use super::client::{AdsClient, RequestError};
 use super::codes::AdsCode;
+use super::notifications::Row;
 use super::options::AdsOptions;
 use super::symbols::{Place, Symbol, encode};
 use crate::error::LinkError;
@@ -45,6 +46,7 @@ impl SymbolServer for AdsServer {
         Ok(Box::new(Program {
             client,
             symbols: Vec::new(),
+            subscribed: Vec::new(),
             version: version.and_then(|bytes| bytes.first().copied()),
         }))
     }
@@ -54,6 +56,8 @@ impl SymbolServer for AdsServer {
 pub(super) struct Program {
     client: AdsClient,
     symbols: Vec<Symbol>,
+    /// The handle of each subscription and the index of its symbol.
+    subscribed: Vec<(u32, usize)>,
     /// Number that changes with the program, where the controller has one.
     version: Option<u8>,
 }
@@ -120,6 +124,43 @@ impl SymbolAccess for Program {
             contents[index] = Some(symbol.content(&bytes));
         }
         Ok(SymbolValues(contents))
+    }
+
+    fn subscribe(
+        &mut self,
+        indices: &mut dyn Iterator<Item = usize>,
+        every_s: f64,
+    ) -> Result<(), Failure> {
+        let wanted = each_once(indices, self.symbols.len());
+        let places = wanted.iter().map(|index| self.symbols[*index].place());
+        let places: Vec<Place> = places.collect();
+        self.subscribed.clear();
+        let handles = self.client.subscribe(&places, every_s);
+        let handles = handles.map_err(|e| failure(e, "subscribing to symbols"))?;
+        self.subscribed = handles.into_iter().zip(wanted).collect();
+        Ok(())
+    }
+
+    fn sent(&mut self) -> Result<Vec<SymbolValues>, Failure> {
+        let rows = self.client.notified();
+        let rows = rows.map_err(|e| failure(e, "subscribed symbols"))?;
+        let values = |row: Row| {
+            let mut contents = vec![None; self.symbols.len()];
+            for (handle, index) in &self.subscribed {
+                let symbol = &self.symbols[*index];
+                let bytes = row
+                    .get(handle)
+                    .filter(|bytes| bytes.len() == symbol.place().size)?;
+                contents[*index] = Some(symbol.content(bytes));
+            }
+            Some(SymbolValues(contents))
+        };
+        Ok(rows.into_iter().filter_map(values).collect())
+    }
+
+    fn close(&mut self) {
+        // The end of the connection ends them as well, later.
+        let _ = self.client.unsubscribe();
     }
 
     fn write(&mut self, values: &[(Slot, f64)]) -> Result<(), Failure> {

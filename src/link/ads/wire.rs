@@ -3,8 +3,9 @@
 //! Nothing that arrives is believed: a length is compared with its limit before anything is allocated and with what
 //! arrived before anything is read, and time is taken of the whole exchange, not of its parts. A connection that broke
 //! any of this has to be dropped, so that a late answer is never taken for that of a later request. No thread is
-//! needed: what nobody asked for is read, and thrown away, on the way to the answer.
+//! needed: what nobody asked for is read on the way to the answer, and thrown away unless it was subscribed to.
 
+use std::collections::VecDeque;
 use std::net::{IpAddr, SocketAddr};
 use std::time::{Duration, Instant};
 
@@ -17,8 +18,12 @@ const OWN_PORT: u16 = 58913;
 const OUTER: usize = 6;
 /// Bytes of the header of AMS.
 const HEADER: usize = 32;
-/// More than what a router tells unasked, and than any notification of ours.
+/// More than what a router tells unasked.
 const LONGEST_UNASKED: usize = 1 << 12;
+/// Longest notification (bytes).
+const LONGEST_NOTIFICATION: usize = 1 << 16;
+/// Most notifications that wait until they are taken; of more, the oldest are lost.
+const MOST_NOTIFICATIONS: usize = 1024;
 /// The Net ID that stands for the computer it is used on.
 const LOCAL: [u8; 6] = [127, 0, 0, 1, 1, 1];
 /// Set in the flags of an answer.
@@ -32,7 +37,9 @@ pub(super) enum Command {
     Read = 2,
     Write = 3,
     ReadState = 4,
-    /// What a device tells unasked.
+    Subscribe = 6,
+    Unsubscribe = 7,
+    /// What a device sends unasked.
     Notification = 8,
     ReadWrite = 9,
 }
@@ -60,6 +67,8 @@ pub(super) struct Wire {
     timeout: Duration,
     /// Number of the last request.
     number: u32,
+    /// Notifications that nobody has taken yet; `None` while nothing is subscribed to.
+    notifications: Option<VecDeque<Vec<u8>>>,
 }
 
 /// An answer, without its headers; or the error that the router gives in its place.
@@ -98,7 +107,43 @@ impl Wire {
             },
             timeout,
             number: 0,
+            notifications: None,
         })
+    }
+
+    /// Keeps notifications from now on.
+    pub fn keep_notifications(&mut self) {
+        self.notifications.get_or_insert_default();
+    }
+
+    /// The notifications that have arrived, the oldest first. Does not wait for more.
+    pub fn take_notifications(&mut self) -> Result<VecDeque<Vec<u8>>, Broken> {
+        while self.notifications.is_some() && self.socket.has_received()? {
+            // The rest of a frame whose first byte is there.
+            let until = Instant::now() + self.timeout;
+            let (kind, frame) = self.receive(LONGEST_UNASKED, until)?;
+            if is_ads(kind)? && !self.keep(&Frame::parse(&frame)?) {
+                return Err(invalid("an answer to no request".to_owned()));
+            }
+        }
+        Ok(self
+            .notifications
+            .as_mut()
+            .map(std::mem::take)
+            .unwrap_or_default())
+    }
+
+    /// Keeps a notification if anything is subscribed to; whether the frame is one.
+    fn keep(&mut self, frame: &Frame) -> bool {
+        let is_notification =
+            frame.command == Command::Notification as u16 && frame.flags & ANSWER == 0;
+        if is_notification && let Some(kept) = &mut self.notifications {
+            if kept.len() == MOST_NOTIFICATIONS {
+                kept.pop_front();
+            }
+            kept.push_back(frame.data.to_vec());
+        }
+        is_notification
     }
 
     /// Sends a request and returns its answer, which has at most `longest` bytes.
@@ -115,15 +160,22 @@ impl Wire {
         let limit = (HEADER + longest).max(LONGEST_UNASKED);
         loop {
             let (kind, frame) = self.receive(limit, until)?;
-            match kind {
-                0 => {}
-                // What a router tells unasked, which may arrive at any time.
-                1 | 0x1000..=0x1002 => continue,
-                _ => return Err(invalid(format!("a frame of the unknown kind {kind:#x}"))),
+            if !is_ads(kind)? {
+                continue;
             }
-            if let Some(reply) = self.reply(command, &frame)? {
-                return Ok(reply);
+            let frame = Frame::parse(&frame)?;
+            if self.keep(&frame) {
+                continue;
             }
+            let is_answer = frame.command == command as u16 && frame.flags & ANSWER != 0;
+            if !is_answer || frame.number != self.number {
+                let text = "a frame that does not belong to the request";
+                return Err(invalid(text.to_owned()));
+            }
+            return Ok(match frame.code {
+                0 => Ok(frame.data.to_vec()),
+                code => Err(AdsCode(code)),
+            });
         }
     }
 
@@ -146,8 +198,50 @@ impl Wire {
         Ok(frame)
     }
 
-    /// The reply in a frame; `None` for what nobody asked for.
-    fn reply(&self, command: Command, frame: &[u8]) -> Result<Option<Reply>, Broken> {
+    /// The next frame: its kind and what follows the length.
+    fn receive(&mut self, limit: usize, until: Instant) -> Result<(u16, Vec<u8>), Broken> {
+        let mut outer = [0; OUTER];
+        self.socket.fill(&mut outer, until)?;
+        let [low, high, length @ ..] = outer;
+        let length = u32::from_le_bytes(length);
+        let limit = match self.notifications {
+            Some(_) => limit.max(HEADER + LONGEST_NOTIFICATION),
+            None => limit,
+        };
+        let size = usize::try_from(length).ok().filter(|size| *size <= limit);
+        let size = size.ok_or_else(|| {
+            invalid(format!(
+                "a frame of {length} bytes, at most {limit} are possible"
+            ))
+        })?;
+        let mut frame = vec![0; size];
+        self.socket.fill(&mut frame, until)?;
+        Ok((u16::from_le_bytes([low, high]), frame))
+    }
+}
+
+/// Whether a frame of this kind carries ADS; what a router tells unasked may arrive at any time.
+fn is_ads(kind: u16) -> Result<bool, Broken> {
+    match kind {
+        0 => Ok(true),
+        1 | 0x1000..=0x1002 => Ok(false),
+        _ => Err(invalid(format!("a frame of the unknown kind {kind:#x}"))),
+    }
+}
+
+/// A frame of AMS.
+struct Frame<'a> {
+    command: u16,
+    flags: u16,
+    /// The error that the router gives in place of an answer; 0: none.
+    code: u32,
+    /// Number of the request that it answers.
+    number: u32,
+    data: &'a [u8],
+}
+
+impl<'a> Frame<'a> {
+    fn parse(frame: &'a [u8]) -> Result<Self, Broken> {
         let short = || {
             invalid(format!(
                 "a frame of {} bytes, shorter than its header",
@@ -159,43 +253,20 @@ impl Wire {
         let word = |at: usize| {
             u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
         };
-        let (told, flags, length, code, number) =
-            (half(16), half(18), word(20), word(24), word(28));
+        let length = word(20);
         if usize::try_from(length) != Ok(data.len()) {
             return Err(invalid(format!(
                 "a frame announces {length} bytes of data and has {}",
                 data.len()
             )));
         }
-        if told == Command::Notification as u16 && flags & ANSWER == 0 {
-            return Ok(None);
-        }
-        if told != command as u16 || flags & ANSWER == 0 || number != self.number {
-            return Err(invalid(
-                "a frame that does not belong to the request".to_owned(),
-            ));
-        }
-        Ok(Some(match code {
-            0 => Ok(data.to_vec()),
-            code => Err(AdsCode(code)),
-        }))
-    }
-
-    /// The next frame: its kind and what follows the length.
-    fn receive(&mut self, limit: usize, until: Instant) -> Result<(u16, Vec<u8>), Broken> {
-        let mut outer = [0; OUTER];
-        self.socket.fill(&mut outer, until)?;
-        let [low, high, length @ ..] = outer;
-        let length = u32::from_le_bytes(length);
-        let size = usize::try_from(length).ok().filter(|size| *size <= limit);
-        let size = size.ok_or_else(|| {
-            invalid(format!(
-                "a frame of {length} bytes, at most {limit} are possible"
-            ))
-        })?;
-        let mut frame = vec![0; size];
-        self.socket.fill(&mut frame, until)?;
-        Ok((u16::from_le_bytes([low, high]), frame))
+        Ok(Self {
+            command: half(16),
+            flags: half(18),
+            code: word(24),
+            number: word(28),
+            data,
+        })
     }
 }
 

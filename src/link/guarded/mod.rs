@@ -274,6 +274,22 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
         Ok(sample)
     }
 
+    fn subscribe(&mut self, every_s: f64) -> Result<(), LinkError> {
+        let answer = self.inner.subscribe(every_s);
+        self.noted(answer)
+    }
+
+    /// Readings with other channels than the robot has are left out; the external laser is not among them.
+    fn sent(&mut self) -> Result<Vec<Sample>, LinkError> {
+        let sent = self.inner.sent();
+        let mut sent = self.noted(sent)?;
+        sent.retain(|sample| self.check_channels(sample).is_ok());
+        if self.laser.is_some() {
+            sent.iter_mut().for_each(|sample| sample.laser_m = None);
+        }
+        Ok(sent)
+    }
+
     fn home(&mut self) -> Result<(), LinkError> {
         self.check_armed()?;
         self.discard_reading();

@@ -181,6 +181,24 @@ pub(crate) trait SymbolAccess: Send {
     /// Reads symbols in one request, at the same moment where the controller can do that.
     fn read(&mut self, indices: &mut dyn Iterator<Item = usize>) -> Result<SymbolValues, Failure>;
 
+    /// Has symbols sent every so many seconds, in place of those before.
+    fn subscribe(
+        &mut self,
+        _indices: &mut dyn Iterator<Item = usize>,
+        _every_s: f64,
+    ) -> Result<(), Failure> {
+        let text = "it sends nothing of its own accord";
+        Err(Failure::refused(text.to_owned()))
+    }
+
+    /// What was sent since this was last asked, the oldest first. Does not wait.
+    fn sent(&mut self) -> Result<Vec<SymbolValues>, Failure> {
+        Ok(Vec::new())
+    }
+
+    /// Ends what the controller would go on with after the connection.
+    fn close(&mut self) {}
+
     /// Writes numbers in their order.
     fn write(&mut self, values: &[(Slot, f64)]) -> Result<(), Failure>;
 }

@@ -106,6 +106,8 @@ impl StatusSlots {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub wanted: Vec<Wanted>,
+    /// Number of symbols, the first ones, of the readings that are shown.
+    pub shown: usize,
     /// Number of symbols, the first ones, that are read at every sample.
     pub sampled: usize,
     pub readings: ReadingSlots,
@@ -121,6 +123,7 @@ impl Layout {
         checked.map_err(|e| LinkError::Setup(format!("the symbols: {e}")))?;
         let mut symbols = Symbols(Vec::new());
         let mut readings = symbols.readings(&mapping.readings, robot);
+        let shown = symbols.0.len();
         readings.started = symbols.optional(&mapping.state.started, Expected::Number);
         let status = symbols.status(mapping);
         let sampled = symbols.0.len();
@@ -134,6 +137,7 @@ impl Layout {
         let parameters = symbols.parameters(&mapping.parameters, robot)?;
         Ok(Self {
             wanted: symbols.0,
+            shown,
             sampled,
             readings,
             status,

@@ -93,6 +93,12 @@ impl<C: Controller> Controller for Stored<C> {
     fn sample(&mut self) -> Result<Sample, LinkError> {
         self.inner.sample()
     }
+    fn subscribe(&mut self, every_s: f64) -> Result<(), LinkError> {
+        self.inner.subscribe(every_s)
+    }
+    fn sent(&mut self) -> Result<Vec<Sample>, LinkError> {
+        self.inner.sent()
+    }
     fn home(&mut self) -> Result<(), LinkError> {
         self.inner.home()
     }

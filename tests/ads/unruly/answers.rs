@@ -1,10 +1,11 @@
 //! What the server answers while it behaves.
 
 use std::sync::mpsc::Sender;
+use std::time::{Duration, Instant};
 
 use super::super::host::Written;
 use super::memory;
-use super::{Request, State, word};
+use super::{Request, State, frame, word};
 
 const SYMBOL_VERSION: u32 = 0xF008;
 pub(super) const SYMBOL_INFO: u32 = 0xF009;
@@ -13,9 +14,15 @@ const VALUE_BY_HANDLE: u32 = 0xF005;
 pub(super) const RELEASE_HANDLE: u32 = 0xF006;
 const READ_TOGETHER: u32 = 0xF083;
 pub(super) const WRITE_TOGETHER: u32 = 0xF081;
+pub(super) const SUBSCRIBE: u16 = 6;
+pub(super) const UNSUBSCRIBE: u16 = 7;
+const NOTIFICATION: u16 = 8;
+/// Mode of a subscription: values are sent in every cycle.
+const EVERY_CYCLE: u32 = 3;
 const UNKNOWN: u32 = 0x701;
 const WRONG_OFFSET: u32 = 0x703;
 const NO_SYMBOL: u32 = 0x710;
+const WRONG_HANDLE: u32 = 0x714;
 /// Handles of symbols count from here.
 const FIRST_HANDLE: u32 = 0x1000;
 
@@ -45,6 +52,11 @@ pub(super) fn answer(
             Some(written.map(|()| Vec::new()))
         })(),
         4 => Some(Ok([state.state.to_le_bytes(), [0, 0]].concat())),
+        SUBSCRIBE => subscribe(state, request),
+        UNSUBSCRIBE => word(data, 0).map(|handle| {
+            let known = state.subscriptions.remove(&handle);
+            known.map(|_| Vec::new()).ok_or(WRONG_HANDLE)
+        }),
         9 => (|| {
             let (group, offset, size) = (word(data, 0)?, word(data, 4)?, word(data, 12)?);
             let sent = data.get(16..16 + size as usize)?;
@@ -57,6 +69,91 @@ pub(super) fn answer(
         Some(Err(code)) => code.to_le_bytes().to_vec(),
         None => UNKNOWN.to_le_bytes().to_vec(),
     }
+}
+
+/// What a client wants to be sent in every cycle.
+#[derive(Debug)]
+pub(super) struct Subscription {
+    group: u32,
+    offset: u32,
+    size: usize,
+    cycle: Duration,
+    next: Instant,
+    /// Number of the connection that it belongs to.
+    pub connection: u64,
+    addresses: [u8; 16],
+}
+
+fn subscribe(state: &mut State, request: &Request) -> Option<Result<Vec<u8>, u32>> {
+    let data = &request.data;
+    let (group, offset, size) = (word(data, 0)?, word(data, 4)?, word(data, 8)? as usize);
+    let (mode, units) = (word(data, 12)?, word(data, 20)?);
+    if mode != EVERY_CYCLE || data.len() != 40 {
+        return None;
+    }
+    if let Err(code) = read(state, group, offset, size) {
+        return Some(Err(code));
+    }
+    state.last_subscription += 1;
+    let subscription = Subscription {
+        group,
+        offset,
+        size,
+        cycle: Duration::from_nanos(100 * u64::from(units)),
+        next: Instant::now(),
+        connection: request.connection,
+        addresses: request.addresses,
+    };
+    let handle = state.last_subscription;
+    state.subscriptions.insert(handle, subscription);
+    Some(Ok(handle.to_le_bytes().to_vec()))
+}
+
+/// The notification that is due on a connection, with all that have the same cycle.
+pub(super) fn notification(state: &mut State, connection: u64) -> Option<Vec<u8>> {
+    let now = Instant::now();
+    let mut due = Vec::new();
+    let mut addresses = [0; 16];
+    for (handle, subscription) in &mut state.subscriptions {
+        if subscription.connection == connection && subscription.next <= now {
+            // Cycles that were missed are not made up for.
+            while subscription.next <= now {
+                subscription.next += subscription.cycle.max(Duration::from_millis(1));
+            }
+            addresses = subscription.addresses;
+            due.push((
+                *handle,
+                subscription.group,
+                subscription.offset,
+                subscription.size,
+            ));
+        }
+    }
+    if due.is_empty() {
+        return None;
+    }
+    let mut samples = Vec::new();
+    for (handle, group, offset, size) in &due {
+        let bytes = read(state, *group, *offset, *size).ok()?;
+        samples.extend(handle.to_le_bytes());
+        samples.extend((bytes.len() as u32).to_le_bytes());
+        samples.extend(bytes);
+    }
+    state.notifications += 1;
+    let stamp = state.notifications.to_le_bytes();
+    let count = (due.len() as u32).to_le_bytes();
+    let rest = [&1_u32.to_le_bytes()[..], &stamp, &count, &samples].concat();
+    let told = Request {
+        command: NOTIFICATION,
+        number: [0; 4],
+        addresses,
+        data: Vec::new(),
+        connection,
+    };
+    let mut notification = frame(&told, 0, &with_length(rest));
+    // Not an answer.
+    notification[6 + 18] = 4;
+    Some(notification)
 }
 
 fn with_length(bytes: Vec<u8>) -> Vec<u8> {

@@ -88,6 +88,7 @@ pub(super) fn misbehave(
                     number: [0; 4],
                     addresses: request.addresses,
                     data: Vec::new(),
+                    connection: request.connection,
                 };
                 let mut note = frame(&told, 0, data);
                 // Not an answer.

@@ -12,13 +12,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{JoinHandle, sleep};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use tautline_link::ads::AdsAddress;
 
 use super::host::{Host, Orders, Written};
-use answers::{RELEASE_HANDLE, SYMBOL_HANDLE, SYMBOL_INFO, WRITE_TOGETHER, answer};
+use answers::{
+    RELEASE_HANDLE, SUBSCRIBE, SYMBOL_HANDLE, SYMBOL_INFO, Subscription, UNSUBSCRIBE,
+    WRITE_TOGETHER, answer, notification,
+};
 pub use faults::Action;
 use faults::misbehave;
 use memory::Memory;
@@ -28,7 +31,7 @@ use memory::Memory;
 pub enum Kind {
     /// The state of the program.
     State,
-    /// The description or handle of a symbol.
+    /// The description or handle of a symbol, or a subscription to it.
     Lookup,
     /// Values.
     Read,
@@ -65,11 +68,27 @@ struct State {
     down: bool,
     /// Connections, to end them.
     open: Vec<TcpStream>,
+    /// Connections so far.
+    connections: u64,
+    /// By their handles.
+    subscriptions: BTreeMap<u32, Subscription>,
+    last_subscription: u32,
+    /// Notifications that were sent so far.
+    notifications: u64,
+    /// The symbol that shows the time, and when it was zero.
+    clock: Option<(String, Instant)>,
     /// Called before each value is written, with the number of values before.
     before_value: Option<BeforeValue>,
 }
 
 impl State {
+    fn show_time(&mut self) {
+        if let Some((name, zero)) = &self.clock {
+            let time_s = zero.elapsed().as_secs_f64();
+            self.memory.variable(name).set(&[json!(time_s)]);
+        }
+    }
+
     fn action(&mut self, kind: Kind) -> Option<Action> {
         *self.counts.entry(kind).or_default() += 1;
         let due = self.faults.iter_mut().filter(|fault| fault.kind == kind);
@@ -186,6 +205,23 @@ impl Unruly {
         let _ = self.sender.send((name.to_owned(), values.to_vec()));
     }
 
+    /// A symbol shows the time since `zero` (s) from now on, whatever the controller's program does.
+    pub fn run_clock(&self, name: &str, zero: Instant) {
+        lock(&self.state).clock = Some((name.to_owned(), zero));
+    }
+
+    /// Number of notifications that were sent so far.
+    #[must_use]
+    pub fn notifications(&self) -> u64 {
+        lock(&self.state).notifications
+    }
+
+    /// Number of symbols that clients are subscribed to.
+    #[must_use]
+    pub fn subscriptions(&self) -> usize {
+        lock(&self.state).subscriptions.len()
+    }
+
     /// Calls a function before each value that a client writes, with the number of values before it.
     pub fn before_value(&self, does: impl FnMut(u64, &mut Memory) + Send + 'static) {
         lock(&self.state).before_value = Some(Box::new(does));
@@ -249,13 +285,46 @@ fn serve(socket: TcpStream, state: &Arc<Mutex<State>>, tell: &Sender<Written>) {
     let _ = socket.set_nonblocking(false);
     let _ = socket.set_nodelay(true);
     known.open.extend(socket.try_clone());
+    known.connections += 1;
+    let connection = known.connections;
     let (state, tell) = (Arc::clone(state), tell.clone());
     drop(known);
     std::thread::spawn(move || {
         let mut socket = socket;
-        while treat(&mut socket, &state, &tell).is_some() {}
+        while wait(&mut socket, &state, connection).is_some()
+            && treat(&mut socket, connection, &state, &tell).is_some()
+        {}
+        let mut known = lock(&state);
+        known
+            .subscriptions
+            .retain(|_, subscription| subscription.connection != connection);
+        drop(known);
         let _ = socket.shutdown(Shutdown::Both);
     });
+}
+
+/// Sends what is due until a request arrives.
+fn wait(socket: &mut TcpStream, state: &Mutex<State>, connection: u64) -> Option<()> {
+    loop {
+        let mut known = lock(state);
+        let subscribed = !known.subscriptions.is_empty();
+        known.show_time();
+        let due = notification(&mut known, connection);
+        drop(known);
+        if let Some(due) = due {
+            send(socket, &due)?;
+        }
+        let pause = subscribed.then_some(Duration::from_millis(1));
+        socket.set_read_timeout(pause).ok()?;
+        match socket.peek(&mut [0]) {
+            Ok(0) => return None,
+            Ok(_) => return socket.set_read_timeout(None).ok(),
+            Err(error) => match error.kind() {
+                ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted => {}
+                _ => return None,
+            },
+        }
+    }
 }
 
 /// A request without its headers, and the headers as the answer has them.
@@ -264,13 +333,15 @@ struct Request {
     number: [u8; 4],
     addresses: [u8; 16],
     data: Vec<u8>,
+    /// Number of the connection that it came by.
+    connection: u64,
 }
 
 fn word(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
 }
 
-fn receive(socket: &mut TcpStream) -> Option<Request> {
+fn receive(socket: &mut TcpStream, connection: u64) -> Option<Request> {
     let mut outer = [0; 6];
     socket.read_exact(&mut outer).ok()?;
     let mut frame = vec![0; word(&outer, 2)? as usize];
@@ -284,6 +355,7 @@ fn receive(socket: &mut TcpStream) -> Option<Request> {
         number: frame.get(28..32)?.try_into().ok()?,
         addresses,
         data: frame.split_off(32),
+        connection,
     })
 }
 
@@ -296,6 +368,7 @@ fn kind_of(request: &Request, memory: &mut Memory) -> Kind {
     };
     match (request.command, group) {
         (4, _) => Kind::State,
+        (SUBSCRIBE | UNSUBSCRIBE, _) => Kind::Lookup,
         (3, RELEASE_HANDLE) | (_, SYMBOL_INFO | SYMBOL_HANDLE) => Kind::Lookup,
         (3, _) | (9, WRITE_TOGETHER) => {
             let place = word(&request.data, head).zip(word(&request.data, head + 4));
@@ -311,9 +384,15 @@ fn kind_of(request: &Request, memory: &mut Memory) -> Kind {
 }
 
 /// Takes one request and answers it; `None` where the connection ends.
-fn treat(socket: &mut TcpStream, state: &Mutex<State>, tell: &Sender<Written>) -> Option<()> {
-    let request = receive(socket)?;
+fn treat(
+    socket: &mut TcpStream,
+    connection: u64,
+    state: &Mutex<State>,
+    tell: &Sender<Written>,
+) -> Option<()> {
+    let request = receive(socket, connection)?;
     let mut known = lock(state);
+    known.show_time();
     let kind = kind_of(&request, &mut known.memory);
     let action = known.action(kind);
     if action == Some(Action::DropBefore) {

@@ -4,6 +4,7 @@
 mod adjusting;
 mod frames;
 mod measuring;
+mod notifications;
 mod stopping;
 
 use std::collections::BTreeMap;

@@ -262,6 +262,9 @@ impl Controller for SymbolController {
 
     fn disconnect(&mut self) {
         self.disarm();
+        if let Some(program) = &mut self.program {
+            program.close();
+        }
         self.forget();
     }
 
@@ -313,6 +316,22 @@ impl Controller for SymbolController {
             self.count_sample()?;
         }
         Ok(sample)
+    }
+
+    fn subscribe(&mut self, every_s: f64) -> Result<(), LinkError> {
+        if self.layout.readings.time.is_none() {
+            let text = "no symbol has its time, without which readings that it sends cannot be put in order";
+            return Err(LinkError::Refused(text.to_owned()));
+        }
+        self.with(|program, layout| program.subscribe(&mut (0..layout.shown), every_s))
+    }
+
+    fn sent(&mut self) -> Result<Vec<Sample>, LinkError> {
+        self.with(|program, layout| {
+            let sent = program.sent()?;
+            let samples = sent.iter().map(|raw| sample_of(raw, &layout.readings));
+            Ok(samples.collect())
+        })
     }
 
     fn home(&mut self) -> Result<(), LinkError> {

@@ -7,7 +7,7 @@ use tautline_link::laser::ManualLaser;
 use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
 use tautline_link::reconnecting::{Attempts, BackOff, Reconnect, ReconnectPolicy, Reconnected};
 use tautline_link::{
-    Activity, Controller, ControllerState, GuardedController, Instrument, LinkError,
+    Activity, Controller, ControllerState, GuardedController, Instrument, LinkError, Sample,
 };
 
 use super::message::{Doing, Lost, MeasuringRequest};
@@ -24,6 +24,11 @@ const ARMED: Duration = Duration::from_millis(100);
 /// Between two samples by which a lost connection is noticed.
 const DISARMED: Duration = Duration::from_millis(500);
 
+/// Between two readings that a controller sends of its own accord (s).
+const SENT_EVERY_S: f64 = 0.01;
+/// After such a silence of the readings that it sends, those that were asked for are shown again.
+const SILENCE: Duration = Duration::from_millis(500);
+
 /// A controller with what belongs to its connection.
 pub(super) struct Connection {
     pub controller: GuardedController<dyn Controller>,
@@ -34,6 +39,8 @@ pub(super) struct Connection {
     pub rig: Box<ConnectionSetup>,
     pub whereabouts: Option<PoseTracker>,
     lost: Option<Reconnection>,
+    /// When the last reading came that the controller sent of its own accord.
+    sent: Option<Instant>,
 }
 
 /// A lost connection that is being re-established.
@@ -53,7 +60,30 @@ impl Connection {
             whereabouts: PoseTracker::of(rig.robot()),
             rig,
             lost: None,
+            sent: None,
         }
+    }
+
+    /// Has a real controller send its readings of its own accord, if it can: then more of them are shown than are asked for.
+    pub fn subscribe(&mut self) {
+        self.sent = None;
+        if self.rig.reconnects() {
+            // Otherwise those that are asked for are shown.
+            let _ = self.controller.subscribe(SENT_EVERY_S);
+        }
+    }
+
+    /// The readings to show that are new: those that the controller has sent, else the last one that was asked for.
+    pub fn new_readings(&mut self) -> Vec<Sample> {
+        // A loss of the connection shows in the state.
+        let sent = self.controller.sent().unwrap_or_default();
+        if !sent.is_empty() {
+            self.sent = Some(Instant::now());
+            return sent;
+        }
+        let silent = self.sent.is_none_or(|sent| sent.elapsed() > SILENCE);
+        let last = self.controller.last().filter(|_| silent);
+        last.cloned().into_iter().collect()
     }
 
     /// Time until the next sample of a real controller while nothing else goes on, or until the next attempt.

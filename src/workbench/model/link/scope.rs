@@ -7,6 +7,8 @@ use tautline_link::measuring::{MeasuringOptions, Rates, SettlingWindow};
 
 /// Time that is kept (s), by the controller's clock.
 pub const SPAN_S: f64 = 30.0;
+/// A reading that is older than the latest by less was overtaken (s); by more, the controller's time has begun anew.
+const OVERTAKEN_S: f64 = 1.0;
 /// Intervals of time, for each of which least and greatest value are kept.
 const BINS: usize = 300;
 const BIN_S: f64 = SPAN_S / BINS as f64;
@@ -119,15 +121,17 @@ impl Scope {
         Some((self.rates?, self.limits))
     }
 
-    /// Adds a reading; one of an earlier time begins anew.
+    /// Adds a reading. One that was overtaken is left out; after that, an earlier time begins anew.
     pub fn record(&mut self, sample: &Sample) {
-        if self.latest_s == Some(sample.time_s) || !sample.time_s.is_finite() {
+        if !sample.time_s.is_finite() {
             return;
         }
-        if self
-            .latest_s
-            .is_some_and(|latest_s| sample.time_s < latest_s)
+        if let Some(latest_s) = self.latest_s
+            && sample.time_s <= latest_s
         {
+            if latest_s - sample.time_s < OVERTAKEN_S {
+                return;
+            }
             self.numbers.fill(i64::MIN);
             self.window.clear();
             self.rates = None;

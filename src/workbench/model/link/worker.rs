@@ -164,6 +164,7 @@ impl Worker {
         }
         match connection.controller.parameters() {
             Ok(parameters) => {
+                connection.subscribe();
                 self.publisher.report(DriverEvent::Regained(parameters));
                 self.show(true);
             }
@@ -285,6 +286,7 @@ impl Worker {
         let mut connection = Connection::new(opened, rig.clone());
         connection.controller.connect()?;
         let parameters = connection.controller.parameters()?;
+        connection.subscribe();
         let identity = connection.controller.identity();
         self.publisher.begin_scope(connection.rig.robot());
         self.connection = Some(connection);
@@ -388,9 +390,10 @@ impl Worker {
                 verifying.tick(timed, connection.instrument.as_deref_mut())
             }
         };
-        if let Some(sample) = connection.controller.last() {
-            self.publisher.record(sample);
-        }
+        connection
+            .new_readings()
+            .iter()
+            .for_each(|sample| self.publisher.record(sample));
         let is_newly_lost = connection.is_newly_lost();
         if self.work.has_ended() {
             self.work = Work::None;

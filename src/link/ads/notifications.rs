@@ -1,0 +1,160 @@
+//! Notifications: values that a controller sends in every one of its cycles, without being asked each time.
+//!
+//! A frame holds stamps, each the values of one moment; a stamp holds samples, each the bytes of one subscribed symbol.
+
+use std::collections::BTreeMap;
+
+/// Units of time in a subscription for each second.
+const UNITS_PER_S: f64 = 1e7;
+/// The controller sends in every cycle, whether values have changed or not.
+const EVERY_CYCLE: u32 = 3;
+/// Bytes of a subscription that are kept for later.
+const RESERVED: usize = 16;
+
+/// The end of a request to subscribe, after the place: how and how often it is sent.
+pub(super) fn cycle(every_s: f64) -> Vec<u8> {
+    // Saturates, as wanted.
+    let units = (every_s * UNITS_PER_S).round() as u32;
+    // No delay beyond the cycle: what is sent is shown at once.
+    let words = [EVERY_CYCLE, 0, units].map(u32::to_le_bytes);
+    [words.concat(), vec![0; RESERVED]].concat()
+}
+
+/// The values of one moment that have arrived so far, by their subscriptions.
+pub(super) type Row = BTreeMap<u32, Vec<u8>>;
+
+/// Collects what belongs to one moment, which may arrive in several frames.
+#[derive(Debug, Default)]
+pub(super) struct Rows {
+    /// Moment of the row that is being collected.
+    stamp: u64,
+    row: Row,
+}
+
+impl Rows {
+    /// Takes a frame and returns the rows that have a value of each of so many subscriptions. A frame that contradicts
+    /// itself and rows with gaps are left out.
+    pub fn take(&mut self, frame: &[u8], subscriptions: usize) -> Vec<Row> {
+        let mut full = Vec::new();
+        for (stamp, samples) in parse(frame).unwrap_or_default() {
+            if stamp != self.stamp {
+                self.stamp = stamp;
+                self.row.clear();
+            }
+            let samples = samples
+                .into_iter()
+                .map(|(handle, bytes)| (handle, bytes.to_vec()));
+            self.row.extend(samples);
+            if self.row.len() == subscriptions {
+                full.push(std::mem::take(&mut self.row));
+            }
+        }
+        full
+    }
+}
+
+type Stamp<'a> = (u64, Vec<(u32, &'a [u8])>);
+
+/// The stamps of a frame; `None` if its lengths do not add up.
+fn parse(frame: &[u8]) -> Option<Vec<Stamp<'_>>> {
+    let mut bytes = Bytes(frame);
+    let (length, count) = (bytes.word()?, bytes.word()?);
+    if usize::try_from(length).ok()? != bytes.0.len() + 4 {
+        return None;
+    }
+    let mut stamps = Vec::new();
+    for _ in 0..count {
+        let stamp = u64::from_le_bytes(bytes.take(8)?.try_into().ok()?);
+        let mut samples = Vec::new();
+        for _ in 0..bytes.word()? {
+            let (handle, size) = (bytes.word()?, bytes.word()?);
+            samples.push((handle, bytes.take(usize::try_from(size).ok()?)?));
+        }
+        stamps.push((stamp, samples));
+    }
+    bytes.0.is_empty().then_some(stamps)
+}
+
+struct Bytes<'a>(&'a [u8]);
+
+impl<'a> Bytes<'a> {
+    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (taken, rest) = self.0.split_at_checked(count)?;
+        self.0 = rest;
+        Some(taken)
+    }
+
+    fn word(&mut self) -> Option<u32> {
+        Some(u32::from_le_bytes(self.take(4)?.try_into().ok()?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(stamps: &[(u64, &[(u32, &[u8])])]) -> Vec<u8> {
+        let mut rest = (stamps.len() as u32).to_le_bytes().to_vec();
+        for (stamp, samples) in stamps {
+            rest.extend(stamp.to_le_bytes());
+            rest.extend((samples.len() as u32).to_le_bytes());
+            for (handle, bytes) in *samples {
+                rest.extend(handle.to_le_bytes());
+                rest.extend((bytes.len() as u32).to_le_bytes());
+                rest.extend(*bytes);
+            }
+        }
+        [&(rest.len() as u32).to_le_bytes()[..], &rest].concat()
+    }
+
+    fn row(values: [&[u8]; 2]) -> Row {
+        (1..).zip(values.map(<[u8]>::to_vec)).collect()
+    }
+
+    #[test]
+    fn rows_are_complete_however_they_are_cut_into_frames() {
+        let (a, b, c, d): ([u8; 2], [u8; 1], [u8; 2], [u8; 1]) = ([1, 2], [3], [4, 5], [6]);
+        let expected = vec![row([&a, &b]), row([&c, &d])];
+        let whole = frame(&[(10, &[(1, &a), (2, &b)]), (20, &[(1, &c), (2, &d)])]);
+        assert_eq!(Rows::default().take(&whole, 2), expected);
+        let mut rows = Rows::default();
+        let parts = [
+            frame(&[(10, &[(1, &a)])]),
+            frame(&[(10, &[(2, &b)]), (20, &[(2, &d)])]),
+            frame(&[(20, &[(1, &c)])]),
+        ];
+        let taken: Vec<Row> = parts.iter().flat_map(|part| rows.take(part, 2)).collect();
+        assert_eq!(taken, expected);
+    }
+
+    #[test]
+    fn rows_with_gaps_and_frames_that_do_not_add_up_are_left_out() {
+        let mut rows = Rows::default();
+        assert!(rows.take(&frame(&[(10, &[(1, &[1])])]), 2).is_empty());
+        let next = frame(&[(20, &[(2, &[2])]), (20, &[(1, &[3])])]);
+        assert_eq!(rows.take(&next, 2), [row([&[3], &[2]])]);
+        let whole = frame(&[(30, &[(1, &[1, 2]), (2, &[3])])]);
+        for length in 0..whole.len() {
+            assert!(
+                Rows::default().take(&whole[..length], 2).is_empty(),
+                "{length}"
+            );
+        }
+        let mut huge = whole.clone();
+        huge[4..8].fill(0xff);
+        assert!(Rows::default().take(&huge, 2).is_empty());
+        assert!(
+            Rows::default()
+                .take(&[whole, vec![0]].concat(), 2)
+                .is_empty()
+        );
+    }
+
+    #[test]
+    fn a_cycle_is_stated_in_units_of_100_ns() {
+        let words = cycle(0.01);
+        assert_eq!(words[..4], [3, 0, 0, 0]);
+        assert_eq!(words[8..12], 100_000_u32.to_le_bytes());
+        assert_eq!(words.len(), 28);
+    }
+}
