@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use clap::ValueEnum;
 use tautline_core::estimation::{Control, Method};
 use tautline_core::measurement::Dataset;
@@ -22,7 +22,7 @@ pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// File to write: .csv with one table, or .mat (MATLAB version 5) with a struct for each
+    /// File to write: .csv or .parquet with one table, or .mat (MATLAB version 5) with a struct for each
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
     /// What to write: the measured poses, identified values with their standard deviations, or readings with their residuals; may be repeated
@@ -42,14 +42,15 @@ enum Content {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let out = arguments.out.display();
     let Some(format) = TableFormat::of(&arguments.out) else {
-        let message = format!("--out: found {out}, expected a file that ends in .csv or .mat");
+        let message =
+            format!("--out: found {out}, expected a file that ends in .csv, .parquet or .mat");
         return Err(BadInput::new(message));
     };
     let mut contents = arguments.table.clone();
     contents.dedup();
-    if format == TableFormat::Csv && contents.len() > 1 {
+    if !format.holds_several() && contents.len() > 1 {
         let message = format!(
-            "--table: found {} tables for {out}, expected one for CSV, or a .mat file",
+            "--table: found {} tables for {out}, expected one, or a .mat file",
             contents.len()
         );
         return Err(BadInput::new(message));
@@ -65,7 +66,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         _ => poses_table(&dataset.measurements),
     };
     let tables: Vec<Table> = contents.iter().map(table).collect();
-    write_bytes(&arguments.out, &encode(format, &tables))?;
+    let bytes = encode(format, &tables).map_err(|why| anyhow!("{out}: cannot be made ({why})"))?;
+    write_bytes(&arguments.out, &bytes)?;
     for table in &tables {
         let (rows, columns) = (table.rows(), table.columns.len());
         say!(

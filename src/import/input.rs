@@ -65,6 +65,16 @@ impl<'a> Input<'a> {
     pub fn new(file: File, watch: &'a Watch<'a>) -> Self {
         Self { file, watch }
     }
+
+    /// The file, for a reader that goes to and fro in it and tells by [`Self::advance`] what it has read.
+    pub fn file(&self) -> Result<File> {
+        self.file.try_clone()
+    }
+
+    /// Counts bytes that were read otherwise.
+    pub fn advance(&mut self, bytes: u64) -> Result<()> {
+        self.watch.count(bytes)
+    }
 }
 
 impl Read for Input<'_> {

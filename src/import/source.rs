@@ -1,5 +1,6 @@
 //! What a foreign file contains, before anything is made of it.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::values::Values;
@@ -21,6 +22,8 @@ pub enum Format {
     Matlab,
     /// NumPy `.npy` or `.npz`.
     NumPy,
+    /// Apache Parquet.
+    Parquet,
     /// Excel workbook.
     Excel,
 }
@@ -37,6 +40,7 @@ impl Format {
             Self::Nexus => "Vicon Nexus text",
             Self::Matlab => "MATLAB file",
             Self::NumPy => "NumPy file",
+            Self::Parquet => "Parquet file",
             Self::Excel => "Excel workbook",
         }
     }
@@ -112,6 +116,48 @@ impl TextChannel {
     pub fn at(&self, row: usize) -> &str {
         let code = self.codes.get(row).copied().unwrap_or_default();
         self.distinct.get(code as usize).map_or("", String::as_str)
+    }
+}
+
+/// Most different texts that a column may have to be kept: names of points and states have few.
+const MAX_DISTINCT: usize = 100_000;
+
+/// A column of text that is being filled.
+#[derive(Default)]
+pub(crate) struct FillingTexts {
+    codes: Vec<u32>,
+    distinct: Vec<String>,
+    known: HashMap<String, u32>,
+}
+
+impl FillingTexts {
+    /// Adds the text of a row.
+    pub fn push(&mut self, cell: &str) {
+        if let Some(code) = self.known.get(cell) {
+            self.codes.push(*code);
+        } else if self.distinct.len() <= MAX_DISTINCT {
+            let code = self.distinct.len() as u32;
+            self.distinct.push(cell.into());
+            self.known.insert(cell.into(), code);
+            self.codes.push(code);
+        }
+    }
+
+    /// The column; or why it is not kept.
+    pub fn finish(self, name: &str) -> Result<TextChannel, String> {
+        if self.distinct.len() > MAX_DISTINCT {
+            return Err(format!(
+                "text, more than {MAX_DISTINCT} different ones, not kept"
+            ));
+        }
+        if self.distinct.iter().all(String::is_empty) {
+            return Err("empty, left out".to_owned());
+        }
+        Ok(TextChannel {
+            name: name.to_owned(),
+            distinct: self.distinct,
+            codes: self.codes,
+        })
     }
 }
 

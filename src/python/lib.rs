@@ -318,7 +318,8 @@ fn plan(
 mod _tautline {
     #[pymodule_export]
     use super::study::{
-        merge_study, plan_study, read_study, report_study, run_study, study_from_toml,
+        merge_study, plan_study, read_study, report_study, run_study, study_calibrations,
+        study_from_toml,
     };
     #[pymodule_export]
     use super::{

@@ -5,12 +5,14 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use tautline_core::estimation::Control;
 use tautline_session::{parse_versioned, read_versioned_toml};
 use tautline_study::report::write_report;
 use tautline_study::run::{Shared, run};
-use tautline_study::{StudyFile, StudyPlan, merge, read_plan, read_result};
+use tautline_study::{StudyFile, StudyPlan, calibrations, merge, read_plan, read_result};
 use tautline_workflow::clock;
+use tautline_workflow::exporting::ParquetCells;
 
 use crate::{detached, error, json};
 
@@ -79,6 +81,36 @@ pub fn run_study(
         })
     })?;
     Ok((summary.done, summary.found))
+}
+
+/// Name, type in the words of NumPy and bytes of a column.
+type Column<'py> = (&'static str, &'static str, Bound<'py, PyBytes>);
+
+/// The calibrations of the chunks that are there.
+#[pyfunction]
+pub fn study_calibrations(py: Python<'_>, folder: PathBuf) -> PyResult<Vec<Column<'_>>> {
+    let rows = detached(py, |_| calibrations(&folder).map_err(|e| e.to_string()))?;
+    let column = |(name, cells): (&'static str, ParquetCells<'_>)| -> Column<'_> {
+        let (kind, bytes) = match cells {
+            ParquetCells::F64(all) => (
+                "<f8",
+                all.iter().flat_map(|one| one.to_le_bytes()).collect(),
+            ),
+            ParquetCells::F32(all) => (
+                "<f4",
+                all.iter().flat_map(|one| one.to_le_bytes()).collect(),
+            ),
+            ParquetCells::U32(all) => (
+                "<u4",
+                all.iter().flat_map(|one| one.to_le_bytes()).collect(),
+            ),
+            ParquetCells::U8(all) => ("|u1", all.to_vec()),
+            ParquetCells::Texts(_) => ("|u1", Vec::new()),
+        };
+        let bytes: Vec<u8> = bytes;
+        (name, kind, PyBytes::new(py, &bytes))
+    };
+    Ok(rows.columns().map(column).into())
 }
 
 /// Joins the chunks of a study to its result.

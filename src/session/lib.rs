@@ -5,6 +5,7 @@
 //! completely or not at all.
 
 mod atomic;
+mod damaged;
 mod dataset;
 mod error;
 mod fingerprint;
@@ -25,6 +26,7 @@ mod symbols_file;
 mod table;
 
 pub use atomic::{link_target, temporary_file, write_bytes, write_text};
+pub use damaged::read_damaged;
 pub use dataset::{
     DatasetFolder, read_calibration_tables, read_check_file, read_dataset, read_table_file,
     write_dataset,

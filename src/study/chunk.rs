@@ -1,15 +1,19 @@
 //! A chunk: the calibrations of a part of a study as columns of one file, with what they belong to.
 //!
-//! The file is a NumPy archive, `numpy.load("chunk-3-of-7.npz")`: one row for each calibration.
+//! The file is Parquet, `pandas.read_parquet("chunk-3-of-7.parquet")`: one row for each calibration.
 
-use std::fs;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
+use parquet::column::reader::get_typed_column_reader;
+use parquet::data_type::{DataType, FloatType, Int32Type};
+use parquet::errors::ParquetError;
+use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use serde::{Deserialize, Serialize};
-use tautline_session::{Fingerprint, write_bytes};
+use tautline_session::{Fingerprint, read_damaged, write_bytes};
+use tautline_workflow::exporting::{ParquetCells, parquet_file};
 
 use crate::calibration::{Calibration, Outcome};
-use crate::npz::{self, Column};
 use crate::plan::StudyPlan;
 use crate::{StudyError, VERSION};
 
@@ -53,7 +57,7 @@ impl Part {
     #[must_use]
     pub fn file_name(self) -> String {
         let digits = self.of.to_string().len();
-        format!("chunk-{:0digits$}-of-{}.npz", self.number, self.of)
+        format!("chunk-{:0digits$}-of-{}.parquet", self.number, self.of)
     }
 }
 
@@ -89,8 +93,8 @@ impl Origin {
     }
 }
 
-/// Text in a chunk that says what it belongs to.
-const ORIGIN: &str = "origin.json";
+/// Key of the text in a chunk that says what it belongs to.
+const ORIGIN: &str = "tautline.origin";
 
 /// The columns of calibrations.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -148,45 +152,85 @@ impl Rows {
         self.outcome[row] == Outcome::Converged as u8
     }
 
-    fn columns(&self) -> [(&'static str, Column); 9] {
+    /// The columns with their names.
+    #[must_use]
+    pub fn columns(&self) -> [(&'static str, ParquetCells<'_>); 9] {
+        use ParquetCells::{F32, U8, U32};
         [
-            ("cell", Column::U32(self.cell.clone())),
-            ("outcome", Column::U8(self.outcome.clone())),
-            ("faults", Column::U8(self.faults.clone())),
-            ("opinion", Column::U8(self.opinion.clone())),
-            ("entry_m", Column::F32(self.entry_m.clone())),
-            ("position_m", Column::F32(self.position_m.clone())),
-            ("accuracy_m", Column::F32(self.accuracy_m.clone())),
-            ("chi2", Column::F32(self.chi2.clone())),
-            (
-                "degrees_of_freedom",
-                Column::F32(self.degrees_of_freedom.clone()),
-            ),
+            ("cell", U32(&self.cell)),
+            ("outcome", U8(&self.outcome)),
+            ("faults", U8(&self.faults)),
+            ("opinion", U8(&self.opinion)),
+            ("entry_m", F32(&self.entry_m)),
+            ("position_m", F32(&self.position_m)),
+            ("accuracy_m", F32(&self.accuracy_m)),
+            ("chi2", F32(&self.chi2)),
+            ("degrees_of_freedom", F32(&self.degrees_of_freedom)),
         ]
     }
 
-    /// Rows of columns; `None` if they are others or of different lengths.
-    fn of(columns: Vec<(String, Column)>) -> Option<Self> {
-        let mut rows = Self::default();
-        for (name, column) in columns {
-            match (name.as_str(), column) {
-                ("cell", Column::U32(values)) => rows.cell = values,
-                ("outcome", Column::U8(values)) => rows.outcome = values,
-                ("faults", Column::U8(values)) => rows.faults = values,
-                ("opinion", Column::U8(values)) => rows.opinion = values,
-                ("entry_m", Column::F32(values)) => rows.entry_m = values,
-                ("position_m", Column::F32(values)) => rows.position_m = values,
-                ("accuracy_m", Column::F32(values)) => rows.accuracy_m = values,
-                ("chi2", Column::F32(values)) => rows.chi2 = values,
-                ("degrees_of_freedom", Column::F32(values)) => rows.degrees_of_freedom = values,
-                _ => return None,
-            }
+    /// The rows of a group; `None` if its columns are others.
+    fn of(group: &dyn RowGroupReader) -> Result<Option<Self>, ParquetError> {
+        let columns = group.metadata().columns();
+        let expected = Self::default();
+        let expected = expected.columns();
+        let has_name = |(column, (name, _)): (&_, &(&str, _))| -> bool {
+            let column: &parquet::file::metadata::ColumnChunkMetaData = column;
+            column.column_path().parts() == [*name]
+        };
+        if columns.len() != expected.len() || !columns.iter().zip(&expected).all(has_name) {
+            return Ok(None);
         }
-        let is_whole = rows
-            .columns()
-            .iter()
-            .all(|(_, column)| column.len() == rows.len());
-        is_whole.then_some(rows)
+        let small = |k| -> Result<Vec<u8>, ParquetError> {
+            Ok(cells::<Int32Type>(group, k)?
+                .into_iter()
+                .map(|one| one as u8)
+                .collect())
+        };
+        let single = |k| cells::<FloatType>(group, k);
+        Ok(Some(Self {
+            cell: cells::<Int32Type>(group, 0)?
+                .into_iter()
+                .map(i32::cast_unsigned)
+                .collect(),
+            outcome: small(1)?,
+            faults: small(2)?,
+            opinion: small(3)?,
+            entry_m: single(4)?,
+            position_m: single(5)?,
+            accuracy_m: single(6)?,
+            chi2: single(7)?,
+            degrees_of_freedom: single(8)?,
+        }))
+    }
+
+    /// Adds all rows of others.
+    pub fn append(&mut self, mut other: Self) {
+        self.cell.append(&mut other.cell);
+        self.outcome.append(&mut other.outcome);
+        self.faults.append(&mut other.faults);
+        self.opinion.append(&mut other.opinion);
+        self.entry_m.append(&mut other.entry_m);
+        self.position_m.append(&mut other.position_m);
+        self.accuracy_m.append(&mut other.accuracy_m);
+        self.chi2.append(&mut other.chi2);
+        self.degrees_of_freedom
+            .append(&mut other.degrees_of_freedom);
+    }
+
+    /// Whether all columns have as many rows.
+    fn is_whole(&self) -> bool {
+        let lengths = [
+            self.outcome.len(),
+            self.faults.len(),
+            self.opinion.len(),
+            self.entry_m.len(),
+            self.position_m.len(),
+            self.accuracy_m.len(),
+            self.chi2.len(),
+            self.degrees_of_freedom.len(),
+        ];
+        lengths.iter().all(|length| *length == self.len())
     }
 
     fn fingerprint(&self) -> String {
@@ -215,7 +259,8 @@ impl Rows {
 pub fn write_chunk(folder: &Path, origin: &Origin, rows: &Rows) -> Result<PathBuf, StudyError> {
     let text = serde_json::to_string_pretty(origin)
         .map_err(|error| StudyError::Input(error.to_string()))?;
-    let bytes = npz::write((ORIGIN, &text), &rows.columns()).map_err(StudyError::Input)?;
+    let bytes = parquet_file(&rows.columns(), &[(ORIGIN, &text)])
+        .map_err(|error| StudyError::Input(error.to_string()))?;
     let path = folder.join(origin.part.file_name());
     write_bytes(&path, &bytes)?;
     Ok(path)
@@ -227,12 +272,15 @@ pub fn write_chunk(folder: &Path, origin: &Origin, rows: &Rows) -> Result<PathBu
 /// One sentence that names the file, if it is damaged.
 pub fn read_chunk(path: &Path) -> Result<(Origin, Rows), StudyError> {
     let fail = |message: &str| StudyError::Input(format!("{}: {message}", path.display()));
-    let bytes = fs::read(path).map_err(|error| fail(&format!("cannot be read ({error})")))?;
-    let (text, columns) = npz::read(&bytes, ORIGIN).map_err(|message| fail(&message))?;
+    let file = File::open(path).map_err(|error| fail(&format!("cannot be read ({error})")))?;
+    let read = read_damaged(|| read_columns(file)).map_err(|()| fail("the file is damaged"))?;
+    let (text, rows) = read.map_err(|error| fail(&format!("the file is damaged ({error})")))?;
+    let text =
+        text.ok_or_else(|| fail("does not say what study it belongs to, expected a chunk"))?;
     let origin: Origin = serde_json::from_str(&text)
         .map_err(|_| fail("does not say what study it belongs to, expected a chunk"))?;
-    let rows =
-        Rows::of(columns).ok_or_else(|| fail("found other columns, expected those of a chunk"))?;
+    let rows = rows.filter(Rows::is_whole);
+    let rows = rows.ok_or_else(|| fail("found other columns, expected those of a chunk"))?;
     if rows.fingerprint() != origin.content {
         return Err(fail(
             "the file is damaged: its columns are not those that were written",
@@ -242,6 +290,40 @@ pub fn read_chunk(path: &Path) -> Result<(Origin, Rows), StudyError> {
         return Err(fail("found another number of calibrations than it says"));
     }
     Ok((origin, rows))
+}
+
+/// What a file says of its origin, and its rows if it has the columns of a chunk.
+fn read_columns(file: File) -> Result<(Option<String>, Option<Rows>), ParquetError> {
+    let reader = SerializedFileReader::new(file)?;
+    let about = reader.metadata().file_metadata().key_value_metadata();
+    let origin = about
+        .into_iter()
+        .flatten()
+        .find(|about| about.key == ORIGIN);
+    let origin = origin.and_then(|about| about.value.clone());
+    let mut rows = Rows::default();
+    for number in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(number)?;
+        let Some(more) = Rows::of(group.as_ref())? else {
+            return Ok((origin, None));
+        };
+        rows.append(more);
+    }
+    Ok((origin, Some(rows)))
+}
+
+/// The cells of a column.
+fn cells<T: DataType>(
+    group: &dyn RowGroupReader,
+    column: usize,
+) -> Result<Vec<T::T>, ParquetError> {
+    if group.metadata().column(column).column_type() != T::get_physical_type() {
+        return Err(ParquetError::General("a column of another type".to_owned()));
+    }
+    let mut reader = get_typed_column_reader::<T>(group.get_column_reader(column)?);
+    let mut cells = Vec::new();
+    while reader.read_records(1 << 16, None, None, &mut cells)?.0 > 0 {}
+    Ok(cells)
 }
 
 #[cfg(test)]
@@ -271,7 +353,7 @@ mod tests {
         }
         assert_eq!(
             Part { number: 3, of: 120 }.file_name(),
-            "chunk-003-of-120.npz"
+            "chunk-003-of-120.parquet"
         );
     }
 }

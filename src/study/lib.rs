@@ -10,7 +10,6 @@ pub mod chunk;
 pub mod design;
 pub mod file;
 mod merging;
-mod npz;
 pub mod plan;
 pub mod report;
 pub mod result;
@@ -20,7 +19,7 @@ pub mod statistics;
 pub mod which_sensor;
 
 pub use file::StudyFile;
-pub use merging::{RESULT, merge, read_result};
+pub use merging::{RESULT, calibrations, merge, read_result};
 pub use plan::{StudyPlan, read_plan};
 pub use result::StudyResult;
 

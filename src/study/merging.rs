@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use tautline_session::{read_versioned, write_versioned};
 
 use crate::StudyError;
-use crate::chunk::{Part, read_chunk};
+use crate::chunk::{Part, Rows, read_chunk};
 use crate::plan::{PLAN, StudyPlan};
 use crate::result::{StudyResult, Tallies};
 use crate::run::belongs;
@@ -33,6 +33,18 @@ pub fn merge(plan: &StudyPlan, folder: &Path) -> Result<StudyResult, StudyError>
     Ok(result)
 }
 
+/// Every calibration of the chunks in a folder, in the order of the study, as many as are there.
+///
+/// # Errors
+/// One sentence that names the file, if a chunk is damaged.
+pub fn calibrations(folder: &Path) -> Result<Rows, StudyError> {
+    let mut all = Rows::default();
+    for (_, path) in present(folder)? {
+        all.append(read_chunk(&path)?.1);
+    }
+    Ok(all)
+}
+
 /// Reads the result that [`merge`] has written.
 ///
 /// # Errors
@@ -54,8 +66,8 @@ pub fn read_result(plan: &StudyPlan, folder: &Path) -> Result<StudyResult, Study
     Ok(result)
 }
 
-/// The chunks in a folder in their order: all parts of one cut.
-fn chunks(folder: &Path, calibrations: u64) -> Result<Vec<(Part, PathBuf)>, StudyError> {
+/// The chunks in a folder in their order.
+fn present(folder: &Path) -> Result<Vec<(Part, PathBuf)>, StudyError> {
     let fail = |message: String| StudyError::Input(format!("{}: {message}", folder.display()));
     let entries =
         fs::read_dir(folder).map_err(|error| fail(format!("cannot be read ({error})")))?;
@@ -64,7 +76,7 @@ fn chunks(folder: &Path, calibrations: u64) -> Result<Vec<(Part, PathBuf)>, Stud
         let name = entry.file_name().to_string_lossy().into_owned();
         let Some(middle) = name
             .strip_prefix("chunk-")
-            .and_then(|rest| rest.strip_suffix(".npz"))
+            .and_then(|rest| rest.strip_suffix(".parquet"))
         else {
             continue;
         };
@@ -75,6 +87,13 @@ fn chunks(folder: &Path, calibrations: u64) -> Result<Vec<(Part, PathBuf)>, Stud
         found.push((part, entry.path()));
     }
     found.sort_by_key(|(part, _)| (part.of, part.number));
+    Ok(found)
+}
+
+/// The chunks in a folder in their order: all parts of one cut.
+fn chunks(folder: &Path, calibrations: u64) -> Result<Vec<(Part, PathBuf)>, StudyError> {
+    let fail = |message: String| StudyError::Input(format!("{}: {message}", folder.display()));
+    let found = present(folder)?;
     if calibrations == 0 && found.is_empty() {
         return Ok(found);
     }

@@ -7,6 +7,7 @@ mod matlab;
 mod motive;
 mod nexus;
 mod numpy;
+mod parquet;
 mod scope;
 
 use std::fs::File;
@@ -66,6 +67,7 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
         Format::Nexus => nexus::read(&head, input, &file),
         Format::Matlab => matlab::read(&whole(&mut input, &file)?, &file),
         Format::NumPy => numpy::read(input, &head, &file),
+        Format::Parquet => parquet::read(&mut input, &file),
         Format::Excel => excel::read(input, &file),
     }
 }
@@ -133,10 +135,9 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
                 "is an HDF5 file, which is not read, expected a table, for example as CSV",
             );
         }
-        [b'P', b'A', b'R', b'1', ..] => {
-            return Refused(
-                "is a Parquet file, which is not read, expected CSV: pandas.read_parquet(name).to_csv(...)",
-            );
+        [b'P', b'A', b'R', b'1', ..] => return Readable(Format::Parquet),
+        [b'P', b'A', b'R', b'E', ..] => {
+            return Refused("is an encrypted Parquet file, expected one that is not");
         }
         [0x89, b'M', b'C', b'A', b'P', ..] => {
             return Refused(

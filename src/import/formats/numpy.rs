@@ -8,7 +8,7 @@ use tautline_session::{Place, ReadError, quoted};
 use super::archive::Archive;
 use super::{stem, whole};
 use crate::input::Input;
-use crate::source::{Channel, Format, Series, Source, TextChannel};
+use crate::source::{Channel, FillingTexts, Format, Series, Source};
 use crate::units::split_heading;
 
 pub(super) fn read(mut input: Input<'_>, head: &[u8], file: &str) -> Result<Source, ReadError> {
@@ -141,9 +141,16 @@ fn add(source: &mut Source, name: &str, bytes: &[u8]) -> Result<(), ReadError> {
             };
             let cell = |row: usize| data.get(at(row)..at(row) + field.size).unwrap_or_default();
             match field.letter {
-                b'U' | b'S' => series
-                    .texts
-                    .push(texts(title, (0..rows).map(|row| text(field, cell(row))))),
+                b'U' | b'S' => {
+                    let mut texts = FillingTexts::default();
+                    (0..rows).for_each(|row| texts.push(&text(field, cell(row))));
+                    match texts.finish(&title) {
+                        Ok(texts) => series.texts.push(texts),
+                        Err(why) => source
+                            .notices
+                            .push(format!("{file}, column {}: {why}", quoted(&title))),
+                    }
+                }
                 _ => series.channels.push(Channel {
                     name: title,
                     unit,
@@ -154,22 +161,6 @@ fn add(source: &mut Source, name: &str, bytes: &[u8]) -> Result<(), ReadError> {
         offset += field.size * field.count;
     }
     Ok(())
-}
-
-fn texts(name: String, cells: impl Iterator<Item = String>) -> TextChannel {
-    let mut channel = TextChannel {
-        name,
-        ..TextChannel::default()
-    };
-    for cell in cells {
-        let known = channel.distinct.iter().position(|text| *text == cell);
-        let code = known.unwrap_or_else(|| {
-            channel.distinct.push(cell);
-            channel.distinct.len() - 1
-        });
-        channel.codes.push(code as u32);
-    }
-    channel
 }
 
 fn text(field: &Field, bytes: &[u8]) -> String {

@@ -1,16 +1,11 @@
 //! Cells to columns.
 
-use std::collections::HashMap;
-
 use tautline_session::{Place, ReadError, quoted};
 
 use super::layout::Layout;
-use crate::source::{Channel, Series, TextChannel};
+use crate::source::{Channel, FillingTexts, Series};
 use crate::text::{Cells, Decimal, is_gap, parse_number, parse_timestamp};
 use crate::values::{Filling, Storage};
-
-/// Most different texts that a column may have to be kept: names of points and states have few.
-const MAX_DISTINCT: usize = 100_000;
 
 /// Columns that are filled row by row.
 pub(crate) struct Columns {
@@ -38,11 +33,7 @@ enum Filled {
     Numbers(Filling),
     /// Dates and times of day, in seconds.
     Times(Filling),
-    Texts {
-        codes: Vec<u32>,
-        distinct: Vec<String>,
-        known: HashMap<String, u32>,
-    },
+    Texts(FillingTexts),
 }
 
 impl Columns {
@@ -169,21 +160,10 @@ impl Columns {
                     unit: Some("s".into()),
                     values: self.storage.finish(values),
                 }),
-                Filled::Texts { distinct, .. } if distinct.len() > MAX_DISTINCT => {
-                    notices.push(format!(
-                        "{place}: text, more than {MAX_DISTINCT} different ones, not kept"
-                    ));
-                }
-                Filled::Texts { distinct, .. } if distinct.iter().all(String::is_empty) => {
-                    notices.push(format!("{place}: empty, left out"));
-                }
-                Filled::Texts {
-                    codes, distinct, ..
-                } => series.texts.push(TextChannel {
-                    name,
-                    distinct,
-                    codes,
-                }),
+                Filled::Texts(texts) => match texts.finish(&name) {
+                    Ok(texts) => series.texts.push(texts),
+                    Err(why) => notices.push(format!("{place}: {why}")),
+                },
             }
         }
         Ok(series)
@@ -207,11 +187,7 @@ impl Filled {
         } else if times * 2 >= count && count > 0 {
             Self::Times(Filling::default())
         } else {
-            Self::Texts {
-                codes: Vec::new(),
-                distinct: Vec::new(),
-                known: HashMap::new(),
-            }
+            Self::Texts(FillingTexts::default())
         }
     }
 }
@@ -226,19 +202,8 @@ impl Column {
     ) -> std::io::Result<Option<Decimal>> {
         let mut decimal = None;
         let value = match &mut self.cells {
-            Filled::Texts {
-                codes,
-                distinct,
-                known,
-            } => {
-                if let Some(code) = known.get(cell) {
-                    codes.push(*code);
-                } else if distinct.len() <= MAX_DISTINCT {
-                    let code = distinct.len() as u32;
-                    distinct.push(cell.into());
-                    known.insert(cell.into(), code);
-                    codes.push(code);
-                }
+            Filled::Texts(texts) => {
+                texts.push(cell);
                 return Ok(None);
             }
             Filled::Numbers(_) => parse_number(cell).map(|(value, sign)| {

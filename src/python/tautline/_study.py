@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path as FilePath
@@ -119,13 +118,8 @@ class Study(Columns):
 
     def calibrations(self) -> dict[str, NDArray[Any]]:
         """Every calibration of the chunks that are there, in the order of the study: one array for each quantity."""
-        files = sorted(name for name in os.listdir(self.folder) if name.startswith("chunk-") and name.endswith(".npz"))
-        chunks = []
-        for name in files:
-            with np.load(self.folder / name) as chunk:
-                chunks.append({key: chunk[key] for key in chunk.files if key != "origin.json"})
-        names = chunks[0] if chunks else {}
-        return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in names}
+        columns = _tautline.study_calibrations(self.folder)
+        return {name: np.frombuffer(data, kind) for name, kind, data in columns}
 
     def __repr__(self) -> str:
         return f"Study({self.document['study']['name']!r}, {len(self)} cells)"

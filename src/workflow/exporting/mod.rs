@@ -1,11 +1,14 @@
 //! Datasets and results as tables for other programs.
 
 mod matlab;
+mod parquet;
 
 use std::path::Path;
 
 use tautline_core::measurement::Measurements;
 use tautline_session::{csv_row, pose_columns};
+
+pub use self::parquet::{ParquetCells, parquet_file};
 
 /// A table with named columns of one length.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -32,6 +35,8 @@ pub enum TableFormat {
     Csv,
     /// MATLAB version 5, a struct for each table.
     Matlab,
+    /// Apache Parquet.
+    Parquet,
 }
 
 impl TableFormat {
@@ -41,8 +46,15 @@ impl TableFormat {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "csv" => Some(Self::Csv),
             "mat" => Some(Self::Matlab),
+            "parquet" => Some(Self::Parquet),
             _ => None,
         }
+    }
+
+    /// Whether a file holds several tables.
+    #[must_use]
+    pub fn holds_several(self) -> bool {
+        self == Self::Matlab
     }
 }
 
@@ -134,16 +146,30 @@ pub fn poses_table(measurements: &Measurements) -> Table {
 }
 
 /// The bytes of a file with one table, or, of a format that holds several, with all of them.
-#[must_use]
-pub fn encode(format: TableFormat, tables: &[Table]) -> Vec<u8> {
-    match format {
+///
+/// # Errors
+/// What the format refuses: two columns of one name in Parquet.
+pub fn encode(format: TableFormat, tables: &[Table]) -> Result<Vec<u8>, String> {
+    Ok(match format {
         TableFormat::Csv => tables
             .iter()
             .map(Table::csv)
             .collect::<String>()
             .into_bytes(),
         TableFormat::Matlab => matlab::file(tables),
-    }
+        TableFormat::Parquet => {
+            let columns = tables.iter().flat_map(|table| &table.columns);
+            let columns = columns.map(|(name, cells)| {
+                let cells = match cells {
+                    Cells::Numbers(numbers) => ParquetCells::F64(numbers),
+                    Cells::Texts(texts) => ParquetCells::Texts(texts),
+                };
+                (name.as_str(), cells)
+            });
+            let columns: Vec<_> = columns.collect();
+            parquet_file(&columns, &[]).map_err(|error| error.to_string())?
+        }
+    })
 }
 
 #[cfg(test)]
@@ -163,36 +189,46 @@ mod tests {
         ]
     }
 
-    /// Numbers read back by the reader of foreign files, which shares nothing with the writer, are the same bits.
+    /// Numbers read back by the reader of foreign files are the same bits.
     #[test]
-    fn tables_in_matlab_files_read_back_to_the_same_numbers() {
+    fn tables_read_back_to_the_same_numbers() {
         let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("all.mat");
         let tables = tables();
-        std::fs::write(&path, encode(TableFormat::Matlab, &tables)).expect("written");
-        let source = read_source(&path).expect("read");
         let mut compared = 0;
-        for table in &tables {
-            for (name, cells) in &table.columns {
-                let Cells::Numbers(numbers) = cells else {
-                    continue;
-                };
-                let name = format!("{}.{name}", table.name);
-                let mut series = source.series.iter();
-                let channel = series.find_map(|series| series.channel(&name));
-                let read = channel
-                    .unwrap_or_else(|| panic!("{name} is missing"))
-                    .values
-                    .iter();
-                assert!(
-                    read.map(f64::to_bits)
-                        .eq(numbers.iter().map(|one| one.to_bits())),
-                    "{name}"
-                );
-                compared += 1;
+        let mut compare = |format: TableFormat, file: &str, tables: &[Table]| {
+            let path = folder.path().join(file);
+            std::fs::write(&path, encode(format, tables).expect("encoded")).expect("written");
+            let source = read_source(&path).expect("read");
+            for table in tables {
+                for (name, cells) in &table.columns {
+                    let Cells::Numbers(numbers) = cells else {
+                        continue;
+                    };
+                    let name = match format.holds_several() {
+                        true => format!("{}.{name}", table.name),
+                        false => name.clone(),
+                    };
+                    let mut series = source.series.iter();
+                    let channel = series.find_map(|series| series.channel(&name));
+                    let read = channel
+                        .unwrap_or_else(|| panic!("{name} is missing"))
+                        .values
+                        .iter();
+                    assert!(
+                        read.map(f64::to_bits)
+                            .eq(numbers.iter().map(|one| one.to_bits())),
+                        "{name}"
+                    );
+                    compared += 1;
+                }
             }
+        };
+        compare(TableFormat::Matlab, "all.mat", &tables);
+        for table in tables {
+            let file = format!("{}.parquet", table.name);
+            compare(TableFormat::Parquet, &file, &[table]);
         }
-        assert!(compared > 30, "{compared}");
+        assert!(compared > 60, "{compared}");
     }
 
     #[test]

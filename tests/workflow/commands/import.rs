@@ -295,7 +295,7 @@ fn a_dataset_and_its_results_are_exported() {
     );
     tautline(&[&one[..], &tables[..]].concat()).refused(&["--table: found 3 tables"]);
     tautline(&["export", &made, "-o", &folder.join("a.xlsx")])
-        .refused(&["expected a file that ends in .csv or .mat"]);
+        .refused(&["expected a file that ends in .csv, .parquet or .mat"]);
 }
 
 #[test]

@@ -39,7 +39,7 @@ fn a_full_disk_leaves_no_part_of_a_file() {
     let run = ["study", "run", &study.path, "--threads", "1"];
     let (code, said) = on_a_full_disk(&run, false);
     assert_eq!(code, Some(1), "{said}");
-    assert!(said.contains("chunk-1-of-4.npz"), "{said}");
+    assert!(said.contains("chunk-1-of-4.parquet"), "{said}");
     assert_eq!(said.lines().count(), 1, "{said}");
     assert_eq!(files(&study.path), ["plan.json"]);
     let (code, _) = on_a_full_disk(&run, true);
@@ -117,7 +117,7 @@ fn no_damage_of_a_chunk_changes_the_result() {
     let folder = PathBuf::from(&study.path);
     let plan = read_plan(&folder).expect("a plan");
     let whole = merge(&plan, &folder).expect("merged");
-    let chunk = folder.join("chunk-2-of-4.npz");
+    let chunk = folder.join("chunk-2-of-4.parquet");
     let good = fs::read(&chunk).expect("there");
     let mut refused = 0;
     for place in (0..good.len()).step_by(11) {
@@ -130,7 +130,7 @@ fn no_damage_of_a_chunk_changes_the_result() {
             Err(error) => {
                 refused += 1;
                 let said = error.to_string();
-                assert!(said.contains("chunk-2-of-4.npz: "), "{said}");
+                assert!(said.contains("chunk-2-of-4.parquet: "), "{said}");
                 assert_eq!(said.lines().count(), 1, "{said}");
             }
         }
@@ -147,10 +147,10 @@ fn no_damage_of_a_chunk_changes_the_result() {
     // Two chunks that have changed places, under each other's name.
     fs::write(&chunk, &good).expect("written");
     fs::rename(&chunk, folder.join("kept")).expect("renamed");
-    fs::rename(folder.join("chunk-3-of-4.npz"), &chunk).expect("renamed");
-    fs::rename(folder.join("kept"), folder.join("chunk-3-of-4.npz")).expect("renamed");
+    fs::rename(folder.join("chunk-3-of-4.parquet"), &chunk).expect("renamed");
+    fs::rename(folder.join("kept"), folder.join("chunk-3-of-4.parquet")).expect("renamed");
     tautline(&["study", "merge", &study.path])
-        .refused(&["chunk-2-of-4.npz", "number 3 of 4, expected 2 of 4"]);
+        .refused(&["chunk-2-of-4.parquet", "number 3 of 4, expected 2 of 4"]);
 }
 
 /// A chunk that is whole in itself, of a program or a study that is a little different.
@@ -161,7 +161,7 @@ fn what_claims_something_else_is_refused() {
         run_part(&study.path, part);
     }
     let folder = PathBuf::from(&study.path);
-    let (good, rows) = read_chunk(&folder.join("chunk-2-of-2.npz")).expect("a chunk");
+    let (good, rows) = read_chunk(&folder.join("chunk-2-of-2.parquet")).expect("a chunk");
     let claims: [(Origin, &str); 5] = [
         (
             Origin {
@@ -209,7 +209,7 @@ fn what_claims_something_else_is_refused() {
                     .iter()
                     .flatten(),
             );
-            tautline(&arguments).refused(&["chunk-2-of-2.npz: ", sentence]);
+            tautline(&arguments).refused(&["chunk-2-of-2.parquet: ", sentence]);
         }
     }
     // Calibrations of another cell than their number says.

@@ -61,7 +61,7 @@ fn two_workers_one_killed_and_the_server_restarted_give_the_same_bits() {
     let spread = study.copy("spread");
     let chunks = || {
         let entries = fs::read_dir(&spread).expect("a folder").flatten();
-        let is_chunk = |name: String| name.ends_with(".npz");
+        let is_chunk = |name: String| name.ends_with(".parquet");
         entries
             .filter(|entry| is_chunk(entry.file_name().to_string_lossy().into_owned()))
             .count()

@@ -129,7 +129,7 @@ fn what_does_not_belong_together_is_not_merged() {
     let whole = merged(&study.path);
     run_part(&study.path, "1/2");
     refused(&["a cut into 2 and of one into 3"]);
-    fs::remove_file(path("chunk-1-of-2.npz")).expect("removed");
+    fs::remove_file(path("chunk-1-of-2.parquet")).expect("removed");
     // A chunk of another study, with other noise.
     let other = study
         .folder
@@ -137,30 +137,30 @@ fn what_does_not_belong_together_is_not_merged() {
     tautline(&["study", "plan", &other]).succeeded();
     let elsewhere = study.folder.join("other");
     run_part(&elsewhere, "2/3");
-    let kept = fs::read(path("chunk-2-of-3.npz")).expect("there");
+    let kept = fs::read(path("chunk-2-of-3.parquet")).expect("there");
     fs::copy(
-        Path::new(&elsewhere).join("chunk-2-of-3.npz"),
-        path("chunk-2-of-3.npz"),
+        Path::new(&elsewhere).join("chunk-2-of-3.parquet"),
+        path("chunk-2-of-3.parquet"),
     )
     .expect("copied");
-    refused(&["chunk-2-of-3.npz", "found a chunk of the study"]);
+    refused(&["chunk-2-of-3.parquet", "found a chunk of the study"]);
     tautline(&["study", "run", &study.path, "--chunk", "2/3"])
         .refused(&["found a chunk of the study"]);
     // A chunk under the name of another.
-    fs::copy(path("chunk-1-of-3.npz"), path("chunk-2-of-3.npz")).expect("copied");
+    fs::copy(path("chunk-1-of-3.parquet"), path("chunk-2-of-3.parquet")).expect("copied");
     refused(&[
-        "chunk-2-of-3.npz",
+        "chunk-2-of-3.parquet",
         "found a chunk of number 1 of 3, expected 2 of 3",
     ]);
     // A damaged chunk, and one that is cut off.
     let mut damaged = kept.clone();
     let middle = damaged.len() / 2;
     damaged[middle] ^= 1;
-    fs::write(path("chunk-2-of-3.npz"), &damaged).expect("written");
-    refused(&["chunk-2-of-3.npz", "damaged"]);
-    fs::write(path("chunk-2-of-3.npz"), &kept[..middle]).expect("written");
-    refused(&["chunk-2-of-3.npz", "damaged"]);
-    fs::write(path("chunk-2-of-3.npz"), &kept).expect("written");
+    fs::write(path("chunk-2-of-3.parquet"), &damaged).expect("written");
+    refused(&["chunk-2-of-3.parquet", "damaged"]);
+    fs::write(path("chunk-2-of-3.parquet"), &kept[..middle]).expect("written");
+    refused(&["chunk-2-of-3.parquet", "damaged"]);
+    fs::write(path("chunk-2-of-3.parquet"), &kept).expect("written");
     assert!(merged(&study.path) == whole);
     tautline(&["study", "plan", &other, "--out", &study.path])
         .refused(&["plan.json", "belongs to another study"]);

@@ -1,4 +1,5 @@
 use std::io::Write;
+use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::{DeflateEncoder, ZlibEncoder};
@@ -481,4 +482,67 @@ fn workbooks_that_are_broken() {
             .contains("is an archive without a workbook or arrays")
     );
     assert!(refusal("e.xlsx", &workbook("<worksheet/>")[..900]).contains("damaged archive"));
+}
+
+/// A file that pandas, polars or pyarrow has written.
+fn parquet(name: &str) -> Source {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fuzz/seeds/foreign_file");
+    read(name, std::fs::read(folder.join(name)).expect("a seed"))
+}
+
+#[test]
+fn parquet_of_pandas_has_times_gaps_and_texts() {
+    let source = parquet("pandas.parquet");
+    let series = &source.series[0];
+    assert_eq!((source.format, series.rows), (Format::Parquet, 6));
+    let time = series.channel("time").expect("times");
+    assert_eq!(time.unit.as_deref(), Some("s"));
+    // 31 May 2024, 10:00 UTC, in steps of 10 ms.
+    for (row, found) in time.values.iter().enumerate() {
+        let expected = 1_717_149_600.0 + 0.01 * row as f64;
+        assert!((found - expected).abs() < 1e-6, "{found}");
+    }
+    let rev = Some("rev");
+    assert_eq!(
+        content(series)[1..],
+        [
+            channel("Winch1.Pos", rev, &[0.0, 0.25, 0.5, 0.75, 1.0, 1.25]),
+            channel("Winch2.Pos", rev, &[0.5, f64::NAN, 1.5, 2.0, 2.5, 3.0]),
+            channel("count", None, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]),
+            channel("armed", None, &[1.0, 0.0, 1.0, 0.0, 1.0, 0.0]),
+        ]
+    );
+    let states: Vec<&str> = (0..6).map(|row| series.texts[0].at(row)).collect();
+    assert_eq!(states, ["still", "still", "moving", "moving", "still", ""]);
+    assert_eq!(
+        source.notices,
+        ["pandas.parquet, column \"pair.list.element\": lists of values, left out"]
+    );
+}
+
+#[test]
+fn parquet_of_other_writers_in_other_compressors_and_groups() {
+    let source = parquet("polars.parquet");
+    assert_eq!(
+        content(&source.series[0]),
+        [
+            channel("t_ms", Some("ms"), &[0.0, 10.0, 20.0, 30.0, 40.0, 50.0]),
+            channel(
+                "F1",
+                Some("N"),
+                &[100.0, 101.0, f64::NAN, 103.0, 104.0, 105.0]
+            ),
+            channel("n", None, &[1.0, 2.0, 3.0, 4.0, 5.0, 1_099_511_627_776.0]),
+        ]
+    );
+    assert_eq!(source.series[0].texts[0].at(3), "b");
+    let source = parquet("groups.parquet");
+    assert_eq!(
+        content(&source.series[0]),
+        [
+            channel("a", None, &[1.5, 2.5, 3.5, 4.5]),
+            channel("s.x", None, &[1.0, 2.0, f64::NAN, 4.0]),
+            channel("s.y", None, &[7.0, 8.0, 9.0, 10.0]),
+        ]
+    );
 }

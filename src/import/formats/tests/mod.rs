@@ -115,7 +115,8 @@ fn what_is_not_read_says_what_to_do() {
             "expected version 7: save(name, vars{:}, '-v7')",
         ),
         ("a.h5", b"\x89HDF\r\n\x1a\n", "HDF5"),
-        ("a.parquet", b"PAR1\x15\x04", "pandas.read_parquet"),
+        ("a.parquet", b"PAR1\x15\x04", "is damaged, expected Parquet"),
+        ("b.parquet", b"PARE\x15\x04", "is an encrypted Parquet file"),
         ("a.mcap", b"\x89MCAP0\r\n", "ros2 topic echo --csv"),
         (
             "a.bag",

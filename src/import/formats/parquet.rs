@@ -1,0 +1,301 @@
+//! Parquet tables, read column by column and one group of rows after the other.
+
+use std::fs::File;
+
+use parquet::basic::{ConvertedType, LogicalType, TimeUnit};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::{ByteArray, DataType};
+use parquet::errors::ParquetError;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::schema::types::ColumnDescriptor;
+use tautline_session::{Place, ReadError, quoted, read_damaged};
+
+use super::stem;
+use crate::input::Input;
+use crate::source::{Channel, FillingTexts, Format, Series, Source};
+use crate::units::split_heading;
+use crate::values::{Filling, Storage};
+
+/// Rows that are decoded at a time.
+const ROWS: usize = 1 << 13;
+
+/// A column of the file and what it is filled into.
+struct Column {
+    /// Its number in the file.
+    number: usize,
+    /// Definition level of a cell that has a value.
+    level: i16,
+    name: String,
+    unit: Option<String>,
+    cells: Filled,
+}
+
+enum Filled {
+    Numbers(Filling, Scale),
+    Texts(FillingTexts),
+}
+
+pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
+    read_damaged(|| read_table(input, file)).unwrap_or_else(|()| {
+        let message = "is damaged, expected Parquet";
+        Err(ReadError::new(file, Place::File, message))
+    })
+}
+
+fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
+    let damaged = |error: ParquetError| {
+        let message = match error {
+            // Says which compressor it was.
+            ParquetError::NYI(what) => format!("uses what is not read ({what})"),
+            error => format!("is damaged, expected Parquet ({error})"),
+        };
+        ReadError::new(file, Place::File, message)
+    };
+    let io = |error: std::io::Error| ReadError::io(file, Place::File, &error);
+    let reader = SerializedFileReader::new(input.file().map_err(io)?).map_err(damaged)?;
+    let mut notices = Vec::new();
+    let mut columns = columns(&reader, file, &mut notices);
+    let mut storage = Storage::default();
+    let mut rows = 0;
+    for number in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(number).map_err(damaged)?;
+        let count = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+        for column in &mut columns {
+            let cells = group.get_column_reader(column.number).map_err(damaged)?;
+            let read = column
+                .fill(cells, &mut storage)
+                .map_err(|error| match error {
+                    Failed::Parquet(error) => damaged(error),
+                    Failed::Io(error) => io(error),
+                })?;
+            if read != count {
+                let name = quoted(&column.name);
+                let (found, expected) = (rows + read, rows + count);
+                let message = format!("column {name} ends after {found} rows, expected {expected}");
+                return Err(ReadError::new(file, Place::File, message));
+            }
+            let bytes = group.metadata().column(column.number).compressed_size();
+            input
+                .advance(u64::try_from(bytes).unwrap_or(0))
+                .map_err(io)?;
+        }
+        rows += count;
+    }
+    if rows == 0 || columns.is_empty() {
+        let message = "found a table without numbers, expected readings";
+        return Err(ReadError::new(file, Place::File, message));
+    }
+    let mut series = Series {
+        name: stem(file),
+        rows,
+        ..Series::default()
+    };
+    for Column {
+        name, unit, cells, ..
+    } in columns
+    {
+        match cells {
+            Filled::Numbers(values, _) => series.channels.push(Channel {
+                name,
+                unit,
+                values: storage.finish(values),
+            }),
+            Filled::Texts(texts) => match texts.finish(&name) {
+                Ok(texts) => series.texts.push(texts),
+                Err(why) => notices.push(format!("{file}, column {}: {why}", quoted(&name))),
+            },
+        }
+    }
+    Ok(Source {
+        file: file.into(),
+        format: Format::Parquet,
+        series: vec![series],
+        notices,
+    })
+}
+
+/// The columns that are read; the others are told in notices.
+fn columns(
+    reader: &SerializedFileReader<File>,
+    file: &str,
+    notices: &mut Vec<String>,
+) -> Vec<Column> {
+    let schema = reader.metadata().file_metadata().schema_descr();
+    let mut columns = Vec::new();
+    for (number, descriptor) in schema.columns().iter().enumerate() {
+        let path = descriptor.path().parts().join(".");
+        let mut leave_out = |why: &str| {
+            notices.push(format!("{file}, column {}: {why}, left out", quoted(&path)));
+        };
+        if descriptor.max_rep_level() > 0 {
+            leave_out("lists of values");
+            continue;
+        }
+        let (name, stated) = split_heading(&path);
+        match Content::of(descriptor) {
+            Content::Numbers(scale) => columns.push(Column {
+                number,
+                level: descriptor.max_def_level(),
+                name,
+                unit: match scale {
+                    Scale::Time(_) => Some("s".to_owned()),
+                    _ => stated,
+                },
+                cells: Filled::Numbers(Filling::default(), scale),
+            }),
+            Content::Texts => columns.push(Column {
+                number,
+                level: descriptor.max_def_level(),
+                name: path,
+                unit: None,
+                cells: Filled::Texts(FillingTexts::default()),
+            }),
+            Content::Other => leave_out("neither numbers nor text"),
+        }
+    }
+    columns
+}
+
+/// How the cells of a column are meant.
+#[derive(Clone, Copy)]
+enum Scale {
+    Plain,
+    /// Integers without sign.
+    Unsigned,
+    /// Times in this unit (s).
+    Time(f64),
+}
+
+impl Scale {
+    fn integer(self, signed: i64, unsigned: u64) -> f64 {
+        match self {
+            Self::Plain => signed as f64,
+            Self::Unsigned => unsigned as f64,
+            Self::Time(unit_s) => signed as f64 * unit_s,
+        }
+    }
+}
+
+/// What a column holds.
+enum Content {
+    Numbers(Scale),
+    Texts,
+    Other,
+}
+
+impl Content {
+    fn of(descriptor: &ColumnDescriptor) -> Self {
+        use parquet::basic::Type as Physical;
+        let unit_s = |unit: &TimeUnit| match unit {
+            TimeUnit::MILLIS => 1e-3,
+            TimeUnit::MICROS => 1e-6,
+            TimeUnit::NANOS => 1e-9,
+        };
+        let logical = descriptor.logical_type_ref();
+        match (descriptor.physical_type(), logical) {
+            (_, Some(LogicalType::Timestamp(kind) | LogicalType::Time(kind))) => {
+                Self::Numbers(Scale::Time(unit_s(&kind.unit)))
+            }
+            (_, Some(LogicalType::Integer(kind))) if !kind.is_signed => {
+                Self::Numbers(Scale::Unsigned)
+            }
+            (_, Some(LogicalType::Decimal(_))) => Self::Other,
+            (Physical::BYTE_ARRAY, Some(LogicalType::String | LogicalType::Enum)) => Self::Texts,
+            (Physical::BYTE_ARRAY, None)
+                if matches!(
+                    descriptor.converted_type(),
+                    ConvertedType::NONE | ConvertedType::UTF8
+                ) =>
+            {
+                Self::Texts
+            }
+            (
+                Physical::BOOLEAN
+                | Physical::INT32
+                | Physical::INT64
+                | Physical::FLOAT
+                | Physical::DOUBLE,
+                _,
+            ) => Self::Numbers(Scale::Plain),
+            _ => Self::Other,
+        }
+    }
+}
+
+enum Failed {
+    Parquet(ParquetError),
+    Io(std::io::Error),
+}
+
+impl From<ParquetError> for Failed {
+    fn from(error: ParquetError) -> Self {
+        Self::Parquet(error)
+    }
+}
+
+impl Column {
+    /// Adds the cells of a group of rows; how many there are.
+    fn fill(&mut self, reader: ColumnReader, storage: &mut Storage) -> Result<usize, Failed> {
+        let level = self.level;
+        match (&mut self.cells, reader) {
+            (Filled::Texts(texts), ColumnReader::ByteArrayColumnReader(reader)) => {
+                each(reader, level, |cell: Option<&ByteArray>| {
+                    let bytes = cell.map_or(&[][..], ByteArray::data);
+                    texts.push(&String::from_utf8_lossy(bytes));
+                    Ok(())
+                })
+            }
+            (Filled::Numbers(values, scale), reader) => {
+                let scale = *scale;
+                let mut push = |number: f64| storage.push(values, number);
+                use ColumnReader as C;
+                match reader {
+                    C::BoolColumnReader(reader) => each(reader, level, |cell| {
+                        push(cell.map_or(f64::NAN, |on| f64::from(u8::from(*on))))
+                    }),
+                    C::Int32ColumnReader(reader) => each(reader, level, |cell| {
+                        push(cell.map_or(f64::NAN, |n| {
+                            scale.integer(i64::from(*n), u64::from(n.cast_unsigned()))
+                        }))
+                    }),
+                    C::Int64ColumnReader(reader) => each(reader, level, |cell| {
+                        push(cell.map_or(f64::NAN, |n| scale.integer(*n, n.cast_unsigned())))
+                    }),
+                    C::FloatColumnReader(reader) => each(reader, level, |cell| {
+                        push(cell.map_or(f64::NAN, |n| f64::from(*n)))
+                    }),
+                    C::DoubleColumnReader(reader) => each(reader, level, |cell| {
+                        push(cell.copied().unwrap_or(f64::NAN))
+                    }),
+                    _ => Ok(0),
+                }
+            }
+            _ => Ok(0),
+        }
+    }
+}
+
+/// Visits the cells of a column, `None` where there is no value; how many there are.
+fn each<T: DataType>(
+    mut reader: ColumnReaderImpl<T>,
+    level: i16,
+    mut visit: impl FnMut(Option<&T::T>) -> std::io::Result<()>,
+) -> Result<usize, Failed> {
+    let mut count = 0;
+    let (mut levels, mut values) = (Vec::new(), Vec::new());
+    loop {
+        levels.clear();
+        values.clear();
+        let (records, _, _) = reader.read_records(ROWS, Some(&mut levels), None, &mut values)?;
+        if records == 0 {
+            return Ok(count);
+        }
+        count += records;
+        let mut values = values.iter();
+        for row in 0..records {
+            let is_there = level == 0 || levels.get(row) == Some(&level);
+            let cell = is_there.then(|| values.next()).flatten();
+            visit(cell).map_err(Failed::Io)?;
+        }
+    }
+}
