@@ -143,24 +143,24 @@ pub const STUDIES: [(&str, &str); 13] = [
 ];
 
 /// First seed of data sets of which nobody sees more than the table.
-pub const TABLE_SEED: u64 = 30_000_000;
+pub const TABLE_SEED: u64 = 60_000_000;
 /// Distance of the first seeds of two studies of the table.
 const APART: u64 = 100_000;
 /// Data sets of each study of the table.
 const TABLE: [(&str, usize); 13] = [
-    ("several", 90),
-    ("separated", 63),
-    ("nothing", 90),
-    ("unknown", 48),
-    ("anything", 54),
-    ("mild", 54),
-    ("dominating", 20),
-    ("families", 10),
-    ("exchanged", 27),
-    ("holes", 45),
-    ("tails", 36),
-    ("standstills", 36),
-    ("chance", 90),
+    ("several", 400),
+    ("separated", 252),
+    ("nothing", 1000),
+    ("unknown", 288),
+    ("anything", 216),
+    ("mild", 216),
+    ("dominating", 100),
+    ("families", 50),
+    ("exchanged", 108),
+    ("holes", 200),
+    ("tails", 144),
+    ("standstills", 144),
+    ("chance", 216),
 ];
 
 /// The data sets of the table, of seeds of their own. The studies take turns so that the first ones are a table, too, with
