@@ -29,11 +29,9 @@ const PANEL_RANGE: Rangef = Rangef {
 pub fn show(ui: &mut Ui, state: &mut State) {
     let items = menu::items(state);
     top::shortcuts(ui, state, &items);
-    let (fill, ground) = (theme::of(ui).panel, theme::of(ui).ground);
+    let ground = theme::of(ui).ground;
     let centre = || CentralPanel::no_frame().frame(Frame::new().fill(ground));
-    let bar = Frame::new()
-        .fill(fill)
-        .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
+    let bar = Frame::new().inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
     Panel::top("top")
         .frame(bar)
         .show(ui, |ui| top::show(ui, state, &items));
@@ -112,7 +110,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 
 /// Rail, 3D view, plots and the panel of the phase beside each other.
 fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
-    let side = side(ui);
+    let side = side();
     rail_of(ui, state, ui.available_width() < NARROW);
     let layout = state.model.preferences.layout;
     let usual = PANEL_RANGE.clamp(PANEL * ui.ctx().content_rect().width());
@@ -151,14 +149,14 @@ fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
 }
 
 fn rail_of(ui: &mut Ui, state: &mut State, is_narrow: bool) {
-    let rail = Panel::left("rail").frame(side(ui)).resizable(false);
+    let rail = Panel::left("rail").frame(side()).resizable(false);
     rail.exact_size(if is_narrow { rail::NARROW } else { 208.0 })
         .show(ui, |ui| rail::show(ui, state, is_narrow));
 }
 
 /// One part at a time: where the window has no room for all of them, or while one is maximised.
 fn one_part(ui: &mut Ui, state: &mut State, current: Phase) {
-    let side = side(ui);
+    let side = side();
     rail_of(ui, state, ui.available_width() < NARROW);
     let maximised = state.model.maximised;
     let mut part = maximised.unwrap_or(state.panels.part);
@@ -192,10 +190,9 @@ fn one_part(ui: &mut Ui, state: &mut State, current: Phase) {
         });
 }
 
-fn side(ui: &Ui) -> Frame {
-    Frame::new()
-        .fill(theme::of(ui).panel)
-        .inner_margin(Margin::same(3 * GRID as i8))
+/// A panel's margins; its ground is what the window is cleared with.
+fn side() -> Frame {
+    Frame::new().inner_margin(Margin::same(3 * GRID as i8))
 }
 
 fn panel_of(ui: &mut Ui, state: &mut State, current: Phase) {

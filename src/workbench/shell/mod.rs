@@ -115,6 +115,11 @@ impl eframe::App for App {
         self.frame(ui, frame::show);
     }
 
+    /// The ground of all panels: filling them one by one is the most of a frame where there is no graphics card.
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
+    }
+
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
         self.state.views.destroy();
         self.state.model.autosave.flush();

@@ -162,9 +162,14 @@ impl OffscreenPainter {
         let size = context.content_rect().size() * scale;
         let size = [size.x, size.y].map(|side| side.round().max(1.0) as u32);
         let primitives = context.tessellate(output.shapes.clone(), scale);
+        let ground = context
+            .global_style()
+            .visuals
+            .panel_fill
+            .to_normalized_gamma_f32();
         let painter = &mut self.painter;
         paint_picture(self.headless.gl(), size, || {
-            painter.clear(size, [0.0, 0.0, 0.0, 1.0]);
+            painter.clear(size, ground);
             painter.paint_primitives(size, scale, &primitives);
         })
         .map_err(OffscreenError::Refused)

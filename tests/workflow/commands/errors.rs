@@ -125,5 +125,39 @@ fn other_failures_end_with_code_1() {
         assert_eq!(answer.code, Some(1), "{}", answer.stderr);
         assert_eq!(answer.stderr.lines().count(), 1, "{}", answer.stderr);
         assert!(answer.stderr.contains("cannot be written"));
+        assert_eq!(said_by_the_system(&answer.stderr), 1, "{}", answer.stderr);
+    }
+}
+
+/// How often a message has what the system says.
+fn said_by_the_system(message: &str) -> usize {
+    message.matches("os error").count()
+}
+
+#[cfg(unix)]
+#[test]
+fn what_the_system_says_is_said_once() {
+    let folder = Folder::new();
+    // Reading a file under this name fails, whoever asks.
+    let looped = folder.join("loop");
+    std::os::unix::fs::symlink(&looped, &looped).expect("a link");
+    let session = format!("{looped}/s.json");
+    for arguments in [
+        vec!["identify", &looped],
+        vec!["report", &looped, "--out", "r.html"],
+        vec!["accuracy", &looped],
+        vec!["compare", &looped, &looped],
+        vec!["import", &looped, "--out", "d"],
+        vec!["study", "plan", &looped, "--out", "d"],
+        vec!["study", "merge", &session],
+        vec!["simulate", "--robot", &looped, "--out", "d"],
+        vec!["simulate", "--robot", "mini", "--out", &session],
+    ] {
+        let answer = tautline(&arguments);
+        let said = &answer.stderr;
+        assert!(answer.code.is_some_and(|code| code != 0), "{arguments:?}");
+        assert_eq!(said.lines().count(), 1, "{arguments:?}: {said}");
+        assert!(said_by_the_system(said) <= 1, "{said}");
+        assert!(said.contains(&looped), "{said}");
     }
 }

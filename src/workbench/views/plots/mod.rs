@@ -11,6 +11,7 @@ mod screen;
 pub mod small;
 mod sources;
 mod statistics;
+mod straighten;
 mod tab;
 
 use std::collections::BTreeMap;

@@ -6,6 +6,7 @@ use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, TextureId}
 use tautline_workflow::plot::draw::TEXT;
 use tautline_workflow::plot::{Canvas, Colours, Stroke};
 
+use super::straighten::straightened;
 use crate::theme::Palette;
 
 /// Colours of plots in a theme.
@@ -33,6 +34,9 @@ pub fn text_width(painter: &Painter) -> impl Fn(&str) -> f32 + '_ {
         galley.size().x
     }
 }
+
+/// By how much a line on the screen may differ from that of all its points (pixels).
+const TOLERANCE: f32 = 0.3;
 
 /// The screen. Rectangles that follow each other are one mesh: heat maps and dense data have thousands.
 pub struct Screen {
@@ -93,7 +97,8 @@ impl Canvas for Screen {
         if dashed {
             painter.extend(Shape::dashed_line(places, line, 5.0, 4.0));
         } else {
-            painter.line(places.to_vec(), line);
+            let tolerance = TOLERANCE / painter.pixels_per_point();
+            painter.line(straightened(places, tolerance), line);
         }
     }
 
