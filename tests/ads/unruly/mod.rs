@@ -402,7 +402,11 @@ fn treat(
         Some(Action::DownAfterValues(count)) => count,
         _ => usize::MAX,
     };
-    let content = answer(&mut known, &request, limit, tell);
+    let content = match action {
+        // What is refused is not done.
+        Some(Action::Code(_)) => Vec::new(),
+        _ => answer(&mut known, &request, limit, tell),
+    };
     if limit < usize::MAX {
         known.down = true;
         return None;

@@ -78,10 +78,14 @@ fn two_workers_one_killed_and_the_server_restarted_give_the_same_bits() {
 
     let engine = Engine::start(&spread, &slow);
     wait("the first chunks", || chunks() >= 2);
-    let id = fs::read_to_string(&running).expect("a process");
-    let id = id.trim().parse().ok().and_then(Pid::from_raw);
-    // It may have ended by itself in the meantime.
-    let _ = kill_process(id.expect("a number"), Signal::KILL);
+    // The file is empty for a moment while the next process says which it is.
+    let process = || {
+        let text = fs::read_to_string(&running).expect("a process");
+        text.trim().parse().ok().and_then(Pid::from_raw)
+    };
+    wait("a process", || {
+        process().is_some_and(|id| kill_process(id, Signal::KILL).is_ok())
+    });
     wait("more chunks", || chunks() >= 6);
     drop(engine);
     assert!(chunks() < CHUNKS, "the server died in the middle");
