@@ -24,6 +24,8 @@ pub enum Format {
     NumPy,
     /// Apache Parquet.
     Parquet,
+    /// Recording of ROS 2 in MCAP.
+    Mcap,
     /// Excel workbook.
     Excel,
 }
@@ -41,6 +43,7 @@ impl Format {
             Self::Matlab => "MATLAB file",
             Self::NumPy => "NumPy file",
             Self::Parquet => "Parquet file",
+            Self::Mcap => "MCAP recording",
             Self::Excel => "Excel workbook",
         }
     }

@@ -4,6 +4,8 @@ mod archive;
 mod delimited;
 mod excel;
 mod matlab;
+#[cfg(feature = "mcap")]
+mod mcap;
 mod motive;
 mod nexus;
 mod numpy;
@@ -68,6 +70,12 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
         Format::Matlab => matlab::read(&whole(&mut input, &file)?, &file),
         Format::NumPy => numpy::read(input, &head, &file),
         Format::Parquet => parquet::read(&mut input, &file),
+        #[cfg(feature = "mcap")]
+        Format::Mcap => mcap::read(&mut input, &file),
+        #[cfg(not(feature = "mcap"))]
+        Format::Mcap => refuse(
+            "is an MCAP recording of ROS 2, which is not read, expected its topics as CSV (ros2 topic echo --csv)",
+        ),
         Format::Excel => excel::read(input, &file),
     }
 }
@@ -139,18 +147,17 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
         [b'P', b'A', b'R', b'E', ..] => {
             return Refused("is an encrypted Parquet file, expected one that is not");
         }
-        [0x89, b'M', b'C', b'A', b'P', ..] => {
-            return Refused(
-                "is an MCAP recording of ROS 2, which is not read, expected its topics as CSV (ros2 topic echo --csv)",
-            );
-        }
+        [0x89, b'M', b'C', b'A', b'P', ..] => return Readable(Format::Mcap),
         _ if head.starts_with(b"#ROSBAG") => {
             return Refused(
-                "is a recording of ROS 1, which is not read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>)",
+                "is a recording of ROS 1, which is not read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>), \
+                 or one of ROS 2 in MCAP (rosbags-convert --src <bag> --dst <folder> --dst-storage mcap)",
             );
         }
         _ if head.starts_with(b"SQLite format 3") => {
-            return Refused("is a database, which is not read, expected CSV");
+            return Refused(
+                "is a database, which is not read, expected CSV; a recording of ROS 2: mcap convert <db3> <mcap>",
+            );
         }
         [0xd0, 0xcf, 0x11, 0xe0, ..] => {
             return Refused(

@@ -17,6 +17,7 @@ pub(crate) const PER_CABLE: &[(Kind, &[&str])] = &[
             "load",
             "zugkraft",
             "fcable",
+            "effort",
         ],
     ),
     (
@@ -101,6 +102,8 @@ pub(crate) const WANTED: &[&str] = &[
     "cmd",
     "command",
     "commanded",
+    "commands",
+    "goal",
     "set",
     "setpoint",
     "soll",

@@ -25,12 +25,17 @@ pub fn propose(sources: &[Source], robot: &Robot) -> (Recipe, Vec<String>) {
         given: BTreeSet::new(),
         notices: Vec::new(),
     };
-    for source in sources {
-        for series in &source.series {
-            proposal.own_names(series);
-            proposal.families(series);
-            proposal.singles(series, source.format);
-        }
+    let series = sources.iter().flat_map(|source| {
+        let format = source.format;
+        source.series.iter().map(move |series| (series, format))
+    });
+    let mut series: Vec<(&Series, Format)> = series.collect();
+    // States and commands of joints have the same names: what is measured goes first.
+    series.sort_by_key(|(series, format)| is_any(&topic(series, *format), WANTED));
+    for (series, format) in series {
+        proposal.own_names(series);
+        proposal.families(series, format);
+        proposal.singles(series, format);
     }
     let names_repeat = |name: &str| {
         let all = sources.iter().flat_map(|source| &source.series);
@@ -49,6 +54,14 @@ pub fn propose(sources: &[Source], robot: &Robot) -> (Recipe, Vec<String>) {
     proposal.cutting(sources);
     proposal.home(sources);
     (proposal.recipe, proposal.notices)
+}
+
+/// Words of the topic of a series: messages have the same names in each.
+fn topic(series: &Series, format: Format) -> Vec<String> {
+    match format {
+        Format::Mcap => words_of(&series.name),
+        _ => Vec::new(),
+    }
 }
 
 struct Proposal<'a> {
@@ -103,7 +116,7 @@ impl Proposal<'_> {
     }
 
     /// One channel for each cable.
-    fn families(&mut self, series: &Series) {
+    fn families(&mut self, series: &Series, format: Format) {
         let cables = self.robot.cable_count();
         let names = series.channels.iter().map(|channel| channel.name.as_str());
         let mut candidates: Vec<(Kind, i32, Family)> = Vec::new();
@@ -133,7 +146,7 @@ impl Proposal<'_> {
             if self.is_given(&column) {
                 continue;
             }
-            let unit = self.unit_by_range(series, &family, kind);
+            let unit = self.unit_by_range(series, &family, kind, format);
             let assignment = Assignment {
                 series: Some(series.name.clone()),
                 unit,
@@ -145,7 +158,13 @@ impl Proposal<'_> {
     }
 
     /// The unit of a family without one, where its values fit to a unit other than that of the quantity.
-    fn unit_by_range(&mut self, series: &Series, family: &Family, kind: Kind) -> Option<String> {
+    fn unit_by_range(
+        &mut self,
+        series: &Series,
+        family: &Family,
+        kind: Kind,
+        format: Format,
+    ) -> Option<String> {
         let channels = (0..family.count).filter_map(|k| {
             series.channel(
                 &family
@@ -172,7 +191,10 @@ impl Proposal<'_> {
                 // A calibration moves cables by a part of the frame's size, and not by several times that.
                 if frames > 30.0 {
                     Some("deg")
-                } else if frames > 2.0 {
+                // Joints of ROS turn in radians, however little.
+                } else if frames > 2.0
+                    || format == Format::Mcap && family.pattern.starts_with("position[")
+                {
                     Some("rad")
                 } else {
                     None
@@ -180,8 +202,12 @@ impl Proposal<'_> {
             }
             _ => None,
         }?;
+        let reason = match format {
+            Format::Mcap => "by its range and the usage of ROS",
+            _ => "by its range",
+        };
         self.notices.push(format!(
-            "{}: no unit is stated for {}; by its range it is taken as {unit}",
+            "{}: no unit is stated for {}; {reason} it is taken as {unit}",
             series.name, family.pattern
         ));
         Some(unit.into())
@@ -216,7 +242,7 @@ impl Proposal<'_> {
                     || dimension == Some(Dimension::Time))
             {
                 Some("time_s")
-            } else if is_any(&spoken, LASER) && fits(Dimension::Length) {
+            } else if (is_any(&spoken, LASER) || spoken == ["range"]) && fits(Dimension::Length) {
                 Some("laser_m")
             } else if is_any(&spoken, TEMPERATURE) && fits(Dimension::Temperature) {
                 Some("temperature_c")
@@ -281,6 +307,7 @@ impl Proposal<'_> {
 
     /// Coordinates of poses: those that a controller wants, and those that an instrument measures.
     fn poses(&mut self, series: &Series, format: Format) {
+        let topic = topic(series, format);
         let mut bodies: Vec<Body<'_>> = Vec::new();
         let given: BTreeSet<String> = self
             .recipe
@@ -299,14 +326,26 @@ impl Proposal<'_> {
                 component(&channel.name, &spoken),
                 is_any(
                     &spoken,
-                    &["vel", "speed", "acc", "force", "torque", "error"],
+                    &[
+                        "vel",
+                        "velocity",
+                        "twist",
+                        "speed",
+                        "acc",
+                        "accel",
+                        "acceleration",
+                        "force",
+                        "torque",
+                        "error",
+                    ],
                 ),
             ) else {
                 continue;
             };
-            let is_wanted = is_any(&spoken, WANTED);
+            let is_wanted = is_any(&spoken, WANTED) || is_any(&topic, WANTED);
             let is_known = is_wanted
                 || is_any(&spoken, EXTERNAL)
+                || is_any(&topic, EXTERNAL)
                 || matches!(format, Format::Motive | Format::Nexus | Format::PointList)
                 || owner.is_empty();
             if !is_known || is_any(&spoken, &["marker"]) {

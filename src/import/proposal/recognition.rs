@@ -95,6 +95,7 @@ pub(super) fn component(name: &str, spoken: &[String]) -> Option<(usize, String)
         "quaternion",
         "orientation",
         "quat",
+        "translation",
     ];
     let owner = kinds.iter().fold(owner, |owner, kind| {
         owner.strip_suffix(kind).unwrap_or(owner)
