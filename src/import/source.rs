@@ -18,7 +18,9 @@ pub enum Format {
     Motive,
     /// Text export of Vicon Nexus.
     Nexus,
-    /// MATLAB 5 to 7.2.
+    /// HDF5 of any program but MATLAB.
+    Hdf5,
+    /// MATLAB 5 to 7.3.
     Matlab,
     /// NumPy `.npy` or `.npz`.
     NumPy,
@@ -40,6 +42,7 @@ impl Format {
             Self::TwinCatScope => "TwinCAT Scope CSV",
             Self::Motive => "OptiTrack Motive CSV",
             Self::Nexus => "Vicon Nexus text",
+            Self::Hdf5 => "HDF5 file",
             Self::Matlab => "MATLAB file",
             Self::NumPy => "NumPy file",
             Self::Parquet => "Parquet file",

@@ -273,7 +273,7 @@ pub fn write_chunk(folder: &Path, origin: &Origin, rows: &Rows) -> Result<PathBu
 pub fn read_chunk(path: &Path) -> Result<(Origin, Rows), StudyError> {
     let fail = |message: &str| StudyError::Input(format!("{}: {message}", path.display()));
     let file = File::open(path).map_err(|error| fail(&format!("cannot be read ({error})")))?;
-    let read = read_damaged(|| read_columns(file)).map_err(|()| fail("the file is damaged"))?;
+    let read = read_damaged(|| read_columns(file)).ok_or_else(|| fail("the file is damaged"))?;
     let (text, rows) = read.map_err(|error| fail(&format!("the file is damaged ({error})")))?;
     let text =
         text.ok_or_else(|| fail("does not say what study it belongs to, expected a chunk"))?;

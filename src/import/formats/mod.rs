@@ -3,6 +3,13 @@
 mod archive;
 mod delimited;
 mod excel;
+#[cfg(feature = "hdf5")]
+mod hdf5;
+#[cfg(not(feature = "hdf5"))]
+#[path = "hdf5_left_out.rs"]
+mod hdf5;
+#[cfg(feature = "hdf5")]
+mod hdf5_elements;
 mod matlab;
 #[cfg(feature = "mcap")]
 mod mcap;
@@ -26,6 +33,9 @@ use crate::text::decoded;
 const HEAD: u64 = 64 << 10;
 /// Largest file that is read as a whole (bytes): the formats that are not read row by row.
 const MAX_WHOLE: u64 = 2 << 30;
+
+/// Beginning of a MATLAB file that is an HDF5 file.
+const MATLAB_73: &[u8] = b"MATLAB 7.3";
 
 /// What a file is.
 enum Kind {
@@ -67,6 +77,8 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
         Format::TwinCatScope => scope::read(&head, input, &file),
         Format::Motive => motive::read(&head, input, &file),
         Format::Nexus => nexus::read(&head, input, &file),
+        Format::Hdf5 => hdf5::read(&mut input, format, &file),
+        Format::Matlab if head.starts_with(MATLAB_73) => hdf5::read(&mut input, format, &file),
         Format::Matlab => matlab::read(&whole(&mut input, &file)?, &file),
         Format::NumPy => numpy::read(input, &head, &file),
         Format::Parquet => parquet::read(&mut input, &file),
@@ -132,17 +144,10 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
         [] => return Refused("is empty, expected readings"),
         [b'P', b'K', 3, 4, ..] => return Readable(zip_content(head)),
         [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => return Readable(Format::NumPy),
-        _ if head.starts_with(b"MATLAB 5.0") => return Readable(Format::Matlab),
-        _ if head.starts_with(b"MATLAB 7.3") => {
-            return Refused(
-                "is a MATLAB file of version 7.3 (HDF5), expected version 7: save(name, vars{:}, '-v7')",
-            );
+        _ if head.starts_with(b"MATLAB 5.0") || head.starts_with(MATLAB_73) => {
+            return Readable(Format::Matlab);
         }
-        [0x89, b'H', b'D', b'F', ..] => {
-            return Refused(
-                "is an HDF5 file, which is not read, expected a table, for example as CSV",
-            );
-        }
+        [0x89, b'H', b'D', b'F', ..] => return Readable(Format::Hdf5),
         [b'P', b'A', b'R', b'1', ..] => return Readable(Format::Parquet),
         [b'P', b'A', b'R', b'E', ..] => {
             return Refused("is an encrypted Parquet file, expected one that is not");

@@ -36,7 +36,7 @@ enum Filled {
 }
 
 pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
-    read_damaged(|| read_table(input, file)).unwrap_or_else(|()| {
+    read_damaged(|| read_table(input, file)).unwrap_or_else(|| {
         let message = "is damaged, expected Parquet";
         Err(ReadError::new(file, Place::File, message))
     })

@@ -44,32 +44,32 @@ pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadErro
     let end = loop {
         // The reader is of others, and the file may be damaged.
         match read_damaged(|| reader.next_event()) {
-            Ok(None) => break None,
-            Ok(Some(Ok(LinearReadEvent::ReadRequest(_)))) => {
+            Some(None) => break None,
+            Some(Some(Ok(LinearReadEvent::ReadRequest(_)))) => {
                 let read = input.read(reader.insert(BLOCK)).map_err(io)?;
                 reader.notify_read(read);
             }
             // What follows is a summary of what was read.
-            Ok(Some(Ok(LinearReadEvent::Record { opcode, .. }))) if opcode == op::DATA_END => {
+            Some(Some(Ok(LinearReadEvent::Record { opcode, .. }))) if opcode == op::DATA_END => {
                 break None;
             }
-            Ok(Some(Ok(LinearReadEvent::Record { opcode, data }))) => {
+            Some(Some(Ok(LinearReadEvent::Record { opcode, data }))) => {
                 match recording.record(opcode, data).map_err(io)? {
                     Some(()) => {}
                     None => break Some("is damaged".to_owned()),
                 }
             }
-            Ok(Some(Err(McapError::BadChunkCrc { .. }))) => damaged_chunks += 1,
-            Ok(Some(Err(McapError::UnexpectedEof))) => {
+            Some(Some(Err(McapError::BadChunkCrc { .. }))) => damaged_chunks += 1,
+            Some(Some(Err(McapError::UnexpectedEof))) => {
                 break Some("has no end: the recorder was stopped, or the file was cut off".into());
             }
-            Ok(Some(Err(McapError::UnsupportedCompression(name)))) => {
+            Some(Some(Err(McapError::UnsupportedCompression(name)))) => {
                 break Some(format!(
                     "uses what is not read (compression {})",
                     quoted(&name)
                 ));
             }
-            Err(()) | Ok(Some(Err(_))) => break Some("is damaged".into()),
+            None | Some(Some(Err(_))) => break Some("is damaged".into()),
         }
     };
     let mut notices = Vec::new();
@@ -167,7 +167,7 @@ impl Recording {
         if ![op::SCHEMA, op::CHANNEL, op::MESSAGE].contains(&opcode) {
             return Ok(Some(()));
         }
-        let Ok(Ok(record)) = read_damaged(|| mcap::parse_record(opcode, data)) else {
+        let Some(Ok(record)) = read_damaged(|| mcap::parse_record(opcode, data)) else {
             return Ok(None);
         };
         match record {

@@ -484,10 +484,15 @@ fn workbooks_that_are_broken() {
     assert!(refusal("e.xlsx", &workbook("<worksheet/>")[..900]).contains("damaged archive"));
 }
 
+/// The content of a file that another program has written.
+pub(super) fn seed(name: &str) -> Vec<u8> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fuzz/seeds/foreign_file");
+    std::fs::read(folder.join(name)).expect("a seed")
+}
+
 /// A file that pandas, polars or pyarrow has written.
 fn parquet(name: &str) -> Source {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fuzz/seeds/foreign_file");
-    read(name, std::fs::read(folder.join(name)).expect("a seed"))
+    read(name, seed(name))
 }
 
 #[test]

@@ -2,6 +2,8 @@
 
 mod binary;
 mod damaged;
+#[cfg(feature = "hdf5")]
+mod hdf5;
 #[cfg(feature = "mcap")]
 mod mcap;
 mod scope;
@@ -114,7 +116,11 @@ fn what_is_not_read_says_what_to_do() {
         (
             "a.mat",
             b"MATLAB 7.3 MAT-file, Platform",
-            "expected version 7: save(name, vars{:}, '-v7')",
+            if cfg!(feature = "hdf5") {
+                "expected HDF5"
+            } else {
+                "expected version 7: save(name, vars{:}, '-v7')"
+            },
         ),
         ("a.h5", b"\x89HDF\r\n\x1a\n", "HDF5"),
         ("a.parquet", b"PAR1\x15\x04", "is damaged, expected Parquet"),
