@@ -93,7 +93,9 @@ impl<'a> Bytes<'a> {
 mod tests {
     use super::*;
 
-    fn frame(stamps: &[(u64, &[(u32, &[u8])])]) -> Vec<u8> {
+    type Samples<'a> = &'a [(u32, &'a [u8])];
+
+    fn frame(stamps: &[(u64, Samples<'_>)]) -> Vec<u8> {
         let mut rest = (stamps.len() as u32).to_le_bytes().to_vec();
         for (stamp, samples) in stamps {
             rest.extend(stamp.to_le_bytes());
