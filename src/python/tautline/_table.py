@@ -33,7 +33,8 @@ class Columns:
         def array(values: NDArray[Any]) -> Any:
             if values.dtype.kind == "U":
                 return arrow.Array(values.tolist(), arrow.DataType.utf8())
-            return arrow.Array.from_numpy(values)
+            # Some columns are those of a matrix.
+            return arrow.Array.from_numpy(np.ascontiguousarray(values))
 
         table = arrow.Table.from_pydict({name: array(values) for name, values in self.columns.items()})
         return table.__arrow_c_stream__(requested_schema)
