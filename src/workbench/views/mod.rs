@@ -12,7 +12,7 @@ use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
 use crate::model::command::Outbox;
 use crate::model::{Model, Selection};
-use crate::theme::GRID;
+use crate::theme::{self, GRID};
 use robot_3d::drawing::FrameLook;
 
 /// State of the views between frames.
@@ -63,21 +63,25 @@ pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Ou
         return;
     }
     pulley_inspector::key(ui, model, outbox);
+    let palette = theme::of(ui);
     let measured = model
         .open
         .as_ref()
         .is_some_and(|open| !open.session().measurements.is_empty());
     if measured {
-        let frame = Frame::new().inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
+        let frame = Frame::new()
+            .fill(palette.panel)
+            .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
         Panel::bottom("time line")
             .frame(frame)
             .resizable(false)
             .exact_size(timeline::HEIGHT)
             .show(ui, |ui| timeline::show(ui, model, views, outbox));
     }
-    // The picture of the robot is its own ground.
-    CentralPanel::no_frame().show(ui, |ui| {
-        let view = (&mut views.robot_3d, &mut views.hovered);
-        robot_3d::show(ui, model, view, outbox);
-    });
+    CentralPanel::no_frame()
+        .frame(Frame::new().fill(palette.ground))
+        .show(ui, |ui| {
+            let view = (&mut views.robot_3d, &mut views.hovered);
+            robot_3d::show(ui, model, view, outbox);
+        });
 }

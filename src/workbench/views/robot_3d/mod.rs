@@ -43,7 +43,7 @@ use crate::model::command::{Outbox, ViewCommand};
 use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, Selection};
-use crate::theme::{self, GRID};
+use crate::theme::GRID;
 use crate::widgets::empty;
 
 /// How long camera and platform rest before everything is drawn again (s).
@@ -273,10 +273,8 @@ impl Robot3d {
             .map_or(Projection::Perspective, Camera::projection);
         let can_frame = !selection.is_empty();
         Frame::new()
-            .fill(theme::of(ui).ground)
             .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8))
             .show(ui, |ui| {
-                ui.set_min_width(ui.available_width());
                 let state = (projection, can_frame, maximise);
                 aim = toolbar::show(ui, &mut self.options, scene, state);
             });
