@@ -1,8 +1,8 @@
 //! The maths of Tautline: kinematics of cable-driven parallel robots, models of their cables and
 //! instruments, estimation of their geometry and its uncertainty, diagnosis of what a model lacks.
 //!
-//! This crate opens no file, reads no clock, draws nothing and spawns nothing. SI units
-//! throughout; frames are in the names (`base_from_platform`, `anchor_in_base`).
+//! This crate opens no file, reads no clock, draws nothing and starts no thread that outlives
+//! the call. SI units throughout; frames are in the names (`base_from_platform`, `anchor_in_base`).
 //!
 //! # Example
 //!
@@ -42,4 +42,5 @@ pub mod robot;
 pub mod simulation;
 mod small_cholesky;
 pub mod statistics;
+pub mod threads;
 mod tolerances;

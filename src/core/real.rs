@@ -107,9 +107,9 @@ impl<S: Simd> Lanes<S> {
 }
 
 /// A [`Real`] that holds one or more poses and moves between memory and registers.
-pub trait Packet: Real {
+pub trait Packet: Real + Send + Sync {
     /// What is needed to make a value: the instruction set.
-    type Token: Copy + std::fmt::Debug;
+    type Token: Copy + Send + Sync + std::fmt::Debug;
     /// Number of poses in a packet.
     const LANES: usize;
     /// The same value in all lanes.

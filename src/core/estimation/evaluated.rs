@@ -1,6 +1,6 @@
 //! A problem evaluated at given parameters and poses: what analysis and linearisation start from.
 
-use super::evaluator::Evaluator;
+use super::evaluator::{Division, Evaluator, Parts};
 use super::globals::Globals;
 use super::home::HomeRow;
 use super::parameter::Parameter;
@@ -12,7 +12,7 @@ use crate::real::Packet;
 
 /// The evaluators of the poses and of the home row, and how columns depend on parameters.
 pub(super) struct Evaluated<'a, T: Packet> {
-    pub poses: Evaluator<'a, T>,
+    pub poses: Parts<'a, T>,
     /// Row and evaluator of the home pose, if revolutions count from it.
     pub home_evaluator: Option<(usize, Evaluator<'a, f64>)>,
     pub home: HomeRow,
@@ -25,7 +25,8 @@ impl<'a, T: Packet> Evaluated<'a, T> {
         problem: &'a Problem<'a>,
         globals: &Globals,
         parameters: &[Parameter],
-        (rows, poses): (Vec<usize>, &[Pose]),
+        poses: (&[usize], &[Pose]),
+        division: Division,
     ) -> Self {
         let home_row = problem.home_row();
         let evaluator = |row| (row, Evaluator::home((), problem, globals, row));
@@ -36,10 +37,10 @@ impl<'a, T: Packet> Evaluated<'a, T> {
             }
             None => HomeRow::absolute(problem),
         };
-        let mut poses = Evaluator::<T>::new(token, problem, globals, rows, poses);
-        poses.set_globals(globals, Some(&home.lengths));
+        let mut poses = Parts::<T>::new(token, problem, globals, poses, division);
+        poses.set_globals(globals, &home.lengths);
         Self {
-            map: ColumnMap::new(problem, parameters, &poses.layout),
+            map: ColumnMap::new(problem, parameters, poses.layout()),
             poses,
             home_evaluator,
             home,
@@ -47,12 +48,24 @@ impl<'a, T: Packet> Evaluated<'a, T> {
     }
 
     /// At a solution, with all details.
-    pub fn at(token: T::Token, problem: &'a Problem<'a>, solution: &Solution) -> Self {
+    pub fn at(
+        token: T::Token,
+        problem: &'a Problem<'a>,
+        solution: &Solution,
+        division: Division,
+    ) -> Self {
         let fitted = &solution.poses[usize::from(problem.home_row().is_some())..];
         let (rows, poses): (Vec<usize>, Vec<Pose>) = fitted.iter().copied().unzip();
         let (globals, parameters) = (&solution.globals, &solution.parameters);
-        let mut evaluated = Self::new(token, problem, globals, parameters, (rows, &poses));
-        evaluated.poses.detailed = true;
+        let mut evaluated = Self::new(
+            token,
+            problem,
+            globals,
+            parameters,
+            (&rows, &poses),
+            division,
+        );
+        evaluated.poses.set_detailed();
         evaluated
     }
 }

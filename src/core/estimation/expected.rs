@@ -8,7 +8,7 @@
 use nalgebra::DMatrix;
 
 use super::evaluated::Evaluated;
-use super::evaluator::{Elimination, Sums};
+use super::evaluator::{Division, Elimination, Sums};
 use super::globals::Globals;
 use super::parameter::Parameter;
 use super::problem::Problem;
@@ -43,9 +43,12 @@ impl ExpectedInformation {
         let parameters = problem.parameters();
         let rows = problem.pose_rows();
         assert_eq!(rows.len(), poses.len(), "one pose per row");
-        let mut at = Evaluated::<f64>::new((), problem, &globals, &parameters, (rows, poses));
+        let division = Division::default();
+        let poses_of_rows = (rows.as_slice(), poses);
+        let mut at =
+            Evaluated::<f64>::new((), problem, &globals, &parameters, poses_of_rows, division);
         let priors = Priors::evaluate(problem, &globals, &parameters);
-        let nothing = Sums::<f64>::new((), &at.poses.layout);
+        let nothing = Sums::<f64>::new((), at.poses.layout());
         Self {
             common: System::build(&nothing, &at.map, &at.home, &priors).information,
             home: home_information(problem, &parameters),
@@ -75,8 +78,9 @@ impl ExpectedInformation {
 }
 
 fn remaining_rows(at: &mut Evaluated<'_, f64>, index: usize) -> DMatrix<f64> {
-    let layout = at.poses.layout.clone();
-    let equations = at.poses.equations_at(index);
+    let layout = at.poses.layout().clone();
+    let (poses, index) = at.poses.part_with(index);
+    let equations = poses.equations_at(index);
     let mut elimination = Elimination::new(&layout, 0.0);
     elimination.eliminate(equations, &layout, 0.0);
     let measured: Vec<usize> = (0..layout.rows)

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::analysis::{is_tension_read, sd_of};
 use super::evaluated::Evaluated;
-use super::evaluator::{Elimination, NoiseEstimate};
+use super::evaluator::{Division, Elimination, Evaluator, NoiseEstimate};
 use super::observation::ObservationKind;
 use super::parameter::{Parameter, ParameterId};
 use super::problem::Problem;
@@ -94,7 +94,7 @@ impl<'a> Builder<'a> {
         Self {
             problem,
             solution,
-            at: Evaluated::at((), problem, solution),
+            at: Evaluated::at((), problem, solution, Division::default()),
             rows: Vec::new(),
             residual: Vec::new(),
             blocks: Vec::new(),
@@ -103,7 +103,7 @@ impl<'a> Builder<'a> {
     }
 
     fn build(mut self) -> Linearisation {
-        for index in 0..self.at.poses.rows().len() {
+        for index in 0..self.at.poses.len() {
             self.add_pose(index);
         }
         self.add_home();
@@ -126,11 +126,12 @@ impl<'a> Builder<'a> {
 
     fn add_pose(&mut self, index: usize) {
         // Twice: the first time finds the tensions at which the second linearises.
-        self.at.poses.equations_at(index);
-        self.at.poses.equations_at(index);
-        let row = self.at.poses.rows()[index];
-        let layout = self.at.poses.layout.clone();
-        let equations = self.at.poses.equations();
+        let (poses, index) = self.at.poses.part_with(index);
+        poses.equations_at(index);
+        poses.equations_at(index);
+        let row = poses.rows()[index];
+        let layout = poses.layout.clone();
+        let equations = poses.equations();
         let mut elimination = Elimination::new(&layout, 0.0);
         elimination.eliminate(equations, &layout, 0.0);
         let present: Vec<usize> = (0..layout.rows)
@@ -150,7 +151,7 @@ impl<'a> Builder<'a> {
             present.len(),
             present.iter().map(|r| equations.residual[*r]),
         );
-        let (kinds, noise) = self.noise_of(row, &present);
+        let (kinds, noise) = noise_of(self.problem, poses, (row, &present));
         let remainder = &noise - (&noise * &basis) * basis.transpose();
         let first = self.rows.len();
         self.rows.extend(kinds);
@@ -162,41 +163,6 @@ impl<'a> Builder<'a> {
             remainder,
             pose_by_parameter: self.pose_by_parameter(&elimination),
         });
-    }
-
-    /// The estimates of the noise of each reading, in its standard deviations, as a linear map of the whitened rows
-    /// that are present.
-    fn noise_of(&self, row: usize, present: &[usize]) -> (Vec<LinearRow>, DMatrix<f64>) {
-        let poses = &self.at.poses;
-        let is_assumed = self.problem.assumes_tensions();
-        let read = |kind: ObservationKind, own: usize| match kind {
-            ObservationKind::Tension(cable) => {
-                is_assumed || is_tension_read(self.problem, poses, (row, cable))
-            }
-            _ => present.contains(&own),
-        };
-        let estimates = poses.noise_estimates();
-        let estimates: Vec<_> = estimates
-            .iter()
-            .filter(|one| read(one.kind, one.row))
-            .collect();
-        let of = |one: &&NoiseEstimate<f64>| LinearRow {
-            row: Some(row),
-            kind: match one.kind {
-                ObservationKind::Tension(cable) if is_assumed => RowKind::AssumedTension(cable),
-                kind => RowKind::Observation(kind),
-            },
-            sd: sd_of(self.problem, poses, one.kind, row),
-        };
-        let balance = poses.layout.equilibrium;
-        let entry = |reading: usize, column: usize| {
-            let (one, row) = (estimates[reading], present[column]);
-            let shared = balance.and_then(|first| one.balance.get(row.checked_sub(first)?));
-            let own = if row == one.row { one.own } else { 0.0 };
-            own + shared.copied().unwrap_or(0.0)
-        };
-        let map = DMatrix::from_fn(estimates.len(), present.len(), entry);
-        (estimates.iter().map(of).collect(), map)
     }
 
     fn pose_by_parameter(&self, elimination: &Elimination<f64>) -> DMatrix<f64> {
@@ -262,4 +228,42 @@ impl<'a> Builder<'a> {
             self.blocks.push(block);
         }
     }
+}
+
+/// The estimates of the noise of each reading, in its standard deviations, as a linear map of the whitened rows
+/// that are present.
+fn noise_of(
+    problem: &Problem<'_>,
+    poses: &Evaluator<'_, f64>,
+    (row, present): (usize, &[usize]),
+) -> (Vec<LinearRow>, DMatrix<f64>) {
+    let is_assumed = problem.assumes_tensions();
+    let read = |kind: ObservationKind, own: usize| match kind {
+        ObservationKind::Tension(cable) => {
+            is_assumed || is_tension_read(problem, poses, (row, cable))
+        }
+        _ => present.contains(&own),
+    };
+    let estimates = poses.noise_estimates();
+    let estimates: Vec<_> = estimates
+        .iter()
+        .filter(|one| read(one.kind, one.row))
+        .collect();
+    let of = |one: &&NoiseEstimate<f64>| LinearRow {
+        row: Some(row),
+        kind: match one.kind {
+            ObservationKind::Tension(cable) if is_assumed => RowKind::AssumedTension(cable),
+            kind => RowKind::Observation(kind),
+        },
+        sd: sd_of(problem, poses, one.kind, row),
+    };
+    let balance = poses.layout.equilibrium;
+    let entry = |reading: usize, column: usize| {
+        let (one, row) = (estimates[reading], present[column]);
+        let shared = balance.and_then(|first| one.balance.get(row.checked_sub(first)?));
+        let own = if row == one.row { one.own } else { 0.0 };
+        own + shared.copied().unwrap_or(0.0)
+    };
+    let map = DMatrix::from_fn(estimates.len(), present.len(), entry);
+    (estimates.iter().map(of).collect(), map)
 }

@@ -28,6 +28,7 @@ mod system;
 
 pub use analysis::{Analysis, SUSPECT_LEVEL};
 pub use covariance::covariance_of;
+pub use evaluator::Division;
 pub use expected::ExpectedInformation;
 pub use globals::Globals;
 pub use linearisation::{LinearRow, Linearisation, PoseBlock, RowKind};

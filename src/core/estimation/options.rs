@@ -1,5 +1,7 @@
 //! Options of the solver and what it reports while it runs.
 
+use super::evaluator::Division;
+
 /// How to solve. The defaults suit every problem; the rest is for tests and special cases.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
@@ -28,6 +30,8 @@ pub struct Options {
     /// Chi-square per degree of freedom of a local minimum, from which the solve starts again at the poses that forward
     /// kinematics gives: no drawing or instrument is wrong by so much.
     pub local_minimum_misfit: f64,
+    /// How many poses are divided between threads; their number does not change the result.
+    pub division: Division,
 }
 
 impl Default for Options {
@@ -43,6 +47,7 @@ impl Default for Options {
             settling_passes: 3,
             largest_start_misfit: 20.0,
             local_minimum_misfit: 1e3,
+            division: Division::default(),
         }
     }
 }

@@ -6,7 +6,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::EstimationError;
-use super::evaluator::Evaluator;
+use super::evaluator::{Division, Evaluator, Parts};
 use super::globals::Globals;
 use super::home::{HomeRow, direct_column};
 use super::options::{Control, Options, Progress, Termination};
@@ -94,7 +94,9 @@ impl WithSimd for Dispatch<'_, '_> {
     type Output = Result<Solution, EstimationError>;
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let problem = self.problem;
-        let from = |start: Start<'_>| LevenbergMarquardt::<Lanes<S>>::new(simd, problem, start);
+        let division = self.options.division;
+        let from =
+            |start: Start<'_>| LevenbergMarquardt::<Lanes<S>>::new(simd, problem, start, division);
         let start = from(Start::of(problem, self.options));
         start.check_effects()?;
         let first = start.run(self.options, self.observer);
@@ -119,7 +121,7 @@ pub(super) struct LevenbergMarquardt<'a, T: Packet> {
     map: ColumnMap,
     huber: Option<f64>,
     globals: Globals,
-    poses: Evaluator<'a, T>,
+    poses: Parts<'a, T>,
     home_evaluator: Option<Evaluator<'a, f64>>,
     home: HomeRow,
     priors: Priors,
@@ -128,12 +130,17 @@ pub(super) struct LevenbergMarquardt<'a, T: Packet> {
 }
 
 impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
-    pub(super) fn new(token: T::Token, problem: &'a Problem<'a>, start: Start<'_>) -> Self {
+    pub(super) fn new(
+        token: T::Token,
+        problem: &'a Problem<'a>,
+        start: Start<'_>,
+        division: Division,
+    ) -> Self {
         let globals = start.globals(problem);
         let parameters = problem.parameters();
         let rows = problem.pose_rows();
         let poses = start.poses(problem, &globals, &rows);
-        let poses = Evaluator::<T>::new(token, problem, &globals, rows, &poses);
+        let poses = Parts::<T>::new(token, problem, &globals, (&rows, &poses), division);
         let counts_from_home = !problem.dataset.measurements.revolutions.is_empty();
         let home_evaluator = problem
             .home_row()
@@ -141,7 +148,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             .map(|row| Evaluator::home((), problem, &globals, row));
         let mut solver = Self {
             problem,
-            map: ColumnMap::new(problem, &parameters, &poses.layout),
+            map: ColumnMap::new(problem, &parameters, poses.layout()),
             huber: match problem.loss {
                 Loss::Square => None,
                 Loss::Huber(limit) => Some(limit),
@@ -183,7 +190,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
 
     /// Whether any reading depends on a parameter.
     fn depends_on(&self, parameter: usize) -> bool {
-        let (sums, layout, home) = (&self.poses.sums, &self.poses.layout, &self.home);
+        let (sums, layout, home) = (self.poses.sums(), self.poses.layout(), &self.home);
         let column = direct_column(&self.parameters[parameter].id, layout, self.problem);
         let at_poses = column.is_some_and(|column| sums.concerns(column));
         let rows = home.gradients.chunks_exact(self.parameters.len());
@@ -206,16 +213,15 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             );
         }
         self.priors = Priors::evaluate(self.problem, &self.globals, &self.parameters);
-        self.poses
-            .set_globals(&self.globals, Some(&self.home.lengths));
+        self.poses.set_globals(&self.globals, &self.home.lengths);
     }
 
     fn loss(&self) -> f64 {
-        self.poses.sums.loss + self.home.loss + self.priors.loss
+        self.poses.sums().loss + self.home.loss + self.priors.loss
     }
 
     fn system(&self) -> System {
-        System::build(&self.poses.sums, &self.map, &self.home, &self.priors)
+        System::build(self.poses.sums(), &self.map, &self.home, &self.priors)
     }
 
     pub(super) fn run(
@@ -254,7 +260,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             self.damp(search, options.raised(search.damping));
             return None;
         };
-        let predicted = predicted + self.poses.sums.predicted_reduction;
+        let predicted = predicted + self.poses.sums().predicted_reduction;
         let negligible = match self.problem.method {
             Method::Joint => options.negligible,
             Method::Simple => 0.0,
@@ -323,7 +329,8 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         let loss = self.loss();
         let before = (self.globals.clone(), self.home.clone(), self.priors.clone());
         // The poses move first: their step belongs to the values at which they were eliminated.
-        self.poses.take_step(self.map.column_step(&self.home, step));
+        self.poses
+            .take_step(&self.map.column_step(&self.home, step));
         self.globals.step(self.problem, &self.parameters, step);
         self.evaluate_home();
         let next = options.lowered(search.damping);
@@ -338,8 +345,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         }
         (self.globals, self.home, self.priors) = before;
         self.poses.undo_step();
-        self.poses
-            .set_globals(&self.globals, Some(&self.home.lengths));
+        self.poses.set_globals(&self.globals, &self.home.lengths);
         search.rejected = true;
         self.damp(search, options.raised(search.damping));
     }
@@ -358,7 +364,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         if !self.problem.assumes_tensions() {
             return 0.0;
         }
-        let rows = self.poses.rows().len() + usize::from(self.home_evaluator.is_some());
+        let rows = self.poses.len() + usize::from(self.home_evaluator.is_some());
         (self.problem.dataset.robot.platform.freedom().count() * rows) as f64
     }
 
@@ -374,20 +380,18 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             .filter(|p| p.prior_sd.is_some())
             .count();
         let observations =
-            self.poses.sums.readings + self.home.readings + priors as f64 - self.assumed();
-        let unknowns = self.poses.sums.coordinates + self.parameters.len() as f64;
+            self.poses.sums().readings + self.home.readings + priors as f64 - self.assumed();
+        let unknowns = self.poses.sums().coordinates + self.parameters.len() as f64;
         let free = match self.problem.poses {
             Poses::Estimated => self.problem.dataset.robot.platform.freedom().count(),
             Poses::HeldAtTracker => 0,
         };
-        let all = free * self.poses.rows().len();
-        let rows = self.poses.rows().to_vec();
+        let all = free * self.poses.len();
         let home = self
             .home_evaluator
             .as_ref()
             .map(|e| (e.rows()[0], self.globals.home));
-        let fitted = rows.into_iter().zip(self.poses.poses());
-        let poses: Vec<_> = home.into_iter().chain(fitted).collect();
+        let poses: Vec<_> = home.into_iter().chain(self.poses.poses()).collect();
         Solution {
             outside_surface: outside_surface(self.problem, &self.globals, &poses),
             poses,
@@ -399,7 +403,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             iterations: search.iterations,
             chi2,
             degrees_of_freedom: observations - unknowns,
-            undetermined_coordinates: all - self.poses.sums.coordinates as usize,
+            undetermined_coordinates: all - self.poses.sums().coordinates as usize,
         }
     }
 }

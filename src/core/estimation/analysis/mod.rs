@@ -19,7 +19,7 @@ use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::evaluated::Evaluated;
-use super::evaluator::Evaluator;
+use super::evaluator::{Division, Evaluator};
 use super::observation::{DetectionTest, Observation, ObservationKind};
 use super::parameter::ParameterId;
 use super::problem::Problem;
@@ -58,10 +58,16 @@ impl Analysis {
     /// Analyses the residuals of `problem` at `solution`.
     #[must_use]
     pub fn new(problem: &Problem<'_>, solution: &Solution) -> Self {
+        Self::divided(problem, solution, Division::default())
+    }
+
+    /// The same with the poses divided in another way.
+    pub(super) fn divided(problem: &Problem<'_>, solution: &Solution, division: Division) -> Self {
         Arch::new().dispatch(Dispatch {
             problem,
             solution,
             keeps_all: true,
+            division,
         })
     }
 
@@ -72,6 +78,7 @@ impl Analysis {
             problem,
             solution,
             keeps_all: false,
+            division: Division::default(),
         })
     }
 
@@ -112,23 +119,33 @@ fn size(reading: &Observation) -> f64 {
 
 impl ResidualSums {
     fn add(&mut self, reading: &Observation) {
-        let square = reading.residual().powi(2);
-        match self
-            .kinds
-            .iter_mut()
-            .find(|(kind, ..)| *kind == reading.kind)
-        {
-            Some((_, count, sum)) => {
-                *count += 1;
-                *sum += square;
-            }
-            None => self.kinds.push((reading.kind, 1, square)),
-        }
+        self.add_squares((reading.kind, 1, reading.residual().powi(2)));
         self.count += 1;
         // More readings only lower the level, so that nothing is missed.
         if size(reading) > NEVER_SUSPECT && self.is_suspect(reading) {
             self.suspects.push(*reading);
         }
+    }
+
+    /// Adds a number of readings of a kind with the sum of their squared residuals.
+    fn add_squares(&mut self, (kind, more, squares): (ObservationKind, usize, f64)) {
+        match self.kinds.iter_mut().find(|(known, ..)| *known == kind) {
+            Some((_, count, sum)) => {
+                *count += more;
+                *sum += squares;
+            }
+            None => self.kinds.push((kind, more, squares)),
+        }
+    }
+
+    /// Adds the sums over other readings. Fewer readings only raise the level, so that nothing suspect is missing there.
+    fn add_sums(&mut self, other: Self) {
+        other
+            .kinds
+            .into_iter()
+            .for_each(|one| self.add_squares(one));
+        self.count += other.count;
+        self.suspects.extend(other.suspects);
     }
 
     /// Level of the test of one reading.
@@ -154,6 +171,7 @@ struct Dispatch<'a> {
     problem: &'a Problem<'a>,
     solution: &'a Solution,
     keeps_all: bool,
+    division: Division,
 }
 
 impl WithSimd for Dispatch<'_> {
@@ -165,16 +183,18 @@ impl WithSimd for Dispatch<'_> {
 
 fn analyse<T: Packet>(token: T::Token, dispatch: &Dispatch<'_>) -> Analysis {
     let (problem, solution) = (dispatch.problem, dispatch.solution);
-    let mut at = Evaluated::<T>::at(token, problem, solution);
+    let mut at = Evaluated::<T>::at(token, problem, solution, dispatch.division);
     let own = covariance_at(&mut at, problem, solution);
     let covariance = own.as_ref();
-    let mut collector = Collector {
+    let by_column = covariance.map(|c| at.map.column_covariance(&at.home, c));
+    let collector = || Collector {
         problem,
-        covariance: covariance.map(|c| at.map.column_covariance(&at.home, c)),
+        covariance: by_column.as_ref(),
         keeps_all: dispatch.keeps_all,
         observations: Vec::new(),
         sums: ResidualSums::default(),
     };
+    let mut home_readings = Vec::new();
     if let Some((row, evaluator)) = &mut at.home_evaluator {
         let home = HomeReadings {
             problem,
@@ -182,24 +202,33 @@ fn analyse<T: Packet>(token: T::Token, dispatch: &Dispatch<'_>) -> Analysis {
             covariance,
             row: *row,
         };
-        for reading in home.instruments(evaluator, &at.home) {
-            collector.add(reading);
-        }
-        for reading in home.tensions() {
-            collector.add(reading);
-        }
+        home_readings.extend(home.instruments(evaluator, &at.home));
+        home_readings.extend(home.tensions());
     }
-    T::run(
-        token,
-        AnalysePoses {
-            evaluator: &mut at.poses,
-            collector: &mut collector,
+    let mut home_readings = home_readings.into_iter();
+    let with_home = || {
+        // The readings at home go before those of the first part.
+        let mut collector = collector();
+        home_readings.by_ref().for_each(|one| collector.add(one));
+        collector
+    };
+    let parts = at.poses.work_out(with_home, |evaluator, collector| {
+        T::run(
             token,
-        },
-    );
+            AnalysePoses {
+                evaluator,
+                collector,
+                token,
+            },
+        );
+    });
+    let parts = parts.into_iter();
+    let all = parts
+        .reduce(Collector::followed_by)
+        .unwrap_or_else(collector);
     Analysis {
-        observations: collector.observations,
-        sums: collector.sums.finish(),
+        observations: all.observations,
+        sums: all.sums.finish(),
         prior_redundancies: prior_redundancies(problem, solution, covariance),
     }
 }
@@ -212,11 +241,10 @@ fn covariance_at<T: Packet>(
     solution: &Solution,
 ) -> Option<DMatrix<f64>> {
     solution.covariance.as_ref()?;
-    // Twice: the first pass finds the tensions at which the equilibrium is linearised.
-    at.poses.assemble(None, 0.0);
+    at.poses.find_tensions();
     at.poses.assemble(None, 0.0);
     let priors = Priors::evaluate(problem, &solution.globals, &solution.parameters);
-    System::build(&at.poses.sums, &at.map, &at.home, &priors).covariance()
+    System::build(at.poses.sums(), &at.map, &at.home, &priors).covariance()
 }
 
 /// Standard deviation of a reading in a row that `evaluator` has (SI units).
@@ -287,7 +315,7 @@ fn prior_redundancies(
 
 struct Collector<'a> {
     problem: &'a Problem<'a>,
-    covariance: Option<DMatrix<f64>>,
+    covariance: Option<&'a DMatrix<f64>>,
     /// Whether single readings are kept.
     keeps_all: bool,
     observations: Vec<Observation>,
@@ -300,5 +328,12 @@ impl Collector<'_> {
         if self.keeps_all {
             self.observations.push(reading);
         }
+    }
+
+    /// With the readings of the poses after its own.
+    fn followed_by(mut self, next: Self) -> Self {
+        self.observations.extend(next.observations);
+        self.sums.add_sums(next.sums);
+        self
     }
 }

@@ -7,13 +7,13 @@ use crate::estimation::evaluator::{Elimination, Equations, Evaluator, Layout, No
 use crate::estimation::observation::{Observation, ObservationKind, Pull};
 use crate::real::{Kernel, Packet};
 
-pub(super) struct AnalysePoses<'e, 'a, T: Packet> {
+pub(super) struct AnalysePoses<'e, 'a, 'c, T: Packet> {
     pub evaluator: &'e mut Evaluator<'a, T>,
-    pub collector: &'e mut Collector<'a>,
+    pub collector: &'e mut Collector<'c>,
     pub token: T::Token,
 }
 
-impl<T: Packet> Kernel for AnalysePoses<'_, '_, T> {
+impl<T: Packet> Kernel for AnalysePoses<'_, '_, '_, T> {
     type Output = ();
     #[inline(always)]
     fn call(mut self) {
@@ -155,7 +155,7 @@ impl<T: Packet> RowSum<T> {
             pulled: zero,
             pull_squared: zero,
         };
-        if let Some(covariance) = &collector.covariance {
+        if let Some(covariance) = collector.covariance {
             reading.redundancy = reading.redundancy - self.variance(covariance);
             if collector.keeps_all || reading.may_be_suspect() {
                 self.pull(covariance, layout, &mut reading);
@@ -221,7 +221,7 @@ fn lanes<T: Packet>(values: impl ExactSizeIterator<Item = T>) -> Vec<f64> {
     lanes
 }
 
-impl<T: Packet> AnalysePoses<'_, '_, T> {
+impl<T: Packet> AnalysePoses<'_, '_, '_, T> {
     fn collect(&mut self, batch: usize, estimates: &[NoiseEstimate<T>], found: &[Reading<T>]) {
         let present = lanes(self.evaluator.equations().present.iter().copied());
         let standardised = lanes(found.iter().map(|one| one.standardised));

@@ -46,12 +46,14 @@ pub(super) struct CableColumns {
 }
 
 /// Which rows are packed, and as what.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Selection<'a> {
-    pub rows: &'a [usize],
+#[derive(Debug, Clone)]
+pub(super) struct Selection {
+    pub rows: Vec<usize>,
     pub is_home: bool,
     /// What effects may depend on; there if there are effects or motion.
-    pub contexts: Option<&'a PoseContexts>,
+    pub contexts: Option<Arc<PoseContexts>>,
+    /// The row at which effects say how they scale noise, the same for all parts of a problem.
+    pub noise_row: Option<usize>,
 }
 
 /// What effects may depend on: as the problem knows it, else at the commanded poses, else the tracker's, else
@@ -100,10 +102,10 @@ fn nominal_paid(cable: &Cable, data: &Measurements, at: (usize, usize), is_home:
 }
 
 /// Tension of a `(row, cable)` by its sensor or as assumed (N); 0 without either, NaN where it was not read.
-fn nominal_tension(problem: &Problem<'_>, selection: Selection<'_>, at: (usize, usize)) -> f64 {
+fn nominal_tension(problem: &Problem<'_>, selection: &Selection, at: (usize, usize)) -> f64 {
     let data = &problem.dataset.measurements;
     let sensor = problem.dataset.robot.cables[at.1].force_sensor;
-    match (selection.contexts, sensor) {
+    match (&selection.contexts, sensor) {
         (Some(contexts), _) if problem.assumes_tensions() => contexts.cable(at.0, at.1).tension_n,
         (_, Some(sensor)) if !data.force_n.is_empty() => {
             sensor.tension_n(data.force_n.get(at.0, at.1))
@@ -115,7 +117,7 @@ fn nominal_tension(problem: &Problem<'_>, selection: Selection<'_>, at: (usize, 
 /// The ports of the cable of a `(row, cable)` before any effect.
 fn nominal_cable_ports(
     problem: &Problem<'_>,
-    selection: Selection<'_>,
+    selection: &Selection,
     at: (usize, usize),
 ) -> CablePorts {
     let cable = &problem.dataset.robot.cables[at.1];
@@ -125,18 +127,18 @@ fn nominal_cable_ports(
     CablePorts::nominal(cable, paid, tension)
 }
 
-/// Change of a port per unit of the reading behind it, at the first selected row; its slope is that by the `chosen`
+/// Change of a port per unit of the reading behind it, at one row; its slope is that by the `chosen`
 /// parameter. Every effect that acts on a reading scales it or adds to it. Noise is the reading's, so what
 /// scales a reading scales its noise: without this, readings that shrink would seem to fit better.
 fn reading_gain(
     problem: &Problem<'_>,
     globals: &Globals,
-    selection: Selection<'_>,
+    selection: &Selection,
     (index, port): (usize, CablePort),
     chosen: Option<usize>,
 ) -> Dual {
     let concerned = concerned(globals, |bound| bound.cables.contains(&index));
-    let (Some(contexts), Some(row)) = (selection.contexts, selection.rows.first()) else {
+    let (Some(contexts), Some(row)) = (&selection.contexts, selection.noise_row) else {
         return Dual::constant(1.0);
     };
     let cable = &problem.dataset.robot.cables[index];
@@ -145,7 +147,7 @@ fn reading_gain(
         let mut ports = CablePorts::nominal(cable, reading, reading);
         for k in &concerned {
             let effect = globals.effects[*k].effect;
-            (effect.change_cable)(&values[*k], contexts.cable(*row, index), &mut ports);
+            (effect.change_cable)(&values[*k], contexts.cable(row, index), &mut ports);
         }
         ports.get(port)
     };
@@ -164,7 +166,7 @@ impl NoiseGain {
     pub fn of(
         problem: &Problem<'_>,
         globals: &Globals,
-        selection: Selection<'_>,
+        selection: &Selection,
         index: usize,
     ) -> Self {
         let gain = |port| reading_gain(problem, globals, selection, (index, port), None).value;
@@ -211,7 +213,7 @@ impl<T: Packet> PortInputs<T> {
         token: T::Token,
         problem: &Problem<'_>,
         globals: &Globals,
-        selection: Selection<'_>,
+        selection: &Selection,
     ) -> Self {
         let mut store = ColumnStore::new(token);
         let robot = &problem.dataset.robot;
@@ -263,12 +265,12 @@ fn pack_platform<T: Packet>(
     store: &mut ColumnStore<T>,
     problem: &Problem<'_>,
     globals: &Globals,
-    selection: Selection<'_>,
+    selection: &Selection,
 ) -> (PlatformPorts<Column>, Vec<Link<PlatformPort>>) {
     let nominal = PlatformPorts::nominal(&problem.dataset.robot);
     let concerned = concerned(globals, BoundEffect::acts_on_platform);
     let mut links = Vec::new();
-    let (false, Some(contexts)) = (concerned.is_empty(), selection.contexts) else {
+    let (false, Some(contexts)) = (concerned.is_empty(), &selection.contexts) else {
         let columns = PlatformPorts::from_fn(|port| store.uniform(nominal.get(port).value));
         return (columns, links);
     };
@@ -311,7 +313,7 @@ fn pack_cable<T: Packet>(
     store: &mut ColumnStore<T>,
     problem: &Problem<'_>,
     globals: &Globals,
-    selection: Selection<'_>,
+    selection: &Selection,
     index: usize,
 ) -> CableColumns {
     let concerned = concerned(globals, |bound| bound.cables.contains(&index));
@@ -323,7 +325,7 @@ fn pack_cable<T: Packet>(
     }
     let ports_at = |row: usize, values: &[Vec<Dual>]| {
         let mut ports = nominal_cable_ports(problem, selection, (row, index));
-        if let Some(contexts) = selection.contexts {
+        if let Some(contexts) = &selection.contexts {
             let at = contexts.cable(row, index);
             for k in &concerned {
                 let effect = globals.effects[*k].effect;
@@ -392,7 +394,7 @@ fn padding_of(port: CablePort) -> Option<f64> {
 fn pack_without_effects<T: Packet>(
     store: &mut ColumnStore<T>,
     problem: &Problem<'_>,
-    selection: Selection<'_>,
+    selection: &Selection,
     index: usize,
 ) -> CablePorts<Column> {
     let data = &problem.dataset.measurements;

@@ -9,6 +9,7 @@ mod motion;
 mod noise;
 mod normal;
 mod packing;
+mod parts;
 mod platform_rows;
 mod rows;
 mod span;
@@ -25,6 +26,8 @@ pub(super) use equations::Equations;
 pub(super) use layout::{Layout, effect_columns};
 pub(super) use noise::NoiseEstimate;
 pub(super) use normal::{Elimination, Sums};
+pub use parts::Division;
+pub(super) use parts::Parts;
 
 use std::sync::Arc;
 
@@ -44,10 +47,7 @@ const POSE_NUMBERS: usize = 7;
 pub(super) struct Evaluator<'a, T: Packet> {
     token: T::Token,
     problem: &'a Problem<'a>,
-    rows: Vec<usize>,
-    is_home: bool,
-    /// What effects may depend on; there if there are effects or motion.
-    contexts: Option<Arc<PoseContexts>>,
+    selection: Selection,
     /// Whether tensions have errors of their own.
     is_latent: bool,
     pub layout: Layout,
@@ -88,34 +88,40 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         rows: Vec<usize>,
         start: &[Pose],
     ) -> Self {
-        Self::build(token, problem, globals, rows, start, false)
+        let selection = Selection {
+            noise_row: rows.first().copied(),
+            rows,
+            is_home: false,
+            contexts: contexts_of(problem),
+        };
+        Self::build(token, problem, globals, selection, start)
     }
 
     /// Packs the home row: its lengths are predictions, its tensions not latent.
     pub fn home(token: T::Token, problem: &'a Problem<'a>, globals: &Globals, row: usize) -> Self {
-        Self::build(token, problem, globals, vec![row], &[globals.home], true)
+        let selection = Selection {
+            rows: vec![row],
+            is_home: true,
+            contexts: contexts_of(problem),
+            noise_row: Some(row),
+        };
+        Self::build(token, problem, globals, selection, &[globals.home])
     }
 
     fn build(
         token: T::Token,
         problem: &'a Problem<'a>,
         globals: &Globals,
-        rows: Vec<usize>,
+        selection: Selection,
         start: &[Pose],
-        is_home: bool,
     ) -> Self {
+        let is_home = selection.is_home;
         let robot = &problem.dataset.robot;
         let zero = T::splat(token, 0.0);
         let layout = Layout::new(problem, effect_columns(problem));
         let mut readings = ColumnStore::new(token);
-        let platform = pack_instruments(&mut readings, problem, &layout, &rows);
-        let contexts = contexts_of(problem);
-        let selection = Selection {
-            rows: &rows,
-            is_home,
-            contexts: contexts.as_deref(),
-        };
-        let ports = PortInputs::build(token, problem, globals, selection);
+        let platform = pack_instruments(&mut readings, problem, &layout, &selection.rows);
+        let ports = PortInputs::build(token, problem, globals, &selection);
         let gravity = robot.gravity();
         let down = gravity.try_normalize(0.0).unwrap_or_default().into();
         let moving = problem.poses == Poses::Estimated || is_home;
@@ -131,7 +137,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             })
         });
         let constants = constants_of(problem, is_home);
-        let packets = rows.len().div_ceil(T::LANES);
+        let packets = selection.rows.len().div_ceil(T::LANES);
         let mut evaluator = Self {
             tension_errors: packed(packets * robot.cable_count() * T::LANES),
             constants,
@@ -152,9 +158,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             sums: Sums::new(token, &layout),
             token,
             problem,
-            rows,
-            is_home,
-            contexts,
+            selection,
             is_latent: problem.has_latent_tension() && !is_home,
             layout,
             ports,
@@ -167,17 +171,17 @@ impl<'a, T: Packet> Evaluator<'a, T> {
 
     /// Replaces what effects may depend on; takes effect with the next `set_globals`.
     pub fn set_contexts(&mut self, contexts: Arc<PoseContexts>) {
-        self.contexts = Some(contexts);
+        self.selection.contexts = Some(contexts);
     }
 
     /// Number of packets.
     pub fn batches(&self) -> usize {
-        self.rows.len().div_ceil(T::LANES)
+        self.selection.rows.len().div_ceil(T::LANES)
     }
 
     /// Rows of the measurements that are packed, in order.
     pub fn rows(&self) -> &[usize] {
-        &self.rows
+        &self.selection.rows
     }
 
     /// Takes over the common parameters; `home_lengths` are the unstrained lengths at home, or the
@@ -189,32 +193,22 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         for (cable, constants) in self.constants.iter().enumerate() {
             self.home_length[cable] = splat(match home_lengths {
                 Some(lengths) => lengths[cable],
-                None if self.is_home => 0.0,
+                None if self.selection.is_home => 0.0,
                 None => constants.run,
             });
         }
-        if !globals.effects.is_empty() || self.is_home {
-            let selection = Selection {
-                rows: &self.rows,
-                is_home: self.is_home,
-                contexts: self.contexts.as_deref(),
-            };
-            self.ports = PortInputs::build(self.token, self.problem, globals, selection);
+        if !globals.effects.is_empty() || self.selection.is_home {
+            self.ports = PortInputs::build(self.token, self.problem, globals, &self.selection);
         }
-        if !self.is_home && !globals.effects.is_empty() {
+        if !self.selection.is_home && !globals.effects.is_empty() {
             self.scale_noise(globals);
         }
     }
 
     fn scale_noise(&mut self, globals: &Globals) {
-        let selection = Selection {
-            rows: &self.rows,
-            is_home: false,
-            contexts: self.contexts.as_deref(),
-        };
         let nominal = constants_of(self.problem, false);
         for (index, (constants, nominal)) in self.constants.iter_mut().zip(&nominal).enumerate() {
-            let gain = NoiseGain::of(self.problem, globals, selection, index);
+            let gain = NoiseGain::of(self.problem, globals, &self.selection, index);
             constants.length_sd = nominal.length_sd * gain.length;
             constants.tension_sd = nominal.tension_sd * gain.tension;
         }
@@ -290,7 +284,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
                 std::array::from_fn(|k| at(index, 3 + k)),
             )
         };
-        (0..self.rows.len()).map(pose).collect()
+        (0..self.selection.rows.len()).map(pose).collect()
     }
 
     /// Sets the pose of a packed row, which must be the only one.

@@ -23,10 +23,10 @@ impl MotionColumns {
     pub fn pack<T: Packet>(
         store: &mut ColumnStore<T>,
         problem: &Problem<'_>,
-        selection: Selection<'_>,
+        selection: &Selection,
     ) -> Option<Self> {
         problem.dataset.measurements.rates.as_ref()?;
-        let contexts = selection.contexts?;
+        let contexts = selection.contexts.as_ref()?;
         let mut six = |of: &dyn Fn(&PlatformContext, usize) -> f64| -> Vec<Column> {
             let column = |k: usize| {
                 let values = selection.rows.iter();

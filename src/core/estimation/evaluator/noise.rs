@@ -8,7 +8,7 @@
 use super::equations::Equations;
 use super::layout::Layout;
 use crate::estimation::observation::ObservationKind as Kind;
-use crate::real::Real;
+use crate::real::{Real, scaled};
 use crate::small_cholesky::back_substitute;
 
 /// The estimated noise of a reading, in its standard deviations, sign as prediction minus reading:
@@ -48,11 +48,15 @@ impl<T: Real> Equations<T> {
                     let shared = self.shared_row(cable, sizes, &multipliers);
                     let sd = zero.lift(sizes.length_m[cable]);
                     let share = zero - sd * shared.regression;
-                    (sd * shared.weight, shared.balance.map(|a| share * a))
+                    (sd * shared.weight, scaled(shared.balance, share))
                 }
                 Kind::Equilibrium(axis) => {
                     let sd = zero.lift(sizes.wrench[axis.index()]);
-                    (zero, multipliers.map(|lambda| sd * lambda[axis.index()]))
+                    let mut balance = [zero; 6];
+                    for (entry, lambda) in balance.iter_mut().zip(&multipliers) {
+                        *entry = sd * lambda[axis.index()];
+                    }
+                    (zero, balance)
                 }
                 _ => (one, [zero; 6]),
             };
@@ -72,7 +76,7 @@ impl<T: Real> Equations<T> {
                 kind: Kind::Tension(cable),
                 row: cable,
                 own: minus_sd * c * shared.weight,
-                balance: shared.balance.map(|a| share * a),
+                balance: scaled(shared.balance, share),
             });
         }
         estimates

@@ -380,6 +380,18 @@ impl<T: Packet> Sums<T> {
         }
     }
 
+    /// Adds those over other poses.
+    pub fn add_sums(&mut self, other: &Self) {
+        let own = self.information.iter_mut().chain(&mut *self.gradient);
+        for (sum, term) in own.zip(other.information.iter().chain(&*other.gradient)) {
+            *sum += term;
+        }
+        self.loss += other.loss;
+        self.predicted_reduction += other.predicted_reduction;
+        self.readings += other.readings;
+        self.coordinates += other.coordinates;
+    }
+
     /// Whether any row depends on a column; NaN counts as yes.
     pub fn concerns(&self, column: usize) -> bool {
         let first = entry(column, column) * T::LANES;

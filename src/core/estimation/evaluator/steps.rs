@@ -48,12 +48,12 @@ impl Eliminated {
 impl<T: Packet> Evaluator<'_, T> {
     /// Moves all poses by their part of the common `step` (per column), at the latest with the next
     /// [`assemble`](Self::assemble). Comes before [`set_globals`](Self::set_globals) moves the common parameters.
-    pub fn take_step(&mut self, step: Vec<f64>) {
+    pub fn take_step(&mut self, step: &[f64]) {
         self.previous.clone_from(&self.packed_poses);
         if self.is_stored() {
-            self.eliminated.step = Some(step);
+            self.eliminated.step = Some(step.to_vec());
         } else {
-            self.move_poses(&step);
+            self.move_poses(step);
         }
     }
 
@@ -224,8 +224,8 @@ mod tests {
                 for evaluator in [&mut stored, &mut again] {
                     evaluator.assemble(huber, damping);
                     let columns = evaluator.layout.columns;
-                    let step = (0..columns).map(|k| 1e-4 * (k as f64 - 7.0)).collect();
-                    evaluator.take_step(step);
+                    let step: Vec<f64> = (0..columns).map(|k| 1e-4 * (k as f64 - 7.0)).collect();
+                    evaluator.take_step(&step);
                     let mut moved = globals.clone();
                     moved.plane_offset_m += 1e-3;
                     evaluator.set_globals(&moved, None);

@@ -6,6 +6,7 @@ mod derivatives;
 mod evaluation;
 mod linearisation;
 mod missing;
+mod parts;
 mod plain;
 mod ports;
 mod rank;

@@ -92,7 +92,7 @@ fn joint_method_finds_the_minimum_of_problem_r2() {
 /// The solution with one instruction set after the other, as far as this processor has them.
 fn by_instruction_set(problem: &Problem<'_>) -> Vec<Solution> {
     fn with<T: Packet>(token: T::Token, problem: &Problem<'_>) -> Solution {
-        LevenbergMarquardt::<T>::new(token, problem, Start::Given)
+        LevenbergMarquardt::<T>::new(token, problem, Start::Given, Division::default())
             .run(&Options::default(), &mut quiet)
     }
     let mut solutions = vec![

@@ -1,0 +1,173 @@
+//! Poses in parts, which are evaluated on threads of their own and summed up in their order.
+//!
+//! Where a part ends depends on the number of poses alone, so that every number of threads gives the same result, to the last
+//! bit. Few poses are one part and start no thread.
+
+use std::sync::Arc;
+
+use super::inputs::{Selection, contexts_of};
+use super::layout::Layout;
+use super::normal::Sums;
+use super::steps::LARGEST_STORE;
+use super::{Evaluator, Globals, Pose, Problem};
+use crate::real::Packet;
+use crate::threads;
+
+/// Poses of a part: some milliseconds of work for a pass, against which a thread costs nothing. Whole packets of every
+/// instruction set.
+const POSES_PER_PART: usize = 1 << 14;
+
+/// How many poses are divided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Division {
+    /// Poses of a part, a multiple of 8.
+    pub poses_per_part: usize,
+    /// Most threads; as many as the processor runs at once without a number.
+    pub threads: Option<usize>,
+}
+
+impl Default for Division {
+    fn default() -> Self {
+        Self {
+            poses_per_part: POSES_PER_PART,
+            threads: None,
+        }
+    }
+}
+
+/// The equations of a set of poses, one evaluator for each part of them.
+#[derive(Clone)]
+pub(in crate::estimation) struct Parts<'a, T: Packet> {
+    /// At least one; the first has the sums over all of them.
+    parts: Vec<Evaluator<'a, T>>,
+    poses_per_part: usize,
+    threads: usize,
+}
+
+impl<'a, T: Packet> Parts<'a, T> {
+    /// Packs the poses of `rows`, starting from `start`.
+    pub fn new(
+        token: T::Token,
+        problem: &'a Problem<'a>,
+        globals: &Globals,
+        (rows, start): (&[usize], &[Pose]),
+        division: Division,
+    ) -> Self {
+        let size = division.poses_per_part;
+        let count = rows.len().div_ceil(size).max(1);
+        let threads = match (count, division.threads) {
+            (1, _) => 1,
+            (_, Some(most)) => most,
+            (_, None) => threads::available(),
+        };
+        let contexts = contexts_of(problem);
+        let part = |index: usize| {
+            let range = index * size..rows.len().min((index + 1) * size);
+            let selection = Selection {
+                rows: rows[range.clone()].to_vec(),
+                is_home: false,
+                contexts: contexts.as_ref().map(Arc::clone),
+                noise_row: rows.first().copied(),
+            };
+            let start = &start[range];
+            let mut part = Evaluator::build(token, problem, globals, selection, start);
+            part.eliminated.largest_store = LARGEST_STORE / count;
+            part
+        };
+        Self {
+            parts: threads::map(count, threads, part),
+            poses_per_part: size,
+            threads,
+        }
+    }
+
+    /// Does the same with every part.
+    fn for_each(&mut self, work: impl Fn(&mut Evaluator<'a, T>) + Sync) {
+        threads::for_each(&mut self.parts, self.threads, work);
+    }
+
+    /// Does the same with every part and what goes with it, which `with` makes; what it has become, in the order of the parts.
+    pub fn work_out<R: Send>(
+        &mut self,
+        with: impl FnMut() -> R,
+        work: impl Fn(&mut Evaluator<'a, T>, &mut R) + Sync,
+    ) -> Vec<R> {
+        let made = std::iter::repeat_with(with);
+        let mut pairs: Vec<_> = self.parts.iter_mut().zip(made).collect();
+        threads::for_each(&mut pairs, self.threads, |(part, own)| work(part, own));
+        pairs.into_iter().map(|(_, own)| own).collect()
+    }
+
+    /// The evaluator with the pose of this number, and its number there.
+    pub fn part_with(&mut self, pose: usize) -> (&mut Evaluator<'a, T>, usize) {
+        let size = self.poses_per_part;
+        (&mut self.parts[pose / size], pose % size)
+    }
+
+    /// How rows and columns are laid out.
+    pub fn layout(&self) -> &Layout {
+        &self.parts[0].layout
+    }
+
+    /// Sums of the last [`assemble`](Self::assemble).
+    pub fn sums(&self) -> &Sums<T> {
+        &self.parts[0].sums
+    }
+
+    /// Number of poses.
+    pub fn len(&self) -> usize {
+        self.parts.iter().map(|part| part.rows().len()).sum()
+    }
+
+    /// The present poses with their rows of the measurements, in order.
+    pub fn poses(&self) -> impl Iterator<Item = (usize, Pose)> {
+        let parts = self.parts.iter();
+        parts.flat_map(|part| part.rows().iter().copied().zip(part.poses()))
+    }
+
+    /// Whether the equations carry what only reports need.
+    pub fn set_detailed(&mut self) {
+        for part in &mut self.parts {
+            part.detailed = true;
+        }
+    }
+
+    /// Takes over the common parameters, see [`Evaluator::set_globals`].
+    pub fn set_globals(&mut self, globals: &Globals, home_lengths: &[f64]) {
+        self.for_each(|part| part.set_globals(globals, Some(home_lengths)));
+    }
+
+    /// Finds the tensions at which the next pass linearises the equilibrium.
+    pub fn find_tensions(&mut self) {
+        self.for_each(|part| {
+            for batch in 0..part.batches() {
+                part.equations_at(batch);
+            }
+        });
+    }
+
+    /// Evaluates all poses and sums up, at the poses after the step that was taken last.
+    pub fn assemble(&mut self, huber: Option<f64>, damping: f64) {
+        self.for_each(|part| part.assemble(huber, damping));
+        if let Some((first, rest)) = self.parts.split_first_mut() {
+            for part in rest {
+                first.sums.add_sums(&part.sums);
+            }
+        }
+    }
+
+    /// Moves all poses by their part of the common `step`, see [`Evaluator::take_step`].
+    pub fn take_step(&mut self, step: &[f64]) {
+        self.for_each(|part| part.take_step(step));
+    }
+
+    /// Goes back to the poses before the last step.
+    pub fn undo_step(&mut self) {
+        self.for_each(Evaluator::undo_step);
+    }
+
+    /// Moves all poses by their part of the common `step` now.
+    pub fn move_poses(&mut self, step: &[f64]) {
+        self.for_each(|part| part.move_poses(step));
+    }
+}
