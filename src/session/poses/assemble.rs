@@ -65,6 +65,10 @@ fn assemble(mut columns: Columns, robot: &Robot) -> Result<Measurements, Fault> 
 }
 
 fn check_labels(labels: &[i64]) -> Result<(), Fault> {
+    // Labels that only rise, as most do, need no table of those before.
+    if labels.is_sorted_by(|before, after| before < after) {
+        return Ok(());
+    }
     let mut rows = HashMap::with_capacity(labels.len());
     for (row, label) in labels.iter().enumerate() {
         if let Some(earlier) = rows.insert(*label, row) {
@@ -98,10 +102,11 @@ fn grid(columns: &mut Columns, quantity: PerCable, cables: usize) -> Grid {
     let Some(parts) = parts else {
         return Grid::default();
     };
+    // Row by row: that is how a grid lies in memory.
     let mut grid = Grid::missing(columns.labels.len(), cables);
-    for (cable, values) in parts.into_iter().enumerate() {
-        for (row, value) in values.into_iter().enumerate() {
-            grid.set(row, cable, value);
+    for row in 0..columns.labels.len() {
+        for (cable, values) in parts.iter().enumerate() {
+            grid.set(row, cable, values[row]);
         }
     }
     grid

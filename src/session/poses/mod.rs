@@ -11,7 +11,7 @@ use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 
 use crate::error::{Loaded, Place, ReadError};
-use crate::table::{Table, TableWriter};
+use crate::table::{FromRows, Row, Table, TableWriter};
 pub(crate) use column::{Column, Group};
 pub(crate) use columns::{Columns, Fault};
 pub(crate) use plausible::check_plausible;
@@ -27,26 +27,17 @@ pub fn read_poses(
     robot: &Robot,
 ) -> Result<Loaded<Measurements>, ReadError> {
     let mut table = Table::open(reader, file)?;
-    let (places, mut columns) = read_header(&table, robot)?;
+    let (places, columns) = read_header(&table, robot)?;
     let mut notices: Vec<String> = columns
         .other
         .iter()
         .map(|(name, _)| table.unknown_column(name, "kept"))
         .collect();
-    let mut lines = Vec::new();
-    while let Some(row) = table.next_row()? {
-        lines.push(row.line());
-        columns.labels.push(row.integer(places.label)?);
-        if let Some(cell) = places.group {
-            columns.groups.push(row.text(cell).to_string());
-        }
-        for (cell, (_, values)) in places.numbers.iter().zip(&mut columns.numbers) {
-            values.push(row.number(*cell)?);
-        }
-        for (cell, (_, texts)) in places.other.iter().zip(&mut columns.other) {
-            texts.push(row.text(*cell).to_string());
-        }
-    }
+    let PoseRows { columns, lines, .. } = table.read_all(PoseRows {
+        places: &places,
+        lines: Vec::new(),
+        columns,
+    })?;
     let measurements = columns
         .into_measurements(robot)
         .and_then(|measurements| check_home(&measurements, robot).map(|()| measurements))
@@ -93,6 +84,56 @@ struct Places {
     group: Option<usize>,
     numbers: Vec<usize>,
     other: Vec<usize>,
+}
+
+/// Rows as columns, and the line of each.
+struct PoseRows<'a> {
+    places: &'a Places,
+    lines: Vec<u64>,
+    columns: Columns,
+}
+
+impl FromRows for PoseRows<'_> {
+    fn empty(&self) -> Self {
+        let numbers = self.columns.numbers.iter();
+        let other = self.columns.other.iter();
+        Self {
+            places: self.places,
+            lines: Vec::new(),
+            columns: Columns {
+                numbers: numbers.map(|(column, _)| (*column, Vec::new())).collect(),
+                other: other.map(|(name, _)| (name.clone(), Vec::new())).collect(),
+                ..Columns::default()
+            },
+        }
+    }
+
+    fn add(&mut self, row: &Row<'_>) -> Result<(), ReadError> {
+        let (places, columns) = (self.places, &mut self.columns);
+        self.lines.push(row.line());
+        columns.labels.push(row.integer(places.label)?);
+        if let Some(cell) = places.group {
+            columns.groups.push(row.text(cell).to_string());
+        }
+        for (cell, (_, values)) in places.numbers.iter().zip(&mut columns.numbers) {
+            values.push(row.number(*cell)?);
+        }
+        for (cell, (_, texts)) in places.other.iter().zip(&mut columns.other) {
+            texts.push(row.text(*cell).to_string());
+        }
+        Ok(())
+    }
+
+    fn append(&mut self, next: Self) {
+        let (columns, next_columns) = (&mut self.columns, next.columns);
+        self.lines.extend(next.lines);
+        columns.labels.extend(next_columns.labels);
+        columns.groups.extend(next_columns.groups);
+        let numbers = columns.numbers.iter_mut().zip(next_columns.numbers);
+        numbers.for_each(|((_, values), (_, more))| values.extend(more));
+        let other = columns.other.iter_mut().zip(next_columns.other);
+        other.for_each(|((_, texts), (_, more))| texts.extend(more));
+    }
 }
 
 /// Finds the columns, still without rows.

@@ -1,8 +1,9 @@
 //! Values that fit the format but not the robot: wrong units, missing home, unknown instruments.
 
-use tautline_core::geometry::Vec3;
+use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::measurement::{Grid, Measurements};
 use tautline_core::robot::{Cable, Robot};
+use tautline_core::threads;
 
 use super::column::{Group, PerCable};
 use super::columns::Fault;
@@ -13,6 +14,8 @@ const FRAME_SIZES: f64 = 10.0;
 /// A laser may look far out of the frame.
 const LASER_FRAME_SIZES: f64 = 30.0;
 const FARTHEST_LASER_M: f64 = 1000.0;
+/// Poses that one thread checks at a time: some milliseconds.
+const REACHED_TOGETHER: usize = 1 << 14;
 /// A revolution of the encoders at home by less cable than this is noise.
 const HOME_LENGTH_M: f64 = 5e-3;
 
@@ -40,12 +43,28 @@ pub(crate) fn check_plausible(measurements: &Measurements, robot: &Robot) -> Res
         check_lengths(m, robot, size_m)?;
         check_laser(&m.laser_m, size_m)?;
     }
-    for (row, pose) in m.commanded.iter().enumerate() {
-        if let Some(Err(error)) = pose.as_ref().map(|pose| robot.check_reach(pose)) {
-            return Fault::at(row, Group::Commanded.names()[0], error.message);
-        }
+    check_reach(&m.commanded, robot)
+}
+
+/// Checks that cables lead to all poses, many poses on several threads.
+fn check_reach(poses: &[Option<Pose>], robot: &Robot) -> Result<(), Fault> {
+    let parts: Vec<_> = poses.chunks(REACHED_TOGETHER).collect();
+    let first_fault = |part: usize| {
+        let mut poses = parts[part].iter().enumerate();
+        poses.find_map(|(index, pose)| {
+            let error = robot.check_reach(pose.as_ref()?).err()?;
+            Some((part * REACHED_TOGETHER + index, error.message))
+        })
+    };
+    let threads = match parts.len() {
+        0 | 1 => 1,
+        _ => threads::available(),
+    };
+    let mut faults = threads::map(parts.len(), threads, first_fault).into_iter();
+    match faults.find_map(|fault| fault) {
+        Some((row, message)) => Fault::at(row, Group::Commanded.names()[0], message),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 fn check_positions(m: &Measurements, robot: &Robot, size_m: f64) -> Result<(), Fault> {

@@ -9,6 +9,8 @@ mod write;
 use std::collections::HashMap;
 use std::io::BufRead;
 
+use tautline_core::threads;
+
 use crate::error::{Place, ReadError, quoted};
 pub use formula::escape_formula;
 use formula::unescape_formula;
@@ -16,6 +18,9 @@ use lines::Lines;
 pub(crate) use quaternion::quaternion_fault;
 pub(crate) use write::TableWriter;
 pub use write::csv_row;
+
+/// Bytes of text that one thread parses at a time. Smaller tables are read without starting any.
+const BATCH: usize = 1 << 22;
 
 /// A table that is read row by row.
 pub(crate) struct Table<R> {
@@ -50,6 +55,23 @@ pub(crate) struct Row<'a> {
     ends: &'a [usize],
 }
 
+/// What is made of the rows of a table.
+pub(crate) trait FromRows: Send + Sync {
+    /// The same without any row.
+    fn empty(&self) -> Self;
+    /// Adds a row.
+    fn add(&mut self, row: &Row<'_>) -> Result<(), ReadError>;
+    /// Adds the rows that follow.
+    fn append(&mut self, next: Self);
+}
+
+/// Records that are parsed together: their text in one piece, the line of each and where it ends.
+#[derive(Default)]
+struct Batch {
+    text: Vec<u8>,
+    records: Vec<(u64, usize)>,
+}
+
 impl<R: BufRead> Table<R> {
     /// Reads the header row.
     pub fn open(reader: R, file: &str) -> Result<Self, ReadError> {
@@ -61,8 +83,7 @@ impl<R: BufRead> Table<R> {
         // German Excel separates by semicolons, because the comma is the decimal separator.
         let count = |c: u8| record.iter().filter(|byte| **byte == c).count();
         let decimal_comma = count(b';') > count(b',');
-        let delimiter = if decimal_comma { b';' } else { b',' };
-        let mut cells = Cells::new(delimiter);
+        let mut cells = Cells::new(decimal_comma);
         cells.split(record, file, line)?;
         let text = utf8(&cells.text, file, line)?;
         let names = (0..cells.ends.len()).map(|k| cell(text, &cells.ends, k).to_string());
@@ -77,27 +98,47 @@ impl<R: BufRead> Table<R> {
 
     /// The next row, which has as many cells as the header.
     pub fn next_row(&mut self) -> Result<Option<Row<'_>>, ReadError> {
-        let header = &self.header;
         let Some((line, record)) = self.lines.next_record()? else {
-            return match self.rows {
-                0 => Err(ReadError::new(
-                    &header.file,
-                    Place::Line(header.line),
-                    "found a header row only, expected rows of data after it",
-                )),
-                _ => Ok(None),
-            };
+            return self.header.check_rows(self.rows).map(|()| None);
         };
         self.rows += 1;
-        self.cells.split(record, &header.file, line)?;
-        let text = utf8(&self.cells.text, &header.file, line)?;
-        header.check_count(line, self.cells.ends.len())?;
-        Ok(Some(Row {
-            header,
-            line,
-            text,
-            ends: &self.cells.ends,
-        }))
+        self.header.row(&mut self.cells, line, record).map(Some)
+    }
+
+    /// Adds all rows to `all`, a batch of rows on each thread at a time. Errors are those of reading row by row.
+    pub fn read_all<B: FromRows>(&mut self, mut all: B) -> Result<B, ReadError> {
+        // Only a table of more than one batch is worth asking for threads.
+        let mut threads = 1;
+        let mut more = Ok(true);
+        while let Ok(true) = more {
+            let mut batches = Vec::new();
+            while batches.len() < threads && matches!(more, Ok(true)) {
+                let mut batch = Batch::default();
+                more = self.fill(&mut batch);
+                batches.push(batch);
+            }
+            let parse = |index: usize| batches[index].parse(&self.header, all.empty());
+            for parsed in threads::map(batches.len(), threads, parse) {
+                all.append(parsed?);
+            }
+            threads = threads::available();
+        }
+        more?;
+        self.header.check_rows(self.rows)?;
+        Ok(all)
+    }
+
+    /// Fills a batch; whether there may be more rows after it.
+    fn fill(&mut self, batch: &mut Batch) -> Result<bool, ReadError> {
+        while batch.text.len() < BATCH {
+            let Some((line, record)) = self.lines.next_record()? else {
+                return Ok(false);
+            };
+            self.rows += 1;
+            batch.text.extend_from_slice(record);
+            batch.records.push((line, batch.text.len()));
+        }
+        Ok(true)
     }
 
     /// Names of the columns in the order of the file.
@@ -179,6 +220,32 @@ impl Header {
         ReadError::new(&self.file, place, message)
     }
 
+    /// The row of a record, which has as many cells as the header.
+    fn row<'a>(
+        &'a self,
+        cells: &'a mut Cells,
+        line: u64,
+        record: &[u8],
+    ) -> Result<Row<'a>, ReadError> {
+        cells.split(record, &self.file, line)?;
+        let text = utf8(&cells.text, &self.file, line)?;
+        self.check_count(line, cells.ends.len())?;
+        Ok(Row {
+            header: self,
+            line,
+            text,
+            ends: &cells.ends,
+        })
+    }
+
+    fn check_rows(&self, count: u64) -> Result<(), ReadError> {
+        if count > 0 {
+            return Ok(());
+        }
+        let message = "found a header row only, expected rows of data after it";
+        Err(ReadError::new(&self.file, Place::Line(self.line), message))
+    }
+
     fn check_count(&self, line: u64, found: usize) -> Result<(), ReadError> {
         let expected = self.names.len();
         if found == expected {
@@ -194,8 +261,22 @@ impl Header {
     }
 }
 
+impl Batch {
+    /// Adds the rows to `parsed`.
+    fn parse<B: FromRows>(&self, header: &Header, mut parsed: B) -> Result<B, ReadError> {
+        let mut cells = Cells::new(header.decimal_comma);
+        let mut start = 0;
+        for (line, end) in &self.records {
+            parsed.add(&header.row(&mut cells, *line, &self.text[start..*end])?)?;
+            start = *end;
+        }
+        Ok(parsed)
+    }
+}
+
 impl Cells {
-    fn new(delimiter: u8) -> Self {
+    fn new(decimal_comma: bool) -> Self {
+        let delimiter = if decimal_comma { b';' } else { b',' };
         Self {
             delimiter,
             parser: csv_core::ReaderBuilder::new()
