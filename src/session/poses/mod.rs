@@ -94,15 +94,16 @@ struct PoseRows<'a> {
 }
 
 impl FromRows for PoseRows<'_> {
-    fn empty(&self) -> Self {
-        let numbers = self.columns.numbers.iter();
-        let other = self.columns.other.iter();
+    fn empty(&self, rows: usize) -> Self {
+        let (numbers, other) = (self.columns.numbers.iter(), self.columns.other.iter());
+        let numbers = numbers.map(|(column, _)| (*column, Vec::with_capacity(rows)));
+        let other = other.map(|(name, _)| (name.clone(), Vec::with_capacity(rows)));
         Self {
             places: self.places,
-            lines: Vec::new(),
+            lines: Vec::with_capacity(rows),
             columns: Columns {
-                numbers: numbers.map(|(column, _)| (*column, Vec::new())).collect(),
-                other: other.map(|(name, _)| (name.clone(), Vec::new())).collect(),
+                numbers: numbers.collect(),
+                other: other.collect(),
                 ..Columns::default()
             },
         }

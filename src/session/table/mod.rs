@@ -57,8 +57,8 @@ pub(crate) struct Row<'a> {
 
 /// What is made of the rows of a table.
 pub(crate) trait FromRows: Send + Sync {
-    /// The same without any row.
-    fn empty(&self) -> Self;
+    /// The same without any row, with space for so many.
+    fn empty(&self, rows: usize) -> Self;
     /// Adds a row.
     fn add(&mut self, row: &Row<'_>) -> Result<(), ReadError>;
     /// Adds the rows that follow.
@@ -107,21 +107,24 @@ impl<R: BufRead> Table<R> {
 
     /// Adds all rows to `all`, a batch of rows on each thread at a time. Errors are those of reading row by row.
     pub fn read_all<B: FromRows>(&mut self, mut all: B) -> Result<B, ReadError> {
-        // Only a table of more than one batch is worth asking for threads.
-        let mut threads = 1;
+        // Only a table of more than one batch is worth asking for threads. Batches are filled anew: their memory is there.
+        let mut batches = vec![Batch::default()];
         let mut more = Ok(true);
         while let Ok(true) = more {
-            let mut batches = Vec::new();
-            while batches.len() < threads && matches!(more, Ok(true)) {
-                let mut batch = Batch::default();
-                more = self.fill(&mut batch);
-                batches.push(batch);
+            for batch in &mut batches {
+                batch.clear();
+                if let Ok(true) = more {
+                    more = self.fill(batch);
+                }
             }
-            let parse = |index: usize| batches[index].parse(&self.header, all.empty());
-            for parsed in threads::map(batches.len(), threads, parse) {
+            let parse = |index: usize| {
+                let batch = &batches[index];
+                batch.parse(&self.header, all.empty(batch.records.len()))
+            };
+            for parsed in threads::map(batches.len(), batches.len(), parse) {
                 all.append(parsed?);
             }
-            threads = threads::available();
+            batches.resize_with(threads::available(), Batch::default);
         }
         more?;
         self.header.check_rows(self.rows)?;
@@ -262,6 +265,11 @@ impl Header {
 }
 
 impl Batch {
+    fn clear(&mut self) {
+        self.text.clear();
+        self.records.clear();
+    }
+
     /// Adds the rows to `parsed`.
     fn parse<B: FromRows>(&self, header: &Header, mut parsed: B) -> Result<B, ReadError> {
         let mut cells = Cells::new(header.decimal_comma);

@@ -89,7 +89,7 @@ fn endless_lines_are_refused_in_bounded_memory() {
 struct Numbered(Vec<(u64, i64)>);
 
 impl FromRows for Numbered {
-    fn empty(&self) -> Self {
+    fn empty(&self, _: usize) -> Self {
         Self::default()
     }
 
