@@ -15,6 +15,7 @@ pub mod report;
 pub mod result;
 pub mod run;
 pub mod scaling;
+pub mod simulated_question;
 pub mod statistics;
 pub mod which_sensor;
 

@@ -1,9 +1,13 @@
-//! Which sensor: sliders, and an answer at once.
+//! Which sensor: sliders, and an answer at once; a study for the rest.
 
-use egui::Role;
+use std::time::{Duration, Instant};
+
+use egui::{Key, Modifiers, Role};
+use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use tautline_workbench::model::command::ViewCommand;
+use tautline_workbench::model::command::{SIMULATING, ViewCommand};
 use tautline_workbench::model::phase::Screen;
+use tautline_workbench::shell::App;
 
 use crate::measured::{give, press};
 use crate::support::{settle, workbench};
@@ -13,7 +17,7 @@ fn the_answer_follows_the_sliders() {
     let mut harness = workbench();
     give(&mut harness, ViewCommand::Go(Screen::WhichSensor));
     settle(&mut harness);
-    let answer = |harness: &egui_kittest::Harness<'_, tautline_workbench::shell::App>| {
+    let answer = |harness: &Harness<'_, App>| {
         let said = harness.get_by_label_contains("the platform is off by");
         said.accesskit_node().value().expect("a text")
     };
@@ -35,7 +39,49 @@ fn the_answer_follows_the_sliders() {
             .query_by_label("Position error over the laser")
             .is_none()
     );
-    press(&mut harness, "Copy as study file");
     press(&mut harness, "Back");
     assert_eq!(harness.state().state.model.screen, Screen::Start);
+}
+
+/// Waits for the study that is being simulated.
+fn simulated(harness: &mut Harness<'_, App>) {
+    let began = Instant::now();
+    while harness.state().state.model.tasks.runs(SIMULATING) {
+        assert!(began.elapsed() < Duration::from_secs(120), "no end");
+        harness.step();
+    }
+    settle(harness);
+}
+
+#[test]
+fn a_question_becomes_a_study_that_can_be_cancelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path().join("study");
+    let mut harness = workbench();
+    give(&mut harness, ViewCommand::Go(Screen::WhichSensor));
+    settle(&mut harness);
+    let (input, name) = (Role::TextInput, "Folder of the study");
+    harness.get_by_role_and_label(input, name).focus();
+    harness.step();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.step();
+    let path = folder.display().to_string();
+    harness.get_by_role_and_label(input, name).type_text(&path);
+    harness.step();
+    harness.step();
+    press(&mut harness, "Simulate");
+    harness.get_by_label("Cancel").click();
+    simulated(&mut harness);
+    let said = |harness: &Harness<'_, App>| {
+        let last = harness.state().state.model.messages.last();
+        last.map(|message| message.text.clone()).unwrap_or_default()
+    };
+    assert!(
+        said(&harness).starts_with("cancelled"),
+        "{}",
+        said(&harness)
+    );
+    // The file of the study is there and says what the sliders do.
+    let text = std::fs::read_to_string(folder.join("study.toml")).unwrap();
+    assert!(text.contains("poses = [12, 25, 100]"), "{text}");
 }

@@ -16,6 +16,9 @@ use crate::effect::{Effect, EffectParameter, Scope, Search};
 const BEYOND: f64 = 0.04;
 const BEYOND_FACTOR: f64 = 4.0;
 
+/// Standard deviation of a size over the largest typical one, at scale 1.
+const LARGEST_IS_RARE: f64 = 0.5;
+
 /// At which poses a generator acts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Acts {
@@ -68,6 +71,15 @@ impl Candidate {
     /// Whether it has a value for each of several cables.
     pub fn is_family(&self) -> bool {
         self.cause.instances.len() > 1
+    }
+
+    /// Whether it is an effect on a single cable, present at all poses.
+    pub fn is_single(&self) -> bool {
+        let bound = &self.cause.instances[0];
+        !self.is_family()
+            && bound.targeted
+            && bound.cables.len() == 1
+            && bound.effect.search() == Search::Direct
     }
 
     /// Whether it is one value for all cables.
@@ -284,13 +296,23 @@ pub(super) fn scales(parameter: &EffectParameter) -> Vec<(f64, f64)> {
     scales
 }
 
+/// Logarithm of how much rarer a size is than the largest typical one, of which it is a multiple.
+pub(super) fn log_rarity(parameter: &EffectParameter, size: f64) -> f64 {
+    let density = |size: f64| {
+        let of = |(scale, log_share): (f64, f64)| {
+            log_share.exp() / scale * (-0.5 * (size / (LARGEST_IS_RARE * scale)).powi(2)).exp()
+        };
+        scales(parameter).into_iter().map(of).sum::<f64>()
+    };
+    density(1.0).ln() - density(size.max(1.0)).max(f64::MIN_POSITIVE).ln()
+}
+
 /// Largest typical size over the standard deviation of the prior of a step of a parameter.
 pub(super) fn prior_sd(parameter: &EffectParameter, present: f64) -> f64 {
     let [a, b] = parameter.typical.map(f64::abs);
     let largest = a.max(b);
     let probe = probe_offset(parameter);
-    // The largest typical size is rare.
-    let sd = 0.5 * largest;
+    let sd = LARGEST_IS_RARE * largest;
     if probe == 0.0 {
         sd
     } else {

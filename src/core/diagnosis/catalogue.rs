@@ -24,7 +24,9 @@ const MOST_PERIODS: f64 = 300.0;
 /// the choices of so many.
 const SHARED: f64 = 0.05;
 /// Share of an effect's prior probability that is for one cable, for all cables alike and for each its own value.
-const SHARES: [f64; 3] = [0.7, 0.15, 0.15];
+const SHARES: [f64; 3] = [0.65, 0.15, 0.1];
+/// The same for some cables with values of their own: evenly over their number, then over the choices of so many.
+const SEVERAL: f64 = 0.1;
 /// Correlation of the values that cables have of their own.
 const ALIKE: f64 = 0.3;
 
@@ -446,6 +448,17 @@ fn periods(typical: [f64; 2], values: &[f64]) -> Vec<f64> {
     (0..=count as usize)
         .map(|k| (low + (high - low) * k as f64 / count).recip())
         .collect()
+}
+
+/// Logarithm of the prior odds of causes of one effect on `count` single cables over the product of their own, each of which
+/// has the logarithm `log_odds`: what is wrong with one winch of a robot is often wrong with others.
+pub(super) fn log_together(count: usize, cables: usize, log_odds: f64) -> f64 {
+    if count < 2 || count >= cables {
+        return 0.0;
+    }
+    let choices = (cables - 2) as f64 * binomial(cables, count);
+    let several = (SEVERAL / SHARES[0] * cables as f64 / choices).ln();
+    (several - (count - 1) as f64 * log_odds).max(0.0)
 }
 
 /// Number of ways to choose some of so many.

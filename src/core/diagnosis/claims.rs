@@ -63,6 +63,23 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
                 missing.push(place);
             }
         }
+        // Some cables of a family may have values of their own without the others.
+        missing.retain(|place| {
+            let (mut some, left): (Vec<&Cause>, Vec<&Cause>) = spare
+                .iter()
+                .partition(|cause| is_part(cause, &first.causes[*place]));
+            if some.len() < 2 {
+                return true;
+            }
+            spare = left;
+            some.sort_by_key(|cause| cause.cables());
+            let instances = some.iter().flat_map(|cause| cause.instances.clone());
+            let together = Cause {
+                instances: instances.collect(),
+            };
+            add(&mut others[*place], &together, share);
+            false
+        });
         // What is on the same cable stands in its place first.
         missing.retain(|place| {
             let cables = first.causes[*place].cables();
@@ -150,8 +167,23 @@ fn is_said_by(set: &[Cause], own: &Cause) -> bool {
     };
     let together: Vec<usize> = set.iter().filter(is_same).flat_map(Cause::cables).collect();
     let cables = own.cables();
-    set.iter().any(|cause| is_support(cause, own))
+    // A common value and one more on a cable are not a value for each.
+    let is_more = |cause: &Cause| is_part(cause, own) && !is_support(cause, own);
+    let has_more = set.iter().any(is_more);
+    let is_each = |cause: &Cause| !has_more || std::ptr::eq(cause.effect(), own.effect());
+    set.iter()
+        .any(|cause| is_support(cause, own) && is_each(cause))
         || cables.len() > 1 && cables.iter().all(|cable| together.contains(cable))
+}
+
+/// Whether a cause is that of a family on one of its cables alone.
+fn is_part(cause: &Cause, family: &Cause) -> bool {
+    let all = family.cables();
+    family.instances.len() > 1
+        && std::ptr::eq(cause.effect(), family.effect())
+        && cause.effect().pose_parameter().is_none()
+        && cause.cables().len() == 1
+        && cause.cables().iter().all(|cable| all.contains(cable))
 }
 
 /// Whether a cause says what another does, but for its values: on the same cables or more; an event at the same reading, a
@@ -249,6 +281,23 @@ mod tests {
         assert_eq!(alternative.cause.cables(), [0, 1, 2, 3]);
         assert!(claims[0].is_sure && claims[1].is_named(), "{claims:?}");
         assert!(beside.is_empty());
+    }
+
+    #[test]
+    fn some_cables_of_a_family_stand_in_its_place_together() {
+        let family = vec![on("payload_mass", &[]), each("force_gain", 4)];
+        let pair = vec![
+            on("force_gain", &[3]),
+            on("payload_mass", &[]),
+            on("force_gain", &[1]),
+        ];
+        let (claims, beside) = claims(&ranked(vec![(family, 0.6), (pair, 0.4)]));
+        let [alternative] = claims[1].alternatives.as_slice() else {
+            panic!("{claims:?}");
+        };
+        assert_eq!(alternative.cause.cables(), [1, 3]);
+        assert!((alternative.probability - 0.4).abs() < 1e-12);
+        assert!(claims[0].is_named() && !claims[1].is_named() && beside.is_empty());
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::report::Cause;
 const MOST_FITS: usize = 6;
 const NEAR: f64 = 5.0;
 /// How far below the best the likeliest set without one of its causes may be.
-const RIVAL: f64 = 9.0;
+pub(super) const RIVAL: f64 = 18.0;
 
 /// A set with its evidence, linear and from its own fit.
 struct Compared {

@@ -1,6 +1,7 @@
 //! How sure the causes are that were inferred: what takes certainty from a name, or ends it.
 
 use super::adequacy::adequacy;
+use super::candidates::{log_rarity, size_parameter};
 use super::claims::{Claim, SURE};
 use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
@@ -8,11 +9,13 @@ use super::gain::Prediction;
 use super::inference::{Inference, at_fit, is_same_cause};
 use super::reading_id::ReadingId;
 use super::remainder::{Nameless, Remainder};
-use super::report::{Adequacy, Alternative, Cause, Discrepancy, Finding, NoiseStatement, Verdict};
+use super::report::{
+    Adequacy, Alternative, Cause, Discrepancy, Finding, FoundParameter, NoiseStatement, Verdict,
+};
 use super::residual_space::ResidualSpace;
 use super::variables::Variables;
 use super::{DiagnosisOptions, Quantity};
-use crate::effect::Search;
+use crate::effect::{EffectParameter, Search};
 use crate::estimation::{EstimationError, Linearisation, Problem};
 
 /// Probability from which a cause that is not sure is likely.
@@ -23,6 +26,8 @@ const LEFT: f64 = 0.25;
 /// on the same cable, or this share of what the cause changes is in the same readings.
 const PART: f64 = 0.05;
 const SHARE: f64 = 0.2;
+/// Logarithm of the odds for a cause against an error that is in no catalogue and looks just like it.
+const LOOKS_THE_SAME: f64 = 4.5;
 /// Events on one reading from which they look like a pattern, unless each stands for itself by this gain.
 const MANY_EVENTS: usize = 2;
 const LARGE_EVENT: f64 = 60.0;
@@ -206,14 +211,16 @@ pub(super) fn temper(
         small(&finding) && all.iter().filter(small).count() >= MANY_EVENTS
     };
     let events: Vec<bool> = findings.iter().map(|f| many(f, findings)).collect();
+    // A certain name stays one beside what is improbable.
+    let matters = |share: f64| 1.0 - share < SURE;
     // Exchanged channels come first and have no rivals.
     let first = findings.len() - rivals.len();
     for (index, (finding, is_event)) in findings.iter_mut().zip(events).enumerate() {
         let own = finding.cause.cables();
         let own_index = index.checked_sub(first);
         let rival = own_index.and_then(|k| rivals[k].as_ref());
-        let rival = rival.filter(|r| finding.probability * (1.0 - r.probability()) < SURE);
         let rival = rival.map(|r| (r.clone(), r.probability()));
+        let rival = rival.filter(|(_, share)| matters(*share));
         let explained = finding.evidence.delta_chi2;
         let of_own = |id: &ReadingId| id.cable.is_none_or(|cable| own.contains(&cable));
         let mut scatter = scatter.iter();
@@ -234,7 +241,14 @@ pub(super) fn temper(
                 })
             })
         });
-        let Some((other, share)) = rival.or(open.map(|other| (other, 0.5))) else {
+        // A size that no machine has may be that of another error which looks the same.
+        let odds = (log_rarity_of(finding) - LOOKS_THE_SAME).exp();
+        let share = odds / (1.0 + odds);
+        let odd = || {
+            let id = inference.most_changed(own_index.filter(|_| matters(share))?)?;
+            Some((Nameless::of(id), share))
+        };
+        let Some((other, share)) = rival.or(open.map(|other| (other, 0.5))).or_else(odd) else {
             continue;
         };
         finding.verdict = Verdict::Ambiguous;
@@ -245,6 +259,30 @@ pub(super) fn temper(
         });
         finding.probability *= 1.0 - share;
     }
+}
+
+/// Logarithm of how much rarer the size of a cause, as far as it is certain, is than the largest typical one.
+fn log_rarity_of(finding: &Finding) -> f64 {
+    let effect = finding.cause.effect();
+    let Some(size) = size_parameter(effect) else {
+        return 0.0;
+    };
+    let largest = |parameter: &EffectParameter| {
+        let [a, b] = parameter.typical.map(f64::abs);
+        a.max(b)
+    };
+    // Coordinates of one vector are as large as each other at most.
+    let of_instance = |found: &[FoundParameter]| {
+        let alike = effect.parameters().iter().zip(found);
+        let alike = alike.filter(|(p, _)| p.unit == size.unit && !p.discrete);
+        let squares = alike.map(|(p, found)| {
+            let certain = (found.value - p.neutral).abs() - 2.0 * found.sd.unwrap_or(0.0);
+            (certain.max(0.0) / largest(p)).powi(2)
+        });
+        squares.sum::<f64>().sqrt()
+    };
+    let instances = finding.parameters.chunks(effect.parameters().len());
+    log_rarity(size, instances.map(of_instance).fold(0.0, f64::max))
 }
 
 /// Chi-square of readings that depend on something, and of the readings of a cable that scatter more than those of others,

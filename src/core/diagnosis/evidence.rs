@@ -8,6 +8,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::candidates::Candidate;
+use super::catalogue::log_together;
 use super::gram::{Gram, Own};
 use crate::statistics::log_normal_cdf;
 
@@ -115,6 +116,9 @@ impl System {
                 }
             }
         }
+        for (place, (index, _)) in members.iter().enumerate() {
+            log_prior += more_together(gram, &members[..place], *index);
+        }
         let log_determinant = 2.0 * cholesky.l_dirty().diagonal().map(f64::ln).sum();
         let estimate = &factor * cholesky.solve(&-&score);
         let covariance = &factor * cholesky.solve(&factor.transpose());
@@ -156,13 +160,18 @@ impl System {
         self.members.iter().map(range).collect()
     }
 
+    /// Logarithm of the prior odds of a further candidate.
+    pub fn log_odds(&self, gram: &Gram<'_>, index: usize) -> f64 {
+        gram.candidates[index].log_odds + more_together(gram, &self.members, index)
+    }
+
     /// By how much the logarithm of the posterior rises with a further candidate, and its best scale; nothing where that is
     /// clearly below `least`.
     pub fn gain(&self, gram: &Gram<'_>, index: usize, least: f64) -> Option<(f64, usize)> {
         let candidate = &gram.candidates[index];
         let (first, count) = (gram.first[index], candidate.columns.len());
         let own = &gram.own[index];
-        let log_odds = candidate.log_odds;
+        let log_odds = self.log_odds(gram, index);
         if count == 1 {
             let at = first - self.offset;
             let information = (own.information[(0, 0)] - self.taken[at]).max(0.0);
@@ -232,6 +241,19 @@ fn best_scale(candidate: &Candidate, own: &Own, least: f64) -> Option<(f64, usiz
     }
     let all = (0..candidate.scales.len()).filter_map(|k| Some((value(k)?.1, k)));
     all.max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// By how much a candidate is likelier beside members of the same effect on other cables.
+fn more_together(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
+    let candidate = &gram.candidates[index];
+    if !candidate.is_single() {
+        return 0.0;
+    }
+    let all = members.iter().map(|m| &gram.candidates[m.0]);
+    let same = all.filter(|c| c.is_single() && std::ptr::eq(c.effect(), candidate.effect()));
+    let count = same.count();
+    let log = |count| log_together(count, gram.cables, candidate.log_odds);
+    log(count + 1) - log(count)
 }
 
 /// How far below what is looked for a candidate is at its middle scale where other scales are not tried, unless it gains

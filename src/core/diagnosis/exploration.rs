@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::Stage;
 use super::candidates::is_alike;
+use super::complete::RIVAL;
 use super::evidence::{Member, System};
 use super::gram::Gram;
 use super::hyperparameters::Hyperparameters;
@@ -150,8 +151,24 @@ fn ranked(points: &mut [Point<'_>], counted: f64) -> Vec<(Vec<Member>, f64)> {
     let values = best.values().map(|(_, value)| *value);
     let top = values.fold(f64::NEG_INFINITY, f64::max);
     let mut ranking: Vec<(Vec<Member>, f64)> = Vec::new();
+    // A complete fit may make more of the likeliest set without one of the causes of the best.
+    let rivals: Vec<Set> = if counted < COUNTED {
+        Vec::new()
+    } else {
+        let all = || best.iter().filter(|(_, (_, value))| *value > top - RIVAL);
+        let likeliest = all().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
+        let causes = likeliest.map_or(&[][..], |(set, _)| set.as_slice());
+        let without = |cause: &usize| {
+            let sets = all().filter(|(set, _)| !set.contains(cause));
+            let order = |a: &(&Set, &(usize, f64)), b: &(&Set, &(usize, f64))| {
+                a.1.1.total_cmp(&b.1.1).then_with(|| b.0.cmp(a.0))
+            };
+            Some(sets.max_by(order)?.0.clone())
+        };
+        causes.iter().filter_map(without).collect()
+    };
     for (set, (place, value)) in best {
-        if value < top - counted {
+        if value < top - counted && !rivals.contains(&set) {
             continue;
         }
         let mut visited = points[place].visited[&set].clone();

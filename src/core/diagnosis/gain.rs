@@ -33,6 +33,14 @@ struct HeldOut {
     step: DVector<f64>,
 }
 
+impl HeldOut {
+    /// Sum of squares of one kind of reading, and what noise alone gives.
+    fn of_kind(&self, quantity: Quantity) -> (f64, f64) {
+        let found = self.kinds.iter().find(|(q, ..)| *q == quantity);
+        found.map_or((0.0, 0.0), |(_, squares, freedom)| (*squares, *freedom))
+    }
+}
+
 /// A fit as seen by the poses held out.
 #[derive(Debug, Clone)]
 pub(super) struct Prediction {
@@ -74,11 +82,21 @@ impl Prediction {
         both.filter(|(one, _)| !skipped(one.row)).collect()
     }
 
-    /// Whether poses held out are predicted better than by `before`.
+    /// Whether poses held out are predicted better than by `before`, in the noise that this fit leaves in each kind of
+    /// reading.
     pub fn is_better_than(&self, before: &Self) -> bool {
         let pairs = self.pairs(before);
-        let squares = |of: &dyn Fn(&(&HeldOut, &HeldOut)) -> f64| pairs.iter().map(of).sum::<f64>();
-        squares(&|(_, after)| after.chi2) < squares(&|(before, _)| before.chi2)
+        let sums = |quantity: Quantity| {
+            pairs.iter().fold([0.0; 3], |sum, (before, after)| {
+                let ((before, _), (after, freedom)) =
+                    (before.of_kind(quantity), after.of_kind(quantity));
+                [sum[0] + before, sum[1] + after, sum[2] + freedom]
+            })
+        };
+        let gained = Quantity::ALL.into_iter().map(sums);
+        let gained = gained.filter(|[_, after, freedom]| *after > 0.0 && *freedom > 0.0);
+        let gained = gained.map(|[before, after, freedom]| freedom * (before / after - 1.0));
+        gained.sum::<f64>() > 0.0
     }
 
     /// What this fit gains over `before`.
@@ -221,14 +239,10 @@ fn rms(terms: impl Iterator<Item = (f64, f64)>) -> f64 {
 }
 
 fn kinds(pairs: &[(&HeldOut, &HeldOut)]) -> Vec<KindGain> {
-    let of = |pose: &HeldOut, quantity: Quantity| {
-        let found = pose.kinds.iter().find(|(q, ..)| *q == quantity);
-        found.map_or((0.0, 0.0), |(_, squares, freedom)| (*squares, *freedom))
-    };
     let gain = |quantity: Quantity| KindGain {
         quantity,
-        before: rms(pairs.iter().map(|(before, _)| of(before, quantity))),
-        after: rms(pairs.iter().map(|(_, after)| of(after, quantity))),
+        before: rms(pairs.iter().map(|(before, _)| before.of_kind(quantity))),
+        after: rms(pairs.iter().map(|(_, after)| after.of_kind(quantity))),
     };
     Quantity::ALL
         .into_iter()

@@ -23,6 +23,8 @@ pub(super) struct Own {
 /// All candidates at given hyperparameters.
 pub(super) struct Gram<'l> {
     pub candidates: &'l [Candidate],
+    /// Number of cables with readings.
+    pub cables: usize,
     pub base: Base<'l>,
     linear: &'l Linear,
     catalogue: &'l Catalogue,
@@ -72,6 +74,7 @@ impl<'l> Gram<'l> {
         }
         let mut gram = Self {
             candidates: &catalogue.candidates,
+            cables: linear.cables(),
             base,
             linear,
             catalogue,

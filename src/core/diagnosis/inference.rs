@@ -98,6 +98,25 @@ impl Inference<'_> {
     /// Share of what a cause changes, whatever else is estimated, that is in the readings of one kind and cable, or of all
     /// cables.
     pub fn share_in(&self, cause: usize, id: &ReadingId) -> f64 {
+        let squares = self.changed(cause);
+        let classes = self.linear.conditions.classes.iter().zip(&squares);
+        let is_meant = |class: &ReadingId| {
+            class.quantity == id.quantity && id.cable.is_none_or(|c| class.cable == Some(c))
+        };
+        let inside = classes.filter(|(class, _)| is_meant(class));
+        let inside: f64 = inside.map(|(_, square)| square).sum();
+        inside / squares.iter().sum::<f64>().max(f64::MIN_POSITIVE)
+    }
+
+    /// The class of readings that a cause changes most.
+    pub fn most_changed(&self, cause: usize) -> Option<ReadingId> {
+        let squares = self.changed(cause);
+        let classes = self.linear.conditions.classes.iter().zip(squares);
+        classes.max_by(|a, b| a.1.total_cmp(&b.1)).map(|c| *c.0)
+    }
+
+    /// What a cause changes in each class of readings, whatever else is estimated, as a sum of squares.
+    fn changed(&self, cause: usize) -> Vec<f64> {
         let none = DMatrix::zeros(self.linear.conditions.count, 0);
         let base = self.linear.base(&self.at, &none);
         let first = self.first_columns();
@@ -107,20 +126,14 @@ impl Inference<'_> {
             .into_owned();
         base.noise.whiten(&mut own);
         own -= base.taken.tr_mul(&(&base.taken * &own));
-        let (mut inside, mut all) = (0.0, 0.0);
+        let mut all = vec![0.0; self.at.variance.len()];
         for column in own.column_iter() {
             let sums = base.noise.class_sums(&column.into_owned(), &base.taken);
-            let classes = self.linear.conditions.classes.iter().zip(&self.at.variance);
-            for ((class, variance), sums) in classes.zip(sums) {
-                let square = sums[0] / variance;
-                all += square;
-                if class.quantity == id.quantity && id.cable.is_none_or(|c| class.cable == Some(c))
-                {
-                    inside += square;
-                }
+            for ((sum, [square, _]), variance) in all.iter_mut().zip(sums).zip(&self.at.variance) {
+                *sum += square / variance;
             }
         }
-        inside / all.max(f64::MIN_POSITIVE)
+        all
     }
 
     /// Standard deviations of the columns' parameters of each cause, in the noise and the background that there is, over

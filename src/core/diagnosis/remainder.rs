@@ -18,9 +18,11 @@ use crate::robot::Robot;
 /// Most errors without a name that are reported.
 const MOST: usize = 3;
 /// Logarithm of the posterior odds from which one is.
-const SAID: f64 = 4.0;
+const SAID: f64 = 5.0;
 /// Logarithm of the odds of a rival up to which it does not matter.
 const NO_RIVAL: f64 = -6.0;
+/// Logarithm of the odds that an error without a name is there beside a cause, up to which the cause is likelier.
+const DOUBTED: f64 = 3.0;
 /// Shares of what an error without a name explains from which a cause with no more parameters is preferred, and from which
 /// the error has nothing over it.
 const NEARLY_ALL: f64 = 0.9;
@@ -155,6 +157,17 @@ fn rival(
         true if share < ALL && log_odds > OPEN => OPEN_ODDS,
         true => return None,
         false => log_odds,
+    };
+    if log_odds <= NO_RIVAL {
+        return None;
+    }
+    // What an error without a name has in common with the causes, its constant above all, is no reason to doubt them: of
+    // its form something must be left beside them, too.
+    let log_odds = if set.len() > 1 {
+        log_odds
+    } else {
+        let more = structures.instead(&named, &amplitude, is_asked)?;
+        log_odds.min(more.log_odds - values[0].max(values[1]) - DOUBTED)
     };
     (log_odds > NO_RIVAL).then(|| Nameless {
         log_odds,

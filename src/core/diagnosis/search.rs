@@ -8,13 +8,15 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::candidates::{Acts, Candidate};
+use super::candidates::Acts;
 use super::evidence::{Member, System};
 use super::gram::Gram;
 
 /// Difference of the logarithm of the posterior up to which a set is looked at, and kept.
 const NEAR: f64 = 6.0;
 const KEPT: f64 = 9.0;
+/// Most sets whose families are reduced at a time.
+const REDUCED: usize = 8;
 /// How many are tried in place of a family, each extended by another.
 const IN_PLACE: usize = 4;
 /// Most extensions of one set that are kept.
@@ -162,7 +164,7 @@ impl<'g, 'l> Search<'g, 'l> {
             .filter_map(|index| {
                 let (gain, scale) = system.gain(self.gram, index, least)?;
                 // What the readings speak against is no better than nothing.
-                let speaks_for = gain > all[index].log_odds;
+                let speaks_for = gain > system.log_odds(self.gram, index);
                 (gain >= least && speaks_for).then_some((gain, (index, scale)))
             })
             .collect();
@@ -216,39 +218,54 @@ impl<'g, 'l> Search<'g, 'l> {
         }
     }
 
-    /// Puts in the place of each family of the best set the single causes of the cables that need one most: of one, of two
-    /// and so on.
+    /// Puts in the place of each family of the best sets single causes of its cables, one after the other, each the one that
+    /// gains most.
     fn reduce_families(&mut self) {
         let all = self.gram.candidates;
-        let Some(members) = self.best().map(|b| b.members.clone()) else {
+        let Some(best) = self.best().map(|b| b.log_posterior) else {
             return;
         };
-        let system = System::new(self.gram, &members);
-        let ranges = system.parameters(all);
-        for (place, range) in ranges.into_iter().enumerate() {
-            let family = &all[members[place].0];
+        let has_family = |visited: &&Visited| {
+            let mut members = visited.members.iter();
+            visited.log_posterior >= best - NEAR && members.any(|m| all[m.0].is_family())
+        };
+        let mut sets: Vec<Visited> = self.visited.values().filter(has_family).cloned().collect();
+        sets.sort_by(|a, b| {
+            let order = b.log_posterior.total_cmp(&a.log_posterior);
+            order.then_with(|| a.members.cmp(&b.members))
+        });
+        for set in sets.into_iter().take(REDUCED) {
+            self.reduce_families_of(&set.members);
+        }
+    }
+
+    fn reduce_families_of(&mut self, members: &[Member]) {
+        let all = self.gram.candidates;
+        for (place, (family, _)) in members.iter().enumerate() {
+            let family = &all[*family];
             if !family.is_family() {
                 continue;
             }
-            let each = range.len() / family.cause.instances.len();
-            let mut cables: Vec<(f64, usize)> = Vec::new();
-            for (k, bound) in family.cause.instances.iter().enumerate() {
-                let is_single = |c: &Candidate| {
-                    std::ptr::eq(c.effect(), family.effect()) && c.cause.cables() == bound.cables
+            let is_part = |index: &usize| {
+                let candidate = &all[*index];
+                candidate.is_single() && std::ptr::eq(candidate.effect(), family.effect())
+            };
+            let mut open: Vec<usize> = (0..all.len()).filter(is_part).collect();
+            let mut fewer = members.to_vec();
+            fewer.remove(place);
+            while open.len() > 1 && fewer.len() < self.most {
+                let gains = open.iter().filter_map(|index| {
+                    let system = System::extensible_by(self.gram, &fewer, *index);
+                    let (gain, scale) = system.gain(self.gram, *index, f64::NEG_INFINITY)?;
+                    Some((gain, (*index, scale)))
+                });
+                let best = gains.max_by(|a, b| a.0.total_cmp(&b.0));
+                let Some((_, single)) = best.filter(|b| b.0 > 0.0) else {
+                    break;
                 };
-                let Some(single) = all.iter().position(is_single) else {
-                    continue;
-                };
-                let first = range.start + k * each;
-                let size = |p: usize| system.estimate[p].powi(2) / system.covariance[(p, p)];
-                cables.push(((first..first + each).map(size).sum(), single));
-            }
-            cables.sort_by(|a, b| b.0.total_cmp(&a.0));
-            let mut fewer = members.clone();
-            let (_, scale) = fewer.remove(place);
-            for (_, single) in cables.iter().take(cables.len().saturating_sub(1)) {
-                fewer.push((*single, scale.min(all[*single].scales.len() - 1)));
-                if !self.visited.contains_key(&set_of(&fewer)) && fewer.len() <= self.most {
+                open.retain(|index| *index != single.0);
+                fewer.push(single);
+                if !self.visited.contains_key(&set_of(&fewer)) {
                     self.settle(&fewer);
                 }
             }

@@ -10,6 +10,7 @@ mod recording;
 mod report;
 pub mod robot;
 mod setup;
+mod study;
 mod tables;
 mod view;
 
@@ -32,6 +33,7 @@ pub fn perform(model: &mut Model, command: Command) {
         Command::Plot(command) => plots::perform(model, command),
         Command::Report(command) => report::perform(model, command),
         Command::Compare(command) => compare::perform(model, command),
+        Command::Study(command) => study::perform(model, command),
         Command::Edit(edit) => changed(model, None, |open| {
             let name = edit.name();
             open.edit(edit).then_some(name)

@@ -1,6 +1,6 @@
 //! Which sensor, how many poses: sliders, and the answer of the expected covariance while they move.
 
-use egui::{Grid, Rangef, ScrollArea, Slider, Ui};
+use egui::{Button, Grid, Rangef, ScrollArea, Slider, TextEdit, Ui};
 use tautline_core::robot::{Robot, presets};
 use tautline_study::which_sensor::{Advisor, Answer, MOST_POSES, Question};
 use tautline_workflow::plot::Selection;
@@ -8,7 +8,7 @@ use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, S
 use tautline_workflow::wording::units::{fixed, significant};
 
 use crate::model::Model;
-use crate::model::command::{Outbox, ViewCommand};
+use crate::model::command::{AskedRobot, Command, Outbox, SIMULATING, StudyCommand, ViewCommand};
 use crate::model::phase::{Phase, Screen};
 use crate::theme::GRID;
 use crate::views::plots::small;
@@ -27,6 +27,8 @@ struct Asked {
     advisor: Result<Advisor, String>,
     question: Option<Question>,
     answer: Option<(Question, Result<Answer, String>)>,
+    /// Folder of the study, as it is typed.
+    folder: String,
 }
 
 impl Asked {
@@ -37,6 +39,7 @@ impl Asked {
             advisor,
             robot,
             answer: None,
+            folder: "which-sensor".to_owned(),
         }
     }
 }
@@ -48,8 +51,9 @@ const PLOT: Rangef = Rangef {
 };
 /// Width of the screen (points) below which the answer stands below the sliders.
 const NARROW: f32 = 720.0;
-/// Width of the column of sliders (points).
+/// Width of the column of sliders, and of the name of a folder in it (points).
 const SLIDERS: f32 = 300.0;
+const FOLDER: f32 = 190.0;
 
 /// Draws the screen.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
@@ -79,32 +83,36 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
             });
             muted(ui, "The position error to expect once the identified values are at the controller: root mean square over the workspace. Standard deviations are 1 sd.");
             ui.add_space(2.0 * GRID);
-            contents(ui, asked);
+            let running = model.tasks.runs(SIMULATING);
+            contents(ui, asked, running, outbox);
         });
     });
 }
 
-fn contents(ui: &mut Ui, asked: &mut Asked) {
-    let (Ok(advisor), Some(question)) = (&asked.advisor, &mut asked.question) else {
+fn contents(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox) {
+    if asked.question.is_none() {
         if let Err(error) = &asked.advisor {
             verdict(ui, Verdict::Bad, error);
         }
         return;
-    };
+    }
     let height = ui.available_height();
     let is_narrow = ui.available_width() < NARROW;
     if is_narrow {
-        asking(ui, &asked.robot, question);
+        asking(ui, asked, running, outbox);
         ui.add_space(2.0 * GRID);
     }
     ui.horizontal_top(|ui| {
         if !is_narrow {
             ui.vertical(|ui| {
                 ui.set_width(SLIDERS);
-                asking(ui, &asked.robot, question);
+                asking(ui, asked, running, outbox);
             });
             ui.add_space(4.0 * GRID);
         }
+        let (Ok(advisor), Some(question)) = (&asked.advisor, &asked.question) else {
+            return;
+        };
         let known = asked.answer.take();
         let known = known.filter(|(answered, _)| answered == question);
         let (_, answer) = asked
@@ -119,14 +127,50 @@ fn contents(ui: &mut Ui, asked: &mut Asked) {
     });
 }
 
-fn asking(ui: &mut Ui, robot: &Robot, question: &mut Question) {
-    sliders(ui, robot, question);
-    if ui.button("Copy as study file").clicked() {
-        ui.ctx().copy_text(study(robot, question));
+fn asking(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox) {
+    if let Some(question) = &mut asked.question {
+        sliders(ui, &asked.robot, question);
+    }
+    simulation(ui, asked, running, outbox);
+}
+
+/// Starts a study of the question in a folder.
+fn simulation(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox) {
+    ui.add_space(2.0 * GRID);
+    section(ui, "Simulation");
+    let Some(question) = asked.question else {
+        return;
+    };
+    let draft = || {
+        Box::new(AskedRobot {
+            robot: asked.robot.clone(),
+            question,
+        })
+    };
+    let label = ui.label("Folder of the study");
+    ui.horizontal(|ui| {
+        let field = TextEdit::singleline(&mut asked.folder).desired_width(FOLDER);
+        ui.add(field).labelled_by(label.id);
+        if ui.button("Browse…").clicked() {
+            outbox.send(StudyCommand::Browse(draft()));
+        }
+    });
+    if running {
+        if ui.button("Cancel").clicked() {
+            outbox.send(Command::CancelTask(SIMULATING));
+        }
+    } else {
+        let is_named = !asked.folder.trim().is_empty();
+        let button = ui.add_enabled(is_named, Button::new("Simulate"));
+        if button.clicked() {
+            let folder = asked.folder.trim().into();
+            outbox.send(StudyCommand::Simulate(draft(), folder));
+        }
     }
     muted(
         ui,
-        "tautline study simulates what is copied here, with faults and other robots if you add them.",
+        "400 calibrations of each combination of laser and number of poses, and a report. The command study goes on with its file: \
+         faults, other robots.",
     );
 }
 
@@ -309,42 +353,5 @@ fn figure(
             points.into_iter().collect(),
         )],
         ..Figure::default()
-    }
-}
-
-/// The question as a study file, to be simulated.
-fn study(robot: &Robot, question: &Question) -> String {
-    let named = presets::find(&robot.name).filter(|preset| preset.robot == *robot);
-    let file = named.map_or_else(|| "robot.json".to_owned(), |preset| preset.name.to_owned());
-    let laser = if question.laser_sd_m.is_some() {
-        "own"
-    } else {
-        "none"
-    };
-    format!(
-        "format = \"tautline-study\"\nversion = 1\nname = \"Which sensor\"\n\n[design]\nrobots = [\"{file}\"]\n\
-         lasers = [\"{laser}\", \"class-0.1mm\", \"class-0.3mm\", \"class-1mm\", \"class-3mm\"]\nposes = [12, {}, 100]\n\
-         choice = [\"random\"]\nhome_sd_m = [{:e}]\ninclinometer_sd_rad = [{:e}]\n\n[simulation]\ncalibrations = 1000\nshare = 0.25\n",
-        question.poses,
-        question.home_sd_m,
-        question.inclinometer_sd_rad.unwrap_or(0.0)
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use tautline_session::parse_versioned_toml;
-    use tautline_study::StudyFile;
-
-    use super::*;
-
-    #[test]
-    fn what_is_copied_is_a_study() {
-        let robot = presets::find("hall").expect("there").robot;
-        let asked = Asked::new(robot);
-        let text = study(&asked.robot, &asked.question.expect("there"));
-        let read = parse_versioned_toml::<StudyFile>(text.as_bytes(), "study.toml").expect("valid");
-        assert_eq!(read.value.design.robots, ["hall"]);
-        assert!(read.notices.is_empty());
     }
 }

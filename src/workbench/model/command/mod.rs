@@ -10,6 +10,7 @@ mod recording;
 mod report;
 mod robot;
 mod setup;
+mod study;
 mod view;
 
 pub use compare::{COMPARING, CompareCommand, CompareOutcome};
@@ -24,6 +25,7 @@ pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutco
 pub use report::{ReportCommand, ReportDraft};
 pub use robot::{EXPECTING, Export, PLANNING, PlanOutcome, PlanOutlook, RobotCommand, WriteDraft};
 pub use setup::{CHECKING, Setup, SetupOutcome};
+pub use study::{AskedRobot, SIMULATING, StudyCommand};
 pub use view::{PoseStep, ViewCommand};
 
 use std::path::PathBuf;
@@ -60,6 +62,8 @@ pub enum Command {
     Report(ReportCommand),
     /// Two sessions side by side.
     Compare(CompareCommand),
+    /// Simulating what the expected covariance answers.
+    Study(StudyCommand),
     /// Asks the tasks of this title to end.
     CancelTask(&'static str),
     /// Tells the operator something, such as what is wrong with what was typed.
@@ -118,6 +122,7 @@ from!(
     PlotCommand => Command::Plot,
     ReportCommand => Command::Report,
     CompareCommand => Command::Compare,
+    StudyCommand => Command::Study,
     FileOutcome => Outcome::File,
     ImportOutcome => Outcome::Import,
     RecordingOutcome => Outcome::Recording,

@@ -1,0 +1,27 @@
+//! Simulating what the expected covariance answers.
+
+use std::path::PathBuf;
+
+use tautline_core::robot::Robot;
+use tautline_study::which_sensor::Question;
+
+/// Title of the task.
+pub const SIMULATING: &str = "Simulating";
+
+/// A robot with a question of *Which sensor?*.
+#[derive(Debug, Clone)]
+pub struct AskedRobot {
+    /// The robot.
+    pub robot: Robot,
+    /// What is asked.
+    pub question: Question,
+}
+
+/// Simulates the question as a study.
+#[derive(Debug, Clone)]
+pub enum StudyCommand {
+    /// Asks for a folder with a file dialog.
+    Browse(Box<AskedRobot>),
+    /// In a folder.
+    Simulate(Box<AskedRobot>, PathBuf),
+}
