@@ -69,8 +69,10 @@ fn a_question_becomes_a_study_that_can_be_cancelled() {
     harness.get_by_role_and_label(input, name).type_text(&path);
     harness.step();
     harness.step();
-    press(&mut harness, "Simulate");
-    harness.get_by_label("Cancel").click();
+    harness.get_by_label("Simulate").click();
+    harness.step();
+    harness.step();
+    harness.get_by_label("Cancel: Simulating").click();
     simulated(&mut harness);
     let said = |harness: &Harness<'_, App>| {
         let last = harness.state().state.model.messages.last();

@@ -8,11 +8,11 @@ use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, S
 use tautline_workflow::wording::units::{fixed, significant};
 
 use crate::model::Model;
-use crate::model::command::{AskedRobot, Command, Outbox, SIMULATING, StudyCommand, ViewCommand};
+use crate::model::command::{AskedRobot, Outbox, SIMULATING, StudyCommand, ViewCommand};
 use crate::model::phase::{Phase, Screen};
 use crate::theme::GRID;
 use crate::views::plots::small;
-use crate::widgets::{Verdict, heading, muted, section, verdict};
+use crate::widgets::{Verdict, checkbox, heading, muted, section, verdict};
 
 /// State of the screen.
 #[derive(Debug, Default)]
@@ -155,17 +155,11 @@ fn simulation(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox
             outbox.send(StudyCommand::Browse(draft()));
         }
     });
-    if running {
-        if ui.button("Cancel").clicked() {
-            outbox.send(Command::CancelTask(SIMULATING));
-        }
-    } else {
-        let is_named = !asked.folder.trim().is_empty();
-        let button = ui.add_enabled(is_named, Button::new("Simulate"));
-        if button.clicked() {
-            let folder = asked.folder.trim().into();
-            outbox.send(StudyCommand::Simulate(draft(), folder));
-        }
+    let is_named = !asked.folder.trim().is_empty();
+    let button = ui.add_enabled(is_named && !running, Button::new("Simulate"));
+    if button.clicked() {
+        let folder = asked.folder.trim().into();
+        outbox.send(StudyCommand::Simulate(draft(), folder));
     }
     muted(
         ui,
@@ -219,7 +213,7 @@ fn optional(
     unit: ([f64; 2], f64, &str),
 ) {
     let mut is_there = value.is_some();
-    let label = ui.checkbox(&mut is_there, name);
+    let label = checkbox(ui, &mut is_there, name);
     match (is_there, value.is_some()) {
         (true, false) => *value = Some(usual),
         (false, true) => *value = None,

@@ -13,7 +13,8 @@ use crate::model::command::{
 use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
 use crate::widgets::{
-    Entered, Number, Verdict, heading, icon_button, muted, number, primary, section, verdict,
+    Entered, Number, Verdict, checkbox, heading, icon_button, muted, number, primary, section,
+    verdict,
 };
 use tautline_workflow::report::{Part, ReportChoice};
 use tautline_workflow::wording::count;
@@ -127,7 +128,7 @@ fn parts(ui: &mut Ui, choice: &mut ReportChoice) {
         .show(ui, |ui| {
             for (k, part) in Part::ALL.iter().enumerate() {
                 let mut wanted = !choice.without.contains(part);
-                if ui.checkbox(&mut wanted, part.title()).changed() {
+                if checkbox(ui, &mut wanted, part.title()).changed() {
                     if wanted {
                         choice.without.remove(part);
                     } else {

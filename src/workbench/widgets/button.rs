@@ -1,4 +1,4 @@
-//! Buttons.
+//! Buttons and boxes to tick.
 
 use egui::{Button, Response, RichText, Role, Ui, WidgetInfo};
 use egui_material_icons::MaterialIcon;
@@ -17,6 +17,18 @@ pub fn primary(ui: &mut Ui, text: &str, enabled: bool) -> Response {
             .fill(palette.accent)
             .min_size(egui::vec2(0.0, 28.0)),
     )
+}
+
+/// A box to tick. It is as light as a field, as one with the ground of a button looks as if it could not be used.
+pub fn checkbox(ui: &mut Ui, is_ticked: &mut bool, text: &str) -> Response {
+    let palette = theme::of(ui);
+    let before = ui.visuals().widgets.inactive;
+    let inactive = &mut ui.visuals_mut().widgets.inactive;
+    inactive.bg_fill = palette.ground;
+    inactive.bg_stroke.color = palette.muted;
+    let response = ui.checkbox(is_ticked, text);
+    ui.visuals_mut().widgets.inactive = before;
+    response
 }
 
 /// A button with icon and text; its accessible name is the text.

@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::ViewCommand;
 use crate::theme::{self, GRID};
-use crate::widgets::{Cell, Column, muted, table};
+use crate::widgets::{Cell, Column, checkbox, muted, table};
 use tautline_workflow::wording::parameters::{cable_of, title, unit};
 use tautline_workflow::wording::units::{display_unit, fixed, signed};
 
@@ -54,7 +54,7 @@ pub(super) fn show(
     }
     ui.add_space(GRID);
     muted(ui, "±: the standard deviation of the identified value.");
-    ui.checkbox(&mut panel.all, "Show unchanged parameters");
+    checkbox(ui, &mut panel.all, "Show unchanged parameters");
     if rows.is_empty() {
         muted(ui, "There is nothing to compare.");
     }

@@ -12,7 +12,7 @@ use crate::model::Selection;
 use crate::model::command::{IDENTIFYING, ViewCommand};
 use crate::theme::{self, GRID};
 use crate::views::pulley_inspector;
-use crate::widgets::{Verdict, muted, section, verdict};
+use crate::widgets::{Verdict, checkbox, muted, section, verdict};
 use tautline_workflow::identification::{FitVerdict, Identification, entry_point_sd};
 use tautline_workflow::wording::units::with_sd;
 use tautline_workflow::wording::{p_value, ratio, sentence};
@@ -165,7 +165,7 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
     ui.horizontal(|ui| {
         ui.label(egui::RichText::new("Pulleys").font(theme::strong(13.0)));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Max), |ui| {
-            ui.checkbox(&mut panel.memory.show_axes, "Show axes");
+            checkbox(ui, &mut panel.memory.show_axes, "Show axes");
         });
     });
     let compared = match &fit.published {

@@ -5,7 +5,7 @@ use tautline_import::{Cutting, Rest};
 
 use super::Bench;
 use crate::theme::GRID;
-use crate::widgets::{muted, section};
+use crate::widgets::{checkbox, muted, section};
 
 /// A threshold of what counts as rest.
 struct Threshold {
@@ -80,10 +80,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     let has_labels = recipe.channels.iter().any(|entry| entry.quantity == "pose");
     if has_home && !has_labels {
         let mut first = recipe.first_pose_is_home;
-        if ui
-            .checkbox(&mut first, "The first pose is the home pose")
-            .changed()
-        {
+        if checkbox(ui, &mut first, "The first pose is the home pose").changed() {
             let what = "choose the home pose";
             bench.change(what, |recipe| recipe.first_pose_is_home = first);
         }

@@ -5,7 +5,7 @@ use tautline_import::{Assignment, Quantity, Series, parse_unit, pattern_of};
 
 use super::{Bench, KnownPattern, PanelState};
 use crate::theme::GRID;
-use crate::widgets::{Entered, Number, heading, muted, number};
+use crate::widgets::{Entered, Number, checkbox, heading, muted, number};
 
 /// What is not used.
 const UNUSED: &str = "Not used";
@@ -148,12 +148,12 @@ fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &Shown<'_>, for_all: bool)
             ui.label("Sign");
             ui.horizontal(|ui| {
                 let mut reversed = own.reversed;
-                if ui.checkbox(&mut reversed, "Reversed").changed() {
+                if checkbox(ui, &mut reversed, "Reversed").changed() {
                     edit(bench, "sign", &|own| own.reversed = reversed);
                 }
                 let mut from_first = own.from_first_pose;
                 let text = "Zero at the first pose";
-                if quantity.moves() && ui.checkbox(&mut from_first, text).changed() {
+                if quantity.moves() && checkbox(ui, &mut from_first, text).changed() {
                     edit(bench, "zero", &|own| own.from_first_pose = from_first);
                 }
             });

@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, ViewCommand};
 use crate::theme::{self, GRID};
-use crate::widgets::{Cell, Column, muted, table};
+use crate::widgets::{Cell, Column, checkbox, muted, table};
 use tautline_workflow::wording::cable_label;
 
 /// A cable by colour and number.
@@ -52,7 +52,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         return;
     }
     let mut watches = model.link.watches;
-    if !model.link.is_measuring() && ui.checkbox(&mut watches, "Show live readings").changed() {
+    if !model.link.is_measuring() && checkbox(ui, &mut watches, "Show live readings").changed() {
         outbox.send(RobotCommand::Watch(watches));
     }
     if !watches && !model.link.is_measuring() {

@@ -6,7 +6,7 @@ use egui_material_icons::icons;
 use super::camera::{Projection, StandardView};
 use super::drawing::{ArrowColour, CableColour, FrameLook, Options};
 use super::scene::{Besides, Scene};
-use crate::widgets::{icon_only, muted};
+use crate::widgets::{checkbox, icon_only, muted};
 
 /// Width of the slider with its number (points).
 const EXAGGERATION: f32 = 240.0;
@@ -128,9 +128,9 @@ fn colours(ui: &mut Ui, options: &mut Options) {
 
 fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
     let besides = scene.besides;
-    ui.checkbox(&mut options.labels, "Cable numbers");
-    ui.checkbox(&mut options.poses, "Poses");
-    ui.checkbox(&mut options.callouts, "Pinned coordinates")
+    checkbox(ui, &mut options.labels, "Cable numbers");
+    checkbox(ui, &mut options.poses, "Poses");
+    checkbox(ui, &mut options.callouts, "Pinned coordinates")
         .on_hover_text("Click a pulley to pin its coordinates, click again to unpin them");
     let has_pins = !options.pinned.is_empty();
     if ui
@@ -140,7 +140,7 @@ fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
     {
         options.pinned.clear();
     }
-    ui.checkbox(&mut options.errors, "Position errors")
+    checkbox(ui, &mut options.errors, "Position errors")
         .on_hover_text("Errors of position before and after the adjustment, in phase 5");
     let pulleys = match besides {
         Besides::Other => "Pulleys of B",
@@ -152,8 +152,8 @@ fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
         (&mut options.ellipsoids, "95 % confidence ellipsoids"),
     ];
     for (shown, name) in of_identification {
-        let checkbox = egui::Checkbox::new(shown, name);
-        ui.add_enabled(besides != Besides::Nothing, checkbox)
+        ui.add_enabled_ui(besides != Besides::Nothing, |ui| checkbox(ui, shown, name))
+            .inner
             .on_disabled_hover_text("Available after identification");
     }
     ui.separator();

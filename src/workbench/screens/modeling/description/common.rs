@@ -6,7 +6,7 @@ use tautline_core::robot::{Cable, Home, Robot};
 
 use super::field::{Field, OfEvery, change, grid, one, optional, three};
 use crate::screens::bench_panel::Bench;
-use crate::widgets::{muted, section};
+use crate::widgets::{checkbox, muted, section};
 
 /// Draws the part about the platform.
 pub fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
@@ -36,7 +36,7 @@ pub fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
         for coordinate in Coordinate::ALL {
             let mut is_free = platform.free.contains(&coordinate);
             let name = ["x", "y", "z", "rx", "ry", "rz"][coordinate.index()];
-            let response = ui.checkbox(&mut is_free, name);
+            let response = checkbox(ui, &mut is_free, name);
             if response.on_hover_text(coordinate.describe()).changed() {
                 let what = format!("change {}", coordinate.describe());
                 change(bench, &what, |robot| {
@@ -126,10 +126,7 @@ pub fn home(ui: &mut Ui, bench: &mut Bench<'_>) {
     section(ui, "Home pose");
     let home = bench.robot().home;
     let mut has_home = home.is_some();
-    if ui
-        .checkbox(&mut has_home, "Encoders read zero at a home pose")
-        .changed()
-    {
+    if checkbox(ui, &mut has_home, "Encoders read zero at a home pose").changed() {
         change(bench, "choose a home pose", |robot| {
             robot.home = has_home.then(|| default_home(robot));
         });

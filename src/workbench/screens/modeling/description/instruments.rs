@@ -7,7 +7,7 @@ use tautline_core::robot::{
 
 use super::field::{Field, OfEvery, change, grid, one, optional, three};
 use crate::screens::bench_panel::Bench;
-use crate::widgets::section;
+use crate::widgets::{checkbox, section};
 
 /// Degrees in a radian.
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
@@ -29,7 +29,7 @@ fn has(
     mut now: bool,
     set: impl FnOnce(&mut Robot, bool),
 ) {
-    if ui.checkbox(&mut now, name).changed() {
+    if checkbox(ui, &mut now, name).changed() {
         let verb = if now { "add" } else { "remove" };
         let what = format!("{verb} {}", name.to_lowercase());
         change(bench, &what, |robot| set(robot, now));
