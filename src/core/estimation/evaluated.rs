@@ -1,8 +1,9 @@
 //! A problem evaluated at given parameters and poses: what analysis and linearisation start from.
 
-use super::evaluator::{Division, Evaluator, Parts};
+use super::evaluator::{Evaluator, Parts};
 use super::globals::Globals;
 use super::home::HomeRow;
+use super::options::Division;
 use super::parameter::Parameter;
 use super::problem::Problem;
 use super::solution::Solution;

@@ -8,8 +8,9 @@
 use nalgebra::DMatrix;
 
 use super::evaluated::Evaluated;
-use super::evaluator::{Division, Elimination, Sums};
+use super::evaluator::{Elimination, Sums};
 use super::globals::Globals;
+use super::options::Division;
 use super::parameter::Parameter;
 use super::problem::Problem;
 use super::system::{Priors, System, home_information};

@@ -10,8 +10,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::analysis::{is_tension_read, sd_of};
 use super::evaluated::Evaluated;
-use super::evaluator::{Division, Elimination, Evaluator, NoiseEstimate};
+use super::evaluator::{Elimination, Evaluator, NoiseEstimate};
 use super::observation::ObservationKind;
+use super::options::Division;
 use super::parameter::{Parameter, ParameterId};
 use super::problem::Problem;
 use super::solution::Solution;

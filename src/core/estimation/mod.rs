@@ -28,12 +28,11 @@ mod system;
 
 pub use analysis::{Analysis, SUSPECT_LEVEL};
 pub use covariance::covariance_of;
-pub use evaluator::Division;
 pub use expected::ExpectedInformation;
 pub use globals::Globals;
 pub use linearisation::{LinearRow, Linearisation, PoseBlock, RowKind};
 pub use observation::{DetectionTest, Observation, ObservationKind, Pull, Reliability};
-pub use options::{Control, Options, Progress, Termination};
+pub use options::{Control, Division, Options, Progress, Termination};
 pub use parameter::{Parameter, ParameterId};
 pub use problem::{Geometry, Loss, Method, Poses, Problem};
 pub use rank::{RankDefect, rank_defects};

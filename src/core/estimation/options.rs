@@ -1,6 +1,26 @@
 //! Options of the solver and what it reports while it runs.
 
-use super::evaluator::Division;
+/// Poses of a part: some milliseconds of work for a pass, against which a thread costs nothing. Whole packets of every
+/// instruction set.
+const POSES_PER_PART: usize = 1 << 14;
+
+/// How many poses are divided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Division {
+    /// Poses of a part, a multiple of 8.
+    pub poses_per_part: usize,
+    /// Most threads; as many as the processor runs at once without a number.
+    pub threads: Option<usize>,
+}
+
+impl Default for Division {
+    fn default() -> Self {
+        Self {
+            poses_per_part: POSES_PER_PART,
+            threads: None,
+        }
+    }
+}
 
 /// How to solve. The defaults suit every problem; the rest is for tests and special cases.
 #[derive(Debug, Clone, Copy, PartialEq)]

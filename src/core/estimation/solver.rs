@@ -6,10 +6,10 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::EstimationError;
-use super::evaluator::{Division, Evaluator, Parts};
+use super::evaluator::{Evaluator, Parts};
 use super::globals::Globals;
 use super::home::{HomeRow, direct_column};
-use super::options::{Control, Options, Progress, Termination};
+use super::options::{Control, Division, Options, Progress, Termination};
 use super::parameter::{Parameter, ParameterId};
 use super::problem::{Loss, Method, Poses, Problem};
 use super::solution::Solution;

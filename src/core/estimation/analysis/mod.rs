@@ -19,8 +19,9 @@ use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::evaluated::Evaluated;
-use super::evaluator::{Division, Evaluator};
+use super::evaluator::Evaluator;
 use super::observation::{DetectionTest, Observation, ObservationKind};
+use super::options::Division;
 use super::parameter::ParameterId;
 use super::problem::Problem;
 use super::solution::Solution;

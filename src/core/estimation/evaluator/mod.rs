@@ -26,7 +26,6 @@ pub(super) use equations::Equations;
 pub(super) use layout::{Layout, effect_columns};
 pub(super) use noise::NoiseEstimate;
 pub(super) use normal::{Elimination, Sums};
-pub use parts::Division;
 pub(super) use parts::Parts;
 
 use std::sync::Arc;

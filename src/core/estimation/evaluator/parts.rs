@@ -10,30 +10,9 @@ use super::layout::Layout;
 use super::normal::Sums;
 use super::steps::LARGEST_STORE;
 use super::{Evaluator, Globals, Pose, Problem};
+use crate::estimation::options::Division;
 use crate::real::Packet;
 use crate::threads;
-
-/// Poses of a part: some milliseconds of work for a pass, against which a thread costs nothing. Whole packets of every
-/// instruction set.
-const POSES_PER_PART: usize = 1 << 14;
-
-/// How many poses are divided.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Division {
-    /// Poses of a part, a multiple of 8.
-    pub poses_per_part: usize,
-    /// Most threads; as many as the processor runs at once without a number.
-    pub threads: Option<usize>,
-}
-
-impl Default for Division {
-    fn default() -> Self {
-        Self {
-            poses_per_part: POSES_PER_PART,
-            threads: None,
-        }
-    }
-}
 
 /// The equations of a set of poses, one evaluator for each part of them.
 #[derive(Clone)]
