@@ -89,6 +89,17 @@ pub fn with_sd(value: f64, sd: f64, unit: &str) -> String {
         .to_owned()
 }
 
+/// The 95 % interval of a quantity with its standard deviation: `0.23 to 0.39 %`, with the digits of [`with_sd`].
+pub fn interval(value: f64, sd: f64, unit: &str) -> String {
+    let (factor, name) = display_unit(unit);
+    if !(sd.is_finite() && sd > 0.0) {
+        return quantity(value, unit);
+    }
+    let decimals = decimals(sd * factor);
+    let [from, to] = [-1.96, 1.96].map(|times| fixed((value + times * sd) * factor, decimals));
+    format!("{from} to {to} {name}").trim_end().to_owned()
+}
+
 /// A number with these decimals; what rounds to zero has no sign.
 pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
@@ -163,5 +174,9 @@ mod tests {
         ] {
             assert_eq!(with_sd(value, sd, unit), text);
         }
+        assert_eq!(interval(0.0031, 0.0004, "1"), "0.23 to 0.39 %");
+        assert_eq!(interval(0.001_998, 0.000_003, "1"), "0.1992 to 0.2004 %");
+        assert_eq!(interval(-12.3, 4.6, "N"), "-21 to -3 N");
+        assert_eq!(interval(0.0031, 0.0, "1"), "0.31 %");
     }
 }

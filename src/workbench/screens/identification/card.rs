@@ -16,7 +16,7 @@ use crate::widgets::{Verdict, icon_button, muted, probability, verdict};
 use tautline_workflow::diagnosis::dependences::of_finding;
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::wording::probability::{odds_between, percent};
-use tautline_workflow::wording::units::{range, unit_of};
+use tautline_workflow::wording::units::{self, unit_of};
 use tautline_workflow::wording::{count, odds};
 
 /// Most cables of a finding whose pulleys can be inspected from there.
@@ -197,11 +197,11 @@ pub fn size(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
 /// The 95 % interval of a parameter.
 fn interval(diagnosed: &Diagnosed, parameter: &FoundParameter) -> Option<String> {
     let sd = parameter.sd.filter(|sd| sd.is_finite())?;
-    let ends = [parameter.value - 1.96 * sd, parameter.value + 1.96 * sd];
     let of = diagnosed
         .cable(parameter.cable)
         .map_or_else(String::new, |cable| format!("{cable} "));
-    let ends = range(ends, unit_of(parameter.name, parameter.unit));
+    let unit = unit_of(parameter.name, parameter.unit);
+    let ends = units::interval(parameter.value, sd, unit);
     Some(format!("95 % interval of {of}{}: {ends}", parameter.name))
 }
 

@@ -10,11 +10,8 @@ use crate::documents::diagnosis::gain;
 use crate::report::document::{Block, Section, Table};
 use crate::report::plots;
 use crate::wording::probability::{certainty, odds_between, percent};
-use crate::wording::units::{range, significant, unit_of};
+use crate::wording::units::{self, significant, unit_of};
 use crate::wording::{count, list, odds, ratio, sentence};
-
-/// Half width of a 95 % interval in standard deviations.
-const INTERVAL: f64 = 1.96;
 
 pub fn section(told: &Diagnosed) -> Section {
     let diagnosis = &told.diagnosis;
@@ -123,9 +120,8 @@ fn facts(told: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
 /// 95 % intervals of the fitted parameters.
 fn intervals(parameters: &[FoundParameter]) -> Vec<String> {
     let interval = |p: &FoundParameter| {
-        let half = INTERVAL * p.sd.filter(|sd| sd.is_finite() && *sd > 0.0)?;
-        let unit = unit_of(p.name, p.unit);
-        Some(range([p.value - half, p.value + half], unit))
+        let sd = p.sd.filter(|sd| sd.is_finite() && *sd > 0.0)?;
+        Some(units::interval(p.value, sd, unit_of(p.name, p.unit)))
     };
     parameters.iter().filter_map(interval).collect()
 }
