@@ -206,7 +206,7 @@ fn the_words_say_how_sure_they_are() {
         "does NOT explain the readings",
         "1. Winch scale (cable-3), almost certainly (99.8 %)",
         "0.31 ± 0.04 %",
-        "0.232 to 0.388 %",
+        "0.23 to 0.39 %",
         "2. Pulley radius (cable-3), more likely than not (60 %)",
         "Causes that these data cannot tell apart",
         "3 to 2",
