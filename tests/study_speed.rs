@@ -11,7 +11,7 @@ use tautline_core::geometry::Vec3;
 use tautline_core::robot::{Robot, presets};
 use tautline_session::parse_versioned_toml;
 use tautline_study::calibration::Simulator;
-use tautline_study::run::{Shared, run};
+use tautline_study::run::run;
 use tautline_study::which_sensor::Advisor;
 use tautline_study::{StudyFile, StudyPlan, merge};
 
@@ -38,7 +38,7 @@ fn plan(calibrations: u64) -> Result<StudyPlan> {
 /// # Errors
 /// If MINI cannot be simulated or this is not Linux.
 pub fn table(calibrations: u64) -> Result<String> {
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let threads = tautline_core::threads::available();
     let mut text = String::from(
         "| calibrations | time s | processor time s | per second and core | largest memory so far MB |\n|---|---|---|---|---|\n",
     );
@@ -48,7 +48,9 @@ pub fn table(calibrations: u64) -> Result<String> {
         let folder = tempfile::tempdir()?;
         let parts = plan.parts(None).map_err(anyhow::Error::msg)?;
         let (began, before) = (Instant::now(), processor_s()?);
-        run(&plan, folder.path(), &parts, threads, &Shared::default())?;
+        run(&plan, folder.path(), &parts, threads, &mut |_| {
+            Control::Continue
+        })?;
         merge(&plan, folder.path())?;
         let (wall, busy) = (began.elapsed().as_secs_f64(), processor_s()? - before);
         each = busy / plan.calibrations() as f64;

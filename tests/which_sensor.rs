@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use tautline_core::estimation::Control;
+use tautline_core::threads::available;
 use tautline_session::read_versioned_toml;
 use tautline_study::report::groups;
 use tautline_study::result::CellResult;
-use tautline_study::run::{Shared, run};
+use tautline_study::run::run;
 use tautline_study::{StudyFile, StudyPlan, StudyResult, merge};
 
 /// Folder of the studies.
@@ -26,8 +27,10 @@ pub fn study(name: &str) -> Result<(StudyPlan, StudyResult)> {
     let plan = StudyPlan::new(study, &folder(), &mut |_, _| Control::Continue)?;
     let temporary = tempfile::tempdir()?;
     let parts = plan.parts(None).map_err(anyhow::Error::msg)?;
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    run(&plan, temporary.path(), &parts, threads, &Shared::default())?;
+    let threads = available();
+    run(&plan, temporary.path(), &parts, threads, &mut |_| {
+        Control::Continue
+    })?;
     let result = merge(&plan, temporary.path())?;
     Ok((plan, result))
 }

@@ -1,23 +1,18 @@
 //! Studies: the command `study` without a command line.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
-use std::time::Duration;
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use tautline_core::estimation::Control;
+use tautline_core::threads::available;
 use tautline_session::{parse_versioned, read_versioned_toml};
 use tautline_study::report::write_report;
-use tautline_study::run::{Shared, run};
+use tautline_study::run::run;
 use tautline_study::{StudyFile, StudyPlan, calibrations, merge, read_plan, read_result};
 use tautline_workflow::clock;
 use tautline_workflow::exporting::ParquetCells;
 
 use crate::{detached, error, json};
-
-/// Time between two looks at whether Ctrl+C was pressed.
-const LOOK: Duration = Duration::from_millis(20);
 
 /// The study of a TOML file.
 #[pyfunction]
@@ -64,21 +59,12 @@ pub fn run_study(
     let parts = plan
         .parts(chunk)
         .map_err(|e| error(format!("chunk: {e}")))?;
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let threads = threads.unwrap_or(cores);
+    let threads = threads.unwrap_or_else(available);
     let summary = detached(py, |interrupt| {
-        let shared = Shared::default();
-        std::thread::scope(|scope| {
-            let running = scope.spawn(|| run(&plan, &folder, &parts, threads, &shared));
-            while !running.is_finished() {
-                let is_over = interrupt.control() == Control::Cancel;
-                shared.cancelled.fetch_or(is_over, Ordering::Relaxed);
-                std::thread::sleep(LOOK);
-            }
-            let ran = running.join();
-            let ran = ran.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-            ran.map_err(|e| e.to_string())
-        })
+        let ran = run(&plan, &folder, &parts, threads, &mut |_| {
+            interrupt.control()
+        });
+        ran.map_err(|e| e.to_string())
     })?;
     Ok((summary.done, summary.found))
 }

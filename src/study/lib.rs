@@ -40,6 +40,13 @@ pub enum StudyError {
     #[error("{0}")]
     Input(String),
     /// It was cancelled; what is finished is kept.
-    #[error("cancelled: finished chunks are kept, the same command goes on with the others")]
+    #[error("cancelled: finished chunks are kept, the rest is simulated when it is started again")]
     Cancelled,
+}
+
+/// The folder of a study, if it is not there yet.
+fn create_folder(folder: &std::path::Path) -> Result<(), StudyError> {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        StudyError::Input(format!("{}: cannot be created ({error})", folder.display()))
+    })
 }

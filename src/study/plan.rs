@@ -12,12 +12,12 @@ use tautline_session::{
     Catalogue, Fingerprint, VersionedFile, read_robot, read_versioned, versioned, write_versioned,
 };
 
-use crate::StudyError;
 use crate::cell::{Cell, options, robot_of};
 use crate::chunk::Part;
 use crate::design::{Combination, combinations};
 use crate::file::{Choice, StudyFile};
 use crate::scaling::size_m;
+use crate::{StudyError, create_folder};
 
 /// File of the plan in the folder of a study.
 pub const PLAN: &str = "plan.json";
@@ -210,9 +210,7 @@ impl StudyPlan {
                 path.display()
             )));
         }
-        std::fs::create_dir_all(folder).map_err(|error| {
-            StudyError::Input(format!("{}: cannot be created ({error})", folder.display()))
-        })?;
+        create_folder(folder)?;
         write_versioned(&path, self)?;
         Ok(path)
     }

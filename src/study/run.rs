@@ -1,26 +1,31 @@
 //! Doing the chunks of a study: on threads of this process, each chunk a file; what is there is not done again.
 
-use std::fs;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+use tautline_core::estimation::Control;
 
 use crate::calibration::Simulator;
 use crate::cell::Cell;
 use crate::chunk::{Origin, Part, Rows, read_chunk, write_chunk};
 use crate::plan::{PLAN, StudyPlan};
-use crate::{StudyError, VERSION};
+use crate::{StudyError, VERSION, create_folder};
 
 /// Calibrations between two looks at whether it was cancelled.
 const BETWEEN_LOOKS: u64 = 16;
 
+/// Between two questions to the observer.
+const BETWEEN_QUESTIONS: Duration = Duration::from_millis(20);
+
 /// What running threads tell and are told.
 #[derive(Debug, Default)]
-pub struct Shared {
+struct Shared {
     /// Calibrations done.
-    pub done: AtomicU64,
+    done: AtomicU64,
     /// Set to end early: chunks that are not finished are lost.
-    pub cancelled: AtomicBool,
+    cancelled: AtomicBool,
 }
 
 /// What a run did.
@@ -32,12 +37,35 @@ pub struct Summary {
     pub found: u64,
 }
 
-/// Does these parts of a study with so many threads.
+/// Does these parts of a study with so many threads. The observer is asked on the calling thread; it hears how many
+/// calibrations are done, and chunks that are not finished when it cancels are lost.
 ///
 /// # Errors
 /// If a part is not one of the study, a chunk that is there belongs to something else, one cannot be written, or it was
 /// cancelled.
 pub fn run(
+    plan: &StudyPlan,
+    folder: &Path,
+    parts: &[Part],
+    threads: usize,
+    observer: &mut dyn FnMut(u64) -> Control,
+) -> Result<Summary, StudyError> {
+    let shared = Shared::default();
+    std::thread::scope(|scope| {
+        let running = scope.spawn(|| work(plan, folder, parts, threads, &shared));
+        while !running.is_finished() {
+            if observer(shared.done.load(Ordering::Relaxed)) == Control::Cancel {
+                shared.cancelled.store(true, Ordering::Relaxed);
+            }
+            std::thread::sleep(BETWEEN_QUESTIONS);
+        }
+        running
+            .join()
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
+fn work(
     plan: &StudyPlan,
     folder: &Path,
     parts: &[Part],
@@ -55,7 +83,7 @@ pub fn run(
     let next = AtomicU64::new(0);
     let summary = Mutex::new(Summary::default());
     let failure: Mutex<Option<StudyError>> = Mutex::new(None);
-    let work = || {
+    let work_on_rest = || {
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed) as usize;
             let Some(part) = parts.get(index) else { return };
@@ -75,7 +103,7 @@ pub fn run(
     };
     std::thread::scope(|scope| {
         for _ in 0..threads.clamp(1, parts.len().max(1)) {
-            scope.spawn(work);
+            scope.spawn(work_on_rest);
         }
     });
     if let Some(error) = lock(&failure).take() {
@@ -122,9 +150,7 @@ fn chunk(
         calibrate(plan, (place, &cell), [index, end], shared, &mut rows)?;
         index = end;
     }
-    fs::create_dir_all(folder).map_err(|error| {
-        StudyError::Input(format!("{}: cannot be created ({error})", folder.display()))
-    })?;
+    create_folder(folder)?;
     let origin = Origin::of((plan, fingerprint), part, &rows);
     write_chunk(folder, &origin, &rows)?;
     Ok(true)

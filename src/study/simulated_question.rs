@@ -2,26 +2,23 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
-use std::time::Duration;
 
 use tautline_core::estimation::Control;
 use tautline_core::robot::Robot;
-use tautline_session::{Timestamp, parse_versioned_toml, write_robot, write_text};
+use tautline_core::threads::available;
+use tautline_session::{Timestamp, parse_versioned_toml, read_robot, write_robot, write_text};
 use tautline_workflow::report::ReportError;
 
 use crate::plan::StudyPlan;
 use crate::report::write_report;
-use crate::run::{Shared, run};
+use crate::run::run;
 use crate::which_sensor::Question;
-use crate::{StudyError, StudyFile, merge};
+use crate::{StudyError, StudyFile, create_folder, merge};
 
 /// Files of the study in its folder.
 const ROBOT: &str = "robot.json";
 const STUDY: &str = "study.toml";
 const REPORT: &str = "report.html";
-/// Between two looks at how far it is.
-const LOOK: Duration = Duration::from_millis(50);
 
 /// The study as a file that `tautline study plan` reads, too.
 fn study_file(robot: &Robot, question: &Question) -> String {
@@ -60,37 +57,27 @@ pub fn simulate(
         laser.sd_m = sd_m;
     }
     let text = study_file(&robot, question);
-    let known = fs::read_to_string(folder.join(STUDY)).unwrap_or_default();
+    let is_same = || {
+        let known = fs::read_to_string(folder.join(STUDY)).unwrap_or_default();
+        known == text && read_robot(&folder.join(ROBOT)).is_ok_and(|known| known.value == robot)
+    };
     let is_empty = fs::read_dir(folder).map_or(true, |mut files| files.next().is_none());
-    if !is_empty && known != text {
+    if !is_empty && !is_same() {
         return Err(StudyError::Input(format!(
             "{}: holds other files, expected an empty folder or that of the same question",
             folder.display()
         )));
     }
-    fs::create_dir_all(folder).map_err(|error| {
-        StudyError::Input(format!("{}: cannot be created ({error})", folder.display()))
-    })?;
+    create_folder(folder)?;
     write_robot(&folder.join(ROBOT), &robot)?;
     write_text(&folder.join(STUDY), &text)?;
     let study = parse_versioned_toml::<StudyFile>(text.as_bytes(), STUDY)?.value;
     let plan = StudyPlan::new(study, folder, &mut |_, _| observer(0, 0))?;
     plan.write(folder)?;
     let parts = plan.parts(None).map_err(StudyError::Input)?;
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let shared = Shared::default();
     let all = plan.calibrations();
-    std::thread::scope(|scope| {
-        let running = scope.spawn(|| run(&plan, folder, &parts, threads, &shared));
-        while !running.is_finished() {
-            if observer(shared.done.load(Ordering::Relaxed), all) == Control::Cancel {
-                shared.cancelled.store(true, Ordering::Relaxed);
-            }
-            std::thread::sleep(LOOK);
-        }
-        running
-            .join()
-            .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    run(&plan, folder, &parts, available(), &mut |done| {
+        observer(done, all)
     })?;
     let result = merge(&plan, folder)?;
     let path = folder.join(REPORT);
@@ -149,9 +136,19 @@ mod tests {
         let report = simulate((&robot, &question), &folder, now, &|_, _| Control::Continue);
         let report = fs::read_to_string(report.unwrap()).unwrap();
         assert!(report.contains("Which sensor for"));
-        question.poses = 13;
-        let other = simulate((&robot, &question), &folder, now, &|_, _| Control::Continue);
-        let error = other.unwrap_err().to_string();
-        assert!(error.contains("expected an empty folder"), "{error}");
+        // Another number of poses changes the study, another laser only the robot: both are other questions, and what is
+        // there stays.
+        let known = fs::read(folder.join(ROBOT)).unwrap();
+        let more_poses = Question {
+            poses: 13,
+            ..question
+        };
+        question.laser_sd_m = question.laser_sd_m.map(|sd_m| 2.0 * sd_m);
+        for other in [more_poses, question] {
+            let refused = simulate((&robot, &other), &folder, now, &|_, _| Control::Continue);
+            let error = refused.unwrap_err().to_string();
+            assert!(error.contains("expected an empty folder"), "{error}");
+            assert_eq!(fs::read(folder.join(ROBOT)).unwrap(), known);
+        }
     }
 }

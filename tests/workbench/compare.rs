@@ -15,7 +15,7 @@ use tautline_workbench::shell::App;
 use tautline_workbench::views::robot_3d::scene::Subject;
 
 use crate::measured::{give, press};
-use crate::support::{options, settle, workbench};
+use crate::support::{options, settle, type_into, workbench};
 
 /// Writes a session of a preset whose fifth pulley has moved by `moved_m` along y.
 pub fn write(path: &Path, preset: &str, moved_m: f64, seed: u64) {
@@ -42,17 +42,7 @@ pub fn write(path: &Path, preset: &str, moved_m: f64, seed: u64) {
 pub fn take(harness: &mut Harness<'_, App>, side: &str, path: &Path) {
     let field = format!("Path of {side}");
     let text = path.display().to_string();
-    let by_name = |harness: &Harness<'_, App>| {
-        harness
-            .get_by_role_and_label(Role::TextInput, &field)
-            .focus();
-    };
-    by_name(harness);
-    harness.run_ok();
-    harness
-        .get_by_role_and_label(Role::TextInput, &field)
-        .type_text(&text);
-    harness.run_ok();
+    type_into(harness, Role::TextInput, &field, &text);
     press(harness, &format!("Use {side}"));
 }
 

@@ -20,6 +20,7 @@ use tautline_workbench::shell::State;
 use tautline_workflow::adjusting::Purpose;
 
 use crate::demo::Bench;
+use crate::support;
 use tautline_validation::ads::Plant;
 use tautline_validation::ads::symbols::{Style, global};
 
@@ -72,17 +73,8 @@ fn opened(bench: &mut Bench) {
     }
 }
 
-/// Types into the field of this name instead of what is there.
 fn type_into(bench: &mut Bench, name: &str, text: &str) {
-    let input = Role::TextInput;
-    let harness = &mut bench.harness;
-    harness.get_by_role_and_label(input, name).focus();
-    harness.step();
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.step();
-    harness.get_by_role_and_label(input, name).type_text(text);
-    harness.step();
-    harness.step();
+    support::type_into(&mut bench.harness, Role::TextInput, name, text);
 }
 
 fn is_enabled(bench: &Bench, name: &str) -> bool {

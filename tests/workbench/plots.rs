@@ -11,7 +11,7 @@ use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::model::{OpenSession, Selection};
 use tautline_workbench::shell::App;
 
-use crate::support::{settle, workbench};
+use crate::support::{settle, type_into, workbench};
 
 /// A workbench with twelve measured poses of the planar robot.
 fn measured() -> Harness<'static, App> {
@@ -123,14 +123,8 @@ fn what_is_visible_is_saved() {
         harness.run_ok();
         harness.get_by_label(format).click();
         harness.run_ok();
-        let field = harness.get_by_role_and_label(Role::TextInput, "Plot file");
-        field.focus();
-        harness.run_ok();
-        harness.key_combination_modifiers(egui::Modifiers::COMMAND, &[egui::Key::A]);
-        harness.run_ok();
-        let field = harness.get_by_role_and_label(Role::TextInput, "Plot file");
-        field.type_text(&path.display().to_string());
-        harness.run_ok();
+        let name = path.display().to_string();
+        type_into(&mut harness, Role::TextInput, "Plot file", &name);
         harness.get_by_label("Save this plot").click();
         harness.step();
         settle(&mut harness);

@@ -1,9 +1,10 @@
 //! The report, saved from the menu.
 
-use egui::{Key, Modifiers, Role};
+use egui::Role;
 use egui_kittest::kittest::Queryable;
 
 use crate::measured::{Measured, press};
+use crate::support::type_into;
 
 #[test]
 fn both_entries_of_the_menu_save_at_a_typed_path() {
@@ -14,21 +15,9 @@ fn both_entries_of_the_menu_save_at_a_typed_path() {
         press(&mut harness, "File");
         press(&mut harness, &format!("Save report as {format}…"));
         let path = measured.beside(&format!("own.{}", format.to_lowercase()));
-        let field = |harness: &egui_kittest::Harness<'_, _>| {
-            let name = "Path of the report";
-            let proposed = harness.get_by_role_and_label(Role::TextInput, name);
-            proposed.focus();
-        };
-        field(&harness);
-        harness.run_ok();
-        harness.key_combination_modifiers(Modifiers::COMMAND, &[Key::A]);
-        harness.run_ok();
         // The end of the name follows from the format.
         let typed = path.with_extension("").display().to_string();
-        harness
-            .get_by_role_and_label(Role::TextInput, "Path of the report")
-            .type_text(&typed);
-        harness.run_ok();
+        type_into(&mut harness, Role::TextInput, "Path of the report", &typed);
         press(&mut harness, "Save report");
         let bytes = std::fs::read(&path).expect("the report");
         let shown = String::from_utf8_lossy(&bytes[..start.len()]).to_lowercase();

@@ -1,26 +1,19 @@
 //! The start screen.
 
-use egui::Key;
+use egui::{Key, Role};
 use egui_kittest::kittest::Queryable;
 use tautline_workbench::model::command::ViewCommand;
 use tautline_workbench::model::messages::Severity;
 use tautline_workbench::model::phase::Screen;
 
 use crate::measured::give;
-use crate::support::{settle, workbench};
+use crate::support::{settle, type_into, workbench};
 
 #[test]
 fn a_path_that_does_not_exist_is_named() {
     let mut harness = workbench();
     settle(&mut harness);
-    harness
-        .get_by_role_and_label(egui::Role::TextInput, "Path")
-        .focus();
-    harness.run();
-    harness
-        .get_by_role_and_label(egui::Role::TextInput, "Path")
-        .type_text("nowhere.json");
-    harness.run();
+    type_into(&mut harness, Role::TextInput, "Path", "nowhere.json");
     harness.get_by_label("Open").click();
     // The click arrives within several frames.
     harness.run_ok();

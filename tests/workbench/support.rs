@@ -3,7 +3,9 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use egui::{Key, Modifiers, Role};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use tautline_session::Folders;
 pub use tautline_validation::harness::settle;
 use tautline_workbench::model::Options;
@@ -29,4 +31,15 @@ pub fn workbench() -> Harness<'static, App> {
         .with_size(egui::vec2(1280.0, 800.0))
         .with_max_steps(60)
         .build_eframe(|creation| App::new(creation, options()))
+}
+
+/// Types into the field of this role and name instead of what is there.
+pub fn type_into(harness: &mut Harness<'_, App>, role: Role, name: &str, text: &str) {
+    harness.get_by_role_and_label(role, name).focus();
+    harness.step();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.step();
+    harness.get_by_role_and_label(role, name).type_text(text);
+    harness.step();
+    harness.step();
 }

@@ -9,7 +9,7 @@ use serde_json::Value;
 use tautline_workbench::model::command::FileCommand;
 use tautline_workbench::shell::App;
 
-use crate::support::{settle, workbench};
+use crate::support::{settle, type_into, workbench};
 
 /// A workbench with the robot MINI, and a folder for tables.
 pub struct Bench {
@@ -55,11 +55,7 @@ impl Bench {
 
     /// Types into the field of this name.
     pub fn type_into(&mut self, role: Role, name: &str, text: &str) {
-        self.harness.get_by_role_and_label(role, name).focus();
-        self.harness.run_ok();
-        self.harness
-            .get_by_role_and_label(role, name)
-            .type_text(text);
+        type_into(&mut self.harness, role, name, text);
         self.harness.run_ok();
     }
 

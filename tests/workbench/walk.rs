@@ -9,6 +9,7 @@ use tautline_validation::harness::words;
 use tautline_workbench::model::command::CompareCommand;
 
 use crate::demo::Bench;
+use crate::support::type_into;
 
 /// A demonstration whose fault is found by name.
 const SEED: u64 = 3;
@@ -123,17 +124,8 @@ fn save_and_open_again(bench: &mut Bench) {
         .key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
     bench.harness.step();
     bench.harness.step();
-    let (role, name) = (Role::TextInput, "Path of the session");
-    bench.harness.get_by_role_and_label(role, name).focus();
-    bench.harness.step();
-    bench
-        .harness
-        .key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
-    bench
-        .harness
-        .get_by_role_and_label(role, name)
-        .type_text(&path.display().to_string());
-    bench.harness.step();
+    let (name, text) = ("Path of the session", path.display().to_string());
+    type_into(&mut bench.harness, Role::TextInput, name, &text);
     bench.press("Save");
     bench.settle("the saved session");
     let before = bench.session().clone();

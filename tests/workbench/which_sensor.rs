@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use egui::{Key, Modifiers, Role};
+use egui::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_workbench::model::command::{SIMULATING, ViewCommand};
@@ -10,7 +10,7 @@ use tautline_workbench::model::phase::Screen;
 use tautline_workbench::shell::App;
 
 use crate::measured::{give, press};
-use crate::support::{settle, workbench};
+use crate::support::{settle, type_into, workbench};
 
 #[test]
 fn the_answer_follows_the_sliders() {
@@ -60,15 +60,8 @@ fn a_question_becomes_a_study_that_can_be_cancelled() {
     let mut harness = workbench();
     give(&mut harness, ViewCommand::Go(Screen::WhichSensor));
     settle(&mut harness);
-    let (input, name) = (Role::TextInput, "Folder of the study");
-    harness.get_by_role_and_label(input, name).focus();
-    harness.step();
-    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.step();
-    let path = folder.display().to_string();
-    harness.get_by_role_and_label(input, name).type_text(&path);
-    harness.step();
-    harness.step();
+    let (name, text) = ("Folder of the study", folder.display().to_string());
+    type_into(&mut harness, Role::TextInput, name, &text);
     harness.get_by_label("Simulate").click();
     harness.step();
     harness.step();

@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use tautline_core::estimation::Control;
+
 static LISTENS: AtomicBool = AtomicBool::new(false);
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 /// Whether what goes on is finished, however often it is interrupted: it takes a bounded time.
@@ -39,4 +41,14 @@ pub fn finish_first() -> anyhow::Result<()> {
 #[must_use]
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::SeqCst)
+}
+
+/// What an interrupt asks of work that can be cancelled.
+#[must_use]
+pub fn control() -> Control {
+    if requested() {
+        Control::Cancel
+    } else {
+        Control::Continue
+    }
 }

@@ -5,7 +5,7 @@ mod progress;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use tautline_core::estimation::Control;
+use tautline_core::threads::available;
 use tautline_session::{Loaded, read_versioned_toml};
 use tautline_study::plan::PLAN;
 use tautline_study::report::{sentences, write_report};
@@ -96,11 +96,7 @@ fn plan(path: &Path, out: Option<&Path>) -> Result<()> {
     let mut progress = Progress::new("cells");
     let mut observe = |done: usize, all: usize| {
         progress.show(done as u64, all as u64);
-        if interrupt::requested() {
-            Control::Cancel
-        } else {
-            Control::Continue
-        }
+        interrupt::control()
     };
     let of_file = path
         .parent()
@@ -173,18 +169,21 @@ fn simulate(folder: &Path, chunk: Option<&str>, threads: Option<u16>) -> Result<
     let plan = read_plan(folder).map_err(correctable)?;
     let parts = plan.parts(chunk);
     let parts = parts.map_err(|message| BadInput::new(format!("--chunk: {message}")))?;
-    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let threads = threads.map_or(cores, usize::from);
+    let threads = threads.map_or_else(available, usize::from);
     interrupt::listen()?;
-    let all = parts
+    let all: u64 = parts
         .iter()
         .map(|part| part.range(plan.calibrations()))
         .map(|[from, to]| to - from)
         .sum();
-    let ran = Progress::new("calibrations").while_running(all, &interrupt::requested, |shared| {
-        run_chunks(&plan, folder, &parts, threads, shared)
+    let mut progress = Progress::new("calibrations");
+    let ran = run_chunks(&plan, folder, &parts, threads, &mut |done| {
+        // The last one is shown when its chunk is written.
+        progress.show(done.min(all.saturating_sub(1)), all);
+        interrupt::control()
     });
     let summary = ran.map_err(correctable)?;
+    progress.show(all, all);
     say!(
         "{}: {} chunks done, {} were there",
         folder.display(),

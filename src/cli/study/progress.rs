@@ -1,11 +1,7 @@
 //! How far a study is, on one line of a terminal.
 
 use std::io::{IsTerminal, Write};
-use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-
-use tautline_study::StudyError;
-use tautline_study::run::{Shared, Summary};
 
 /// Time between two updates.
 const INTERVAL: Duration = Duration::from_millis(200);
@@ -44,41 +40,5 @@ impl Progress {
             self.what
         );
         let _ = out.flush();
-    }
-
-    /// Runs a study beside, showing how far it is and passing on an interrupt.
-    pub fn while_running(
-        mut self,
-        all: u64,
-        interrupted: &dyn Fn() -> bool,
-        work: impl FnOnce(&Shared) -> Result<Summary, StudyError> + Send,
-    ) -> Result<Summary, StudyError> {
-        let shared = Shared::default();
-        std::thread::scope(|scope| {
-            let running = scope.spawn(|| work(&shared));
-            while !running.is_finished() {
-                self.show(
-                    shared
-                        .done
-                        .load(Ordering::Relaxed)
-                        .min(all.saturating_sub(1)),
-                    all,
-                );
-                if interrupted() {
-                    shared.cancelled.store(true, Ordering::Relaxed);
-                }
-                std::thread::sleep(Duration::from_millis(20));
-            }
-            let ran = running.join();
-            self.show(
-                if matches!(ran, Ok(Ok(_))) {
-                    all
-                } else {
-                    shared.done.load(Ordering::Relaxed)
-                },
-                all,
-            );
-            ran.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-        })
     }
 }

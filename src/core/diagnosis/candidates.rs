@@ -271,19 +271,18 @@ pub(super) fn size_parameter(effect: &'static Effect) -> Option<&'static EffectP
 
 /// The geometric mean of the smallest and the largest typical size.
 fn typical_size(parameter: &EffectParameter) -> f64 {
-    let [a, b] = parameter.typical.map(f64::abs);
-    if a.min(b) > 0.0 {
-        (a * b).sqrt()
+    let [least, largest] = parameter.typical_sizes();
+    if least > 0.0 {
+        (least * largest).sqrt()
     } else {
-        0.5 * a.max(b)
+        0.5 * largest
     }
 }
 
 /// Sizes over the largest typical one, each with the logarithm of its probability: evenly over the orders of
 /// magnitude of the typical sizes, and rarely beyond.
 pub(super) fn scales(parameter: &EffectParameter) -> Vec<(f64, f64)> {
-    let [a, b] = parameter.typical.map(f64::abs);
-    let (least, largest) = (a.min(b), a.max(b));
+    let [least, largest] = parameter.typical_sizes();
     let mut sizes = vec![1.0];
     while sizes[sizes.len() - 1] * largest > 2.0 * least.max(1e-3 * largest) {
         sizes.push(sizes[sizes.len() - 1] / BEYOND_FACTOR);
@@ -309,8 +308,7 @@ pub(super) fn log_rarity(parameter: &EffectParameter, size: f64) -> f64 {
 
 /// Largest typical size over the standard deviation of the prior of a step of a parameter.
 pub(super) fn prior_sd(parameter: &EffectParameter, present: f64) -> f64 {
-    let [a, b] = parameter.typical.map(f64::abs);
-    let largest = a.max(b);
+    let [_, largest] = parameter.typical_sizes();
     let probe = probe_offset(parameter);
     let sd = LARGEST_IS_RARE * largest;
     if probe == 0.0 {

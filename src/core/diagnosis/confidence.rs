@@ -15,7 +15,7 @@ use super::report::{
 use super::residual_space::ResidualSpace;
 use super::variables::Variables;
 use super::{DiagnosisOptions, Quantity};
-use crate::effect::{EffectParameter, Search};
+use crate::effect::Search;
 use crate::estimation::{EstimationError, Linearisation, Problem};
 
 /// Probability from which a cause that is not sure is likely.
@@ -267,17 +267,14 @@ fn log_rarity_of(finding: &Finding) -> f64 {
     let Some(size) = size_parameter(effect) else {
         return 0.0;
     };
-    let largest = |parameter: &EffectParameter| {
-        let [a, b] = parameter.typical.map(f64::abs);
-        a.max(b)
-    };
     // Coordinates of one vector are as large as each other at most.
     let of_instance = |found: &[FoundParameter]| {
         let alike = effect.parameters().iter().zip(found);
         let alike = alike.filter(|(p, _)| p.unit == size.unit && !p.discrete);
         let squares = alike.map(|(p, found)| {
             let certain = (found.value - p.neutral).abs() - 2.0 * found.sd.unwrap_or(0.0);
-            (certain.max(0.0) / largest(p)).powi(2)
+            let [_, largest] = p.typical_sizes();
+            (certain.max(0.0) / largest).powi(2)
         });
         squares.sum::<f64>().sqrt()
     };

@@ -164,7 +164,7 @@ pub(super) fn is_possible(fit: &Fit<'_>) -> bool {
     let mut values = bounds.flat_map(|b| b.values.iter().zip(b.effect.parameters()));
     fit.solution.chi2.is_finite()
         && values.all(|(value, p)| {
-            let largest = p.typical[0].abs().max(p.typical[1].abs());
+            let [_, largest] = p.typical_sizes();
             let sized = p.discrete || (value - p.neutral).abs() < ABSURD * largest.max(p.prior_sd);
             sized && *value >= p.bounds[0] && *value <= p.bounds[1]
         })

@@ -161,6 +161,13 @@ impl EffectParameter {
         }
     }
 
+    /// Smallest and largest typical size without their sign.
+    #[must_use]
+    pub fn typical_sizes(&self) -> [f64; 2] {
+        let [a, b] = self.typical.map(f64::abs);
+        [a.min(b), a.max(b)]
+    }
+
     /// The same with another neutral value, which is the start value too.
     #[must_use]
     pub const fn around(self, neutral: f64) -> Self {

@@ -163,8 +163,8 @@ fn simulation(ui: &mut Ui, asked: &mut Asked, running: bool, outbox: &mut Outbox
     }
     muted(
         ui,
-        "400 calibrations of each combination of laser and number of poses, and a report. The command study goes on with its file: \
-         faults, other robots.",
+        "Simulates 400 calibrations for each combination of laser and number of poses, and writes a report. To add faults or \
+         other robots, edit the study.toml in this folder and use the command study.",
     );
 }
 
