@@ -11,7 +11,7 @@ use super::candidates::{
 use super::conditions::Conditions;
 use super::fit::Fit;
 use super::report::Cause;
-use crate::effect::{BoundEffect, CATALOGUE, Effect, IN_MOTION, Scope, Search};
+use crate::effect::{BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_EXTERNAL_POSES, Scope, Search};
 use crate::estimation::{Linearisation, ParameterId};
 
 /// Columns that are linearised at once.
@@ -57,7 +57,14 @@ impl Catalogue {
             candidates: Vec::new(),
         };
         let shown_by_motion = if data.rates.is_some() { IN_MOTION } else { &[] };
-        let known = || CATALOGUE.iter().chain(shown_by_motion);
+        let is_tracked = fit.problem.dataset.robot.tracker.is_some();
+        let shown_by_poses = if is_tracked { OF_EXTERNAL_POSES } else { &[] };
+        let known = || {
+            CATALOGUE
+                .iter()
+                .chain(shown_by_poses)
+                .chain(shown_by_motion)
+        };
         let asked = || known().filter(|e| e.search() != Search::Exchange);
         let each = expected / asked().count() as f64;
         for effect in asked() {

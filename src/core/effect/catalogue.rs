@@ -7,8 +7,8 @@ use super::{
     heading_offset, inclinometer_tilt, laser_beam_tilt, laser_bias, laser_cyclic, laser_drift,
     laser_latency, laser_outliers, laser_scale, payload_com, payload_mass, platform_anchor,
     pulley_axis_tilt, pulley_drag, pulley_friction, pulley_radius, swivel_offset, target_tilt,
-    tracker_clock, tracker_latency, unknown, winch_backlash, winch_offset, winch_scale,
-    winch_scale_common,
+    tracker_clock, tracker_frame, tracker_latency, tracker_target, tracker_tilt, unknown,
+    winch_backlash, winch_offset, winch_scale, winch_scale_common,
 };
 
 /// Every effect that poses at rest can show, in the order in which reports list them.
@@ -62,9 +62,17 @@ pub static IN_MOTION: &[&Effect] = &[
     &pulley_drag::EFFECT,
 ];
 
+/// Every effect that only the poses of an external instrument show, for the same reason a list of their own.
+pub static OF_EXTERNAL_POSES: &[&Effect] = &[
+    &tracker_frame::EFFECT,
+    &tracker_target::EFFECT,
+    &tracker_tilt::EFFECT,
+];
+
 /// All effects that have a name.
 pub fn every_effect() -> impl Iterator<Item = &'static Effect> {
-    CATALOGUE.iter().chain(IN_MOTION).copied()
+    let shown_at_rest = CATALOGUE.iter().chain(OF_EXTERNAL_POSES);
+    shown_at_rest.chain(IN_MOTION).copied()
 }
 
 /// The effect with this identifier; `unknown`, which names no cause, is not on the list but found, too.

@@ -75,6 +75,10 @@ pub struct PlatformContext {
     pub inertia: Twist,
     /// Roll, pitch and yaw as read (rad); where not read, those of an approximate pose.
     pub inclination_rad: [f64; 3],
+    /// Position as the external instrument read it (m); 0 where it did not.
+    pub tracked_m: [f64; 3],
+    /// Rotation matrix of the orientation that it read, row by row; where it did not, that of an approximate pose.
+    pub tracked_rotation: [[f64; 3]; 3],
     /// Nominal direction of the laser beam, platform frame; any without a laser.
     pub laser_direction: [f64; 3],
     /// Nominal normal of the target plane, base frame; any without a laser.
@@ -155,6 +159,8 @@ impl PoseContexts {
                 laser_direction: nominal.laser_direction.map(|d| d.value),
                 target_normal: nominal.target_normal.map(|d| d.value),
                 inclination_rad: inclination(data, row, &poses[row]),
+                tracked_m: data.tracked_position_at(row).map_or([0.0; 3], Into::into),
+                tracked_rotation: tracked_rotation(data, row, &poses[row]),
                 variables: platform_variables(data, row, &poses[row], &poses[home.unwrap_or(0)]),
             })
             .collect();
@@ -278,6 +284,13 @@ fn inclination(data: &Measurements, row: usize, pose: &Pose) -> [f64; 3] {
             read[k]
         }
     })
+}
+
+/// The orientation as the external instrument read it, else that of the pose, as rows of its matrix.
+fn tracked_rotation(data: &Measurements, row: usize, pose: &Pose) -> [[f64; 3]; 3] {
+    let read = data.tracked_orientation_at(row).unwrap_or(pose.orientation);
+    // Columns of the transposed are rows.
+    read.to_rotation_matrix().into_inner().transpose().into()
 }
 
 /// The variables that do not depend on the cable.

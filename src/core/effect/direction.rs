@@ -47,6 +47,31 @@ pub(super) fn rotation([roll, pitch, yaw]: [Dual; 3]) -> [[Dual; 3]; 3] {
     product(&product(&about_x, &about_y), &about_z)
 }
 
+/// A vector rotated by Rodrigues' parameters, half of `turn` (rad): `v + (t x v + t x (t x v)/2) / (1 + t.t/4)`.
+pub(super) fn rotated(v: [Dual; 3], turn: [Dual; 3]) -> [Dual; 3] {
+    let cross = |a: [Dual; 3], b: [Dual; 3]| {
+        let entry = |i: usize, k: usize| a[i] * b[k] - a[k] * b[i];
+        [entry(1, 2), entry(2, 0), entry(0, 1)]
+    };
+    let once = cross(turn, v);
+    let twice = cross(turn, once);
+    let shrink = length_factor(turn);
+    let shrink = shrink * shrink;
+    std::array::from_fn(|k| v[k] + (once[k] + twice[k] * 0.5) * shrink)
+}
+
+/// Twice the vector part of the quaternion of the same rotation.
+pub(super) fn rotation_row(turn: [Dual; 3]) -> [Dual; 3] {
+    let factor = length_factor(turn);
+    turn.map(|angle| angle * factor)
+}
+
+/// `1 / sqrt(1 + t.t/4)`.
+fn length_factor(t: [Dual; 3]) -> Dual {
+    let square = (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]) * 0.25 + 1.0;
+    square.sqrt().recip()
+}
+
 /// Product of two matrices.
 pub(super) fn product(a: &[[Dual; 3]; 3], b: &[[Dual; 3]; 3]) -> [[Dual; 3]; 3] {
     let entry = |i: usize, k: usize| a[i][0] * b[0][k] + a[i][1] * b[1][k] + a[i][2] * b[2][k];
@@ -79,6 +104,20 @@ mod tests {
             |v: [f64; 3], angle: f64| nalgebra::Rotation3::new(nalgebra::Vector3::from(v) * angle);
         let expected = about(second, -0.2) * about(first, 0.1) * nalgebra::Vector3::from(axis);
         assert!((nalgebra::Vector3::from(turned) - expected).norm() < 1e-15);
+    }
+
+    #[test]
+    fn a_rotation_and_its_row_are_those_of_a_quaternion() {
+        let turn = [0.3, -0.2, 0.5];
+        let half = nalgebra::Vector3::from(turn) * 0.5;
+        let quaternion = nalgebra::Quaternion::from_parts(1.0, half);
+        let expected = nalgebra::UnitQuaternion::from_quaternion(quaternion);
+        let v = nalgebra::Vector3::new(1.0, -2.0, 0.7);
+        let turn = turn.map(Dual::constant);
+        let rotated = rotated([v.x, v.y, v.z].map(Dual::constant), turn).map(|d| d.value);
+        assert!((nalgebra::Vector3::from(rotated) - expected * v).norm() < 1e-15);
+        let row = rotation_row(turn).map(|d| d.value);
+        assert!((nalgebra::Vector3::from(row) - expected.vector() * 2.0).norm() < 1e-15);
     }
 
     #[test]

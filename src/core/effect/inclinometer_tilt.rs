@@ -4,7 +4,7 @@
 //! the weights know nothing of it. Where an angle was not read it counts as 0. Typical 0.1 to 3 degrees.
 
 use super::direction::{angles, product, rotation};
-use super::words::{components, degrees, list};
+use super::words::turn;
 use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
@@ -28,18 +28,9 @@ pub(super) static EFFECT: Effect = Effect {
 };
 
 fn cause(found: &FoundEffect<'_>) -> String {
-    let tilts = components(&[found.value(0), found.value(1)]);
-    let words: Vec<String> = tilts
-        .iter()
-        .map(|(angle, axis)| format!("{} about {axis}", degrees(*angle)))
-        .collect();
     format!(
         "The inclinometer sits tilted on the platform: {}.",
-        if words.is_empty() {
-            degrees(0.0)
-        } else {
-            list(&words)
-        },
+        turn(&[found.value(0), found.value(1)])
     )
 }
 

@@ -53,6 +53,12 @@ pub struct PlatformPorts<T = Dual> {
     pub inclination_offset: [T; 3],
     /// By how much the external instrument lags behind (s).
     pub tracker_delay: T,
+    /// Point of the platform that it measures, platform frame (m).
+    pub tracker_point: [T; 3],
+    /// Added to the position that it reads, base frame (m).
+    pub tracker_shift: [T; 3],
+    /// Added to twice the vector part of the quaternion by which the orientation differs from the reading (base frame).
+    pub tracker_turn: [T; 3],
 }
 
 /// Names a scalar of [`CablePorts`]; vectors by component.
@@ -81,6 +87,9 @@ pub enum PlatformPort {
     TargetNormal(usize),
     InclinationOffset(usize),
     TrackerDelay,
+    TrackerPoint(usize),
+    TrackerShift(usize),
+    TrackerTurn(usize),
 }
 
 impl CablePort {
@@ -110,7 +119,7 @@ impl CablePort {
 
 impl PlatformPort {
     /// Number of scalars.
-    pub const COUNT: usize = 16;
+    pub const COUNT: usize = 25;
 
     /// All of them.
     pub const ALL: [Self; Self::COUNT] = [
@@ -130,6 +139,15 @@ impl PlatformPort {
         Self::InclinationOffset(1),
         Self::InclinationOffset(2),
         Self::TrackerDelay,
+        Self::TrackerPoint(0),
+        Self::TrackerPoint(1),
+        Self::TrackerPoint(2),
+        Self::TrackerShift(0),
+        Self::TrackerShift(1),
+        Self::TrackerShift(2),
+        Self::TrackerTurn(0),
+        Self::TrackerTurn(1),
+        Self::TrackerTurn(2),
     ];
 }
 
@@ -215,6 +233,9 @@ impl PlatformPorts {
             target_normal: constants(laser.map_or([0.0, 0.0, 1.0], |l| l.target_plane.normal)),
             inclination_offset: constants([0.0; 3]),
             tracker_delay: Dual::constant(0.0),
+            tracker_point: constants([0.0; 3]),
+            tracker_shift: constants([0.0; 3]),
+            tracker_turn: constants([0.0; 3]),
         }
     }
 }
@@ -231,6 +252,9 @@ impl<T: Copy> PlatformPorts<T> {
             PlatformPort::TargetNormal(axis) => self.target_normal[axis],
             PlatformPort::InclinationOffset(angle) => self.inclination_offset[angle],
             PlatformPort::TrackerDelay => self.tracker_delay,
+            PlatformPort::TrackerPoint(axis) => self.tracker_point[axis],
+            PlatformPort::TrackerShift(axis) => self.tracker_shift[axis],
+            PlatformPort::TrackerTurn(axis) => self.tracker_turn[axis],
         }
     }
 
@@ -245,6 +269,9 @@ impl<T: Copy> PlatformPorts<T> {
             target_normal: [0, 1, 2].map(|axis| value(PlatformPort::TargetNormal(axis))),
             inclination_offset: [0, 1, 2].map(|k| value(PlatformPort::InclinationOffset(k))),
             tracker_delay: value(PlatformPort::TrackerDelay),
+            tracker_point: [0, 1, 2].map(|axis| value(PlatformPort::TrackerPoint(axis))),
+            tracker_shift: [0, 1, 2].map(|axis| value(PlatformPort::TrackerShift(axis))),
+            tracker_turn: [0, 1, 2].map(|axis| value(PlatformPort::TrackerTurn(axis))),
         }
     }
 }

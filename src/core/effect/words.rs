@@ -101,6 +101,16 @@ pub(super) fn displacement(vector_m: &[f64]) -> String {
     list(&parts.iter().map(words).collect::<Vec<_>>())
 }
 
+/// A rotation by small angles (rad): `0.3 degrees about +x and 0.1 degrees about -y`.
+pub(super) fn turn(angles_rad: &[f64]) -> String {
+    let parts = components(angles_rad);
+    if parts.is_empty() {
+        return degrees(0.0);
+    }
+    let words = |(angle, axis): &(f64, String)| format!("{} about {axis}", degrees(*angle));
+    list(&parts.iter().map(words).collect::<Vec<_>>())
+}
+
 /// By how much and where to a direction is tilted, by the angles of [`tilted`]: `2.1 degrees towards +x`. Without a
 /// nominal direction only by how much.
 pub(super) fn inclination(nominal: Option<[f64; 3]>, tilt_1: f64, tilt_2: f64) -> String {

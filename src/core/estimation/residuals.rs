@@ -23,6 +23,10 @@ pub struct RowResidual {
     pub tension_n: Vec<f64>,
     /// Roll, pitch and yaw (rad).
     pub inclination_rad: [f64; 3],
+    /// Position by the external instrument (m).
+    pub tracked_m: [f64; 3],
+    /// Rotation from the orientation by the external instrument to that of the model (rad).
+    pub tracked_rotation_rad: [f64; 3],
 }
 
 /// Residuals of `rows` at `poses` for given common parameters, without any fit.
@@ -93,6 +97,16 @@ fn row_residual(
             .inclination
             .map_or(f64::NAN, |first| raw(first + k, inclination_sd))
     };
+    // A row of the position is whitened by its derivative along the axis: poses may have standard deviations of their own.
+    let position = |k: usize| {
+        let row = layout.tracker_position.map(|first| first + k);
+        row.map_or(f64::NAN, |row| raw(row, equations.by_pose[row][k].recip()))
+    };
+    let rotation_sd = robot.tracker.and_then(|tracker| tracker.orientation_sd_rad);
+    let rotation = |k: usize| {
+        let row = layout.tracker_orientation.map(|first| first + k);
+        row.map_or(f64::NAN, |row| raw(row, rotation_sd.unwrap_or(f64::NAN)))
+    };
     RowResidual {
         length_m,
         laser_m: layout.laser.map_or(f64::NAN, |row| raw(row, laser_sd)),
@@ -104,5 +118,7 @@ fn row_residual(
         },
         tension_n,
         inclination_rad: std::array::from_fn(inclination),
+        tracked_m: std::array::from_fn(position),
+        tracked_rotation_rad: std::array::from_fn(rotation),
     }
 }

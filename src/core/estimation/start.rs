@@ -6,7 +6,6 @@ use super::problem::{Geometry, Poses, Problem};
 use super::solution::Solution;
 use crate::geometry::Pose;
 use crate::kinematics::{ForwardKinematics, inverse_kinematics};
-use crate::measurement::Measurements;
 use crate::robot::{Cable, Robot};
 
 /// Root mean square length residual that a start pose may have, relative to the size of the frame:
@@ -94,7 +93,7 @@ fn start_poses(
         let turned = commanded.map_or(globals.home.orientation, |pose| pose.orientation);
         let tracked = data.tracked_position_at(*row).map(|position| Pose {
             position,
-            orientation: tracked_orientation(data, *row).unwrap_or(turned),
+            orientation: data.tracked_orientation_at(*row).unwrap_or(turned),
         });
         if problem.poses == Poses::HeldAtTracker {
             return tracked.unwrap_or(globals.home);
@@ -108,13 +107,6 @@ fn start_poses(
         })
     };
     rows.iter().map(&mut start).collect()
-}
-
-fn tracked_orientation(data: &Measurements, row: usize) -> Option<nalgebra::UnitQuaternion<f64>> {
-    let q = *data.tracked_orientation_wxyz.get(row)?;
-    q.iter()
-        .all(|v| v.is_finite())
-        .then(|| Pose::from_parts([0.0; 3], q).orientation)
 }
 
 /// Forward kinematics from the readings of a row; effects and sag are not modelled.

@@ -179,6 +179,14 @@ impl Measurements {
         position.iter().all(|v| v.is_finite()).then_some(position)
     }
 
+    /// Orientation by the external instrument at a row, where it was read.
+    #[must_use]
+    pub fn tracked_orientation_at(&self, pose: usize) -> Option<nalgebra::UnitQuaternion<f64>> {
+        let q = *self.tracked_orientation_wxyz.get(pose)?;
+        let is_read = q.iter().all(|v| v.is_finite());
+        is_read.then(|| Pose::from_parts([0.0; 3], q).orientation)
+    }
+
     /// The measurements of the given rows only, in the given order.
     #[must_use]
     pub fn select(&self, rows: &[usize]) -> Self {

@@ -2,7 +2,7 @@
 
 use crate::effect::PoseContexts;
 use crate::estimation::{EstimationError, Globals, Method, Problem, RowResidual, residuals_in};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, Twist};
 use crate::measurement::{Dataset, Grid};
 
 /// Least and most fixed-point steps that invert the models of winch, force sensor and laser.
@@ -92,6 +92,19 @@ fn correct(
             changed(residual.inclination_rad[k]);
             angles[k] += residual.inclination_rad[k];
         }
+    }
+    if let Some(position) = data.tracked_position_m.get_mut(row) {
+        for k in 0..3 {
+            changed(residual.tracked_m[k]);
+            position[k] += residual.tracked_m[k];
+        }
+    }
+    if let Some(q) = data.tracked_orientation_wxyz.get_mut(row) {
+        let [x, y, z] = residual.tracked_rotation_rad;
+        changed(x.abs().max(y.abs()).max(z.abs()));
+        *q = Pose::from_parts([0.0; 3], *q)
+            .perturbed(&Twist::new(0.0, 0.0, 0.0, x, y, z))
+            .orientation_wxyz();
     }
     largest
 }

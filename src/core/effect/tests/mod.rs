@@ -2,6 +2,7 @@
 
 mod binding;
 mod exchange;
+mod external_poses;
 mod formulas;
 mod holes;
 mod recovery;

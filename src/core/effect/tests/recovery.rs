@@ -72,7 +72,12 @@ pub(super) fn request(setting: &EffectSetting) -> EffectRequest {
 }
 
 /// Frees what was hidden and compares, with this relative tolerance.
-fn check_run(run: &Simulated, settings: &[EffectSetting], method: Method, tolerance: f64) {
+pub(super) fn check_run(
+    run: &Simulated,
+    settings: &[EffectSetting],
+    method: Method,
+    tolerance: f64,
+) {
     let requests: Vec<_> = settings.iter().map(request).collect();
     let mut problem = Problem::new(&run.dataset).unwrap().with_method(method);
     problem.free(&requests).unwrap();

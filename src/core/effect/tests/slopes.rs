@@ -41,6 +41,8 @@ pub(super) fn at_platform() -> PlatformContext {
         twists: Default::default(),
         inertia: crate::geometry::Twist::zeros(),
         inclination_rad: [0.1, -0.2, 2.9],
+        tracked_m: [0.2, -0.1, 0.4],
+        tracked_rotation: [[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]],
         laser_direction: [0.0, 0.0, -1.0],
         target_normal: [0.0, 0.0, 1.0],
     }

@@ -93,6 +93,9 @@ impl<T: Packet> ColumnStore<T> {
             target_normal: self.load_three(&ports.target_normal, batch),
             inclination_offset: self.load_three(&ports.inclination_offset, batch),
             tracker_delay: self.load(ports.tracker_delay, batch),
+            tracker_point: self.load_three(&ports.tracker_point, batch),
+            tracker_shift: self.load_three(&ports.tracker_shift, batch),
+            tracker_turn: self.load_three(&ports.tracker_turn, batch),
         }
     }
 

@@ -7,7 +7,7 @@ use super::layout::Layout;
 use crate::effect::{PlatformContext, PlatformPort};
 use crate::estimation::problem::Problem;
 use crate::geometry::PosePacket;
-use crate::real::{Packet, Real, add_scaled, cross, dot};
+use crate::real::{Packet, Real, add_scaled, cross, dot, scaled};
 
 /// Motion of the platform at all poses.
 #[derive(Clone)]
@@ -74,38 +74,29 @@ impl<T: Real> Lag<T> {
         equations: &mut Equations<T>,
     ) {
         let [x, y, z, turn_x, turn_y, turn_z] = self.by_delay;
-        if let Some(first) = layout.tracker_position {
+        let zero = turn_x.lift(0.0);
+        let one = turn_x.lift(1.0);
+        let still = PosePacket::new([zero; 3], [one, zero, zero, zero]);
+        let turned = still.moved(self.step).rotation;
+        let turn = [self.step[3], self.step[4], self.step[5]];
+        // Rotation on top of the pose seen by a change of the step: that of Rodrigues' parameters, half the step.
+        let half = turn_x.lift(0.5);
+        let by_turn = [turn_x, turn_y, turn_z];
+        let by_turn = add_scaled(by_turn, half, cross(turn, by_turn));
+        let shrink = one / (dot(turn, turn) * half).mul_add(half, one);
+        let by_turn = scaled(by_turn, shrink);
+        let blocks = [layout.tracker_position, layout.tracker_orientation];
+        for row in blocks
+            .into_iter()
+            .flatten()
+            .flat_map(|first| first..first + 3)
+        {
+            let [p, q, r, a, b, c] = equations.by_pose[row];
+            let change = dot([p, q, r], [x, y, z]) + dot([a, b, c], by_turn);
+            link(row, change, links, layout, equations);
             for k in 0..3 {
-                let by = equations.by_pose[first + k];
-                let change = dot([by[0], by[1], by[2]], [x, y, z]);
-                link(first + k, change, links, layout, equations);
-            }
-        }
-        if let Some(first) = layout.tracker_orientation {
-            let zero = turn_x.lift(0.0);
-            let one = turn_x.lift(1.0);
-            let still = PosePacket::new([zero; 3], [one, zero, zero, zero]);
-            let turned = still.moved(self.step).rotation;
-            let turn = [self.step[3], self.step[4], self.step[5]];
-            // Rotation on top of the pose seen by a change of the step: that of Rodrigues' parameters, half the step.
-            let half = turn_x.lift(0.5);
-            let by_turn = [turn_x, turn_y, turn_z];
-            let by_turn = add_scaled(by_turn, half, cross(turn, by_turn));
-            let shrink = one / (dot(turn, turn) * half).mul_add(half, one);
-            for row in first..first + 3 {
-                let [x, y, z, a, b, c] = equations.by_pose[row];
-                link(
-                    row,
-                    dot([a, b, c], by_turn) * shrink,
-                    links,
-                    layout,
-                    equations,
-                );
-                let mut by_pose = [x, y, z, zero, zero, zero];
-                for k in 0..3 {
-                    by_pose[3 + k] = dot([a, b, c], [turned[0][k], turned[1][k], turned[2][k]]);
-                }
-                equations.by_pose[row] = by_pose;
+                equations.by_pose[row][3 + k] =
+                    dot([a, b, c], [turned[0][k], turned[1][k], turned[2][k]]);
             }
         }
     }

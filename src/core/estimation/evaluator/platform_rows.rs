@@ -65,33 +65,53 @@ impl<T: Real> LaserInputs<T> {
     }
 }
 
-/// Three rows of the external instrument's position.
+/// Three rows of the external instrument's position: of the point `r + R p` of the platform, shifted.
 #[inline(always)]
 pub(super) fn tracker_position_rows<T: Real>(
     first: usize,
-    reading: [T; 3],
-    inverse_sd: [T; 3],
+    (reading, inverse_sd): ([T; 3], [T; 3]),
+    ports: &PlatformPorts<T>,
+    links: &[(PlatformPort, usize, T)],
+    layout: &Layout,
     pose: &PosePacket<T>,
     equations: &mut Equations<T>,
 ) {
+    let lever = pose.rotate(ports.tracker_point);
+    let zero = lever[0].lift(0.0);
+    // d(R p) = phi x R p.
+    let [x, y, z] = lever;
+    let by_rotation = [[zero, z, -y], [-z, zero, x], [y, -x, zero]];
     for k in 0..3 {
         let (value, present) = reading[k].present();
         let weight = inverse_sd[k].present().0 * present;
-        let zero = weight.lift(0.0);
-        equations.residual[first + k] = (pose.position[k] - value) * weight;
-        equations.by_pose[first + k] = [zero; 6];
-        equations.by_pose[first + k][k] = weight;
-        equations.present[first + k] = present;
+        let row = first + k;
+        let predicted = pose.position[k] + lever[k] + ports.tracker_shift[k];
+        let [a, b, c] = scaled(by_rotation[k], weight);
+        equations.residual[row] = (predicted - value) * weight;
+        equations.by_pose[row] = [zero, zero, zero, a, b, c];
+        equations.by_pose[row][k] = weight;
+        equations.present[row] = present;
+        for (port, parameter, by_parameter) in links {
+            let change = match port {
+                PlatformPort::TrackerPoint(axis) => pose.rotation[k][*axis] * weight,
+                PlatformPort::TrackerShift(axis) if *axis == k => weight,
+                _ => continue,
+            };
+            let entry = &mut equations.effects_of(layout, row)[*parameter];
+            *entry = change.mul_add(*by_parameter, *entry);
+        }
     }
 }
 
 /// Three rows of the external instrument's orientation: twice the vector part of
-/// `q q_measured^-1`, the rotation vector up to third order.
+/// `q q_measured^-1`, the rotation vector up to third order, and what it reads beside the orientation.
 #[inline(always)]
 pub(super) fn tracker_orientation_rows<T: Real>(
     first: usize,
-    reading: [T; 4],
-    inverse_sd: T,
+    (reading, inverse_sd): ([T; 4], T),
+    ports: &PlatformPorts<T>,
+    links: &[(PlatformPort, usize, T)],
+    layout: &Layout,
     pose: &PosePacket<T>,
     equations: &mut Equations<T>,
 ) {
@@ -123,9 +143,16 @@ pub(super) fn tracker_orientation_rows<T: Real>(
     ];
     for k in 0..3 {
         let [a, b, c] = by_rotation[k];
-        equations.residual[first + k] = half[k] * two;
-        equations.by_pose[first + k] = [zero, zero, zero, a, b, c];
-        equations.present[first + k] = present;
+        let row = first + k;
+        equations.residual[row] = half[k].mul_add(two, ports.tracker_turn[k] * weight);
+        equations.by_pose[row] = [zero, zero, zero, a, b, c];
+        equations.present[row] = present;
+        for (port, parameter, by_parameter) in links {
+            if *port == PlatformPort::TrackerTurn(k) {
+                let entry = &mut equations.effects_of(layout, row)[*parameter];
+                *entry = weight.mul_add(*by_parameter, *entry);
+            }
+        }
     }
 }
 

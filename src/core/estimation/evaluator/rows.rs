@@ -224,8 +224,10 @@ impl<T: Packet> Evaluator<'_, T> {
                 .load_three(&self.platform.tracker_inverse_sd, batch);
             platform_rows::tracker_position_rows(
                 first,
-                reading,
-                weight,
+                (reading, weight),
+                &ports,
+                &links,
+                &self.layout,
                 &seen,
                 &mut self.equations,
             );
@@ -236,8 +238,15 @@ impl<T: Packet> Evaluator<'_, T> {
             let [x, y, z] = self.readings.load_three(&columns[1..], batch);
             let reading = [self.readings.load(columns[0], batch), x, y, z];
             let weight = zero.lift(sd.recip());
-            let equations = &mut self.equations;
-            platform_rows::tracker_orientation_rows(first, reading, weight, &seen, equations);
+            platform_rows::tracker_orientation_rows(
+                first,
+                (reading, weight),
+                &ports,
+                &links,
+                &self.layout,
+                &seen,
+                &mut self.equations,
+            );
         }
         if let Some(lag) = &lag {
             lag.complete(&links, &self.layout, &mut self.equations);

@@ -53,7 +53,7 @@ fn change_every_cable_port(p: &[Dual], _: &CableContext, ports: &mut CablePorts)
 static EVERY_PLATFORM_PORT: Effect = Effect {
     id: "every_platform_port",
     scope: Scope::Robot,
-    parameters: &[ANY; 16],
+    parameters: &[ANY; 25],
     change_platform: change_every_platform_port,
     ..Effect::NEUTRAL
 };
@@ -67,6 +67,9 @@ fn change_every_platform_port(p: &[Dual], _: &PlatformContext, ports: &mut Platf
         ports.laser_direction[k] += p[6 + k] * 0.3;
         ports.target_normal[k] += p[9 + k] * 0.3;
         ports.inclination_offset[k] += p[12 + k];
+        ports.tracker_point[k] += p[16 + k] * 0.1;
+        ports.tracker_shift[k] += p[19 + k] * 0.1;
+        ports.tracker_turn[k] += p[22 + k] * 0.3;
     }
     ports.tracker_delay += p[15] * 0.1;
 }
@@ -85,7 +88,7 @@ pub fn every_effect(robot: &Robot) -> Vec<BoundEffect> {
         effect: &EVERY_PLATFORM_PORT,
         cables: Vec::new(),
         targeted: false,
-        values: vec![0.0; 16],
+        values: vec![0.0; 25],
     });
     for effect in catalogue().filter(|e| e.is_estimable()) {
         // The label of a pose is given: the last one, or one before it, from which only the last is.

@@ -1,0 +1,31 @@
+//! An external instrument that measures another point of the platform than its origin: the point `(x, y, z)`, platform frame,
+//! metres: a reflector or the middle of some markers. Typical 1 to 20 mm where the point was measured by hand.
+
+use super::{Effect, EffectParameter, Scope};
+
+pub(super) static EFFECT: Effect = Effect {
+    id: "tracker_target",
+    title: "Point that the external instrument measures",
+    scope: Scope::Robot,
+    parameters: &[
+        EffectParameter::new("x", "m", 0.1, [0.001, 0.02]),
+        EffectParameter::new("y", "m", 0.1, [0.001, 0.02]),
+        EffectParameter::new("z", "m", 0.1, [0.001, 0.02]),
+    ],
+    cause: |found| {
+        found.say("The point that the external instrument measures is off by {displacement} on the platform (platform axes).")
+    },
+    workshop: |found| {
+        found.say("Measure on the platform where the reflector or the markers are, and enter that point in the external instrument.")
+    },
+    check: Some(
+        "Turn the platform where it is: the measured point moves if it is not the platform's origin.",
+    ),
+    source: "Geometry",
+    change_platform: |parameters, _, ports| {
+        for k in 0..3 {
+            ports.tracker_point[k] += parameters[k];
+        }
+    },
+    ..Effect::NEUTRAL
+};
