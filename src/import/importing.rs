@@ -9,6 +9,7 @@ use tautline_session::{Place, ReadError, escape_formula, read_poses};
 use crate::check::{Change, Readings, Suggestion, check};
 use crate::cutting::{CutPose, Times, cut, number_of};
 use crate::document::{ImportDocument, PoseReport, Reading, SourceReport};
+use crate::external::place;
 use crate::recipe::{Cutting, Kind, Mapping, Quantity, Recipe, is_series, resolve};
 use crate::source::Source;
 
@@ -44,7 +45,9 @@ pub fn import(
     drop_empty(&mut poses, &mut notices);
     let labels = labels(&poses, recipe, &mut notices);
     apply_steps(&mut poses, &labels, recipe);
-    let columns = columns(&mapping, recipe);
+    let recipe = &place(&mut poses, recipe, robot, &mut notices)
+        .map_err(|message| ReadError::new(file, Place::File, message))?;
+    let columns = columns(&mapping, &poses, recipe);
     let suggestions = suggestions(&mapping, &poses, &labels, recipe, robot);
     let poses_csv = table(&poses, &labels, &columns, recipe);
     let read = read_poses(poses_csv.as_bytes(), &format!("{file} as poses.csv"), robot);
@@ -376,13 +379,14 @@ fn apply_steps(poses: &mut [CutPose], labels: &[i64], recipe: &Recipe) {
     }
 }
 
-/// The columns of numbers, in the order of the table.
-fn columns(mapping: &Mapping<'_>, recipe: &Recipe) -> Vec<Quantity> {
-    let mapped = mapping
-        .quantities
-        .keys()
-        .copied()
-        .filter(|quantity| !quantity.is_text() && quantity.kind != Kind::Time);
+/// The columns of numbers, in the order of the table: those of the recipe, and measured poses that were made of markers.
+fn columns(mapping: &Mapping<'_>, poses: &[CutPose], recipe: &Recipe) -> Vec<Quantity> {
+    let made = poses.iter().flat_map(|pose| pose.readings.keys());
+    let made = made.filter(|quantity| quantity.kind == Kind::Tracked);
+    let mapped = mapping.quantities.keys().chain(made).copied();
+    let mapped = mapped.filter(|quantity| {
+        !quantity.is_text() && !matches!(quantity.kind, Kind::Time | Kind::Marker)
+    });
     let empty = recipe
         .left_empty
         .iter()

@@ -9,6 +9,7 @@ mod check;
 mod cutting;
 mod document;
 mod draft;
+mod external;
 mod formats;
 mod importing;
 mod input;
@@ -31,6 +32,7 @@ pub use document::{
     ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
 };
 pub use draft::{Draft, clock_times, uses};
+pub use external::{Instrument, Placement};
 pub use formats::{is_robot_description, read_source};
 pub use importing::{ImportError, Imported, found, import, import_corrected};
 pub use naming::pattern_of;

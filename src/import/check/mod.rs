@@ -13,8 +13,10 @@ mod suggestion;
 
 use std::collections::BTreeMap;
 
+use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::Robot;
 
+use crate::external::other_frame;
 use crate::recipe::{Kind, Quantity};
 use expected::Expected;
 use line::{Line, best_step, fit};
@@ -99,6 +101,7 @@ pub(crate) fn check(readings: &Readings, robot: &Robot) -> Vec<Suggestion> {
                 compare(&columns, readings, robot, &mut found);
             }
         }
+        frame(readings, &expected, &mut found);
         forces::check(readings, &expected, robot, &mut found);
     }
     angles_in_degrees(readings, &mut found);
@@ -189,6 +192,34 @@ fn positions_in_other_unit(
                 factor: 1.0 / factor,
             },
         ));
+    }
+}
+
+/// Measured positions in a frame of their own: none of their axes is one of the robot's, or its origin is elsewhere.
+fn frame(readings: &Readings, expected: &Expected, found: &mut Vec<Suggestion>) {
+    if found
+        .iter()
+        .any(|suggestion| suggestion.is_of(Kind::Tracked))
+    {
+        return;
+    }
+    let column = |index: usize| {
+        let kind = Kind::Tracked;
+        let values = readings.columns.get(&Quantity { kind, index })?;
+        // Without commands the measured poses themselves are expected.
+        expected.column(Quantity { kind, index }).map(|_| values)
+    };
+    let (Some(x), Some(y), Some(z)) = (column(0), column(1), column(2)) else {
+        return;
+    };
+    let at = |(row, pose): (usize, &Option<Pose>)| {
+        let position = Vec3::new(x[row], y[row], z[row]);
+        let is_there = position.iter().all(|v| v.is_finite());
+        pose.filter(|_| is_there).map(|pose| (position, pose))
+    };
+    let positions: Vec<(Vec3, Pose)> = expected.poses.iter().enumerate().filter_map(at).collect();
+    if let Some(sentence) = other_frame(&positions) {
+        found.push(Suggestion::new(sentence, Change::AlignInstrument));
     }
 }
 

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::external::Instrument;
 use crate::recipe::{Assignment, Clock, Kind, Quantity, Recipe, Step};
 
 /// Kinds of mistakes.
@@ -21,6 +22,8 @@ pub enum Mistake {
     ClockJump,
     /// A channel that reads the same always.
     DeadChannel,
+    /// Measured poses in a frame of their own.
+    OtherFrame,
 }
 
 /// A mistake and what to do about it.
@@ -73,6 +76,8 @@ pub enum Change {
         /// Column of poses.csv.
         column: String,
     },
+    /// Brings measured poses into the robot's frame.
+    AlignInstrument,
     /// Closes the jumps of a clock.
     CloseJumps {
         /// Name of the series.
@@ -89,6 +94,12 @@ impl Suggestion {
             Change::Exchange { a, b } => (Mistake::Exchanged, vec![a.clone(), b.clone()]),
             Change::TakeBack { column, .. } => (Mistake::EncoderStep, vec![column.clone()]),
             Change::LeaveEmpty { column } => (Mistake::DeadChannel, vec![column.clone()]),
+            Change::AlignInstrument => (
+                Mistake::OtherFrame,
+                ["meas_x_m", "meas_y_m", "meas_z_m"]
+                    .map(str::to_owned)
+                    .to_vec(),
+            ),
             Change::CloseJumps { .. } => (Mistake::ClockJump, vec!["time_s".into()]),
         };
         Self {
@@ -137,6 +148,7 @@ impl Suggestion {
                 });
             }
             Change::LeaveEmpty { column } => recipe.left_empty.push(column.clone()),
+            Change::AlignInstrument => recipe.instrument = Some(Instrument::default()),
             Change::CloseJumps { series } => match recipe
                 .clocks
                 .iter_mut()

@@ -1,8 +1,9 @@
 //! A recipe from names, units and ranges.
 
+mod markers;
 mod recognition;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use tautline_core::robot::Robot;
 
@@ -14,6 +15,7 @@ use crate::naming::{Family, families, words_of};
 use crate::recipe::{Assignment, Cutting, Kind, Quantity, Recipe, Rest};
 use crate::source::{Channel, Format, Series, Source};
 use crate::units::{Dimension, parse_unit};
+use markers::{Marker, on_platform};
 use recognition::{Body, component, is_any, is_whole, kind_name, kind_of};
 
 /// Proposes a recipe; the sentences say what was assumed.
@@ -307,6 +309,9 @@ impl Proposal<'_> {
 
     /// Coordinates of poses: those that a controller wants, and those that an instrument measures.
     fn poses(&mut self, series: &Series, format: Format) {
+        if self.markers(series, format) {
+            return;
+        }
         let topic = topic(series, format);
         let mut bodies: Vec<Body<'_>> = Vec::new();
         let given: BTreeSet<String> = self
@@ -396,6 +401,66 @@ impl Proposal<'_> {
                 self.notices.push(format!("{}: the y axis of the capture is taken as up: x, y, z of the robot are x, -z, y there", series.name));
             }
         }
+    }
+
+    /// Three or more markers on the platform, where no body has an orientation of its own; whether there are.
+    fn markers(&mut self, series: &Series, format: Format) -> bool {
+        let mut owners: BTreeMap<String, [Option<&Channel>; 3]> = BTreeMap::new();
+        let mut has_orientation = false;
+        for channel in &series.channels {
+            match component(&channel.name, &words_of(&channel.name)) {
+                Some((axis @ 0..3, owner)) => {
+                    owners.entry(owner).or_default()[axis] = Some(channel);
+                }
+                Some(_) => has_orientation = true,
+                None => {}
+            }
+        }
+        let is_capture = matches!(format, Format::Motive | Format::Nexus);
+        let whole = owners.into_iter().filter_map(|(owner, [x, y, z])| {
+            let is_marker = is_capture || owner.to_lowercase().contains("marker");
+            is_marker.then_some((owner, [x?, y?, z?]))
+        });
+        let all: Vec<Marker<'_>> = whole.collect();
+        if has_orientation || self.is_given("meas_x_m") || self.is_given("marker_1_x_m") {
+            return false;
+        }
+        let chosen = on_platform(&all);
+        for (number, (owner, channels)) in chosen.iter().map(|k| &all[*k]).enumerate() {
+            let components: Vec<(usize, &Channel)> = channels.iter().copied().enumerate().collect();
+            let unit = self.position_unit(&components, owner).map(str::to_owned);
+            for (axis, channel) in components {
+                let index = 3 * number + axis;
+                let kind = Kind::Marker;
+                self.add(Assignment {
+                    series: Some(series.name.clone()),
+                    unit: unit.clone(),
+                    ..Assignment::new(channel.name.clone(), Quantity { kind, index }.column())
+                });
+            }
+        }
+        let names = |is_on: bool| {
+            let some = all
+                .iter()
+                .enumerate()
+                .filter(|(k, _)| chosen.contains(k) == is_on);
+            some.map(|(_, (owner, _))| owner.as_str())
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        if chosen.is_empty() {
+            return false;
+        }
+        let mut notice = format!(
+            "{}: {} keep their distances while they move: taken as markers on the platform",
+            series.name,
+            names(true)
+        );
+        if chosen.len() < all.len() {
+            notice += &format!("; {} do not, and are not used", names(false));
+        }
+        self.notices.push(notice);
+        true
     }
 
     fn position_unit(

@@ -11,6 +11,8 @@ use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 use tautline_session::{Loaded, ReadError, VersionedFile, read_versioned};
 
+use crate::external::Instrument;
+
 pub use quantity::{Kind, Quantity};
 pub(crate) use resolve::{Mapped, Mapping, is_series, resolve};
 
@@ -32,6 +34,10 @@ pub struct Recipe {
     /// Columns of `poses.csv` that stay empty, because their channel is dead.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_empty: Vec<String>,
+    /// What is known of the external instrument; absent: its poses are those of the platform in the robot's frame, and what
+    /// markers need is found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instrument: Option<Instrument>,
     /// Steps of encoders that are taken back.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<Step>,
@@ -45,7 +51,7 @@ pub struct Assignment {
     /// Name of its series, or the end of the name; needed only where several series have a channel of this name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<String>,
-    /// Column of `poses.csv`, such as `rev_{i}`, `length_3_m`, `laser_m` or `pose`.
+    /// Column of `poses.csv`, such as `rev_{i}`, `length_3_m`, `laser_m` or `pose`; or a coordinate of a marker, `marker_1_x_m`.
     pub quantity: String,
     /// Unit of the values; absent: the one that the file states, else that of the quantity.
     #[serde(default, skip_serializing_if = "Option::is_none")]

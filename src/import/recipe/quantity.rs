@@ -1,15 +1,15 @@
-//! The quantities that a channel can be: the columns of `poses.csv`.
+//! The quantities that a channel can be: the columns of `poses.csv`, and coordinates of markers.
 
 use std::f64::consts::TAU;
 
 use crate::units::{Dimension, Unit, parse_unit};
 
-/// A column of `poses.csv`.
+/// A column of `poses.csv`, or a coordinate of a marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Quantity {
     /// What it is.
     pub kind: Kind,
-    /// Cable from 0, or component of a group of columns.
+    /// Cable from 0, or component of a group of columns; those of markers follow each other.
     pub index: usize,
 }
 
@@ -42,6 +42,8 @@ pub enum Kind {
     TrackedSd,
     /// `group`
     Group,
+    /// `marker_1_x_m` to `marker_99_z_m`: no column of `poses.csv`, but what measured poses are made of
+    Marker,
 }
 
 const SINGLE: [(Kind, &[&str]); 9] = [
@@ -74,6 +76,26 @@ const PER_CABLE: [(Kind, &str, &str); 4] = [
     (Kind::Swivel, "swivel_", "_rad"),
 ];
 
+/// Most markers.
+const MARKERS: usize = 99;
+/// Markers that a list of all quantities has.
+const LISTED_MARKERS: usize = 6;
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The coordinate that a column such as `marker_2_x_m` names.
+fn parse_marker(column: &str) -> Option<Quantity> {
+    let (number, axis) = column
+        .strip_prefix("marker_")?
+        .strip_suffix("_m")?
+        .split_once('_')?;
+    let number: usize = number.parse().ok().filter(|n| (1..=MARKERS).contains(n))?;
+    let axis = AXES.iter().position(|name| *name == axis)?;
+    Some(Quantity {
+        kind: Kind::Marker,
+        index: 3 * (number - 1) + axis,
+    })
+}
+
 impl Quantity {
     /// The quantity of a column.
     #[must_use]
@@ -82,7 +104,7 @@ impl Quantity {
             let index = names.iter().position(|name| *name == column)?;
             Some(Self { kind: *kind, index })
         });
-        single.or_else(|| {
+        single.or_else(|| parse_marker(column)).or_else(|| {
             PER_CABLE.iter().find_map(|(kind, before, after)| {
                 let number: usize = column
                     .strip_prefix(before)?
@@ -111,6 +133,10 @@ impl Quantity {
         if let Some(name) = single.and_then(|(_, names)| names.get(self.index)) {
             return (*name).into();
         }
+        if self.kind == Kind::Marker {
+            let (number, axis) = (self.index / 3 + 1, AXES[self.index % 3]);
+            return format!("marker_{number}_{axis}_m");
+        }
         self.kind.column_of(&(self.index + 1).to_string())
     }
 
@@ -136,9 +162,12 @@ impl Quantity {
             Kind::Swivel | Kind::Inclination => (Dimension::Angle, 1.0),
             Kind::Force => (Dimension::Force, 1.0),
             Kind::Commanded | Kind::Tracked if self.index > 2 => (Dimension::Number, 1.0),
-            Kind::Length | Kind::Laser | Kind::Commanded | Kind::Tracked | Kind::TrackedSd => {
-                (Dimension::Length, 1.0)
-            }
+            Kind::Length
+            | Kind::Laser
+            | Kind::Commanded
+            | Kind::Tracked
+            | Kind::TrackedSd
+            | Kind::Marker => (Dimension::Length, 1.0),
             Kind::Label | Kind::Group => (Dimension::Number, 1.0),
         }
     }
@@ -200,7 +229,11 @@ impl Quantity {
         let single = SINGLE
             .iter()
             .flat_map(|(kind, names)| (0..names.len()).map(|index| Self { kind: *kind, index }));
-        per_cable.chain(single).collect()
+        let markers = (0..3 * LISTED_MARKERS).map(|index| Self {
+            kind: Kind::Marker,
+            index,
+        });
+        per_cable.chain(single).chain(markers).collect()
     }
 
     /// What people call it, without the number of the cable.
@@ -224,6 +257,7 @@ impl Quantity {
             Kind::Tracked => axis("Measured"),
             Kind::TrackedSd => axis("Standard deviation of measured"),
             Kind::Group => "Group of poses".into(),
+            Kind::Marker => format!("Marker {} {}", self.index / 3 + 1, AXES[self.index % 3]),
         }
     }
 
@@ -237,6 +271,7 @@ impl Quantity {
                 | Kind::Swivel
                 | Kind::Commanded
                 | Kind::Tracked
+                | Kind::Marker
                 | Kind::Inclination
         )
     }
