@@ -5,6 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::measurement::{Grid, Measurements};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, simulate};
@@ -40,6 +44,8 @@ pub fn files() -> Result<Vec<(&'static str, String)>> {
         ("scope.csv", scope(&run(9, 6)?)),
         ("mistakes.csv", mistakes(&run(20, 7)?)),
         ("points.txt", points(&run(20, 7)?)),
+        ("log.csv", log(&run(24, 8)?)),
+        ("capture.csv", capture(&run(24, 8)?, 8)?),
     ])
 }
 
@@ -119,24 +125,14 @@ fn scope(data: &Measurements) -> String {
 
 /// A log whose third winch counts the other way round, and whose fifth and sixth have changed places.
 fn mistakes(data: &Measurements) -> String {
-    let mut text = "pose".to_owned();
-    per_cable(&mut text, ",rev_#");
-    per_cable(&mut text, ",force_#_n");
-    text.push_str(",laser_m,x_m,y_m,z_m,qw,qx,qy,qz\n");
+    let mut wrong = data.clone();
     for row in 0..data.len() {
-        let mut wrong = data.revolutions.clone();
-        wrong.set(row, 2, -data.revolutions.get(row, 2));
-        wrong.set(row, 4, data.revolutions.get(row, 5));
-        wrong.set(row, 5, data.revolutions.get(row, 4));
-        let mut line = data.labels[row].to_string();
-        cells(&mut line, ",", &wrong, row, 1.0, 6);
-        cells(&mut line, ",", &data.force_n, row, 1.0, 3);
-        let _ = write!(line, ",{:.5}", data.laser_m[row]);
-        commanded(&mut line, ",", data, row, 1.0);
-        text.push_str(&line);
-        text.push('\n');
+        let read = |cable| data.revolutions.get(row, cable);
+        wrong.revolutions.set(row, 2, -read(2));
+        wrong.revolutions.set(row, 4, read(5));
+        wrong.revolutions.set(row, 5, read(4));
     }
-    text
+    log(&wrong)
 }
 
 /// Positions by a laser tracker for some of these poses (mm).
@@ -151,6 +147,84 @@ fn points(data: &Measurements) -> String {
         );
     }
     text
+}
+
+/// Revolutions, forces, distance and commands.
+#[must_use]
+pub fn log(data: &Measurements) -> String {
+    let mut text = "pose".to_owned();
+    per_cable(&mut text, ",rev_#");
+    per_cable(&mut text, ",force_#_n");
+    text.push_str(",laser_m,x_m,y_m,z_m,qw,qx,qy,qz\n");
+    for row in 0..data.len() {
+        let mut line = data.labels[row].to_string();
+        cells(&mut line, ",", &data.revolutions, row, 1.0, 6);
+        cells(&mut line, ",", &data.force_n, row, 1.0, 3);
+        let _ = write!(line, ",{:.5}", data.laser_m[row]);
+        commanded(&mut line, ",", data, row, 1.0);
+        text.push_str(&line);
+        text.push('\n');
+    }
+    text
+}
+
+/// Markers on the platform (m, its frame) and on the floor (m, the robot's frame), as a capture names them.
+const ON_PLATFORM: [(&str, [f64; 3]); 4] = [
+    ("front", [0.12, 0.03, 0.06]),
+    ("left", [-0.05, 0.11, 0.05]),
+    ("right", [-0.04, -0.12, 0.04]),
+    ("top", [0.02, 0.01, 0.15]),
+];
+const ON_FLOOR: [(&str, [f64; 3]); 1] = [("floor", [0.6, 0.6, -0.5])];
+/// Noise of each coordinate of a marker (m).
+const MARKER_SD_M: f64 = 2e-4;
+
+/// The robot's frame seen by the cameras of the capture.
+#[must_use]
+pub fn cameras_see_robot() -> Pose {
+    Pose::from_parts([1.9, -0.8, 1.4], [0.8, 0.1, -0.2, 0.55])
+}
+
+/// The middle of the markers on the platform (m, its frame).
+#[must_use]
+pub fn middle_of_markers() -> Vec3 {
+    let all = ON_PLATFORM.iter().map(|(_, place)| Vec3::from(*place));
+    all.sum::<Vec3>() / ON_PLATFORM.len() as f64
+}
+
+/// The markers at these poses as Vicon Nexus exports them (mm), one frame for each pose.
+///
+/// # Errors
+/// If no noise can be drawn.
+pub fn capture(data: &Measurements, seed: u64) -> Result<String> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let noise = Normal::new(0.0, MARKER_SD_M)?;
+    let markers: Vec<_> = ON_FLOOR.iter().chain(&ON_PLATFORM).collect();
+    let mut text = "Trajectories\n100\n,,".to_owned();
+    for (name, _) in &markers {
+        let _ = write!(text, "cell:{name},,,");
+    }
+    text.push_str("\nFrame,Sub Frame");
+    markers.iter().for_each(|_| text.push_str(",X,Y,Z"));
+    text.push_str("\n,");
+    markers.iter().for_each(|_| text.push_str(",mm,mm,mm"));
+    text.push('\n');
+    for (row, pose) in data.truth.poses.iter().enumerate() {
+        let _ = write!(text, "{},0", row + 1);
+        for (k, (_, place)) in markers.iter().enumerate() {
+            let place = Vec3::from(*place);
+            let at = if k < ON_FLOOR.len() {
+                place
+            } else {
+                pose.transform(&place)
+            };
+            for coordinate in cameras_see_robot().transform(&at).iter() {
+                let _ = write!(text, ",{:.3}", 1e3 * (coordinate + noise.sample(&mut rng)));
+            }
+        }
+        text.push('\n');
+    }
+    Ok(text)
 }
 
 fn per_cable(header: &mut String, title: &str) {

@@ -32,13 +32,15 @@ pub use document::{
     ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
 };
 pub use draft::{Draft, clock_times, uses};
-pub use external::{Instrument, Placement};
 pub use formats::{is_robot_description, read_source};
 pub use importing::{ImportError, Imported, found, import, import_corrected};
 pub use naming::pattern_of;
 pub use outline::outline;
 pub use proposal::propose;
-pub use recipe::{Assignment, Clock, Cutting, Kind, Quantity, Recipe, Rest, Step, read_recipe};
+pub use recipe::{
+    Assignment, Clock, Cutting, Instrument, Kind, Placement, Quantity, Recipe, Rest, Step,
+    read_recipe,
+};
 pub use robots::read_robot_description;
 pub use source::{Channel, Format, Series, Source, Summary, TextChannel};
 pub use sources::read_sources;

@@ -4,6 +4,7 @@ mod ads;
 mod bad_input;
 mod commands;
 mod headless;
+mod markers;
 mod pipeline;
 mod samples;
 mod schemas;

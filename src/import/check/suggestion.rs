@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::external::Instrument;
-use crate::recipe::{Assignment, Clock, Kind, Quantity, Recipe, Step};
+use crate::recipe::{Assignment, Clock, Instrument, Kind, Quantity, Recipe, Step};
 
 /// Kinds of mistakes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

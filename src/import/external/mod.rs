@@ -10,13 +10,11 @@ mod rigid_body;
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::Robot;
 
 use crate::cutting::{Averaged, CutPose};
-use crate::recipe::{Kind, Quantity, Recipe};
+use crate::recipe::{Instrument, Kind, Quantity, Recipe};
 use placement::{Alignment, Pair, align};
 use platform_poses::platform_poses;
 use rigid_body::{FEWEST, RigidBody, Seen};
@@ -27,45 +25,6 @@ const MOST_POSES: usize = 2000;
 const CLOSER: f64 = 4.0;
 /// Distance below which nobody asks for another frame (m).
 const CLOSE_M: f64 = 0.01;
-
-/// What is known of an external instrument; what is absent is found.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default)]
-pub struct Instrument {
-    /// Where its frame is in the robot's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub frame: Option<Placement>,
-    /// Where the body that it follows is on the platform.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub body: Option<Placement>,
-    /// Where the markers are on that body (m), from the first; null for one that is not known.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub markers_m: Option<Vec<Option<[f64; 3]>>>,
-}
-
-/// Place and orientation of a frame in another.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Placement {
-    /// Its origin (m).
-    pub position_m: [f64; 3],
-    /// Rotation from it to the other frame, quaternion with w first.
-    pub orientation_wxyz: [f64; 4],
-}
-
-impl From<Pose> for Placement {
-    fn from(pose: Pose) -> Self {
-        Self {
-            position_m: pose.position.into(),
-            orientation_wxyz: pose.orientation_wxyz(),
-        }
-    }
-}
-
-impl From<Placement> for Pose {
-    fn from(placement: Placement) -> Self {
-        Self::from_parts(placement.position_m, placement.orientation_wxyz)
-    }
-}
 
 /// Brings the measured poses into the robot's frame, and makes them of markers where these were recorded. The recipe comes
 /// back with what was found.
@@ -148,9 +107,9 @@ fn words(alignment: &Alignment, given: &Instrument) -> String {
         (false, false) => "found from the poses of the platform",
     };
     format!(
-        "external instrument, {how}: its frame is at {} of the robot's and turned by {}; what it follows is at {} of the platform. \
-         Measured poses then differ from those by {} mm (identify with the effects tracker_frame and tracker_target, and \
-         tracker_tilt where orientations are measured, to estimate the rest)",
+        "frame of the external instrument, {how}: its origin is at {} in the robot's frame, it is turned by {}; the body that it \
+         follows is at {} on the platform. Measured poses then differ by {} mm from those of the platform (identify with the \
+         effects tracker_frame and tracker_target, and tracker_tilt where orientations are measured, to estimate the rest)",
         millimetres(alignment.frame.position),
         degrees(&alignment.frame),
         millimetres(alignment.body.position),

@@ -457,7 +457,7 @@ impl Proposal<'_> {
             names(true)
         );
         if chosen.len() < all.len() {
-            notice += &format!("; {} do not, and are not used", names(false));
+            notice += &format!("; not used: {}", names(false));
         }
         self.notices.push(notice);
         true

@@ -1,6 +1,7 @@
 //! Recipes: which channel is which quantity of the robot.
 
 mod edit;
+mod instrument;
 mod quantity;
 mod resolve;
 
@@ -11,8 +12,7 @@ use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 use tautline_session::{Loaded, ReadError, VersionedFile, read_versioned};
 
-use crate::external::Instrument;
-
+pub use instrument::{Instrument, Placement};
 pub use quantity::{Kind, Quantity};
 pub(crate) use resolve::{Mapped, Mapping, is_series, resolve};
 
