@@ -67,7 +67,7 @@ fn unknown_frames_and_markers_are_estimated_with_the_pulleys() {
     for seed in 1..=3 {
         let folder = Folder::new();
         let robot = robot();
-        write_robot(&folder.join("robot.json").into(), &robot).expect("written");
+        write_robot(folder.join("robot.json").as_ref(), &robot).expect("written");
         let run = simulate(&robot, &SimulationOptions::new(40, seed)).expect("simulated");
         let data = &run.dataset.measurements;
         folder.write("log.csv", &log(data));
