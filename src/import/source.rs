@@ -28,6 +28,8 @@ pub enum Format {
     Parquet,
     /// Recording of ROS 2 in MCAP.
     Mcap,
+    /// Bag of ROS 1.
+    RosBag,
     /// Excel workbook.
     Excel,
 }
@@ -47,6 +49,7 @@ impl Format {
             Self::NumPy => "NumPy file",
             Self::Parquet => "Parquet file",
             Self::Mcap => "MCAP recording",
+            Self::RosBag => "ROS 1 bag",
             Self::Excel => "Excel workbook",
         }
     }

@@ -256,6 +256,38 @@ fn xlsx(columns: &Columns) -> Vec<u8> {
     archive(&parts.map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec())))
 }
 
+/// A bag of ROS 1 that was not closed, with a message for each row.
+#[cfg(feature = "ros")]
+fn bag(columns: &Columns) -> Vec<u8> {
+    let counted = |bytes: &[u8]| [&(bytes.len() as u32).to_le_bytes(), bytes].concat();
+    let field = |name: &str, value: &[u8]| counted(&[name.as_bytes(), b"=", value].concat());
+    let record =
+        |fields: &[Vec<u8>], data: &[u8]| [counted(&fields.concat()), counted(data)].concat();
+    let of_log = |op: u8| vec![field("op", &[op]), field("conn", &[0; 4])];
+    let mut definition = String::new();
+    for (name, _) in columns {
+        let _ = writeln!(definition, "float64 {}", name.replace('.', "_"));
+    }
+    let kind = [
+        field("type", b"log/Row"),
+        field("message_definition", definition.as_bytes()),
+    ];
+    let head = [field("op", &[3]), field("index_pos", &[0; 8])];
+    let topic = [of_log(7), vec![field("topic", b"/log")]].concat();
+    let mut bytes = b"#ROSBAG V2.0\n".to_vec();
+    bytes.extend(record(&head, b""));
+    bytes.extend(record(&topic, &kind.concat()));
+    for row in 0..columns[0].1.len() {
+        let time = [(row as u32).to_le_bytes(), [0; 4]].concat();
+        let values = columns
+            .iter()
+            .flat_map(|(_, values)| values[row].to_le_bytes());
+        let fields = [of_log(2), vec![field("time", &time)]].concat();
+        bytes.extend(record(&fields, &values.collect::<Vec<u8>>()));
+    }
+    bytes
+}
+
 fn imported(dataset: &Dataset, files: &[(&str, Vec<u8>)]) -> Imported {
     let folder = tempfile::tempdir().expect("a folder");
     let paths: Vec<PathBuf> = files
@@ -312,6 +344,8 @@ fn every_format_gives_the_same_identification() {
         ("log.npz", npz(&columns)),
         ("log.mat", mat(&columns)),
         ("log.xlsx", xlsx(&columns)),
+        #[cfg(feature = "ros")]
+        ("log.bag", bag(&columns)),
     ] {
         let imported = imported(&dataset, &[(name, bytes)]);
         assert_eq!(

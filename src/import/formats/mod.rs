@@ -11,12 +11,12 @@ mod hdf5;
 #[cfg(feature = "hdf5")]
 mod hdf5_elements;
 mod matlab;
-#[cfg(feature = "mcap")]
-mod mcap;
 mod motive;
 mod nexus;
 mod numpy;
 mod parquet;
+#[cfg(feature = "ros")]
+mod ros;
 mod scope;
 
 use std::fs::File;
@@ -82,11 +82,17 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
         Format::Matlab => matlab::read(&whole(&mut input, &file)?, &file),
         Format::NumPy => numpy::read(input, &head, &file),
         Format::Parquet => parquet::read(&mut input, &file),
-        #[cfg(feature = "mcap")]
-        Format::Mcap => mcap::read(&mut input, &file),
-        #[cfg(not(feature = "mcap"))]
+        #[cfg(feature = "ros")]
+        Format::Mcap => ros::mcap::read(&mut input, &file),
+        #[cfg(feature = "ros")]
+        Format::RosBag => ros::bag::read(&mut input, &file),
+        #[cfg(not(feature = "ros"))]
         Format::Mcap => refuse(
             "is an MCAP recording of ROS 2, which is not read, expected its topics as CSV (ros2 topic echo --csv)",
+        ),
+        #[cfg(not(feature = "ros"))]
+        Format::RosBag => refuse(
+            "is a bag of ROS 1, which is not read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>)",
         ),
         Format::Excel => excel::read(input, &file),
     }
@@ -153,10 +159,10 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
             return Refused("is an encrypted Parquet file, expected one that is not");
         }
         [0x89, b'M', b'C', b'A', b'P', ..] => return Readable(Format::Mcap),
-        _ if head.starts_with(b"#ROSBAG") => {
+        _ if head.starts_with(b"#ROSBAG V2.0\n") => return Readable(Format::RosBag),
+        _ if head.starts_with(b"#ROSBAG") || head.starts_with(b"#ROSRECORD") => {
             return Refused(
-                "is a recording of ROS 1, which is not read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>), \
-                 or one of ROS 2 in MCAP (rosbags-convert --src <bag> --dst <folder> --dst-storage mcap)",
+                "is a bag of ROS 1 of another version, expected version 2.0 (rosbag filter <old> <new> True)",
             );
         }
         _ if head.starts_with(b"SQLite format 3") => {

@@ -4,8 +4,8 @@ mod binary;
 mod damaged;
 #[cfg(feature = "hdf5")]
 mod hdf5;
-#[cfg(feature = "mcap")]
-mod mcap;
+#[cfg(feature = "ros")]
+mod ros;
 mod scope;
 mod tables;
 mod tracking;
@@ -128,8 +128,8 @@ fn what_is_not_read_says_what_to_do() {
         (
             "a.mcap",
             b"\x89MCAP0\r\n",
-            if cfg!(feature = "mcap") {
-                "has no end: the recorder was stopped, or the file was cut off, expected a recording in MCAP"
+            if cfg!(feature = "ros") {
+                "has no end: the recorder was stopped, or the file was cut off, expected a readable MCAP recording"
             } else {
                 "ros2 topic echo --csv"
             },
@@ -137,7 +137,16 @@ fn what_is_not_read_says_what_to_do() {
         (
             "a.bag",
             b"#ROSBAG V2.0\n",
-            "rostopic echo -b <bag> -p <topic>",
+            if cfg!(feature = "ros") {
+                "has no end: the recorder was stopped, or the file was cut off, expected a readable ROS 1 bag"
+            } else {
+                "rostopic echo -b <bag> -p <topic>"
+            },
+        ),
+        (
+            "b.bag",
+            b"#ROSRECORD V1.1\n",
+            "expected version 2.0 (rosbag filter <old> <new> True)",
         ),
         ("a.db3", b"SQLite format 3\0", "database"),
         (
