@@ -18,6 +18,8 @@ pub enum Format {
     Motive,
     /// Text export of Vicon Nexus.
     Nexus,
+    /// Motion capture in C3D.
+    C3d,
     /// HDF5 of any program but MATLAB.
     Hdf5,
     /// MATLAB 5 to 7.3.
@@ -44,6 +46,7 @@ impl Format {
             Self::TwinCatScope => "TwinCAT Scope CSV",
             Self::Motive => "OptiTrack Motive CSV",
             Self::Nexus => "Vicon Nexus text",
+            Self::C3d => "C3D file",
             Self::Hdf5 => "HDF5 file",
             Self::Matlab => "MATLAB file",
             Self::NumPy => "NumPy file",

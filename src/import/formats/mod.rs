@@ -1,6 +1,7 @@
 //! One reader for each format, and which of them a file needs.
 
 mod archive;
+mod c3d;
 mod delimited;
 mod excel;
 #[cfg(feature = "hdf5")]
@@ -77,6 +78,7 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
         Format::TwinCatScope => scope::read(&head, input, &file),
         Format::Motive => motive::read(&head, input, &file),
         Format::Nexus => nexus::read(&head, input, &file),
+        Format::C3d => c3d::read(input, &file, &stem(&file)),
         Format::Hdf5 => hdf5::read(&mut input, format, &file),
         Format::Matlab if head.starts_with(MATLAB_73) => hdf5::read(&mut input, format, &file),
         Format::Matlab => matlab::read(&whole(&mut input, &file)?, &file),
@@ -175,11 +177,7 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
                 "is an old Excel file (.xls), expected .xlsx: save it under that format",
             );
         }
-        [2, 0x50, ..] => {
-            return Refused(
-                "is a C3D file, which is not read, expected the text export of the capture program",
-            );
-        }
+        [2..=8, 0x50, ..] => return Readable(Format::C3d),
         _ => {}
     }
     let text = decoded(head);

@@ -350,7 +350,10 @@ impl Proposal<'_> {
             let is_known = is_wanted
                 || is_any(&spoken, EXTERNAL)
                 || is_any(&topic, EXTERNAL)
-                || matches!(format, Format::Motive | Format::Nexus | Format::PointList)
+                || matches!(
+                    format,
+                    Format::Motive | Format::Nexus | Format::C3d | Format::PointList
+                )
                 || owner.is_empty();
             if !is_known || is_any(&spoken, &["marker"]) {
                 continue;
@@ -415,7 +418,7 @@ impl Proposal<'_> {
                 None => {}
             }
         }
-        let is_capture = matches!(format, Format::Motive | Format::Nexus);
+        let is_capture = matches!(format, Format::Motive | Format::Nexus | Format::C3d);
         let whole = owners.into_iter().filter_map(|(owner, [x, y, z])| {
             let is_marker = is_capture || owner.to_lowercase().contains("marker");
             is_marker.then_some((owner, [x?, y?, z?]))

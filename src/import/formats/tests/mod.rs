@@ -1,6 +1,7 @@
 //! Files as recorders write them, by hand: every variant is read to the same channels, or refused in one sentence.
 
 mod binary;
+mod c3d;
 mod damaged;
 #[cfg(feature = "hdf5")]
 mod hdf5;
@@ -154,7 +155,11 @@ fn what_is_not_read_says_what_to_do() {
             b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",
             "expected .xlsx",
         ),
-        ("a.c3d", b"\x02\x50\0\0", "C3D"),
+        (
+            "a.c3d",
+            b"\x02\x50\0\0",
+            "ends before its data, expected C3D",
+        ),
         (
             "a.png",
             b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR",
