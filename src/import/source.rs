@@ -18,6 +18,8 @@ pub enum Format {
     Motive,
     /// Text export of Vicon Nexus.
     Nexus,
+    /// Motion capture in C3D.
+    C3d,
     /// HDF5 of any program but MATLAB.
     Hdf5,
     /// MATLAB 5 to 7.3.
@@ -28,6 +30,8 @@ pub enum Format {
     Parquet,
     /// Recording of ROS 2 in MCAP.
     Mcap,
+    /// Bag of ROS 1.
+    RosBag,
     /// Excel workbook.
     Excel,
 }
@@ -42,11 +46,13 @@ impl Format {
             Self::TwinCatScope => "TwinCAT Scope CSV",
             Self::Motive => "OptiTrack Motive CSV",
             Self::Nexus => "Vicon Nexus text",
+            Self::C3d => "C3D file",
             Self::Hdf5 => "HDF5 file",
             Self::Matlab => "MATLAB file",
             Self::NumPy => "NumPy file",
             Self::Parquet => "Parquet file",
             Self::Mcap => "MCAP recording",
+            Self::RosBag => "ROS 1 bag",
             Self::Excel => "Excel workbook",
         }
     }

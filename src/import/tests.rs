@@ -256,6 +256,72 @@ fn xlsx(columns: &Columns) -> Vec<u8> {
     archive(&parts.map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec())))
 }
 
+/// A bag of ROS 1 that was not closed, with a message for each row.
+#[cfg(feature = "ros")]
+fn bag(columns: &Columns) -> Vec<u8> {
+    let counted = |bytes: &[u8]| [&(bytes.len() as u32).to_le_bytes(), bytes].concat();
+    let field = |name: &str, value: &[u8]| counted(&[name.as_bytes(), b"=", value].concat());
+    let record =
+        |fields: &[Vec<u8>], data: &[u8]| [counted(&fields.concat()), counted(data)].concat();
+    let of_log = |op: u8| vec![field("op", &[op]), field("conn", &[0; 4])];
+    let mut definition = String::new();
+    for (name, _) in columns {
+        let _ = writeln!(definition, "float64 {}", name.replace('.', "_"));
+    }
+    let kind = [
+        field("type", b"log/Row"),
+        field("message_definition", definition.as_bytes()),
+    ];
+    let head = [field("op", &[3]), field("index_pos", &[0; 8])];
+    let topic = [of_log(7), vec![field("topic", b"/log")]].concat();
+    let mut bytes = b"#ROSBAG V2.0\n".to_vec();
+    bytes.extend(record(&head, b""));
+    bytes.extend(record(&topic, &kind.concat()));
+    for row in 0..columns[0].1.len() {
+        let time = [(row as u32).to_le_bytes(), [0; 4]].concat();
+        let values = columns
+            .iter()
+            .flat_map(|(_, values)| values[row].to_le_bytes());
+        let fields = [of_log(2), vec![field("time", &time)]].concat();
+        bytes.extend(record(&fields, &values.collect::<Vec<u8>>()));
+    }
+    bytes
+}
+
+/// A capture of one marker in C3D, floating-point numbers in metres.
+fn c3d(rate_hz: f32, marker: &str, frames: &[[f32; 3]]) -> Vec<u8> {
+    let entry = |name: &str, number: u8, content: &[u8]| {
+        let offset = (content.len() as u16 + 2).to_le_bytes();
+        [
+            &[name.len() as u8, number],
+            name.as_bytes(),
+            &offset,
+            content,
+        ]
+        .concat()
+    };
+    let text = |text: &str| [&[0xff, 1, text.len() as u8], text.as_bytes(), &[0]].concat();
+    let count = (frames.len() as u16).to_le_bytes();
+    let mut bytes = [&[2, 0x50, 1, 0, 0, 0, 1, 0][..], &count, &[0; 2]].concat();
+    bytes.extend((-1.0_f32).to_le_bytes());
+    bytes.extend([3, 0, 0, 0]);
+    bytes.extend(rate_hz.to_le_bytes());
+    bytes.resize(512, 0);
+    bytes.extend([1, 0x50, 1, 84]);
+    bytes.extend(entry("POINT", 0xff, b"\0"));
+    bytes.extend(entry("LABELS", 1, &text(marker)));
+    bytes.extend(entry("UNITS", 1, &text("m")));
+    bytes.resize(1024, 0);
+    for [x, y, z] in frames {
+        bytes.extend(
+            [*x, *y, *z, 0.0]
+                .iter()
+                .flat_map(|number| number.to_le_bytes()),
+        );
+    }
+    bytes
+}
+
 fn imported(dataset: &Dataset, files: &[(&str, Vec<u8>)]) -> Imported {
     let folder = tempfile::tempdir().expect("a folder");
     let paths: Vec<PathBuf> = files
@@ -312,6 +378,8 @@ fn every_format_gives_the_same_identification() {
         ("log.npz", npz(&columns)),
         ("log.mat", mat(&columns)),
         ("log.xlsx", xlsx(&columns)),
+        #[cfg(feature = "ros")]
+        ("log.bag", bag(&columns)),
     ] {
         let imported = imported(&dataset, &[(name, bytes)]);
         assert_eq!(
@@ -530,6 +598,42 @@ fn a_point_list_of_a_tracker_joins_by_the_names_of_its_points() {
     let tracked = &imported.measurements.tracked_position_m;
     assert_eq!(tracked[7], [7.0, 0.0025, -0.007]);
     assert!(tracked[1][0].is_nan() && tracked[16][0].is_nan());
+}
+
+#[test]
+fn markers_of_a_capture_are_measured_positions() {
+    let mut dataset = dataset();
+    dataset.robot.tracker = Some(tautline_core::robot::Tracker {
+        position_sd_m: tautline_core::robot::PerAxis::Same(1e-3),
+        orientation_sd_rad: None,
+    });
+    let recorded = recording(&columns(&dataset.measurements));
+    let commanded = ["cmd.x", "cmd.y", "cmd.z"].map(|name| {
+        let column = recorded.iter().find(|(known, _)| known == name);
+        &column.expect("a column").1
+    });
+    let frames: Vec<[f32; 3]> = (0..recorded[0].1.len())
+        .map(|row| commanded.map(|values| values[row] as f32))
+        .collect();
+    let imported = imported(
+        &dataset,
+        &[
+            ("log.csv", csv(&recorded, ",", false).into_bytes()),
+            ("take.c3d", c3d(100.0, "robot:platform", &frames)),
+        ],
+    );
+    assert_eq!(imported.measurements.labels, dataset.measurements.labels);
+    let tracked = &imported.measurements.tracked_position_m;
+    let mut compared = 0;
+    for (found, expected) in tracked.iter().zip(&dataset.measurements.commanded) {
+        let Some(expected) = expected else { continue };
+        let expected = expected.position.iter();
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 50, "{compared}");
 }
 
 #[test]

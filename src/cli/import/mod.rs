@@ -25,8 +25,8 @@ const POSES: &str = "poses.csv";
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .mat, .h5, .npy, .npz, .parquet, .mcap, .xlsx; or
-    /// the description of a robot: cables and bodies of CASPR
+    /// Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .c3d, .mat, .h5, .npy, .npz, .parquet, .mcap, .bag,
+    /// .xlsx; or the description of a robot: cables and bodies of CASPR
     #[arg(value_name = "SOURCE", required = true)]
     sources: Vec<PathBuf>,
     /// Which channel is which quantity; without it a recipe is proposed from names, units and ranges

@@ -1,6 +1,7 @@
 //! One reader for each format, and which of them a file needs.
 
 mod archive;
+mod c3d;
 mod delimited;
 mod excel;
 #[cfg(feature = "hdf5")]
@@ -11,12 +12,12 @@ mod hdf5;
 #[cfg(feature = "hdf5")]
 mod hdf5_elements;
 mod matlab;
-#[cfg(feature = "mcap")]
-mod mcap;
 mod motive;
 mod nexus;
 mod numpy;
 mod parquet;
+#[cfg(feature = "ros")]
+mod ros;
 mod scope;
 
 use std::fs::File;
@@ -77,16 +78,23 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
         Format::TwinCatScope => scope::read(&head, input, &file),
         Format::Motive => motive::read(&head, input, &file),
         Format::Nexus => nexus::read(&head, input, &file),
+        Format::C3d => c3d::read(input, &file, &stem(&file)),
         Format::Hdf5 => hdf5::read(&mut input, format, &file),
         Format::Matlab if head.starts_with(MATLAB_73) => hdf5::read(&mut input, format, &file),
         Format::Matlab => matlab::read(&whole(&mut input, &file)?, &file),
         Format::NumPy => numpy::read(input, &head, &file),
         Format::Parquet => parquet::read(&mut input, &file),
-        #[cfg(feature = "mcap")]
-        Format::Mcap => mcap::read(&mut input, &file),
-        #[cfg(not(feature = "mcap"))]
+        #[cfg(feature = "ros")]
+        Format::Mcap => ros::mcap::read(&mut input, &file),
+        #[cfg(feature = "ros")]
+        Format::RosBag => ros::bag::read(&mut input, &file),
+        #[cfg(not(feature = "ros"))]
         Format::Mcap => refuse(
             "is an MCAP recording of ROS 2, which is not read, expected its topics as CSV (ros2 topic echo --csv)",
+        ),
+        #[cfg(not(feature = "ros"))]
+        Format::RosBag => refuse(
+            "is a bag of ROS 1, which is not read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>)",
         ),
         Format::Excel => excel::read(input, &file),
     }
@@ -153,10 +161,10 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
             return Refused("is an encrypted Parquet file, expected one that is not");
         }
         [0x89, b'M', b'C', b'A', b'P', ..] => return Readable(Format::Mcap),
-        _ if head.starts_with(b"#ROSBAG") => {
+        _ if head.starts_with(b"#ROSBAG V2.0\n") => return Readable(Format::RosBag),
+        _ if head.starts_with(b"#ROSBAG") || head.starts_with(b"#ROSRECORD") => {
             return Refused(
-                "is a recording of ROS 1, which is not read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>), \
-                 or one of ROS 2 in MCAP (rosbags-convert --src <bag> --dst <folder> --dst-storage mcap)",
+                "is a bag of ROS 1 of another version, expected version 2.0 (rosbag filter <old> <new> True)",
             );
         }
         _ if head.starts_with(b"SQLite format 3") => {
@@ -169,11 +177,7 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
                 "is an old Excel file (.xls), expected .xlsx: save it under that format",
             );
         }
-        [2, 0x50, ..] => {
-            return Refused(
-                "is a C3D file, which is not read, expected the text export of the capture program",
-            );
-        }
+        [2..=8, 0x50, ..] => return Readable(Format::C3d),
         _ => {}
     }
     let text = decoded(head);

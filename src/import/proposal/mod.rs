@@ -61,7 +61,7 @@ pub fn propose(sources: &[Source], robot: &Robot) -> (Recipe, Vec<String>) {
 /// Words of the topic of a series: messages have the same names in each.
 fn topic(series: &Series, format: Format) -> Vec<String> {
     match format {
-        Format::Mcap => words_of(&series.name),
+        Format::Mcap | Format::RosBag => words_of(&series.name),
         _ => Vec::new(),
     }
 }
@@ -184,6 +184,7 @@ impl Proposal<'_> {
             .map(|channel| channel.summary().range)
             .collect();
         let widest = |of: &dyn Fn(&[f64; 2]) -> f64| ranges.iter().map(of).fold(0.0, f64::max);
+        let is_ros = matches!(format, Format::Mcap | Format::RosBag);
         let unit = match kind {
             Kind::Length => (widest(&|range| range[1].abs()) > 30.0 * frame_m).then_some("mm"),
             Kind::Swivel => (widest(&|range| range[1] - range[0]) > 6.5).then_some("deg"),
@@ -194,9 +195,7 @@ impl Proposal<'_> {
                 if frames > 30.0 {
                     Some("deg")
                 // Joints of ROS turn in radians, however little.
-                } else if frames > 2.0
-                    || format == Format::Mcap && family.pattern.starts_with("position[")
-                {
+                } else if frames > 2.0 || is_ros && family.pattern.starts_with("position[") {
                     Some("rad")
                 } else {
                     None
@@ -205,7 +204,7 @@ impl Proposal<'_> {
             _ => None,
         }?;
         let reason = match format {
-            Format::Mcap => "by its range and the usage of ROS",
+            Format::Mcap | Format::RosBag => "by its range and the usage of ROS",
             _ => "by its range",
         };
         self.notices.push(format!(
@@ -351,7 +350,10 @@ impl Proposal<'_> {
             let is_known = is_wanted
                 || is_any(&spoken, EXTERNAL)
                 || is_any(&topic, EXTERNAL)
-                || matches!(format, Format::Motive | Format::Nexus | Format::PointList)
+                || matches!(
+                    format,
+                    Format::Motive | Format::Nexus | Format::C3d | Format::PointList
+                )
                 || owner.is_empty();
             if !is_known || is_any(&spoken, &["marker"]) {
                 continue;
@@ -416,7 +418,7 @@ impl Proposal<'_> {
                 None => {}
             }
         }
-        let is_capture = matches!(format, Format::Motive | Format::Nexus);
+        let is_capture = matches!(format, Format::Motive | Format::Nexus | Format::C3d);
         let whole = owners.into_iter().filter_map(|(owner, [x, y, z])| {
             let is_marker = is_capture || owner.to_lowercase().contains("marker");
             is_marker.then_some((owner, [x?, y?, z?]))

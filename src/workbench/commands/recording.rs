@@ -22,8 +22,9 @@ use tautline_workflow::wording::sentence;
 use tautline_workflow::{clock, importing};
 
 /// Endings of the files that are read, for dialogs; what a file is shows its content.
-const ENDINGS: [&str; 13] = [
-    "csv", "txt", "tsv", "mat", "h5", "hdf5", "npy", "npz", "parquet", "mcap", "xlsx", "asc", "dat",
+const ENDINGS: [&str; 15] = [
+    "csv", "txt", "tsv", "c3d", "mat", "h5", "hdf5", "npy", "npz", "parquet", "mcap", "bag",
+    "xlsx", "asc", "dat",
 ];
 
 pub(super) fn perform(model: &mut Model, command: RecordingCommand) {

@@ -1,11 +1,12 @@
 //! Files as recorders write them, by hand: every variant is read to the same channels, or refused in one sentence.
 
 mod binary;
+mod c3d;
 mod damaged;
 #[cfg(feature = "hdf5")]
 mod hdf5;
-#[cfg(feature = "mcap")]
-mod mcap;
+#[cfg(feature = "ros")]
+mod ros;
 mod scope;
 mod tables;
 mod tracking;
@@ -128,8 +129,8 @@ fn what_is_not_read_says_what_to_do() {
         (
             "a.mcap",
             b"\x89MCAP0\r\n",
-            if cfg!(feature = "mcap") {
-                "has no end: the recorder was stopped, or the file was cut off, expected a recording in MCAP"
+            if cfg!(feature = "ros") {
+                "has no end: the recorder was stopped, or the file was cut off, expected a readable MCAP recording"
             } else {
                 "ros2 topic echo --csv"
             },
@@ -137,7 +138,16 @@ fn what_is_not_read_says_what_to_do() {
         (
             "a.bag",
             b"#ROSBAG V2.0\n",
-            "rostopic echo -b <bag> -p <topic>",
+            if cfg!(feature = "ros") {
+                "has no end: the recorder was stopped, or the file was cut off, expected a readable ROS 1 bag"
+            } else {
+                "rostopic echo -b <bag> -p <topic>"
+            },
+        ),
+        (
+            "b.bag",
+            b"#ROSRECORD V1.1\n",
+            "expected version 2.0 (rosbag filter <old> <new> True)",
         ),
         ("a.db3", b"SQLite format 3\0", "database"),
         (
@@ -145,7 +155,11 @@ fn what_is_not_read_says_what_to_do() {
             b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1",
             "expected .xlsx",
         ),
-        ("a.c3d", b"\x02\x50\0\0", "C3D"),
+        (
+            "a.c3d",
+            b"\x02\x50\0\0",
+            "ends before its data, expected C3D",
+        ),
         (
             "a.png",
             b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR",

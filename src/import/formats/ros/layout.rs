@@ -5,8 +5,8 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use serde_json::Value;
 use tautline_session::quoted;
 
-use super::cdr::Cdr;
-use super::schema::{Count, Definitions, Field, Kind, Number};
+use super::definitions::{Count, Definitions, Field, Kind};
+use super::wire::Wire;
 
 /// Largest list that becomes columns: a covariance has 36, images and scans have more.
 const MOST_ELEMENTS: usize = 64;
@@ -87,7 +87,7 @@ impl Layout {
         &mut self,
         definitions: &Definitions,
         kind: Kind,
-        cdr: &mut Cdr<'_>,
+        wire: &mut Wire<'_>,
         root: &str,
     ) -> Option<()> {
         self.clear();
@@ -95,7 +95,7 @@ impl Layout {
         let mut walk = Walk {
             layout: self,
             definitions,
-            cdr,
+            wire,
         };
         let read = walk.part(kind, Some(&mut node), root, &[], 0);
         self.root = node;
@@ -239,7 +239,7 @@ impl Layout {
 struct Walk<'w, 'a> {
     layout: &'w mut Layout,
     definitions: &'w Definitions,
-    cdr: &'w mut Cdr<'a>,
+    wire: &'w mut Wire<'a>,
 }
 
 impl<'a> Walk<'_, 'a> {
@@ -257,15 +257,15 @@ impl<'a> Walk<'_, 'a> {
         match kind {
             Kind::Nested(at) => return self.fields(at, node, path, labels, depth),
             Kind::Number(number) => {
-                let value = self.cdr.number(number)?;
+                let value = self.wire.number(number)?;
                 let Some(node) = node else { return Some(()) };
                 if is_first {
                     node.place = self.layout.column(path, false);
                 }
                 self.layout.put(node.place, value);
             }
-            Kind::Time => {
-                let time_s = self.cdr.time_s()?;
+            Kind::Time(parts) => {
+                let time_s = self.wire.time_s(parts)?;
                 let Some(node) = node else { return Some(()) };
                 if is_first && node.place.is_none() {
                     node.place = self.layout.column(path, true);
@@ -273,7 +273,7 @@ impl<'a> Walk<'_, 'a> {
                 self.layout.put(node.place, time_s);
             }
             Kind::Text => {
-                let text = self.cdr.text()?;
+                let text = self.wire.text()?;
                 let Some(node) = node else { return Some(()) };
                 if is_first {
                     node.place = self.layout.text(path);
@@ -298,12 +298,12 @@ impl<'a> Walk<'_, 'a> {
             return None;
         }
         if definition.fields.is_empty() {
-            // A type without fields is sent as one byte.
-            return self.cdr.skip(Number::U8, 1);
+            return self.wire.skip_empty();
         }
         let is_first = !self.layout.is_known;
         let is_data = depth == 0 && !path.is_empty();
-        let is_stamped = depth == 0 || depth == 1 && definition.name == "std_msgs/Header";
+        let is_header = definition.name == "std_msgs/Header";
+        let is_stamped = depth == 0 || depth == 1 && is_header;
         let mut own: Option<Vec<&'a str>> = None;
         for (k, field) in definition.fields.iter().enumerate() {
             if are_names(field) {
@@ -313,13 +313,14 @@ impl<'a> Walk<'_, 'a> {
             let mut inner = node.as_deref_mut();
             if is_first && let Some(node) = inner.as_deref_mut() {
                 node.inner.resize_with(k + 1, Node::default);
-                if is_stamped && field.kind == Kind::Time && field.name == "stamp" {
+                if is_stamped && matches!(field.kind, Kind::Time(_)) && field.name == "stamp" {
                     node.inner[k].place = Some(Place::Stamp);
                 }
             }
             let part = inner.and_then(|node| node.inner.get_mut(k));
-            // How an array is meant is no reading.
-            let part = part.filter(|_| !self.definitions.is_array_layout(field.kind));
+            // How an array is meant is no reading, nor is the number that ROS 1 gives each message.
+            let is_number = is_header && field.name == "seq";
+            let part = part.filter(|_| !is_number && !self.definitions.is_array_layout(field.kind));
             let path = match is_first {
                 true if is_data => path.to_owned(),
                 true => below(path, &field.name),
@@ -338,7 +339,7 @@ impl<'a> Walk<'_, 'a> {
     fn names(&mut self, field: &Field) -> Option<Vec<&'a str>> {
         let mut names = Vec::new();
         for _ in 0..self.count(field)? {
-            names.push(self.cdr.text()?);
+            names.push(self.wire.text()?);
         }
         Some(names)
     }
@@ -347,7 +348,7 @@ impl<'a> Walk<'_, 'a> {
         match field.count {
             Count::One => Some(1),
             Count::Fixed(count) => Some(count),
-            Count::Sequence => self.cdr.count(),
+            Count::Sequence => self.wire.count(),
         }
     }
 
@@ -377,7 +378,7 @@ impl<'a> Walk<'_, 'a> {
         let node = node.filter(|node| node.place.is_none());
         let Some(node) = node else {
             if let Kind::Number(number) = field.kind {
-                return self.cdr.skip(number, count);
+                return self.wire.skip(number, count);
             }
             return (0..count).try_for_each(|_| self.part(field.kind, None, "", &[], depth));
         };

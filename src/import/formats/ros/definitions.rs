@@ -19,8 +19,8 @@ pub(super) struct Field {
 pub(super) enum Kind {
     Number(Number),
     Text,
-    /// Seconds and nanoseconds.
-    Time,
+    /// Seconds and nanoseconds, stored as these.
+    Time([Number; 2]),
     /// Another type, by its place.
     Nested(usize),
 }
@@ -40,6 +40,13 @@ pub(super) enum Number {
     F64,
 }
 
+/// Whose types these are: their words have other meanings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Version {
+    Ros1,
+    Ros2,
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Count {
     One,
@@ -50,7 +57,7 @@ pub(super) enum Count {
 
 impl Definitions {
     /// Reads the text of a type of this name; or says what is not understood.
-    pub fn parse(name: &str, text: &str) -> Result<Self, String> {
+    pub fn parse(version: Version, name: &str, text: &str) -> Result<Self, String> {
         let mut sections = vec![(normal(name), Vec::new())];
         let mut begins = false;
         for line in text.lines() {
@@ -68,7 +75,8 @@ impl Definitions {
         }
         let names: Vec<&str> = sections.iter().map(|(name, _)| name.as_str()).collect();
         let definition = |(name, lines): &(String, Vec<&str>)| {
-            let fields = lines.iter().filter_map(|line| field(line, name, &names));
+            let kind = |base: &str| kind_of(version, base, name, &names);
+            let fields = lines.iter().filter_map(|line| field(line, kind));
             Ok(Definition {
                 name: name.clone(),
                 fields: fields.collect::<Result<_, String>>()?,
@@ -102,12 +110,17 @@ impl Definitions {
     /// The type of the transforms of which the message is a list.
     pub fn transforms(&self) -> Option<Kind> {
         match &self.message().fields[..] {
-            [field] if self.message().name.ends_with("/TFMessage") => {
+            [field] if is_transforms(&self.message().name) => {
                 Some(field.kind).filter(|_| field.count == Count::Sequence)
             }
             _ => None,
         }
     }
+}
+
+/// Whether this is a list of transforms, which ROS 1 once called `tf/tfMessage`.
+fn is_transforms(name: &str) -> bool {
+    name.ends_with("/TFMessage") || name == "tf/tfMessage"
 }
 
 /// The name of a type without the folder that ROS 2 puts between package and type.
@@ -116,7 +129,7 @@ fn normal(name: &str) -> String {
 }
 
 /// The field of a line; `None` for a constant.
-fn field(line: &str, owner: &str, names: &[&str]) -> Option<Result<Field, String>> {
+fn field(line: &str, kind_of: impl Fn(&str) -> Option<Kind>) -> Option<Result<Field, String>> {
     let (kind, rest) = line.split_once(char::is_whitespace)?;
     let rest = rest.trim_start();
     let end = rest
@@ -132,7 +145,7 @@ fn field(line: &str, owner: &str, names: &[&str]) -> Option<Result<Field, String
         Some((base, length)) => (base, length.strip_suffix(']').and_then(count_of)),
     };
     let base = base.split("<=").next().unwrap_or_default();
-    let field = count.zip(kind_of(base, owner, names));
+    let field = count.zip(kind_of(base));
     let field = field.map(|(count, kind)| Field {
         name: rest[..end].to_owned(),
         kind,
@@ -153,9 +166,12 @@ fn count_of(length: &str) -> Option<Count> {
         .map(Count::Fixed)
 }
 
-fn kind_of(base: &str, owner: &str, names: &[&str]) -> Option<Kind> {
+fn kind_of(version: Version, base: &str, owner: &str, names: &[&str]) -> Option<Kind> {
     let number = match base {
         "bool" => Number::Bool,
+        "byte" if version == Version::Ros1 => Number::I8,
+        "time" if version == Version::Ros1 => return Some(Kind::Time([Number::U32; 2])),
+        "duration" if version == Version::Ros1 => return Some(Kind::Time([Number::I32; 2])),
         "int8" => Number::I8,
         "uint8" | "byte" | "char" => Number::U8,
         "int16" => Number::I16,
@@ -180,7 +196,7 @@ fn nested(base: &str, owner: &str, names: &[&str]) -> Option<Kind> {
         false => [format!("{package}/{base}"), format!("std_msgs/{base}")],
     };
     if ["builtin_interfaces/Time", "builtin_interfaces/Duration"].contains(&&*candidates[0]) {
-        return Some(Kind::Time);
+        return Some(Kind::Time([Number::I32, Number::U32]));
     }
     let place = |name: &String| names.iter().position(|known| known == name);
     candidates.iter().find_map(place).map(Kind::Nested)
@@ -199,7 +215,7 @@ mod tests {
             ================================================================================\n\
             MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n\
             ===\nMSG: p/msg/Own\nbyte x\n";
-        let parsed = Definitions::parse("p/msg/Kind", text).unwrap();
+        let parsed = Definitions::parse(Version::Ros2, "p/msg/Kind", text).unwrap();
         let fields: Vec<(&str, Kind, Count)> = parsed
             .message()
             .fields
@@ -217,7 +233,10 @@ mod tests {
                 ("own", Kind::Nested(2), Count::One),
             ]
         );
-        assert_eq!(parsed.get(1).fields[0].kind, Kind::Time);
+        assert_eq!(
+            parsed.get(1).fields[0].kind,
+            Kind::Time([Number::I32, Number::U32])
+        );
         assert_eq!(parsed.get(2).name, "p/Own");
     }
 
@@ -229,8 +248,29 @@ mod tests {
             ("int32[0] c", "int32[0]"),
             ("int32[-1] c", "int32[-1]"),
         ] {
-            let error = Definitions::parse("p/Kind", line).err();
+            let error = Definitions::parse(Version::Ros2, "p/Kind", line).err();
             assert_eq!(error, Some(format!("its type has {kind}")));
         }
+    }
+
+    #[test]
+    fn words_of_ros_1_have_other_meanings() {
+        let text = "Header header\nbyte a\nchar b\ntime c\nduration[2] d\n===\n\
+            MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
+        let parsed = Definitions::parse(Version::Ros1, "p/Kind", text).unwrap();
+        let fields = parsed.message().fields.iter();
+        let kinds: Vec<Kind> = fields.map(|field| field.kind).collect();
+        assert_eq!(
+            kinds,
+            [
+                Kind::Nested(1),
+                Kind::Number(Number::I8),
+                Kind::Number(Number::U8),
+                Kind::Time([Number::U32; 2]),
+                Kind::Time([Number::I32; 2]),
+            ]
+        );
+        let error = Definitions::parse(Version::Ros2, "p/Kind", "time a").err();
+        assert_eq!(error.as_deref(), Some("its type has time"));
     }
 }

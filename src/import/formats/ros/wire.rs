@@ -1,17 +1,24 @@
-//! Messages in CDR (XCDR1): numbers stand at multiples of their size, counted from behind the four bytes that say the order.
+//! Messages as bytes. In CDR (XCDR1) of ROS 2 numbers stand at multiples of their size, counted from behind the four bytes
+//! that say the order; in ROS 1 one follows the other, least significant byte first.
 
-use super::schema::Number;
+use super::definitions::Number;
+
+/// Parts of a message of ROS 1 that take no bytes: as many as no message has, so that a damaged type comes to an end.
+const MOST_EMPTY: usize = 1000;
 
 /// A message that is read from its beginning; `None` where it ends too early.
-pub(super) struct Cdr<'a> {
+pub(super) struct Wire<'a> {
     bytes: &'a [u8],
     at: usize,
     is_big: bool,
+    is_aligned: bool,
+    /// Parts without bytes that may still come.
+    empty: usize,
 }
 
-impl<'a> Cdr<'a> {
-    /// Begins a message, if it is in this encoding.
-    pub fn new(message: &'a [u8]) -> Option<Self> {
+impl<'a> Wire<'a> {
+    /// Begins a message of ROS 2, if it is in CDR.
+    pub fn cdr(message: &'a [u8]) -> Option<Self> {
         let (head, bytes) = message.split_first_chunk::<4>()?;
         let is_big = match head {
             [0, 0, ..] => true,
@@ -22,12 +29,32 @@ impl<'a> Cdr<'a> {
             bytes,
             at: 0,
             is_big,
+            is_aligned: true,
+            empty: 0,
         })
+    }
+
+    /// Begins a message of ROS 1.
+    pub fn ros_1(message: &'a [u8]) -> Self {
+        Self {
+            bytes: message,
+            at: 0,
+            is_big: false,
+            is_aligned: false,
+            empty: MOST_EMPTY,
+        }
+    }
+
+    /// Goes to the next place for a number of this size.
+    fn align(&mut self, size: usize) {
+        if self.is_aligned {
+            self.at = self.at.next_multiple_of(size);
+        }
     }
 
     /// The bytes of a number, least significant first.
     fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        self.at = self.at.next_multiple_of(N);
+        self.align(N);
         let mut bytes = *self.bytes.get(self.at..)?.first_chunk::<N>()?;
         self.at += N;
         if self.is_big {
@@ -64,12 +91,19 @@ impl<'a> Cdr<'a> {
             Number::I32 | Number::U32 | Number::F32 => 4,
             Number::I64 | Number::U64 | Number::F64 => 8,
         };
-        let end = self
-            .at
-            .next_multiple_of(size)
-            .checked_add(count.checked_mul(size)?)?;
+        self.align(size);
+        let end = self.at.checked_add(count.checked_mul(size)?)?;
         self.bytes.get(..end)?;
         self.at = end;
+        Some(())
+    }
+
+    /// Passes over a part whose type has no fields: one byte in CDR.
+    pub fn skip_empty(&mut self) -> Option<()> {
+        if self.is_aligned {
+            return self.skip(Number::U8, 1);
+        }
+        self.empty = self.empty.checked_sub(1)?;
         Some(())
     }
 
@@ -78,14 +112,14 @@ impl<'a> Cdr<'a> {
         usize::try_from(u32::from_le_bytes(self.take()?)).ok()
     }
 
-    /// A time (s); 0 is none that was set.
-    pub fn time_s(&mut self) -> Option<f64> {
-        let seconds = self.number(Number::I32)?;
-        let nanoseconds = self.number(Number::U32)?;
+    /// A time (s) in seconds and nanoseconds; 0 is none that was set.
+    pub fn time_s(&mut self, [seconds, nanoseconds]: [Number; 2]) -> Option<f64> {
+        let seconds = self.number(seconds)?;
+        let nanoseconds = self.number(nanoseconds)?;
         Some(seconds + nanoseconds * 1e-9)
     }
 
-    /// A text, which is stored with a zero at its end; empty where it is not UTF-8.
+    /// A text, which CDR stores with a zero at its end; empty where it is not UTF-8.
     pub fn text(&mut self) -> Option<&'a str> {
         let length = self.count()?;
         let end = self.at.checked_add(length)?;
@@ -125,31 +159,52 @@ mod tests {
         ]
         .concat();
         for message in [little, big] {
-            let mut cdr = Cdr::new(&message).expect("a message");
-            assert_eq!(cdr.number(Number::U8), Some(7.0));
-            assert_eq!(cdr.number(Number::F64), Some(1.5));
-            assert_eq!(cdr.number(Number::Bool), Some(1.0));
-            assert_eq!(cdr.number(Number::I16), Some(-2.0));
-            assert_eq!(cdr.text(), Some("ab"));
-            assert_eq!(cdr.number(Number::I64), Some(-5.0));
-            assert_eq!(cdr.number(Number::U8), None);
+            let mut wire = Wire::cdr(&message).expect("a message");
+            assert_eq!(wire.number(Number::U8), Some(7.0));
+            assert_eq!(wire.number(Number::F64), Some(1.5));
+            assert_eq!(wire.number(Number::Bool), Some(1.0));
+            assert_eq!(wire.number(Number::I16), Some(-2.0));
+            assert_eq!(wire.text(), Some("ab"));
+            assert_eq!(wire.number(Number::I64), Some(-5.0));
+            assert_eq!(wire.number(Number::U8), None);
         }
     }
 
     #[test]
     fn an_empty_list_is_not_aligned() {
-        let mut cdr = Cdr::new(&[0, 1, 0, 0, 0, 0, 0, 0, 9, 0, 0, 0]).expect("a message");
-        assert_eq!(cdr.count(), Some(0));
-        assert_eq!(cdr.skip(Number::F64, 0), Some(()));
-        assert_eq!(cdr.number(Number::U32), Some(9.0));
-        assert_eq!(cdr.skip(Number::F64, usize::MAX), None);
+        let mut wire = Wire::cdr(&[0, 1, 0, 0, 0, 0, 0, 0, 9, 0, 0, 0]).expect("a message");
+        assert_eq!(wire.count(), Some(0));
+        assert_eq!(wire.skip(Number::F64, 0), Some(()));
+        assert_eq!(wire.number(Number::U32), Some(9.0));
+        assert_eq!(wire.skip(Number::F64, usize::MAX), None);
     }
 
     #[test]
     fn other_encodings_are_refused() {
         // PL_CDR and XCDR2, and a message that is none.
         for message in [&[0, 3, 0, 0, 1][..], &[0, 7, 0, 0, 1], &[0, 1]] {
-            assert!(Cdr::new(message).is_none());
+            assert!(Wire::cdr(message).is_none());
         }
+    }
+
+    #[test]
+    fn numbers_of_ros_1_follow_each_other() {
+        let message = [
+            &[7][..],
+            &1.5_f64.to_le_bytes(),
+            &2_u32.to_le_bytes(),
+            b"ab",
+            &(-2_i32).to_le_bytes(),
+            &500_000_000_i32.to_le_bytes(),
+        ]
+        .concat();
+        let mut wire = Wire::ros_1(&message);
+        assert_eq!(wire.number(Number::U8), Some(7.0));
+        assert_eq!(wire.number(Number::F64), Some(1.5));
+        assert_eq!(wire.text(), Some("ab"));
+        assert_eq!(wire.time_s([Number::I32; 2]), Some(-1.5));
+        assert_eq!(wire.number(Number::U8), None);
+        assert!((0..MOST_EMPTY).all(|_| wire.skip_empty().is_some()));
+        assert_eq!(wire.skip_empty(), None);
     }
 }

@@ -1,28 +1,24 @@
-//! Recordings of ROS 2 in MCAP: every topic is a series, its messages are decoded by the types that the recording holds.
+//! Recordings of ROS: every topic is a series, its messages are decoded by the types that the recording holds.
 //!
-//! The file is read from its beginning, record by record, so that a recording without its end is read as far as it goes.
+//! The files are read from their beginning, record by record, so that a recording without its end is read as far as it goes.
 
-mod cdr;
+pub(super) mod bag;
+mod definitions;
 mod layout;
-mod schema;
+pub(super) mod mcap;
+mod wire;
 
 use std::collections::HashMap;
-use std::io::{self, Read};
+use std::io;
 
-use mcap::McapError;
-use mcap::records::{Channel as Connection, MessageHeader, Record, op};
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use tautline_session::{Place, ReadError, quoted, read_damaged};
+use tautline_session::{Place, ReadError, quoted};
 
-use self::cdr::Cdr;
+use self::definitions::{Definitions, Kind};
 use self::layout::Layout;
-use self::schema::{Definitions, Kind};
-use crate::input::Input;
+use self::wire::Wire;
 use crate::source::{Channel, FillingTexts, Format, Series, Source};
 use crate::values::{Filling, Storage};
 
-/// Bytes that are read at a time.
-const BLOCK: usize = 64 << 10;
 /// Bytes of the longest record, as a multiple of those of the file: a compressed one is larger than what is stored, and a
 /// damaged length must not take memory that nothing fills.
 const RECORD_PER_FILE: u64 = 64;
@@ -31,90 +27,21 @@ const RECORD: [u64; 2] = [1 << 20, 256 << 20];
 /// Most frames of a topic of transforms.
 const MOST_FRAMES: usize = 256;
 
-pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
-    let io = |error: io::Error| ReadError::io(file, Place::File, &error);
-    let bytes = input.file().and_then(|file| file.metadata()).map_err(io)?;
-    let longest = (RECORD_PER_FILE * bytes.len()).clamp(RECORD[0], RECORD[1]);
-    let options = LinearReaderOptions::default()
-        .with_validate_chunk_crcs(true)
-        .with_record_length_limit(longest as usize);
-    let mut reader = LinearReader::new_with_options(options);
-    let mut recording = Recording::default();
-    let mut damaged_chunks = 0_usize;
-    let end = loop {
-        // The reader is of others, and the file may be damaged.
-        match read_damaged(|| reader.next_event()) {
-            Some(None) => break None,
-            Some(Some(Ok(LinearReadEvent::ReadRequest(_)))) => {
-                let read = input.read(reader.insert(BLOCK)).map_err(io)?;
-                reader.notify_read(read);
-            }
-            // What follows is a summary of what was read.
-            Some(Some(Ok(LinearReadEvent::Record { opcode, .. }))) if opcode == op::DATA_END => {
-                break None;
-            }
-            Some(Some(Ok(LinearReadEvent::Record { opcode, data }))) => {
-                match recording.record(opcode, data).map_err(io)? {
-                    Some(()) => {}
-                    None => break Some("is damaged".to_owned()),
-                }
-            }
-            Some(Some(Err(McapError::BadChunkCrc { .. }))) => damaged_chunks += 1,
-            Some(Some(Err(McapError::UnexpectedEof))) => {
-                break Some("has no end: the recorder was stopped, or the file was cut off".into());
-            }
-            Some(Some(Err(McapError::UnsupportedCompression(name)))) => {
-                break Some(format!(
-                    "uses what is not read (compression {})",
-                    quoted(&name)
-                ));
-            }
-            None | Some(Some(Err(_))) => break Some("is damaged".into()),
-        }
-    };
-    let mut notices = Vec::new();
-    let series = recording.finish(&mut notices);
-    if series.is_empty() {
-        let message = match (end, notices.first()) {
-            (Some(end), None) => format!("{end}, expected a recording in MCAP"),
-            (_, Some(notice)) => format!("found no topic with readings ({notice})"),
-            (None, None) => "found no messages, expected readings".to_owned(),
-        };
-        return Err(ReadError::new(file, Place::File, message));
-    }
-    if let Some(end) = end {
-        notices.push(format!("{end}; it is read as far as it goes"));
-    }
-    if damaged_chunks > 0 {
-        notices.push(format!(
-            "check sums of {damaged_chunks} of its chunks are wrong; their values may be, too"
-        ));
-    }
-    Ok(Source {
-        file: file.into(),
-        format: Format::Mcap,
-        series,
-        notices: notices
-            .into_iter()
-            .map(|notice| format!("{file}: {notice}"))
-            .collect(),
-    })
+/// How a recording ends that has no end of its own.
+const CUT_OFF: &str = "has no end: the recorder was stopped, or the file was cut off";
+
+/// Bytes of the longest record of a file of so many.
+fn longest_record(bytes: u64) -> u64 {
+    (RECORD_PER_FILE.saturating_mul(bytes)).clamp(RECORD[0], RECORD[1])
 }
 
 /// What was read so far.
 #[derive(Default)]
 struct Recording {
-    schemas: HashMap<u16, Schema>,
-    connections: HashMap<u16, Kept>,
+    connections: HashMap<u32, Kept>,
     topics: Vec<Topic>,
     storage: Storage,
     notices: Vec<String>,
-}
-
-struct Schema {
-    name: String,
-    encoding: String,
-    text: String,
 }
 
 /// What becomes of the messages of a connection.
@@ -126,7 +53,8 @@ enum Kept {
 
 struct Topic {
     name: String,
-    schema: u16,
+    /// Number of its type.
+    kind: u32,
     decoder: Decoder,
     layout: Layout,
     series: Vec<Rows>,
@@ -136,11 +64,29 @@ struct Topic {
     has_more_frames: bool,
 }
 
+/// How messages are decoded.
 enum Decoder {
-    Cdr(Definitions),
+    /// By their type.
+    Typed(Begin, Definitions),
     /// Transforms, of which each frame has a series.
-    Transforms(Definitions, Kind),
+    Transforms(Begin, Definitions, Kind),
     Json,
+}
+
+/// Begins a message, if it is in the encoding that its topic has.
+type Begin = for<'a> fn(&'a [u8]) -> Option<Wire<'a>>;
+
+impl Decoder {
+    /// The decoder of messages of this type; or why they are left out.
+    fn typed(begin: Begin, definitions: Definitions) -> Result<Self, String> {
+        if let Some(what) = no_reading(&definitions.message().name) {
+            return Err(what.into());
+        }
+        Ok(match definitions.transforms() {
+            Some(kind) => Self::Transforms(begin, definitions, kind),
+            None => Self::Typed(begin, definitions),
+        })
+    }
 }
 
 /// A series that is being filled.
@@ -162,45 +108,26 @@ struct Texts {
 }
 
 impl Recording {
-    /// Takes a record; `None` where it is damaged.
-    fn record(&mut self, opcode: u8, data: &[u8]) -> io::Result<Option<()>> {
-        if ![op::SCHEMA, op::CHANNEL, op::MESSAGE].contains(&opcode) {
-            return Ok(Some(()));
-        }
-        let Some(Ok(record)) = read_damaged(|| mcap::parse_record(opcode, data)) else {
-            return Ok(None);
-        };
-        match record {
-            Record::Schema { header, data } => {
-                let schema = Schema {
-                    name: header.name,
-                    encoding: header.encoding,
-                    text: String::from_utf8_lossy(&data).into_owned(),
-                };
-                self.schemas.entry(header.id).or_insert(schema);
-            }
-            Record::Channel(connection) => self.connect(connection),
-            Record::Message { header, data } => self.message(&header, &data)?,
-            _ => {}
-        }
-        Ok(Some(()))
-    }
-
-    /// Takes a connection; each chunk may repeat those of which it has messages.
-    fn connect(&mut self, connection: Connection) {
-        let Connection { id, topic, .. } = &connection;
-        if self.connections.contains_key(id) {
+    /// Takes a connection with the number of its type; each chunk may repeat those of which it has messages.
+    fn connect(
+        &mut self,
+        id: u32,
+        topic: &str,
+        kind: u32,
+        decoder: impl FnOnce() -> Result<Decoder, String>,
+    ) {
+        if self.connections.contains_key(&id) {
             return;
         }
         // A topic with several publishers may have a connection for each.
-        let is_same = |one: &Topic| one.name == *topic && one.schema == connection.schema_id;
+        let is_same = |one: &Topic| one.name == *topic && one.kind == kind;
         let kept = match self.topics.iter().position(is_same) {
             Some(place) => Kept::Topic(place),
-            None => match self.decoder(&connection) {
+            None => match decoder() {
                 Ok(decoder) => {
                     self.topics.push(Topic {
-                        name: topic.clone(),
-                        schema: connection.schema_id,
+                        name: topic.to_owned(),
+                        kind,
                         decoder,
                         layout: Layout::default(),
                         series: Vec::new(),
@@ -215,42 +142,50 @@ impl Recording {
                 }
             },
         };
-        self.connections.insert(*id, kept);
+        self.connections.insert(id, kept);
     }
 
-    /// How the messages of a connection are decoded; or why they are not.
-    fn decoder(&self, connection: &Connection) -> Result<Decoder, String> {
-        let schema = self.schemas.get(&connection.schema_id);
-        let encoding = schema.map_or("", |schema| schema.encoding.as_str());
-        match (connection.message_encoding.as_str(), encoding, schema) {
-            ("json", _, _) => Ok(Decoder::Json),
-            ("cdr", "ros2msg", Some(schema)) => {
-                let definitions = Definitions::parse(&schema.name, &schema.text)?;
-                if let Some(what) = no_reading(&definitions.message().name) {
-                    return Err(what.into());
-                }
-                Ok(match definitions.transforms() {
-                    Some(kind) => Decoder::Transforms(definitions, kind),
-                    None => Decoder::Cdr(definitions),
-                })
-            }
-            ("cdr", encoding, _) => Err(format!("messages whose type is in {}", named(encoding))),
-            (encoding, _, _) => Err(format!("messages in {}", named(encoding))),
-        }
-    }
-
-    fn message(&mut self, header: &MessageHeader, data: &[u8]) -> io::Result<()> {
-        match self.connections.get_mut(&header.channel_id) {
-            Some(Kept::Topic(place)) => {
-                let log_s = seconds(header.log_time);
-                self.topics[*place].message(data, log_s, &mut self.storage)
-            }
+    /// Takes a message of a connection, recorded at this time.
+    fn message(&mut self, id: u32, log_s: f64, data: &[u8]) -> io::Result<()> {
+        match self.connections.get_mut(&id) {
+            Some(Kept::Topic(place)) => self.topics[*place].message(data, log_s, &mut self.storage),
             Some(Kept::LeftOut(notice)) => {
                 self.notices.extend(notice.take());
                 Ok(())
             }
             None => Ok(()),
         }
+    }
+
+    /// What was read of a file; `end` says how it ends, if not well, and `others` what else there is to know.
+    fn source(
+        self,
+        file: &str,
+        format: Format,
+        end: Option<String>,
+        others: Vec<String>,
+    ) -> Result<Source, ReadError> {
+        let mut notices = Vec::new();
+        let series = self.finish(&mut notices);
+        if series.is_empty() {
+            let message = match (end, notices.first().or(others.first())) {
+                (Some(end), None) => format!("{end}, expected a readable {}", format.name()),
+                (_, Some(notice)) => format!("found no topic with readings ({notice})"),
+                (None, None) => "found no messages, expected readings".to_owned(),
+            };
+            return Err(ReadError::new(file, Place::File, message));
+        }
+        if let Some(end) = end {
+            notices.push(format!("{end}; it is read as far as it goes"));
+        }
+        notices.extend(others);
+        let notices = notices.iter().map(|notice| format!("{file}: {notice}"));
+        Ok(Source {
+            file: file.into(),
+            format,
+            series,
+            notices: notices.collect(),
+        })
     }
 
     fn finish(self, notices: &mut Vec<String>) -> Vec<Series> {
@@ -325,20 +260,20 @@ impl Topic {
         } = self;
         let read = match decoder {
             Decoder::Json => layout.read_json(data),
-            Decoder::Cdr(definitions) => Cdr::new(data).and_then(|mut cdr| {
+            Decoder::Typed(begin, definitions) => begin(data).and_then(|mut wire| {
                 let root = match definitions.is_only_data() {
                     true => name.trim_matches('/').replace('/', "."),
                     false => String::new(),
                 };
-                layout.read(definitions, Kind::Nested(0), &mut cdr, &root)
+                layout.read(definitions, Kind::Nested(0), &mut wire, &root)
             }),
-            Decoder::Transforms(definitions, kind) => {
-                let Some(mut cdr) = Cdr::new(data) else {
+            Decoder::Transforms(begin, definitions, kind) => {
+                let Some(mut wire) = begin(data) else {
                     self.unread += 1;
                     return Ok(());
                 };
-                for _ in 0..cdr.count().unwrap_or(0) {
-                    if layout.read(definitions, *kind, &mut cdr, "").is_none() {
+                for _ in 0..wire.count().unwrap_or(0) {
+                    if layout.read(definitions, *kind, &mut wire, "").is_none() {
                         self.unread += 1;
                         break;
                     }
@@ -404,23 +339,11 @@ impl Rows {
 /// What messages hold that are known to have no readings.
 fn no_reading(kind: &str) -> Option<&'static str> {
     match kind.split_once('/')? {
-        ("rcl_interfaces" | "diagnostic_msgs", _) => Some("messages of the programs"),
+        ("rcl_interfaces" | "diagnostic_msgs", _) | ("rosgraph_msgs", "Log") => {
+            Some("messages of the programs")
+        }
         ("sensor_msgs", "Image" | "CompressedImage") => Some("images"),
         ("sensor_msgs", "PointCloud" | "PointCloud2") => Some("clouds of points"),
         _ => None,
     }
-}
-
-/// An encoding in sentences.
-fn named(encoding: &str) -> String {
-    match encoding {
-        "" => "an encoding that is not named".to_owned(),
-        encoding => format!("the encoding {}", quoted(encoding)),
-    }
-}
-
-/// Seconds of nanoseconds, without losing some to the size of the number.
-fn seconds(nanoseconds: u64) -> f64 {
-    const SECOND: u64 = 1_000_000_000;
-    (nanoseconds / SECOND) as f64 + (nanoseconds % SECOND) as f64 * 1e-9
 }

@@ -1,0 +1,144 @@
+//! Recordings of ROS 2 in MCAP.
+
+use std::collections::HashMap;
+use std::io::{self, Read};
+
+use mcap::McapError;
+use mcap::records::{Channel as Connection, Record, op};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use tautline_session::{Place, ReadError, quoted, read_damaged};
+
+use super::definitions::{Definitions, Version};
+use super::wire::Wire;
+use super::{CUT_OFF, Decoder, Recording, longest_record};
+use crate::input::Input;
+use crate::source::{Format, Source};
+
+/// Bytes that are read at a time.
+const BLOCK: usize = 64 << 10;
+
+pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
+    let io = |error: io::Error| ReadError::io(file, Place::File, &error);
+    let bytes = input.file().and_then(|file| file.metadata()).map_err(io)?;
+    let options = LinearReaderOptions::default()
+        .with_validate_chunk_crcs(true)
+        .with_record_length_limit(longest_record(bytes.len()) as usize);
+    let mut reader = LinearReader::new_with_options(options);
+    let mut records = Records::default();
+    let mut damaged_chunks = 0_usize;
+    let end = loop {
+        // The reader is of others, and the file may be damaged.
+        match read_damaged(|| reader.next_event()) {
+            Some(None) => break None,
+            Some(Some(Ok(LinearReadEvent::ReadRequest(_)))) => {
+                let read = input.read(reader.insert(BLOCK)).map_err(io)?;
+                reader.notify_read(read);
+            }
+            // What follows is a summary of what was read.
+            Some(Some(Ok(LinearReadEvent::Record { opcode, .. }))) if opcode == op::DATA_END => {
+                break None;
+            }
+            Some(Some(Ok(LinearReadEvent::Record { opcode, data }))) => {
+                match records.record(opcode, data).map_err(io)? {
+                    Some(()) => {}
+                    None => break Some("is damaged".to_owned()),
+                }
+            }
+            Some(Some(Err(McapError::BadChunkCrc { .. }))) => damaged_chunks += 1,
+            Some(Some(Err(McapError::UnexpectedEof))) => {
+                break Some(CUT_OFF.into());
+            }
+            Some(Some(Err(McapError::UnsupportedCompression(name)))) => {
+                break Some(format!(
+                    "uses what is not read (compression {})",
+                    quoted(&name)
+                ));
+            }
+            None | Some(Some(Err(_))) => break Some("is damaged".into()),
+        }
+    };
+    let mut notices = Vec::new();
+    if damaged_chunks > 0 {
+        notices.push(format!(
+            "check sums of {damaged_chunks} of its chunks are wrong; their values may be, too"
+        ));
+    }
+    let recording = records.recording;
+    recording.source(file, Format::Mcap, end, notices)
+}
+
+/// What was read so far, and the types of its messages.
+#[derive(Default)]
+struct Records {
+    schemas: HashMap<u16, Schema>,
+    recording: Recording,
+}
+
+struct Schema {
+    name: String,
+    encoding: String,
+    text: String,
+}
+
+impl Records {
+    /// Takes a record; `None` where it is damaged.
+    fn record(&mut self, opcode: u8, data: &[u8]) -> io::Result<Option<()>> {
+        if ![op::SCHEMA, op::CHANNEL, op::MESSAGE].contains(&opcode) {
+            return Ok(Some(()));
+        }
+        let Some(Ok(record)) = read_damaged(|| mcap::parse_record(opcode, data)) else {
+            return Ok(None);
+        };
+        match record {
+            Record::Schema { header, data } => {
+                let schema = Schema {
+                    name: header.name,
+                    encoding: header.encoding,
+                    text: String::from_utf8_lossy(&data).into_owned(),
+                };
+                self.schemas.entry(header.id).or_insert(schema);
+            }
+            Record::Channel(connection) => {
+                let (id, kind) = (connection.id.into(), connection.schema_id.into());
+                let decoder = || decoder(&self.schemas, &connection);
+                self.recording.connect(id, &connection.topic, kind, decoder);
+            }
+            Record::Message { header, data } => {
+                let log_s = seconds(header.log_time);
+                self.recording
+                    .message(header.channel_id.into(), log_s, &data)?;
+            }
+            _ => {}
+        }
+        Ok(Some(()))
+    }
+}
+
+/// How the messages of a connection are decoded; or why they are not.
+fn decoder(schemas: &HashMap<u16, Schema>, connection: &Connection) -> Result<Decoder, String> {
+    let schema = schemas.get(&connection.schema_id);
+    let encoding = schema.map_or("", |schema| schema.encoding.as_str());
+    match (connection.message_encoding.as_str(), encoding, schema) {
+        ("json", _, _) => Ok(Decoder::Json),
+        ("cdr", "ros2msg", Some(schema)) => {
+            let definitions = Definitions::parse(Version::Ros2, &schema.name, &schema.text)?;
+            Decoder::typed(|data| Wire::cdr(data), definitions)
+        }
+        ("cdr", encoding, _) => Err(format!("messages whose type is in {}", named(encoding))),
+        (encoding, _, _) => Err(format!("messages in {}", named(encoding))),
+    }
+}
+
+/// An encoding in sentences.
+fn named(encoding: &str) -> String {
+    match encoding {
+        "" => "an encoding that is not named".to_owned(),
+        encoding => format!("the encoding {}", quoted(encoding)),
+    }
+}
+
+/// Seconds of nanoseconds, without losing some to the size of the number.
+fn seconds(nanoseconds: u64) -> f64 {
+    const SECOND: u64 = 1_000_000_000;
+    (nanoseconds / SECOND) as f64 + (nanoseconds % SECOND) as f64 * 1e-9
+}
