@@ -112,7 +112,7 @@ fn cables_with_letters_have_them_everywhere_and_no_laser_is_spoken_of_where_ther
         press(&mut harness, "More plots");
     }
     press(&mut harness, "External pose");
-    harness.get_by_label("Plot: Tracker");
+    harness.get_by_label("Plot: External pose");
 }
 
 #[test]
