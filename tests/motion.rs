@@ -6,7 +6,7 @@ use tautline_core::diagnosis::{Diagnosis, Verdict};
 use tautline_core::effect::EffectSetting;
 use tautline_core::estimation::{Control, Method, ParameterId};
 use tautline_core::robot::{PerAxis, Robot, Tracker, presets};
-use tautline_core::simulation::{Recording, Simulated, SimulationOptions, record};
+use tautline_core::simulation::{Recording, Simulated, SimulationError, SimulationOptions, record};
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 use tautline_workflow::identification::{Identification, IdentificationRequest, identify};
 
@@ -166,6 +166,28 @@ pub fn recorded(
     Ok(record(robot, &options, recording)?)
 }
 
+/// So many recordings from a seed on, with a wrong drum where that is wanted; motions through which no tensions hold the
+/// platform are left out.
+fn recordings<'a>(
+    robot: &'a Robot,
+    late: Late,
+    recording: &'a Recording,
+    (first_seed, count): (u64, usize),
+    has_drum: fn(u64) -> bool,
+) -> impl Iterator<Item = Result<(u64, Simulated)>> + 'a {
+    let recorded = move |seed| {
+        let run = recorded(robot, late, recording, (seed, has_drum(seed)));
+        run.map(|run| (seed, run))
+    };
+    let is_infeasible = |error: &anyhow::Error| {
+        let why = error.downcast_ref::<SimulationError>();
+        matches!(why, Some(SimulationError::Infeasible { .. }))
+    };
+    let all = (first_seed..).map(recorded);
+    all.filter(move |run| !run.as_ref().is_err_and(is_infeasible))
+        .take(count)
+}
+
 /// Identifies a robot from a recording, with what is late.
 ///
 /// # Errors
@@ -191,8 +213,9 @@ pub fn study(name: &str, late: Late, recordings: usize, first_seed: u64) -> Resu
     };
     let (mut entries, mut entries_covered) = (0.0_f64, 0.0);
     let share = 1.0 / recordings as f64;
-    for seed in first_seed..first_seed + recordings as u64 {
-        let run = recorded(&robot, late, &RECORDING, (seed, false))?;
+    let seeds = (first_seed, recordings);
+    for run in self::recordings(&robot, late, &RECORDING, seeds, |_| false) {
+        let (_, run) = run?;
         let found = identified(&run, late)?;
         let solution = &found.solution;
         row.samples += share * found.dataset.measurements.len() as f64;
@@ -270,22 +293,25 @@ pub fn doctor_study(
         ..DoctorRow::default()
     };
     let share = 1.0 / recordings as f64;
-    let seeds = first_seed..first_seed + recordings as u64;
-    let drums = seeds.clone().filter(|seed| seed % 2 == 1).count();
-    for seed in seeds {
-        let drum = seed % 2 == 1;
-        let run = recorded(&robot, Late::Instrument, recording, (seed, drum))?;
+    let seeds = (first_seed, recordings);
+    let has_drum = |seed| seed % 2 == 1;
+    let (mut drums, mut drums_named) = (0, 0);
+    for run in self::recordings(&robot, Late::Instrument, recording, seeds, has_drum) {
+        let (seed, run) = run?;
+        let drum = has_drum(seed);
+        drums += usize::from(drum);
         let (diagnosis, seconds) = opinion(&run)?;
         row.seconds += share * seconds;
         for (effect, cables) in named(&diagnosis) {
             match effect {
                 "tracker_latency" => row.latency_named += share,
                 "tracker_clock" => row.clock_named += share,
-                "winch_scale" if drum && cables == [DRUM.1] => row.drum_named += 1.0 / drums as f64,
+                "winch_scale" if drum && cables == [DRUM.1] => drums_named += 1,
                 _ => row.others.push((seed, effect)),
             }
         }
     }
+    row.drum_named = f64::from(drums_named) / drums.max(1) as f64;
     Ok(row)
 }
 

@@ -1,7 +1,7 @@
 //! The course of a diagnosis.
 
 use super::candidates::size_parameter;
-use super::claims::claims;
+use super::claims::{claims, possible_after};
 use super::confidence::{Kept, contested, excess, judged, kept, temper, weighed};
 use super::exchange::exchanged;
 use super::exploration::Visibility;
@@ -79,7 +79,7 @@ fn examine(
     let Kept {
         inference,
         claims,
-        possible,
+        mut possible,
         ..
     } = kept;
     report.stage(Stage::HeldOut, findings.len());
@@ -120,6 +120,7 @@ fn examine(
             &scatter,
         );
         findings.extend(left.iter().map(|s| s.finding(fit)));
+        possible = possible_after(possible, !left.is_empty());
     }
     base.adequate &= findings.is_empty();
     Ok(Diagnosis {

@@ -46,7 +46,18 @@ pub fn odds(p_value: f64) -> String {
     if p_value > 0.05 {
         return format!("{:.0} times in 100", 100.0 * p_value);
     }
-    format!("about once in {:.0} times", 1.0 / p_value)
+    // Two digits: nobody counts so many times.
+    let step = 10_f64.powf((1.0 / p_value).log10().floor() - 1.0);
+    let times = ((1.0 / p_value) / step).round() * step;
+    format!("about once in {} times", thousands(times as u64))
+}
+
+/// A count with commas between thousands, from 10,000 on.
+fn thousands(count: u64) -> String {
+    match count {
+        0..10_000 => count.to_string(),
+        _ => format!("{},{:03}", count / 1000, count % 1000),
+    }
 }
 
 /// What a cable is called where space is scarce: by its name if that is as short as a number, else by its number.
@@ -102,6 +113,7 @@ mod tests {
         for (p_value, text) in [
             (1e-9, "less than once in a million times"),
             (0.001, "about once in 1000 times"),
+            (1.0 / 453_859.0, "about once in 450,000 times"),
             (0.3, "30 times in 100"),
         ] {
             assert_eq!(odds(p_value), text);
