@@ -137,8 +137,12 @@ pub(super) fn left_by_nearest(dataset: &Dataset) -> Result<f64> {
     Ok(least)
 }
 
+/// Effects of a cable at a pose.
+const EVENTS: [&str; 3] = ["cable_slip", "frame_shift", "encoder_outlier"];
+
 /// The least chi-square that any other single effect leaves of an effect; the search ends where it falls below `enough`.
-/// An effect in time or at a pose could also be a slip of its cables, which is tried at every second pose.
+/// An effect in time could also be a slip of its cables, which is tried at every second pose, and what happens at a pose
+/// anything else that happens there.
 pub(super) fn left_by_nearest_other(
     setup: &Setup,
     effect: &EffectSetting,
@@ -154,7 +158,16 @@ pub(super) fn left_by_nearest_other(
         _ => rival.cable.is_none(),
     };
     rivals.retain(|rival| alike(&rival.effect) != alike(&effect.effect) || !single(rival));
-    if !["cable_slip", "frame_shift", "encoder_outlier"].contains(&effect.effect.as_str()) {
+    if EVENTS.contains(&effect.effect.as_str()) {
+        // What happens to the same cable at the same pose.
+        for id in EVENTS.iter().filter(|id| **id != effect.effect) {
+            rivals.push(EffectRequest {
+                effect: (*id).to_owned(),
+                cable: effect.targets.first().cloned(),
+                values: vec![("pose".to_owned(), effect.parameters["pose"])],
+            });
+        }
+    } else {
         for label in dataset.measurements.labels.iter().skip(2).step_by(2) {
             for cable in &effect.targets {
                 rivals.push(EffectRequest {
