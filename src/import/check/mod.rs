@@ -101,7 +101,7 @@ pub(crate) fn check(readings: &Readings, robot: &Robot) -> Vec<Suggestion> {
                 compare(&columns, readings, robot, &mut found);
             }
         }
-        frame(readings, &expected, &mut found);
+        frame(readings, &expected, robot, &mut found);
         forces::check(readings, &expected, robot, &mut found);
     }
     angles_in_degrees(readings, &mut found);
@@ -196,7 +196,10 @@ fn positions_in_other_unit(
 }
 
 /// Measured positions in a frame of their own: none of their axes is one of the robot's, or its origin is elsewhere.
-fn frame(readings: &Readings, expected: &Expected, found: &mut Vec<Suggestion>) {
+fn frame(readings: &Readings, expected: &Expected, robot: &Robot, found: &mut Vec<Suggestion>) {
+    let Some(robot_m) = robot.frame_size_m() else {
+        return;
+    };
     if found
         .iter()
         .any(|suggestion| suggestion.is_of(Kind::Tracked))
@@ -218,7 +221,7 @@ fn frame(readings: &Readings, expected: &Expected, found: &mut Vec<Suggestion>) 
         pose.filter(|_| is_there).map(|pose| (position, pose))
     };
     let positions: Vec<(Vec3, Pose)> = expected.poses.iter().enumerate().filter_map(at).collect();
-    if let Some(sentence) = other_frame(&positions) {
+    if let Some(sentence) = other_frame(&positions, robot_m) {
         found.push(Suggestion::new(sentence, Change::AlignInstrument));
     }
 }

@@ -129,7 +129,7 @@ const SEEDS: std::ops::Range<u64> = 100..120;
 /// What a mistake is called, how it is made, and the column that the suggestion has to name first.
 type Planted = (&'static str, fn(&mut Readings), Mistake, &'static str);
 
-const PLANTED: [Planted; 14] = [
+const PLANTED: [Planted; 15] = [
     (
         "revolutions in degrees",
         |r| scale(r, Kind::Revolutions, 360.0),
@@ -226,7 +226,25 @@ const PLANTED: [Planted; 14] = [
         Mistake::WrongUnit,
         "x_m",
     ),
+    (
+        "tracker in a frame of its own",
+        in_another_frame,
+        Mistake::OtherFrame,
+        "meas_x_m",
+    ),
 ];
+
+/// Measured positions as an instrument reads them that stands elsewhere and is turned.
+fn in_another_frame(readings: &mut Readings) {
+    let turned = nalgebra::Rotation3::from_euler_angles(0.7, -0.3, 1.1);
+    for row in 0..readings.labels.len() {
+        let at = [0, 1, 2].map(|index| column(readings, Kind::Tracked, index)[row]);
+        let seen = turned * Vec3::from(at) + Vec3::new(0.4, -1.2, 0.9);
+        for index in 0..3 {
+            column(readings, Kind::Tracked, index)[row] = seen[index];
+        }
+    }
+}
 
 #[test]
 fn planted_mistakes_are_found_and_rightly_named() {

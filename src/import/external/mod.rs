@@ -1,8 +1,9 @@
 //! Poses by an external instrument: of a body with three or more markers, in a frame of the instrument's own.
 //!
 //! Markers give the pose of the body that carries them. Where the frame of the instrument is in that of the robot, and where
-//! the body is on the platform, is found from the poses that were commanded, or else from the lengths of the cables; it is as good as these, which is
-//! enough to start from: the effects `tracker_frame`, `tracker_target` and `tracker_tilt` estimate what is left of it with everything else.
+//! the body is on the platform, is found from the poses that were commanded, or else from the lengths of the cables. That is
+//! as good as these are and enough to start from: the effects `tracker_frame`, `tracker_target` and `tracker_tilt` estimate
+//! what is left with everything else.
 
 mod placement;
 mod platform_poses;
@@ -23,8 +24,9 @@ use rigid_body::{FEWEST, RigidBody, Seen};
 const MOST_POSES: usize = 2000;
 /// Measured poses are in another frame where one brings them closer by this factor.
 const CLOSER: f64 = 4.0;
-/// Distance below which nobody asks for another frame (m).
-const CLOSE_M: f64 = 0.01;
+/// Measured poses that are as close to the robot's, as a share of its size, are in its frame, and what they are off by is an
+/// error to be found: that of the home pose, for instance.
+const CLOSE: f64 = 0.05;
 
 /// Brings the measured poses into the robot's frame, and makes them of markers where these were recorded. The recipe comes
 /// back with what was found.
@@ -66,8 +68,9 @@ pub(crate) fn place(
     Ok(recipe)
 }
 
-/// Whether measured positions are those of another frame: a sentence that says so.
-pub(crate) fn other_frame(positions: &[(Vec3, Pose)]) -> Option<String> {
+/// Whether measured positions are those of another frame, or of another point of the platform, for a robot of a size: a
+/// sentence that says so.
+pub(crate) fn other_frame(positions: &[(Vec3, Pose)], robot_m: f64) -> Option<String> {
     let pair = |(measured_m, platform): &(Vec3, Pose)| Pair {
         measured_m: *measured_m,
         turned: None,
@@ -79,10 +82,11 @@ pub(crate) fn other_frame(positions: &[(Vec3, Pose)]) -> Option<String> {
         .map(|p| (p.measured_m - p.platform.position).norm_squared());
     let rms_m = (apart.sum::<f64>() / pairs.len().max(1) as f64).sqrt();
     let alignment = align(&thinned(&pairs), (None, None)).ok()?;
-    let is_other = rms_m > CLOSE_M && alignment.rms_m * CLOSER < rms_m;
+    let is_other = rms_m > CLOSE * robot_m && alignment.rms_m * CLOSER < rms_m;
     is_other.then(|| {
         format!(
-            "the measured poses are in a frame of their own: they are off by {} mm, and by {} mm with its frame brought to that of the robot",
+            "the measured poses are in a frame of their own, or of another point: they are off by {} mm, and by {} mm when brought to the \
+             robot's frame and the platform's origin",
             millimetres(rms_m),
             millimetres(alignment.rms_m)
         )
