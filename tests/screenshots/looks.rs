@@ -167,6 +167,11 @@ fn imports(looks: &mut Looks) -> Result<()> {
     }
     looks.stage.press_first("rev_3, ");
     looks.at("import-mistakes")?;
+    looks.stage.give(RecordingCommand::Discard);
+    for name in ["log.csv", "capture.csv"] {
+        looks.stage.give(RecordingCommand::Read(file(name)));
+    }
+    looks.at("import-markers")?;
     looks.stage.give(FileCommand::Close);
     looks.stage.give(FileCommand::Answer(Answer::Discard));
     looks.stage.give(FileCommand::New(Template::Suspended));
