@@ -54,7 +54,7 @@ fn numbers_are_checked_as_they_are_typed() {
     bench.harness.key_press(Key::Escape);
     settle(&mut bench.harness);
 
-    typed(&mut bench, "Gear ratio", "1");
+    typed(&mut bench, "Gear ratio", "15");
     bench.harness.key_press(Key::Enter);
     settle(&mut bench.harness);
     let ratios: Vec<f64> = bench
@@ -64,7 +64,7 @@ fn numbers_are_checked_as_they_are_typed() {
         .iter()
         .map(|c| c.winch.gear_ratio)
         .collect();
-    assert!(ratios.iter().all(|ratio| *ratio != 1.0), "{ratios:?}");
+    assert!(ratios.iter().all(|ratio| *ratio == 15.0), "{ratios:?}");
     assert_eq!(bench.next_undo(), Some("change gear ratio"));
     bench.undo();
     assert_eq!(bench.session().robot, before);

@@ -108,11 +108,11 @@ fn cables_with_letters_have_them_everywhere_and_no_laser_is_spoken_of_where_ther
         assert!(!is_said(&harness, words), "{words}");
     }
     // Where the camera saw the platform is plotted like any other reading.
-    if harness.query_by_label("External pose").is_none() {
+    if harness.query_by_label("Tracker").is_none() {
         press(&mut harness, "More plots");
     }
-    press(&mut harness, "External pose");
-    harness.get_by_label("Plot: External pose");
+    press(&mut harness, "Tracker");
+    harness.get_by_label("Plot: Tracker");
 }
 
 #[test]

@@ -82,7 +82,7 @@ impl Tab {
             Self::Variable => "By variable",
             Self::Laser => "Laser",
             Self::Tensions => "Tensions",
-            Self::External => "External pose",
+            Self::External => "Tracker",
             Self::Course => "Over time",
             Self::Convergence => "Convergence",
             Self::Correlation => "Correlation",
