@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::recipe::{Assignment, Clock, Instrument, Kind, Quantity, Recipe, Step};
+use crate::recipe::{Assignment, Clock, Kind, Quantity, Recipe, Step};
 
 /// Kinds of mistakes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -147,7 +147,7 @@ impl Suggestion {
                 });
             }
             Change::LeaveEmpty { column } => recipe.left_empty.push(column.clone()),
-            Change::AlignInstrument => recipe.instrument = Some(Instrument::default()),
+            Change::AlignInstrument => recipe.instrument = Some(Box::default()),
             Change::CloseJumps { series } => match recipe
                 .clocks
                 .iter_mut()

@@ -47,7 +47,7 @@ pub(crate) fn place(
     if instrument.is_none() && !has_markers {
         return Ok(recipe);
     }
-    let mut instrument = instrument.unwrap_or_default();
+    let mut instrument = *instrument.unwrap_or_default();
     if has_markers {
         poses_of_markers(poses, &mut instrument, notices)?;
     }
@@ -64,7 +64,7 @@ pub(crate) fn place(
     poses.iter_mut().for_each(|pose| bring(pose, &alignment));
     instrument.frame = Some(alignment.frame.into());
     instrument.body = Some(alignment.body.into());
-    recipe.instrument = Some(instrument);
+    recipe.instrument = Some(Box::new(instrument));
     Ok(recipe)
 }
 

@@ -37,7 +37,7 @@ pub struct Recipe {
     /// What is known of the external instrument; absent: its poses are those of the platform in the robot's frame, and what
     /// markers need is found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub instrument: Option<Instrument>,
+    pub instrument: Option<Box<Instrument>>,
     /// Steps of encoders that are taken back.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<Step>,

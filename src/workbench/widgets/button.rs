@@ -19,14 +19,33 @@ pub fn primary(ui: &mut Ui, text: &str, enabled: bool) -> Response {
     )
 }
 
-/// A box to tick. It is as light as a field, as one with the ground of a button looks as if it could not be used.
+/// A box to tick.
 pub fn checkbox(ui: &mut Ui, is_ticked: &mut bool, text: &str) -> Response {
+    as_light_as_a_field(ui, |ui| ui.checkbox(is_ticked, text))
+}
+
+/// One of several choices.
+pub fn radio(ui: &mut Ui, is_chosen: bool, text: &str) -> Response {
+    as_light_as_a_field(ui, |ui| ui.radio(is_chosen, text))
+}
+
+/// One of several choices, which a click makes.
+pub fn choice<V: PartialEq>(ui: &mut Ui, chosen: &mut V, this: V, text: &str) -> Response {
+    let response = radio(ui, *chosen == this, text);
+    if response.clicked() {
+        *chosen = this;
+    }
+    response
+}
+
+/// What is ticked or chosen looks as if it could not be used with the ground of a button.
+fn as_light_as_a_field(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> Response) -> Response {
     let palette = theme::of(ui);
     let before = ui.visuals().widgets.inactive;
     let inactive = &mut ui.visuals_mut().widgets.inactive;
     inactive.bg_fill = palette.ground;
     inactive.bg_stroke.color = palette.muted;
-    let response = ui.checkbox(is_ticked, text);
+    let response = add(ui);
     ui.visuals_mut().widgets.inactive = before;
     response
 }

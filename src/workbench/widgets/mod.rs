@@ -13,7 +13,7 @@ mod tab_row;
 mod table;
 mod text;
 
-pub use button::{checkbox, icon_button, icon_only, primary};
+pub use button::{checkbox, choice, icon_button, icon_only, primary, radio};
 pub use fault_matrix::fault_window;
 pub use import_row::{Import, import_row};
 pub use number::{Entered, Number, number, number_checked, parse as parse_number};

@@ -9,7 +9,7 @@ use super::field::{labelled, line};
 use super::problems::{Field, Problems};
 use super::test_line::{Heard, TestLine};
 use crate::theme::GRID;
-use crate::widgets::{Verdict, muted, section, verdict};
+use crate::widgets::{Verdict, choice, muted, section, verdict};
 
 /// Where the distance comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -177,7 +177,7 @@ impl LaserDraft {
             (LaserFrom::Network, "From a device in the network"),
             (LaserFrom::Serial, "From a device at a serial port"),
         ] {
-            ui.radio_value(&mut self.from, from, text);
+            choice(ui, &mut self.from, from, text);
         }
         if matches!(self.from, LaserFrom::Controller | LaserFrom::Manual) {
             self.test = None;

@@ -21,7 +21,9 @@ use self::symbols::SymbolRows;
 use crate::model::command::{CHECKING, Outbox, RobotCommand, Setup};
 use crate::model::{ConnectionRequest, Model};
 use crate::theme::{self, GRID};
-use crate::widgets::{TabOf, Verdict, heading, icon_button, muted, primary, tab_row, verdict};
+use crate::widgets::{
+    TabOf, Verdict, choice, heading, icon_button, muted, primary, tab_row, verdict,
+};
 
 pub use draft::Draft;
 
@@ -144,7 +146,7 @@ fn controller(
         (ControllerKind::Ads, "Beckhoff controller (ADS)"),
         (ControllerKind::OpcUa, "Controller with OPC UA"),
     ] {
-        ui.radio_value(&mut draft.kind, kind, text);
+        choice(ui, &mut draft.kind, kind, text);
     }
     ui.add_space(GRID);
     let grid = |name| {
@@ -252,8 +254,8 @@ fn symbols(
     let kind = draft.kind;
     let names = draft.names_mut();
     let was_own = names.own;
-    ui.radio_value(&mut names.own, false, "Names of the sample program");
-    ui.radio_value(&mut names.own, true, "Custom names");
+    choice(ui, &mut names.own, false, "Names of the sample program");
+    choice(ui, &mut names.own, true, "Custom names");
     if was_own && !names.own {
         names.rows = SymbolRows::of(&default_names(kind, robot), robot);
     }

@@ -7,7 +7,7 @@ use super::{Panel, effects};
 use crate::model::command::{IDENTIFYING, IdentificationCommand};
 use crate::model::edit::Edit;
 use crate::theme::{self, GRID};
-use crate::widgets::{muted, primary, section};
+use crate::widgets::{muted, primary, radio, section};
 use tautline_workflow::wording::ratio;
 
 /// Name, sentence and explanation of each method.
@@ -59,7 +59,7 @@ fn method(ui: &mut Ui, panel: &mut Panel<'_>) {
     ui.horizontal(|ui| {
         for (method, name, sentence, explanation) in METHODS {
             let tip = format!("{sentence} {explanation}");
-            if ui.radio(method == now, name).on_hover_text(tip).clicked() && method != now {
+            if radio(ui, method == now, name).on_hover_text(tip).clicked() && method != now {
                 panel.outbox.send(Edit::SetMethod(method));
             }
         }

@@ -5,7 +5,7 @@ use tautline_import::{Cutting, Rest};
 
 use super::Bench;
 use crate::theme::GRID;
-use crate::widgets::{checkbox, muted, section};
+use crate::widgets::{checkbox, muted, radio, section};
 
 /// A threshold of what counts as rest.
 struct Threshold {
@@ -68,7 +68,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         (Cutting::Rest(rest), "Rests are poses"),
         (Cutting::Motion, "A recording in motion"),
     ] {
-        if ui.radio(now == cutting, title).clicked() && now != cutting {
+        if radio(ui, now == cutting, title).clicked() && now != cutting {
             let what = title.to_lowercase();
             bench.change(what, |recipe| recipe.cutting = cutting);
         }

@@ -5,7 +5,7 @@ use tautline_import::{Assignment, Quantity, Series, parse_unit, pattern_of};
 
 use super::{Bench, KnownPattern, PanelState};
 use crate::theme::GRID;
-use crate::widgets::{Entered, Number, checkbox, heading, muted, number};
+use crate::widgets::{Entered, Number, checkbox, choice, heading, muted, number};
 
 /// What is not used.
 const UNUSED: &str = "Not used";
@@ -93,8 +93,8 @@ fn scope(ui: &mut Ui, shown: &Shown<'_>, panel: &mut PanelState, cables: usize) 
         return;
     };
     let all = format!("All {cables} channels {pattern}");
-    ui.radio_value(&mut panel.for_all, true, all);
-    ui.radio_value(&mut panel.for_all, false, "This channel alone");
+    choice(ui, &mut panel.for_all, true, &all);
+    choice(ui, &mut panel.for_all, false, "This channel alone");
     ui.add_space(GRID);
 }
 
