@@ -11,7 +11,7 @@ use tautline_validation::your_data::{cameras_see_robot, capture, log, middle_of_
 use crate::commands::program::{Folder, tautline};
 
 const EFFECTS: [&str; 3] = ["tracker_frame", "tracker_target", "tracker_tilt"];
-/// Deviations that a value may have: 36 values are further off once in 10,000 times.
+/// Standard deviations by which a value may be off: one of 27 is further off less than once in 10,000 times.
 const MOST: f64 = 4.7;
 
 fn robot() -> Robot {
