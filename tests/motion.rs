@@ -168,7 +168,7 @@ pub fn recorded(
 
 /// So many recordings from a seed on, with a wrong drum where that is wanted; motions through which no tensions hold the
 /// platform are left out.
-fn recordings<'a>(
+fn runs<'a>(
     robot: &'a Robot,
     late: Late,
     recording: &'a Recording,
@@ -214,7 +214,7 @@ pub fn study(name: &str, late: Late, recordings: usize, first_seed: u64) -> Resu
     let (mut entries, mut entries_covered) = (0.0_f64, 0.0);
     let share = 1.0 / recordings as f64;
     let seeds = (first_seed, recordings);
-    for run in self::recordings(&robot, late, &RECORDING, seeds, |_| false) {
+    for run in runs(&robot, late, &RECORDING, seeds, |_| false) {
         let (_, run) = run?;
         let found = identified(&run, late)?;
         let solution = &found.solution;
@@ -296,7 +296,7 @@ pub fn doctor_study(
     let seeds = (first_seed, recordings);
     let has_drum = |seed| seed % 2 == 1;
     let (mut drums, mut drums_named) = (0, 0);
-    for run in self::recordings(&robot, Late::Instrument, recording, seeds, has_drum) {
+    for run in runs(&robot, Late::Instrument, recording, seeds, has_drum) {
         let (seed, run) = run?;
         let drum = has_drum(seed);
         drums += usize::from(drum);

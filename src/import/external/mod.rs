@@ -18,7 +18,8 @@ use crate::cutting::{Averaged, CutPose};
 use crate::recipe::{Instrument, Kind, Quantity, Recipe};
 use placement::{Alignment, Pair, align};
 use platform_poses::platform_poses;
-use rigid_body::{FEWEST, RigidBody, Seen};
+pub(crate) use rigid_body::FEWEST as FEWEST_MARKERS;
+use rigid_body::{RigidBody, Seen};
 
 /// Most poses from which a frame or a body is found.
 const MOST_POSES: usize = 2000;
@@ -163,7 +164,7 @@ fn poses_of_markers(
     ));
     if lost > 0 {
         notices.push(format!(
-            "{lost} poses show fewer than {FEWEST} markers: they have no measured pose"
+            "{lost} poses show fewer than {FEWEST_MARKERS} markers: they have no measured pose"
         ));
     }
     let points = body.points_m.iter().map(|point| point.map(Into::into));

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use tautline_core::geometry::{Pose, Vec3};
 
 /// Fewest markers that say how a body is turned.
-pub(super) const FEWEST: usize = 3;
+pub(crate) const FEWEST: usize = 3;
 /// Rounds of fitting poses to points and points to poses; they converge like a square.
 const ROUNDS: usize = 10;
 /// Points are on a line if they extend by less than this share across it.

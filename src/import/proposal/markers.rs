@@ -1,5 +1,6 @@
 //! Which markers are on the platform: those that keep their distances while they move.
 
+use crate::external::FEWEST_MARKERS;
 use crate::source::Channel;
 
 /// Most rows that are looked at.
@@ -10,8 +11,6 @@ const FEWEST_ROWS: usize = 3;
 const RIGID: f64 = 0.01;
 /// A body moves if it does by more than this share of its size.
 const MOVES: f64 = 0.1;
-/// Fewest markers that say how a body is turned.
-const FEWEST: usize = 3;
 
 /// A marker: its name, and its coordinates.
 pub(super) type Marker<'a> = (String, [&'a Channel; 3]);
@@ -39,7 +38,7 @@ pub(super) fn on_platform(markers: &[Marker<'_>]) -> Vec<usize> {
                 body.push(other);
             }
         }
-        if body.len() < FEWEST {
+        if body.len() < FEWEST_MARKERS {
             continue;
         }
         let apart = body[1..]

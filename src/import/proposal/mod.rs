@@ -428,6 +428,9 @@ impl Proposal<'_> {
             return false;
         }
         let chosen = on_platform(&all);
+        if chosen.is_empty() {
+            return false;
+        }
         for (number, (owner, channels)) in chosen.iter().map(|k| &all[*k]).enumerate() {
             let components: Vec<(usize, &Channel)> = channels.iter().copied().enumerate().collect();
             let unit = self.position_unit(&components, owner).map(str::to_owned);
@@ -450,9 +453,6 @@ impl Proposal<'_> {
                 .collect::<Vec<_>>()
                 .join(", ")
         };
-        if chosen.is_empty() {
-            return false;
-        }
         let mut notice = format!(
             "{}: {} keep their distances while they move: taken as markers on the platform",
             series.name,

@@ -52,10 +52,11 @@ pub fn odds(p_value: f64) -> String {
     format!("about once in {} times", thousands(times as u64))
 }
 
-/// A count with commas between thousands, from 10,000 on.
+/// A count of at most a million, with a comma from 10,000 on.
 fn thousands(count: u64) -> String {
     match count {
         0..10_000 => count.to_string(),
+        1_000_000.. => "a million".to_owned(),
         _ => format!("{},{:03}", count / 1000, count % 1000),
     }
 }
@@ -114,6 +115,7 @@ mod tests {
             (1e-9, "less than once in a million times"),
             (0.001, "about once in 1000 times"),
             (1.0 / 453_859.0, "about once in 450,000 times"),
+            (1e-6, "about once in a million times"),
             (0.3, "30 times in 100"),
         ] {
             assert_eq!(odds(p_value), text);
