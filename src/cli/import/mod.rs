@@ -26,7 +26,7 @@ const POSES: &str = "poses.csv";
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .c3d, .mat, .h5, .npy, .npz, .parquet, .mcap, .bag,
-    /// .xlsx; or the description of a robot: cables and bodies of CASPR
+    /// .xlsx; or the description of a robot: cables and bodies of CASPR, a model of WireX
     #[arg(value_name = "SOURCE", required = true)]
     sources: Vec<PathBuf>,
     /// Which channel is which quantity; without it a recipe is proposed from names, units and ranges

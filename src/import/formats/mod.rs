@@ -193,7 +193,7 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
         .trim_matches('"');
     match cell {
         "" => Refused("is empty, expected readings"),
-        _ if text.starts_with('<') => match ["<cables", "<links", "<chain"]
+        _ if text.starts_with('<') => match ["<cables", "<links", "<models"]
             .iter()
             .any(|tag| text.contains(tag))
         {

@@ -6,13 +6,10 @@
 //! Source: Lau et al., CASPR, 2016, `BaseRotatingPulleyAttachment`.
 
 use tautline_core::geometry::Coordinate;
-use tautline_core::robot::{Cable, CableMaterial, PerAxis, Platform, Pulley, Robot, Winch};
-use tautline_session::{Loaded, Place, ReadError, VersionedFile, quoted};
+use tautline_core::robot::{Cable, Platform, Robot};
+use tautline_session::{Loaded, ReadError, quoted};
 
-use super::Element;
-
-/// Standard deviation of a length reading (m) where nobody has said any: what good winches reach.
-const LENGTH_SD_M: f64 = 1e-3;
+use super::{Element, Guide, cable_of, robot_of};
 
 pub(super) fn robot(
     file: &str,
@@ -26,26 +23,9 @@ pub(super) fn robot(
         Platform { free: Coordinate::ALL.to_vec(), mass_kg: None, center_of_mass_m: [0.0; 3], inertia_kg_m2: None, wrench_sd: None }
     });
     let set = cable_set(file, cables)?;
-    let mut robot = Robot {
-        name: name_of(file),
-        home: None,
-        gravity_m_s2: [0.0, 0.0, -9.806_65],
-        platform,
-        limits: None,
-        laser: None,
-        inclinometer: None,
-        tracker: None,
-        cables: Vec::new(),
-        home_platform: None,
-        effects: Vec::new(),
-    };
+    let mut cables = Vec::new();
     for element in &set.children {
-        robot.cables.push(cable(
-            file,
-            element,
-            &robot.platform,
-            robot.cables.len() + 1,
-        )?);
+        cables.push(cable(file, element, &platform, cables.len() + 1)?);
     }
     if let Some(element) = set
         .children
@@ -54,16 +34,7 @@ pub(super) fn robot(
     {
         notices.push(format!("{file}, line {}: stiffness of <{}> left out: cables are inelastic until robot.json says otherwise", element.line, element.name));
     }
-    notices.push(format!(
-        "{file}: says nothing of winches, noise and how well pulleys are known: a motor revolution is 1 m of cable, a length has a standard deviation of {} mm, entry points are unknown; correct robot.json",
-        1e3 * LENGTH_SD_M
-    ));
-    VersionedFile::check(&robot)
-        .map_err(|error| ReadError::new(file, Place::Pointer(error.pointer), error.message))?;
-    Ok(Loaded {
-        value: robot,
-        notices,
-    })
+    robot_of(file, name_of(file), platform, cables, notices)
 }
 
 /// `CoGiRo` of `models/CoGiRo_cables.xml`.
@@ -228,10 +199,6 @@ fn cable(
             ));
         }
     };
-    let norm = axis.iter().map(|value| value * value).sum::<f64>().sqrt();
-    if norm < 1e-9 {
-        return Err(base.error(file, "found a cable_entry_vector without direction"));
-    }
     on_link(end, 1.0)?;
     let mut platform_anchor_m = need(end, "location")?;
     let reference = [end, element]
@@ -242,27 +209,12 @@ fn cable(
             *anchor += center;
         }
     }
-    Ok(Cable {
-        name: element
-            .attribute("name")
-            .map_or_else(|| format!("cable-{number}"), str::to_owned),
-        pulley: Pulley {
-            entry_point_m,
-            entry_point_sd_m: PerAxis::default(),
-            swivel_axis: axis.map(|value| value / norm),
-            swivel_zero: None,
-            swivel_sd_rad: None,
-            radius_m,
-        },
-        platform_anchor_m,
-        winch: Winch {
-            drum_diameter_m: std::f64::consts::FRAC_1_PI,
-            drum_pitch_m: 0.0,
-            gear_ratio: 1.0,
-            length_to_pulley_m: 0.0,
-            length_sd_m: LENGTH_SD_M,
-        },
-        cable: CableMaterial::default(),
-        force_sensor: None,
-    })
+    let name = element.attribute("name").map(str::to_owned);
+    let guide = Guide {
+        entry_point_m,
+        swivel_axis: axis,
+        radius_m,
+    };
+    cable_of(name, number, guide, platform_anchor_m)
+        .ok_or_else(|| base.error(file, "found a cable_entry_vector without direction"))
 }

@@ -1,19 +1,23 @@
 //! Descriptions of robots by other programs.
 
 mod caspr;
+mod wirex;
 mod xml;
 
 use std::path::PathBuf;
 
-use tautline_core::robot::Robot;
-use tautline_session::{Loaded, Place, ReadError, open_input};
+use tautline_core::robot::{Cable, CableMaterial, PerAxis, Platform, Pulley, Robot, Winch};
+use tautline_session::{Loaded, Place, ReadError, VersionedFile, open_input};
 
 use xml::Element;
 
 /// Largest description that is read (bytes).
 const MAX_BYTES: u64 = 16 << 20;
 
-/// Reads the robot that files describe: cables and bodies of CASPR, which are two files.
+/// Standard deviation of a length reading (m) where nobody has said any: what good winches reach.
+const LENGTH_SD_M: f64 = 1e-3;
+
+/// Reads the robot that files describe: cables and bodies of CASPR, which are two files, or a model of WireX.
 ///
 /// # Errors
 /// If a file is none of these, or describes no robot with one platform.
@@ -29,13 +33,11 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
         let slot = match root.name.as_str() {
             "cables" => &mut cables,
             "links" | "bodies" | "body_system" => &mut bodies,
-            // The meaning of its attributes is not published, and a guess would be a wrong robot.
-            _ if root.find("chain").is_some() => {
-                let message = "is a robot of WireX, which is not read, expected the cables of CASPR or a robot.json";
-                return Err(ReadError::new(&file, Place::File, message));
-            }
+            "models" => return wirex::robot(&file, &root),
             name => {
-                let message = format!("found <{name}>, expected <cables> or <links> of CASPR");
+                let message = format!(
+                    "found <{name}>, expected <cables> or <links> of CASPR or <models> of WireX"
+                );
                 return Err(ReadError::new(&file, Place::File, message));
             }
         };
@@ -56,6 +58,80 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
             ))
         }
     }
+}
+
+/// Where a cable enters the robot: the point that stays when the pulley swivels (m, robot frame), the axis about which it
+/// swivels, in the direction in which the cable arrives (any length), and the radius (m), 0 for an eyelet.
+struct Guide {
+    entry_point_m: [f64; 3],
+    swivel_axis: [f64; 3],
+    radius_m: f64,
+}
+
+/// A cable of which only the geometry is known, with the winch and the noise that [`robot_of`] tells of; `None` if the
+/// swivel axis has no direction.
+fn cable_of(
+    name: Option<String>,
+    number: usize,
+    guide: Guide,
+    platform_anchor_m: [f64; 3],
+) -> Option<Cable> {
+    let axis = guide.swivel_axis;
+    let norm = axis.iter().map(|value| value * value).sum::<f64>().sqrt();
+    (norm >= 1e-9).then(|| Cable {
+        name: name.unwrap_or_else(|| format!("cable-{number}")),
+        pulley: Pulley {
+            entry_point_m: guide.entry_point_m,
+            entry_point_sd_m: PerAxis::default(),
+            swivel_axis: axis.map(|value| value / norm),
+            swivel_zero: None,
+            swivel_sd_rad: None,
+            radius_m: guide.radius_m,
+        },
+        platform_anchor_m,
+        winch: Winch {
+            drum_diameter_m: std::f64::consts::FRAC_1_PI,
+            drum_pitch_m: 0.0,
+            gear_ratio: 1.0,
+            length_to_pulley_m: 0.0,
+            length_sd_m: LENGTH_SD_M,
+        },
+        cable: CableMaterial::default(),
+        force_sensor: None,
+    })
+}
+
+/// The robot of a description that knows its geometry only.
+fn robot_of(
+    file: &str,
+    name: String,
+    platform: Platform,
+    cables: Vec<Cable>,
+    mut notices: Vec<String>,
+) -> Result<Loaded<Robot>, ReadError> {
+    notices.push(format!(
+        "{file}: says nothing of winches, noise and how well pulleys are known: a motor revolution is 1 m of cable, a length has a standard deviation of {} mm, entry points are unknown; correct robot.json",
+        1e3 * LENGTH_SD_M
+    ));
+    let robot = Robot {
+        name,
+        home: None,
+        gravity_m_s2: [0.0, 0.0, -9.806_65],
+        platform,
+        limits: None,
+        laser: None,
+        inclinometer: None,
+        tracker: None,
+        cables,
+        home_platform: None,
+        effects: Vec::new(),
+    };
+    VersionedFile::check(&robot)
+        .map_err(|error| ReadError::new(file, Place::Pointer(error.pointer), error.message))?;
+    Ok(Loaded {
+        value: robot,
+        notices,
+    })
 }
 
 #[cfg(test)]

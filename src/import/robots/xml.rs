@@ -31,17 +31,6 @@ impl Element {
         self.children.iter().find(|child| child.name == name)
     }
 
-    /// The first element of this name at any depth.
-    pub fn find(&self, name: &str) -> Option<&Self> {
-        self.children.iter().find_map(|child| {
-            if child.name == name {
-                Some(child)
-            } else {
-                child.find(name)
-            }
-        })
-    }
-
     /// The numbers in its text.
     pub fn numbers<const N: usize>(&self, file: &str) -> Result<[f64; N], ReadError> {
         let parts: Vec<&str> = self.text.split_whitespace().collect();
@@ -62,6 +51,48 @@ impl Element {
                     &format!("found {}, expected {expected}", quoted(self.text.trim())),
                 )
             })
+    }
+
+    /// The number in an attribute, `None` where there is none.
+    pub fn number(&self, file: &str, name: &str) -> Result<Option<f64>, ReadError> {
+        let Some(text) = self.attribute(name) else {
+            return Ok(None);
+        };
+        match text.trim().parse() {
+            Ok(value) if f64::is_finite(value) => Ok(Some(value)),
+            _ => Err(self.error(
+                file,
+                &format!("found {name}={}, expected a number", quoted(text)),
+            )),
+        }
+    }
+
+    /// The numbers in attributes that come together, `None` where there is none of them.
+    pub fn vector<const N: usize>(
+        &self,
+        file: &str,
+        names: [&str; N],
+    ) -> Result<Option<[f64; N]>, ReadError> {
+        let mut values = [0.0; N];
+        let mut missing = Vec::new();
+        for (value, name) in values.iter_mut().zip(names) {
+            match self.number(file, name)? {
+                Some(number) => *value = number,
+                None => missing.push(name),
+            }
+        }
+        match missing.len() {
+            0 => Ok(Some(values)),
+            count if count == N => Ok(None),
+            _ => Err(self.error(
+                file,
+                &format!(
+                    "found no {}, expected {}",
+                    missing.join(", "),
+                    names.join(", ")
+                ),
+            )),
+        }
     }
 
     /// An error about this element.

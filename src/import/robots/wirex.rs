@@ -1,0 +1,153 @@
+//! Models of WireX: `.wcrfx`.
+//!
+//! `<models><robot motionpattern><geometry><chain>`: each chain has a `<base x y z a11 .. a33 radius>` and a
+//! `<platform x y z>`. A pulley touches its swivel axis, the third column of the rotation `a`, at the base point, and the
+//! cable arrives there along the axis: entry point and swivel axis as ours. A chain without a rotation swivels about z, one
+//! without a radius has 0.1 m. Lengths are in metres.
+//! Source: A. Pott, WireX (WireLib: `CRobotData::getXmlNode`, `CKinematics::fncPulley`), XML versions 0.31 and 0.32.
+
+use tautline_core::geometry::Coordinate;
+use tautline_core::robot::{Platform, Robot};
+use tautline_session::{Loaded, ReadError, quoted};
+
+use super::{Element, Guide, cable_of, robot_of};
+
+/// What WireX takes for the radius of a pulley (m) where the file gives none.
+const RADIUS_M: f64 = 0.1;
+
+/// What WireX writes for a platform of which nobody has said anything: mass (kg), centre of mass (m).
+const UNTOLD_PLATFORM: (f64, [f64; 3]) = (25.0, [0.0, 1.0, 0.2]);
+
+/// Largest difference of the length of a swivel axis from 1: what is left by numbers of four digits.
+const AXIS_TOLERANCE: f64 = 1e-3;
+
+pub(super) fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadError> {
+    let mut notices = Vec::new();
+    let robots: Vec<&Element> = models
+        .children
+        .iter()
+        .filter(|child| child.name == "robot")
+        .collect();
+    let [model, others @ ..] = &robots[..] else {
+        return Err(models.error(file, "found no <robot>, expected a robot of WireX"));
+    };
+    if let Some(other) = others.first() {
+        notices.push(format!(
+            "{file}, line {}: describes {} robots, the first is taken",
+            other.line,
+            robots.len()
+        ));
+    }
+    let geometry = model
+        .child("geometry")
+        .ok_or_else(|| model.error(file, "found no <geometry>, expected the cables"))?;
+    let platform = platform(file, model, &mut notices)?;
+    let chains = geometry
+        .children
+        .iter()
+        .filter(|child| child.name == "chain");
+    let (mut cables, mut radii) = (Vec::new(), Vec::new());
+    for chain in chains {
+        let end = |name: &str| {
+            chain
+                .child(name)
+                .ok_or_else(|| chain.error(file, &format!("found no <{name}>, expected a point")))
+        };
+        let (base, anchor) = (end("base")?, end("platform")?);
+        let guide = Guide {
+            entry_point_m: point(file, base)?,
+            swivel_axis: swivel_axis(file, base, &mut notices)?,
+            radius_m: base.number(file, "radius")?.unwrap_or_else(|| {
+                notices.push(format!(
+                    "{file}, line {}: gives no radius, WireX takes {RADIUS_M} m",
+                    base.line
+                ));
+                RADIUS_M
+            }),
+        };
+        radii.push(guide.radius_m);
+        let cable = cable_of(None, cables.len() + 1, guide, point(file, anchor)?)
+            .ok_or_else(|| base.error(file, "found a swivel axis without direction"))?;
+        cables.push(cable);
+    }
+    if radii.iter().any(|radius| *radius > 0.0) {
+        notices.push(format!(
+            "{file}: does not say whether WireX computes with pulleys; they are taken with the radius of the file: set radius_m to 0 in robot.json if cables leave fixed points"
+        ));
+    }
+    let name = std::path::Path::new(file).file_stem();
+    let name = name.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    robot_of(file, name, platform, cables, notices)
+}
+
+fn point(file: &str, element: &Element) -> Result<[f64; 3], ReadError> {
+    let point = element.vector(file, ["x", "y", "z"])?;
+    point.ok_or_else(|| element.error(file, "found no x, y, z, expected a point"))
+}
+
+/// The third column of the rotation of the pulley.
+fn swivel_axis(
+    file: &str,
+    base: &Element,
+    notices: &mut Vec<String>,
+) -> Result<[f64; 3], ReadError> {
+    let Some(axis) = base.vector(file, ["a13", "a23", "a33"])? else {
+        notices.push(format!(
+            "{file}, line {}: gives no rotation, the pulley swivels about z",
+            base.line
+        ));
+        return Ok([0.0, 0.0, 1.0]);
+    };
+    let norm = axis.iter().map(|value| value * value).sum::<f64>().sqrt();
+    if (norm - 1.0).abs() > AXIS_TOLERANCE {
+        let message =
+            format!("found a13, a23, a33 of length {norm:.4}, expected a column of a rotation");
+        return Err(base.error(file, &message));
+    }
+    Ok(axis)
+}
+
+fn platform(file: &str, model: &Element, notices: &mut Vec<String>) -> Result<Platform, ReadError> {
+    use Coordinate::{Rz, X, Y, Z};
+    let free = match model.attribute("motionpattern") {
+        None | Some("3R3T") => Coordinate::ALL.to_vec(),
+        Some("1R2T") => vec![X, Y, Rz],
+        Some("3T") => vec![X, Y, Z],
+        Some("2T") => vec![X, Y],
+        Some("1T") => vec![X],
+        Some(pattern) => {
+            let message = format!(
+                "found the motion pattern {}, expected 1T, 2T, 3T, 1R2T or 3R3T",
+                quoted(pattern)
+            );
+            return Err(model.error(file, &message));
+        }
+    };
+    let element = model.child("platform");
+    let mass_kg = element
+        .map(|element| element.number(file, "mass"))
+        .transpose()?
+        .flatten();
+    let center_of_mass_m = element
+        .and_then(|element| element.child("centerofgravity"))
+        .map(|place| point(file, place))
+        .transpose()?;
+    let untold = (mass_kg, center_of_mass_m) == (Some(UNTOLD_PLATFORM.0), Some(UNTOLD_PLATFORM.1));
+    if untold {
+        notices.push(format!(
+            "{file}: the platform of 25 kg is what WireX writes where nobody has given one: left out"
+        ));
+    } else if let Some(inertia) = element.and_then(|element| element.child("inertiatensor")) {
+        notices.push(format!(
+            "{file}, line {}: inertia left out: the file does not say about which point",
+            inertia.line
+        ));
+    }
+    Ok(Platform {
+        free,
+        mass_kg: mass_kg.filter(|mass| !untold && *mass > 0.0),
+        center_of_mass_m: center_of_mass_m.filter(|_| !untold).unwrap_or_default(),
+        inertia_kg_m2: None,
+        wrench_sd: None,
+    })
+}
