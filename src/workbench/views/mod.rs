@@ -63,25 +63,25 @@ pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Ou
         return;
     }
     pulley_inspector::key(ui, model, outbox);
-    let palette = theme::of(ui);
     let measured = model
         .open
         .as_ref()
         .is_some_and(|open| !open.session().measurements.is_empty());
     if measured {
-        let frame = Frame::new()
-            .fill(palette.panel)
-            .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
+        let frame = Frame::new().inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
         Panel::bottom("time line")
             .frame(frame)
             .resizable(false)
             .exact_size(timeline::HEIGHT)
             .show(ui, |ui| timeline::show(ui, model, views, outbox));
     }
-    CentralPanel::no_frame()
-        .frame(Frame::new().fill(palette.ground))
-        .show(ui, |ui| {
-            let view = (&mut views.robot_3d, &mut views.hovered);
-            robot_3d::show(ui, model, view, outbox);
-        });
+    // The picture fills its ground itself: filling it twice is a fifth of a frame where there is no graphics card.
+    let frame = match model.open {
+        Some(_) => Frame::new(),
+        None => Frame::new().fill(theme::of(ui).ground),
+    };
+    CentralPanel::no_frame().frame(frame).show(ui, |ui| {
+        let view = (&mut views.robot_3d, &mut views.hovered);
+        robot_3d::show(ui, model, view, outbox);
+    });
 }

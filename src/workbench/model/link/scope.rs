@@ -115,6 +115,13 @@ impl Scope {
         self.readings
     }
 
+    /// Counts the moments that are worth a picture of their own, one in an interval; `None` until something was read.
+    #[must_use]
+    pub fn moment(&self) -> Option<i64> {
+        self.latest_s
+            .map(|latest_s| (latest_s / BIN_S).floor() as i64)
+    }
+
     /// How fast readings change, and how fast they may while the robot counts as still; `None` until enough was read.
     #[must_use]
     pub fn rates(&self) -> Option<(Rates, Rates)> {

@@ -130,6 +130,9 @@ fn goal(ui: &mut Ui, goal_mm: &mut f64) {
     });
 }
 
+/// Most poses that are marked in the plot of the expected standard deviation.
+const MARKED: usize = 60;
+
 /// How the expected standard deviation falls with the number of poses: of the whole plan, and as far as it is measured.
 fn course(ui: &mut Ui, outlook: &PlanSummary, (done, goal_mm): (usize, f64)) {
     let figure = course_figure(&outlook.after_m, (done, goal_mm));
@@ -143,14 +146,22 @@ fn course(ui: &mut Ui, outlook: &PlanSummary, (done, goal_mm): (usize, f64)) {
 fn course_figure(after_m: &[Option<f64>], (done, goal_mm): (usize, f64)) -> Figure {
     let known = after_m.iter().enumerate();
     let known = known.filter_map(|(poses, sd_m)| Some((poses, sd_m.filter(|sd| *sd > 0.0)?)));
-    let expected: Vec<[f64; 2]> = known
-        .map(|(poses, sd_m)| [poses as f64, (sd_m * 1e3).log10()])
+    let known: Vec<(usize, f64)> = known
+        .map(|(poses, sd_m)| (poses, (sd_m * 1e3).log10()))
         .collect();
-    let measured = expected
+    // Of very many poses as many are marked as can be told apart, the first and the last among them.
+    let last = after_m.len().saturating_sub(1);
+    let is_shown = |poses: usize| {
+        poses < MARKED || poses % after_m.len().div_ceil(MARKED).max(1) == 0 || poses == last
+    };
+    let expected = known.iter().filter(|(poses, _)| is_shown(*poses));
+    let expected = expected.map(|(poses, sd)| [*poses as f64, *sd]).collect();
+    let step = done.div_ceil(MARKED).max(1);
+    let measured = known
         .iter()
-        .filter(|[poses, _]| (1.0..=done as f64).contains(poses));
+        .filter(|(poses, _)| (1..=done).contains(poses) && (done - poses).is_multiple_of(step));
     let points = measured
-        .map(|[poses, sd]| Point::new(*poses, *sd))
+        .map(|(poses, sd)| Point::new(*poses as f64, *sd))
         .collect();
     let ends = [0.0, after_m.len().saturating_sub(1) as f64];
     let line = |name: &str, ink: Ink, dashed: bool, points: Vec<[f64; 2]>| Curve {
@@ -254,6 +265,18 @@ mod tests {
                 [[0.0, 2.0_f64.log10()], [4.0, 2.0_f64.log10()]]
             );
         }
+        let many: Vec<_> = (1..=10_000).map(|k| Some(1.0 / f64::from(k))).collect();
+        let figure = course_figure(&many, (7001, 2.0));
+        let [points, line] = [
+            figure.series[0].points().len(),
+            figure.curves[0].points.len(),
+        ];
+        assert!(
+            points <= MARKED && line <= 2 * MARKED + 2,
+            "{points} {line}"
+        );
+        assert_eq!(figure.series[0].points().last().map(|p| p.x), Some(7001.0));
+        assert_eq!(figure.curves[0].points.last().map(|p| p[0]), Some(9999.0));
         let all = course_figure(&after_m, (4, 2.0));
         let last = all.series[0].points()[3];
         assert!(

@@ -1,17 +1,12 @@
 //! A figure that can be zoomed, moved, clicked and measured with two cursors.
 
-use std::fmt;
-
-use egui::{
-    Align2, Context, Key, Popup, Rect, Response, Role, Sense, TextureHandle, TextureOptions, Theme,
-    Ui, WidgetInfo, vec2,
-};
+use egui::{Align2, Context, Key, Popup, Response, Role, Sense, Theme, Ui, WidgetInfo, vec2};
 use tautline_workflow::plot::draw::TEXT;
 use tautline_workflow::plot::figure::{Point, Series};
 use tautline_workflow::plot::scale::{Scale, readable};
 use tautline_workflow::plot::{Canvas, Colours, Figure, Layout, Plot, Seen, Stroke};
 
-use super::dense::picture;
+use super::dense::{PictureTexture, picture};
 use super::hit::{Hit, cell_words, nearest, selects, words};
 use super::screen::{Screen, colours, text_width};
 use super::sources::{POSE, TIME};
@@ -35,7 +30,7 @@ pub struct Panel {
     whole: Memo<u64, [[f64; 2]; 2]>,
     seen: Memo<SeenOf, Seen>,
     /// Very many points as a picture, and where it belongs.
-    dense: Memo<(SeenOf, Theme), Option<Dense>>,
+    dense: Memo<(SeenOf, Theme), Option<PictureTexture>>,
     /// What was drawn last, for files.
     pub drawn: Option<Layout>,
     /// What the context menu is about.
@@ -48,20 +43,6 @@ struct SeenOf {
     scale: Scale,
     selection: Selection,
     pixels_per_point: f32,
-}
-
-/// Very many points on the graphics card.
-struct Dense {
-    texture: TextureHandle,
-    rect: Rect,
-}
-
-impl fmt::Debug for Dense {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Dense")
-            .field("rect", &self.rect)
-            .finish_non_exhaustive()
-    }
 }
 
 /// An interaction with a plot.
@@ -150,7 +131,7 @@ impl Panel {
         };
         let mut canvas = Screen::new(painter);
         match self.dense.get((key, ui.theme()), || dense(ui.ctx(), &plot)) {
-            Some(Dense { texture, rect }) => {
+            Some(PictureTexture { texture, rect }) => {
                 plot.draw_behind(&mut canvas);
                 canvas.picture(texture.id(), *rect);
                 plot.draw_before(&mut canvas);
@@ -349,14 +330,10 @@ impl Panel {
 }
 
 /// Very many points as a texture.
-fn dense(context: &Context, plot: &Plot<'_>) -> Option<Dense> {
+fn dense(context: &Context, plot: &Plot<'_>) -> Option<PictureTexture> {
     let most = context.input(|input| input.max_texture_side);
     let picture = picture(plot, context.pixels_per_point(), most)?;
-    let texture = context.load_texture("points", picture.image, TextureOptions::NEAREST);
-    Some(Dense {
-        texture,
-        rect: picture.rect,
-    })
+    Some(PictureTexture::new(context, picture))
 }
 
 /// A line at the selected pose, where poses or their times stand along x.

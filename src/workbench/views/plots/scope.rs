@@ -1,11 +1,13 @@
 //! The live scope: what the controller reads, as it comes, and how fast it changes against what counts as still.
 
-use egui::{Align, Rect, Role, Sense, Ui, UiBuilder, WidgetInfo, vec2};
+use egui::{Align, Rect, Role, Sense, Theme, Ui, UiBuilder, WidgetInfo, vec2};
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Series};
 use tautline_workflow::plot::round::round_up;
+use tautline_workflow::plot::scale::Scale;
 use tautline_workflow::plot::{Layout, Plot, Seen};
 use tautline_workflow::wording::cable_label;
 
+use super::dense::{PictureTexture, traces};
 use super::screen::{Screen, colours, text_width};
 use crate::model::command::{Outbox, ViewCommand};
 use crate::model::link::scope::{Channel, Extent, Reading, SPAN_S, Scope};
@@ -47,37 +49,51 @@ impl Graph {
     }
 }
 
-/// Graphs with what they are of.
-type Graphs = Vec<(Graph, Figure)>;
+/// A graph: its figure without curves, which are a picture of their own, the range along y, and the curves.
+#[derive(Debug)]
+struct Shown {
+    graph: Graph,
+    figure: Figure,
+    y: [f64; 2],
+    curves: Vec<Curve>,
+}
+
+/// The curves of a graph as a texture.
+#[derive(Debug, Default)]
+struct Traces {
+    /// What they depend on: the moment, the selected cable, the scale, pixels per point, the theme.
+    key: Option<(i64, Option<usize>, Scale, f32, Theme)>,
+    drawn: Option<PictureTexture>,
+}
 
 /// State of the scope between frames.
 #[derive(Debug, Default)]
 pub struct ScopeState {
     /// What is shown where there is no room for all.
     chosen: Graph,
-    /// The graphs, by what they depend on: readings and the selected cable.
-    figures: Memo<(u64, Option<usize>), Graphs>,
+    /// The graphs, by what they depend on: the moment and the selected cable.
+    graphs: Memo<(i64, Option<usize>), Vec<Shown>>,
+    traces: [Traces; Graph::ALL.len()],
 }
 
 /// Draws the scope.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState, outbox: &mut Outbox) {
-    let key = |scope: &Scope| (scope.readings(), model.selection.cable);
-    let Some(key) = model.link.scope(key).filter(|(readings, _)| *readings > 0) else {
+    let moment = model.link.scope(Scope::moment).flatten();
+    let Some(key) = moment.map(|moment| (moment, model.selection.cable)) else {
         let text = "Readings of the controller appear here as they come: tensions, laser, revolutions, and how fast \
                     they change.";
         return empty(ui, text);
     };
     let cable = model.selection.cable;
     let link = &model.link;
-    let figures = state.figures.get(key, || {
-        link.scope(|scope| figures(scope, cable))
-            .unwrap_or_default()
+    let graphs = state.graphs.get(key, || {
+        link.scope(|scope| graphs(scope, cable)).unwrap_or_default()
     });
-    let rows = figures.len().div_ceil(2).max(1) as f32;
+    let rows = graphs.len().div_ceil(2).max(1) as f32;
     let room = ui.available_size() - vec2(0.0, 6.0 * GRID);
     let cell = vec2(room.x / 2.0, room.y / rows);
     let fits_all = cell.x >= LEAST.x && cell.y >= LEAST.y;
-    head(ui, model, (fits_all, figures), &mut state.chosen);
+    head(ui, model, (fits_all, graphs), &mut state.chosen);
     let shown = match (fits_all, cell.x >= LEAST.x) {
         (true, _) => Graph::ALL.to_vec(),
         // How fast readings change is always seen if there is room for two.
@@ -85,19 +101,20 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState, outbox: &mut Out
         (false, true) => vec![Graph::Tensions, Graph::Speed],
         (false, false) => vec![state.chosen],
     };
-    let shown: Vec<_> = figures
+    let shown: Vec<_> = graphs
         .iter()
-        .filter(|(graph, _)| shown.contains(graph))
+        .filter(|one| shown.contains(&one.graph))
         .collect();
     let whole = ui.available_rect_before_wrap();
     let columns = shown.len().clamp(1, 2);
     let lines = shown.len().div_ceil(columns).max(1);
     let size = whole.size() / vec2(columns as f32, lines as f32);
     let mut clicked = None;
-    for (place, (graph, figure)) in shown.into_iter().enumerate() {
+    for (place, one) in shown.into_iter().enumerate() {
         let at = vec2((place % columns) as f32, (place / columns) as f32) * size;
         let rect = Rect::from_min_size(whole.min + at, size);
-        clicked = one(ui, rect, (*graph, figure), model.selection).or(clicked);
+        let traces = &mut state.traces[one.graph as usize];
+        clicked = draw(ui, rect, (one, key.0), traces, model.selection).or(clicked);
     }
     ui.advance_cursor_after_rect(whole);
     if let Some(cable) = clicked {
@@ -106,15 +123,10 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState, outbox: &mut Out
 }
 
 /// What goes on, and the choice of a graph where there is no room for all.
-fn head(
-    ui: &mut Ui,
-    model: &Model,
-    (fits_all, figures): (bool, &[(Graph, Figure)]),
-    chosen: &mut Graph,
-) {
+fn head(ui: &mut Ui, model: &Model, (fits_all, graphs): (bool, &[Shown]), chosen: &mut Graph) {
     ui.horizontal(|ui| {
         if !fits_all {
-            for (graph, _) in figures {
+            for Shown { graph, .. } in graphs {
                 ui.selectable_value(chosen, *graph, graph.title());
             }
         }
@@ -131,19 +143,21 @@ fn head(
     });
 }
 
-/// Draws a graph; gives the cable whose number was clicked.
-fn one(
+/// Draws a graph of a moment; gives the cable whose number was clicked.
+fn draw(
     ui: &mut Ui,
     rect: Rect,
-    (graph, figure): (Graph, &Figure),
+    (shown, moment): (&Shown, i64),
+    traces: &mut Traces,
     selection: Selection,
 ) -> Option<usize> {
-    let mut inner = ui.new_child(UiBuilder::new().id_salt(graph as u8).max_rect(rect));
+    let Shown { graph, figure, .. } = shown;
+    let mut inner = ui.new_child(UiBuilder::new().id_salt(*graph as u8).max_rect(rect));
     let (whole, response) = inner.allocate_exact_size(rect.size(), Sense::click());
     let name = format!("Live: {}", graph.title());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
     let painter = inner.painter_at(whole);
-    let view = [[-SPAN_S, 0.0], along_y(graph, figure)];
+    let view = [[-SPAN_S, 0.0], shown.y];
     let inside = whole.shrink2(vec2(GRID, 0.5 * GRID));
     let layout = Layout::new(figure, view, inside, &text_width(&painter));
     let scale = layout.scale;
@@ -154,7 +168,14 @@ fn one(
         selection,
         colours: &colours(theme::of(ui)),
     };
-    plot.draw(&mut Screen::new(painter));
+    let mut screen = Screen::new(painter);
+    plot.draw_behind(&mut screen);
+    let key = (moment, selection.cable, scale);
+    if let Some(PictureTexture { texture, rect }) = traces.of(ui, &shown.curves, key) {
+        screen.picture(texture.id(), *rect);
+    }
+    plot.draw_before(&mut screen);
+    drop(screen);
     let at = response
         .interact_pointer_pos()
         .filter(|_| response.clicked())?;
@@ -162,14 +183,52 @@ fn one(
     entry.cable
 }
 
+impl Traces {
+    /// The texture of curves.
+    fn of(
+        &mut self,
+        ui: &Ui,
+        curves: &[Curve],
+        (moment, cable, scale): (i64, Option<usize>, Scale),
+    ) -> Option<&PictureTexture> {
+        let pixels_per_point = ui.ctx().pixels_per_point();
+        let key = (moment, cable, scale, pixels_per_point, ui.theme());
+        if self.key.as_ref() != Some(&key) {
+            self.key = Some(key);
+            let most = ui.input(|input| input.max_texture_side);
+            let colours = colours(theme::of(ui));
+            match traces(&scale, curves, &colours, (pixels_per_point, most)) {
+                Some(picture) => match &mut self.drawn {
+                    Some(drawn) => drawn.set(picture),
+                    None => self.drawn = Some(PictureTexture::new(ui.ctx(), picture)),
+                },
+                None => self.drawn = None,
+            }
+        }
+        self.drawn.as_ref()
+    }
+}
+
 /// The graphs that a robot has readings for.
-fn figures(scope: &Scope, cable: Option<usize>) -> Graphs {
-    let figures = Graph::ALL.map(|graph| (graph, figure(scope, graph, cable)));
-    let has_readings = |figure: &Figure| figure.curves.iter().any(|c| !c.points.is_empty());
-    figures
-        .into_iter()
-        .filter(|(_, figure)| has_readings(figure))
-        .collect()
+fn graphs(scope: &Scope, cable: Option<usize>) -> Vec<Shown> {
+    let graphs = Graph::ALL.map(|graph| {
+        let mut figure = figure(scope, graph, cable);
+        let y = along_y(graph, &figure);
+        // Their names stay, for the legend.
+        let mut curves = figure.curves.clone();
+        curves.retain(|curve| !curve.points.is_empty());
+        for curve in &mut figure.curves {
+            curve.points.clear();
+        }
+        Shown {
+            graph,
+            figure,
+            y,
+            curves,
+        }
+    });
+    let has_readings = |shown: &Shown| !shown.curves.is_empty();
+    graphs.into_iter().filter(has_readings).collect()
 }
 
 fn figure(scope: &Scope, graph: Graph, selected: Option<usize>) -> Figure {

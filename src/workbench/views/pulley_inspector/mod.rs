@@ -108,11 +108,9 @@ pub fn show(
                 details(ui, &inspection, robot, arrangement);
             });
         });
-    CentralPanel::no_frame()
-        .frame(Frame::new().fill(palette.ground))
-        .show(ui, |ui| {
-            robot_3d::inspect(ui, (model, open), cable, view, (aim, outbox));
-        });
+    CentralPanel::no_frame().show(ui, |ui| {
+        robot_3d::inspect(ui, (model, open), cable, view, (aim, outbox));
+    });
 }
 
 /// Whose pulley it is, and where to go from here; gives the camera movement that was asked for.

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use three_d::context as gl;
 use three_d::{
-    Blend, ClearState, Context, InstanceBuffer, Mat4, Program, RenderStates, RenderTarget, Vec2,
-    Vec3, VertexBuffer, Viewport, WriteMask, vec2, vec3,
+    Blend, ClearState, Context, ElementBuffer, InstanceBuffer, Mat4, Program, RenderStates,
+    RenderTarget, Vec2, Vec3, VertexBuffer, Viewport, WriteMask, vec2, vec3,
 };
 
 use super::camera::Camera;
@@ -33,6 +33,7 @@ struct TriangleBuffers {
     positions: VertexBuffer<[f32; 3]>,
     normals: VertexBuffer<[f32; 3]>,
     colours: VertexBuffer<[f32; 4]>,
+    indices: ElementBuffer<u32>,
 }
 
 impl TriangleBuffers {
@@ -41,6 +42,7 @@ impl TriangleBuffers {
             positions: VertexBuffer::new_with_data(context, &triangles.positions),
             normals: VertexBuffer::new_with_data(context, &triangles.normals),
             colours: VertexBuffer::new_with_data(context, &triangles.colours),
+            indices: ElementBuffer::new_with_data(context, triangles.indices.as_flattened()),
         }
     }
 }
@@ -252,8 +254,7 @@ impl Card {
     }
 
     fn draw_triangles(&self, buffers: &TriangleBuffers, look: &Look, states: RenderStates) {
-        let count = buffers.positions.vertex_count();
-        if count == 0 {
+        if buffers.indices.count() == 0 {
             return;
         }
         let program = &self.solid;
@@ -263,7 +264,7 @@ impl Card {
         program.use_vertex_attribute("position", &buffers.positions);
         program.use_vertex_attribute("normal", &buffers.normals);
         program.use_vertex_attribute("colour", &buffers.colours);
-        program.draw_arrays(states, look.viewport, count);
+        program.draw_elements(states, look.viewport, &buffers.indices);
     }
 
     fn share(program: &Program, look: &Look) {

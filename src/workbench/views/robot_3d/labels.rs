@@ -294,7 +294,7 @@ mod tests {
                 for wheel in placed.other.iter().chain([&placed.wheel]) {
                     mesh.wheel(wheel, [1.0; 4]);
                 }
-                for corners in mesh.positions.chunks_exact(3) {
+                for corners in mesh.corners() {
                     let seen: Option<Vec<Pos2>> = corners
                         .iter()
                         .map(|p| on_screen(&picture, rect, &Vec3::from(p.map(f64::from))))

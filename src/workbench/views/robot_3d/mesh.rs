@@ -1,6 +1,6 @@
 //! Triangles of solid parts.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use egui::Color32;
 use nalgebra::Matrix3;
@@ -27,15 +27,18 @@ const PROFILE: [[f64; 2]; 12] = [
     [0.80, -0.13],
 ];
 
-/// Triangles with a normal and a colour at every corner.
+/// Triangles between vertices with a normal and a colour each. Vertices are shared: where the processor draws, each of them
+/// is a good part of what a triangle costs.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct Triangles {
-    /// Corners, three per triangle (m).
+    /// Vertices (m).
     pub positions: Vec<[f32; 3]>,
     /// Unit normals.
     pub normals: Vec<[f32; 3]>,
     /// Red, green, blue, opacity.
     pub colours: Vec<[f32; 4]>,
+    /// The vertices of each triangle.
+    pub indices: Vec<[u32; 3]>,
 }
 
 /// A vector as the graphics card takes it.
@@ -57,27 +60,51 @@ fn across(axis: &Vec3) -> [Vec3; 2] {
     [first, axis.cross(&first)]
 }
 
-/// For each segment of a circle about `axis`, unit vectors from its centre to both ends.
-fn spokes(axis: &Vec3) -> impl Iterator<Item = [Vec3; 2]> + use<> {
+/// Unit vectors from the centre of a circle about `axis` to the ends of its segments, the last of which is the first.
+fn spokes(axis: &Vec3) -> [Vec3; SEGMENTS + 1] {
     let [x, y] = across(axis);
-    let spoke = move |k: usize| {
+    std::array::from_fn(|k| {
         let (sin, cos) = (TAU * k as f64 / SEGMENTS as f64).sin_cos();
         x * cos + y * sin
-    };
-    (0..SEGMENTS).map(move |k| [spoke(k), spoke(k + 1)])
+    })
 }
 
 impl Triangles {
-    fn corner(&mut self, position: &Vec3, normal: &Vec3, colour: [f32; 4]) {
+    /// Adds a vertex; gives its index.
+    fn vertex(&mut self, position: &Vec3, normal: &Vec3, colour: [f32; 4]) -> u32 {
         self.positions.push(single(position));
         self.normals.push(single(normal));
         self.colours.push(colour);
+        // Far fewer than four thousand million are drawn.
+        (self.positions.len() - 1) as u32
     }
 
-    /// Four corners in order, with one normal each.
-    fn patch(&mut self, corners: [Vec3; 4], normals: [Vec3; 4], colour: [f32; 4]) {
-        for k in [0, 1, 2, 0, 2, 3] {
-            self.corner(&corners[k], &normals[k], colour);
+    /// The corners of all triangles (m).
+    pub fn corners(&self) -> impl Iterator<Item = [[f32; 3]; 3]> {
+        let position = |index: u32| self.positions[index as usize];
+        self.indices.iter().map(move |three| three.map(position))
+    }
+
+    /// Two triangles between four vertices in order.
+    fn patch(&mut self, [a, b, c, d]: [u32; 4]) {
+        self.indices.extend([[a, b, c], [a, c, d]]);
+    }
+
+    /// A grid of vertices, with patches between those of neighbouring rows; a vertex is a position and a normal.
+    fn grid<const N: usize>(
+        &mut self,
+        rows: impl IntoIterator<Item = [(Vec3, Vec3); N]>,
+        colour: [f32; 4],
+    ) {
+        let mut before: Option<[u32; N]> = None;
+        for row in rows {
+            let row = row.map(|(position, normal)| self.vertex(&position, &normal, colour));
+            if let Some(before) = before {
+                for k in 1..N {
+                    self.patch([before[k - 1], row[k - 1], row[k], before[k]]);
+                }
+            }
+            before = Some(row);
         }
     }
 
@@ -94,7 +121,8 @@ impl Triangles {
             let corners = face.map(|k| corners[k]);
             let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
             let normal = normal.try_normalize(0.0).unwrap_or_default();
-            self.patch(corners, [normal; 4], colour);
+            let corners = corners.map(|corner| self.vertex(&corner, &normal, colour));
+            self.patch(corners);
         }
     }
 
@@ -115,88 +143,82 @@ impl Triangles {
 
     /// A pulley at its size.
     pub fn wheel(&mut self, wheel: &Wheel, colour: [f32; 4]) {
+        let spokes = spokes(&wheel.normal);
         for (k, [r0, h0]) in PROFILE.iter().enumerate() {
             let [r1, h1] = PROFILE[(k + 1) % PROFILE.len()];
             // Across the edge of the profile, outwards.
             let slope = Vec3::new(h1 - h0, r0 - r1, 0.0).normalize();
-            for spokes in spokes(&wheel.normal) {
-                let at = |spoke: &Vec3, r: f64, h: f64| {
-                    wheel.centre + (spoke * r + wheel.normal * h) * wheel.radius_m
-                };
-                let normals = spokes.map(|spoke| spoke * slope.x + wheel.normal * slope.y);
-                self.patch(
-                    [
-                        at(&spokes[0], *r0, *h0),
-                        at(&spokes[1], *r0, *h0),
-                        at(&spokes[1], r1, h1),
-                        at(&spokes[0], r1, h1),
-                    ],
-                    [normals[0], normals[1], normals[1], normals[0]],
-                    colour,
-                );
-            }
+            let rows = spokes.iter().map(|spoke| {
+                let normal = spoke * slope.x + wheel.normal * slope.y;
+                let at =
+                    |r: f64, h: f64| wheel.centre + (spoke * r + wheel.normal * h) * wheel.radius_m;
+                [(at(*r0, *h0), normal), (at(r1, h1), normal)]
+            });
+            self.grid(rows, colour);
         }
     }
 
     /// The image of the unit sphere under `shape`, about `centre` (m).
     pub fn ellipsoid(&mut self, centre: &Vec3, shape: &Matrix3<f64>, colour: [f32; 4]) {
-        let rings = SEGMENTS / 2;
-        let on_sphere = |ring: usize, segment: usize| {
-            let (sin_ring, cos_ring) = (TAU * ring as f64 / (2 * rings) as f64).sin_cos();
-            let (sin, cos) = (TAU * segment as f64 / SEGMENTS as f64).sin_cos();
-            Vec3::new(sin_ring * cos, sin_ring * sin, cos_ring)
-        };
+        const RINGS: usize = SEGMENTS / 2;
         // Normals of the image go with the inverse transpose: the cofactors.
         let turned = shape
             .transpose()
             .try_inverse()
             .unwrap_or_else(Matrix3::identity);
-        for ring in 0..rings {
-            for segment in 0..SEGMENTS {
-                let points = [
-                    on_sphere(ring, segment),
-                    on_sphere(ring + 1, segment),
-                    on_sphere(ring + 1, segment + 1),
-                    on_sphere(ring, segment + 1),
-                ];
-                let normals = points.map(|p| (turned * p).try_normalize(0.0).unwrap_or_default());
-                self.patch(points.map(|p| centre + shape * p), normals, colour);
-            }
-        }
+        let rows = spokes(&Vec3::z()).map(|spoke| {
+            let on_sphere: [Vec3; RINGS + 1] = std::array::from_fn(|ring| {
+                let (sin, cos) = (PI * ring as f64 / RINGS as f64).sin_cos();
+                spoke * sin + Vec3::z() * cos
+            });
+            on_sphere.map(|p| {
+                let normal = (turned * p).try_normalize(0.0).unwrap_or_default();
+                (centre + shape * p, normal)
+            })
+        });
+        self.grid(rows, colour);
     }
 
     /// A cone with its tip at `tip`, opening against `direction` (unit vector).
     pub fn cone(&mut self, tip: &Vec3, direction: &Vec3, length_m: f64, colour: [f32; 4]) {
         let base = tip - direction * length_m;
         let radius = 0.32 * length_m;
-        for [a, b] in spokes(direction) {
-            let normal = |spoke: &Vec3| (spoke + direction * 0.32).normalize();
-            self.corner(tip, &normal(&(a + b)), colour);
-            self.corner(&(base + a * radius), &normal(&a), colour);
-            self.corner(&(base + b * radius), &normal(&b), colour);
-            self.corner(&base, &-direction, colour);
-            self.corner(&(base + b * radius), &-direction, colour);
-            self.corner(&(base + a * radius), &-direction, colour);
-        }
+        let spokes = spokes(direction);
+        let rows = spokes.iter().map(|spoke| {
+            let normal = (spoke + direction * 0.32).normalize();
+            [(*tip, normal), (base + spoke * radius, normal)]
+        });
+        self.grid(rows, colour);
+        let rim = spokes.map(|spoke| base + spoke * radius);
+        self.fan(&base, rim, &-direction, colour);
     }
 
     /// A disc.
     pub fn disc(&mut self, centre: &Vec3, normal: &Vec3, radius_m: f64, colour: [f32; 4]) {
-        for [a, b] in circle(centre, normal, radius_m) {
-            for corner in [centre, &a, &b] {
-                self.corner(corner, normal, colour);
-            }
-        }
+        let rim = spokes(normal).map(|spoke| centre + spoke * radius_m);
+        self.fan(centre, rim, normal, colour);
+    }
+
+    /// Triangles from a centre to a rim.
+    fn fan<const N: usize>(
+        &mut self,
+        centre: &Vec3,
+        rim: [Vec3; N],
+        normal: &Vec3,
+        colour: [f32; 4],
+    ) {
+        let centre = self.vertex(centre, normal, colour);
+        let rim = rim.map(|place| self.vertex(&place, normal, colour));
+        let sides = rim.windows(2).map(|side| [centre, side[0], side[1]]);
+        self.indices.extend(sides);
     }
 }
 
 /// Sides of a circle about `centre` (m).
 #[must_use]
 pub fn circle(centre: &Vec3, normal: &Vec3, radius_m: f64) -> Vec<[Vec3; 2]> {
-    let sides = spokes(normal);
-    sides
-        .map(|ends| ends.map(|spoke| centre + spoke * radius_m))
-        .collect()
+    let places = spokes(normal).map(|spoke| centre + spoke * radius_m);
+    places.windows(2).map(|side| [side[0], side[1]]).collect()
 }
 
 #[cfg(test)]
@@ -204,7 +226,14 @@ mod tests {
     use super::*;
 
     fn check(triangles: &Triangles, inside: &Vec3) {
-        assert_eq!(triangles.positions.len() % 3, 0);
+        let vertices = triangles.positions.len() as u32;
+        assert!(
+            triangles
+                .indices
+                .as_flattened()
+                .iter()
+                .all(|k| *k < vertices)
+        );
         for k in 0..triangles.positions.len() {
             let normal = Vec3::from(triangles.normals[k].map(f64::from));
             assert!((normal.norm() - 1.0).abs() < 1e-6);

@@ -40,14 +40,17 @@ use scene::{Scene, Shown, Subject};
 pub use toolbar::Aim;
 
 use crate::model::command::{Outbox, ViewCommand};
+use crate::model::link::LivePlatform;
 use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, Selection};
-use crate::theme::GRID;
+use crate::theme::{self, GRID};
 use crate::widgets::empty;
 
 /// How long camera and platform rest before everything is drawn again (s).
 const REST_S: f64 = 0.1;
+/// How long a platform that moves stays where it was drawn, where the processor draws (s): every place is a new picture.
+const FOLLOWED_S: f64 = 0.1;
 
 /// State of the view between frames.
 #[derive(Default)]
@@ -65,6 +68,8 @@ pub struct Robot3d {
     shown: Option<u64>,
     /// When the camera or the platform moved last, in time of the window (s).
     moved_s: Option<f64>,
+    /// The platform that moves as it is shown, and since when, in time of the window (s).
+    followed: Option<(LivePlatform, f64)>,
 }
 
 impl Robot3d {
@@ -92,12 +97,14 @@ impl Robot3d {
     }
 
     /// The scene of the open session; the camera starts anew for another session.
-    fn scene_of(&mut self, model: &Model, open: &OpenSession) -> Arc<Scene> {
+    fn scene_of(&mut self, ui: &Ui, model: &Model, open: &OpenSession) -> Arc<Scene> {
+        self.follow(ui, model.live_platform.as_ref());
+        let live = self.followed.as_ref().map(|(live, _)| live);
         let key = SceneKey {
             session: (open.id(), open.revision()),
             fit: open.fit().cloned(),
             selection: model.selection,
-            live: model.live_platform.clone(),
+            live: live.cloned(),
             shows_errors: model.screen == Screen::Phase(Phase::Adjustment),
             tolerance_m: model.preferences.report.tolerance_m,
         };
@@ -120,7 +127,7 @@ impl Robot3d {
             measurements: &session.measurements,
             fit: open.fit().map(AsRef::as_ref),
             selection: model.selection,
-            live: model.live_platform.as_ref(),
+            live,
             planned: &planned,
         };
         let measured = poses.map(|(_, scene)| Arc::clone(&scene.measured));
@@ -134,6 +141,24 @@ impl Robot3d {
         }
         self.scene = Some((key, Arc::clone(&scene)));
         scene
+    }
+
+    /// Takes over where the platform is; where the processor draws, not more often than a person needs.
+    fn follow(&mut self, ui: &Ui, latest: Option<&LivePlatform>) {
+        let now_s = ui.input(|input| input.time);
+        if let (Some((shown, since_s)), Some(latest)) = (&self.followed, latest)
+            && shown.is_stopped == latest.is_stopped
+        {
+            let left_s = since_s + FOLLOWED_S - now_s;
+            if shown == latest {
+                return;
+            }
+            if self.canvas.is_software() && left_s > 0.0 {
+                let left = Duration::from_secs_f64(left_s);
+                return ui.ctx().request_repaint_after(left);
+            }
+        }
+        self.followed = latest.map(|latest| (latest.clone(), now_s));
     }
 
     fn drawing_of(
@@ -199,7 +224,7 @@ pub fn show(
         return;
     };
     view.inspect(None);
-    let scene = view.scene_of(model, open);
+    let scene = view.scene_of(ui, model, open);
     let mut maximise = false;
     let button = model.maximised.is_none().then_some(&mut maximise);
     let aim = view.toolbar(ui, &scene, (model.selection, button));
@@ -219,7 +244,7 @@ pub fn inspect(
     (aim, outbox): (Option<Aim>, &mut Outbox),
 ) {
     view.inspect(Some(cable));
-    let scene = view.scene_of(model, open);
+    let scene = view.scene_of(ui, model, open);
     let touched = view.show(ui, &scene, aim, model.selection, hovered);
     send(&touched, outbox);
 }
@@ -273,8 +298,10 @@ impl Robot3d {
             .map_or(Projection::Perspective, Camera::projection);
         let can_frame = !selection.is_empty();
         Frame::new()
+            .fill(theme::of(ui).ground)
             .inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8))
             .show(ui, |ui| {
+                ui.set_min_width(ui.available_width());
                 let state = (projection, can_frame, maximise);
                 aim = toolbar::show(ui, &mut self.options, scene, state);
             });

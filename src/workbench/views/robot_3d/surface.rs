@@ -17,8 +17,7 @@ pub fn met(drawing: &Drawing, ray: &Ray) -> Option<Vec3> {
 
 /// Distance along a line of sight to the first of the triangles that it meets (m).
 fn distance(triangles: &Triangles, ray: &Ray) -> Option<f64> {
-    let corners = triangles.positions.chunks_exact(3);
-    let met = corners.filter_map(|corners| {
+    let met = triangles.corners().filter_map(|corners| {
         let at = |k: usize| Vec3::from(corners[k].map(f64::from));
         triangle(ray, [at(0), at(1), at(2)])
     });

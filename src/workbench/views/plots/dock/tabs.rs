@@ -236,8 +236,8 @@ impl Behavior<PlotId> for Dock<'_> {
         BAR
     }
 
-    fn tab_bar_color(&self, visuals: &Visuals) -> egui::Color32 {
-        visuals.panel_fill
+    fn tab_bar_color(&self, _visuals: &Visuals) -> egui::Color32 {
+        egui::Color32::TRANSPARENT
     }
 
     /// Wide enough to be gripped.
