@@ -4,10 +4,11 @@ use egui::{Color32, Theme, ThemePreference, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use image::RgbaImage;
-use tautline_core::geometry::Vec3;
+use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::{Robot, presets};
 use tautline_validation::harness::GlowTestRenderer;
+use tautline_workbench::model::link::LivePlatform;
 use tautline_workbench::shell::App;
 use tautline_workbench::theme;
 use tautline_workbench::views::offscreen::render_scene;
@@ -219,6 +220,44 @@ fn the_robot_is_drawn_again_only_when_something_changed() {
     let corner = rect.left_center() + vec2(4.0, 0.0);
     let pixel = rgb(&light, corner.x as u32, corner.y as u32);
     assert_eq!(pixel, colour(theme::palette(Theme::Light).ground));
+    harness.state_mut().state.views.destroy();
+}
+
+#[test]
+fn where_the_processor_draws_a_platform_that_moves_is_drawn_ten_times_a_second() {
+    let renderer = GlowTestRenderer::new().expect("a picture");
+    let mut harness = Harness::builder()
+        .with_size(vec2(1280.0, 800.0))
+        .with_step_dt(1.0 / 50.0)
+        .renderer(renderer.clone())
+        .build_eframe(|creation| App::new(creation, options()));
+    open(&mut harness, session_of("mini", 4), true);
+    let mut show = |step: u32, is_stopped: bool| {
+        let at = Vec3::new(1e-3 * f64::from(step), 0.0, 0.0);
+        let live = LivePlatform {
+            pose: Pose::from_parts(at.into(), [1.0, 0.0, 0.0, 0.0]),
+            trail: std::sync::Arc::default(),
+            is_stopped,
+            tensions_n: Vec::new(),
+        };
+        harness.state_mut().state.model.live_platform = Some(live);
+        harness.step();
+        renderer.picture(&harness).expect("a picture");
+        let view = &harness.state().state.views.robot_3d;
+        let shown = view.scene().expect("a scene").pose.position;
+        (view.draws(), view.is_software(), shown)
+    };
+    let (before, is_software, _) = show(0, false);
+    let mut after = before;
+    for step in 1..=100 {
+        after = show(step, false).0;
+    }
+    let drawn = after - before;
+    let expected = if is_software { 18..=21 } else { 100..=101 };
+    assert!(expected.contains(&drawn), "{drawn} in two seconds");
+    // Where it stopped is shown at once.
+    let (last, _, shown) = show(103, true);
+    assert!(last > after && (shown.x - 0.103).abs() < 1e-12, "{shown}");
     harness.state_mut().state.views.destroy();
 }
 

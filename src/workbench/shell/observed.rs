@@ -5,13 +5,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::thread;
+use std::time::Duration;
 
 use egui::accesskit::{Node, NodeId, Toggled, TreeUpdate};
 use egui::{Context, FullOutput, Plugin};
 
-/// Writes after every frame what the window shows: in the first line the number of frames; then for each element its
-/// role, its name, its place in pixels from the upper left corner of the window (x, y, width, height), and whether it
-/// is selected, separated by tabs.
+/// Time between two descriptions: who measures frames does not measure what describes them.
+const PAUSE: Duration = Duration::from_millis(30);
+
+/// Writes what the window shows, of frames that follow each other soon the last: in the first line the number of frames;
+/// then for each element its role, its name, its place in pixels from the upper left corner of the window (x, y, width,
+/// height), and whether it is selected, separated by tabs.
 struct Observer {
     frames: u64,
     describe: mpsc::Sender<Seen>,
@@ -33,6 +37,7 @@ pub fn observe(context: &Context, path: PathBuf) {
             // Of frames that came meanwhile the last counts.
             let last = seen.try_iter().last().unwrap_or(first);
             last.write(&path);
+            thread::sleep(PAUSE);
         }
     };
     // Without the thread there is no description, and whoever waits for it says so.

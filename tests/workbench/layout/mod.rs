@@ -171,7 +171,7 @@ fn the_import_fits() {
     settle(&mut harness);
     check(&mut harness, "import without a file");
     let folder = tautline_validation::your_data::page().with_file_name("your-data");
-    for name in ["mistakes.csv", "points.txt"] {
+    for name in ["mistakes.csv", "points.txt", "capture.csv"] {
         let path = folder.join(name);
         give(&mut harness, RecordingCommand::Read(path));
     }

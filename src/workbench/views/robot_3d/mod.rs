@@ -79,6 +79,12 @@ impl Robot3d {
         self.canvas.draws()
     }
 
+    /// Whether the processor draws, once it has.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.canvas.is_software()
+    }
+
     /// The camera, once the view was shown.
     #[must_use]
     pub fn camera(&self) -> Option<&Camera> {
@@ -153,7 +159,7 @@ impl Robot3d {
             if shown == latest {
                 return;
             }
-            if self.canvas.is_software() && left_s > 0.0 {
+            if self.is_software() && left_s > 0.0 {
                 let left = Duration::from_secs_f64(left_s);
                 return ui.ctx().request_repaint_after(left);
             }
@@ -415,7 +421,7 @@ impl Robot3d {
     /// is.
     fn rest(&mut self, ui: &Ui, scene: &Scene, drawing: &Drawing, flies: bool) -> Option<f64> {
         let has_more = drawing.poses.coarse < drawing.poses.centres.len();
-        let is_rough = has_more || self.canvas.is_software();
+        let is_rough = has_more || self.is_software();
         let now_s = ui.input(|input| input.time);
         let has_new_platform = matches!(scene.shown, Shown::Live | Shown::Stopped)
             && self.shown != Some(self.drawings);

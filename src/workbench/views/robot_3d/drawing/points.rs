@@ -9,7 +9,7 @@ use crate::views::robot_3d::mesh::{rgba, single};
 use crate::views::robot_3d::scene::{MeasuredPose, Scene};
 
 /// Most poses that are drawn while the camera moves.
-const COARSE: usize = 8000;
+const COARSE: usize = 3000;
 
 /// Lines of constant width.
 #[derive(Debug, Default, Clone, PartialEq)]
