@@ -66,8 +66,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if describes_robot(&arguments.sources)? {
         return robot_description(arguments);
     }
-    let sources = noticed(read(&arguments.sources)?);
+    // Asked for before a long log is read.
     let robot = robot(arguments)?;
+    let sources = noticed(read(&arguments.sources)?);
     let (mut recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
     if arguments.align_clocks {
         let clocks = align_clocks(&sources, &mut recipe, &robot.robot)?;
