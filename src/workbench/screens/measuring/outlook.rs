@@ -151,9 +151,8 @@ fn course_figure(after_m: &[Option<f64>], (done, goal_mm): (usize, f64)) -> Figu
         .collect();
     // Of very many poses as many are marked as can be told apart, the first and the last among them.
     let last = after_m.len().saturating_sub(1);
-    let is_shown = |poses: usize| {
-        poses < MARKED || poses % after_m.len().div_ceil(MARKED).max(1) == 0 || poses == last
-    };
+    let every = after_m.len().div_ceil(MARKED).max(1);
+    let is_shown = |poses: usize| poses < MARKED || poses.is_multiple_of(every) || poses == last;
     let expected = known.iter().filter(|(poses, _)| is_shown(*poses));
     let expected = expected.map(|(poses, sd)| [*poses as f64, *sd]).collect();
     let step = done.div_ceil(MARKED).max(1);
