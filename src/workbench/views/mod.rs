@@ -75,7 +75,7 @@ pub fn robot(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Ou
             .exact_size(timeline::HEIGHT)
             .show(ui, |ui| timeline::show(ui, model, views, outbox));
     }
-    // The picture fills its ground itself: filling it twice is a fifth of a frame where there is no graphics card.
+    // The picture fills its ground itself: filled here too, it was half of all that egui fills.
     let frame = match model.open {
         Some(_) => Frame::new(),
         None => Frame::new().fill(theme::of(ui).ground),
