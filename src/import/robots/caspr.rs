@@ -5,7 +5,7 @@
 //! `cable_entry_vector` the direction in which the cable reaches it, our swivel axis.
 //! Source: Lau et al., CASPR, 2016, `BaseRotatingPulleyAttachment`.
 
-use tautline_core::geometry::Coordinate;
+use tautline_core::geometry::{Coordinate, Vec3};
 use tautline_core::robot::{Cable, Platform, Robot};
 use tautline_session::{Loaded, ReadError, quoted};
 
@@ -34,15 +34,7 @@ pub(super) fn robot(
     {
         notices.push(format!("{file}, line {}: stiffness of <{}> left out: cables are inelastic until robot.json says otherwise", element.line, element.name));
     }
-    robot_of(file, name_of(file), platform, cables, notices)
-}
-
-/// `CoGiRo` of `models/CoGiRo_cables.xml`.
-fn name_of(file: &str) -> String {
-    let stem = std::path::Path::new(file)
-        .file_stem()
-        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    stem.strip_suffix("_cables").unwrap_or(&stem).to_owned()
+    robot_of(file, platform, cables, notices)
 }
 
 /// The set of cables that is the default, or the first one.
@@ -210,11 +202,13 @@ fn cable(
         }
     }
     let name = element.attribute("name").map(str::to_owned);
+    let axis = Vec3::from(axis)
+        .try_normalize(1e-9)
+        .ok_or_else(|| base.error(file, "found a cable_entry_vector without direction"))?;
     let guide = Guide {
         entry_point_m,
-        swivel_axis: axis,
+        swivel_axis: axis.into(),
         radius_m,
     };
-    cable_of(name, number, guide, platform_anchor_m)
-        .ok_or_else(|| base.error(file, "found a cable_entry_vector without direction"))
+    Ok(cable_of(name, number, guide, platform_anchor_m))
 }

@@ -61,29 +61,26 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
 }
 
 /// Where a cable enters the robot: the point that stays when the pulley swivels (m, robot frame), the axis about which it
-/// swivels, in the direction in which the cable arrives (any length), and the radius (m), 0 for an eyelet.
+/// swivels, a unit vector in the direction in which the cable arrives, and the radius (m), 0 for an eyelet.
 struct Guide {
     entry_point_m: [f64; 3],
     swivel_axis: [f64; 3],
     radius_m: f64,
 }
 
-/// A cable of which only the geometry is known, with the winch and the noise that [`robot_of`] tells of; `None` if the
-/// swivel axis has no direction.
+/// A cable of which only the geometry is known, with the winch and the noise that [`robot_of`] tells of.
 fn cable_of(
     name: Option<String>,
     number: usize,
     guide: Guide,
     platform_anchor_m: [f64; 3],
-) -> Option<Cable> {
-    let axis = guide.swivel_axis;
-    let norm = axis.iter().map(|value| value * value).sum::<f64>().sqrt();
-    (norm >= 1e-9).then(|| Cable {
+) -> Cable {
+    Cable {
         name: name.unwrap_or_else(|| format!("cable-{number}")),
         pulley: Pulley {
             entry_point_m: guide.entry_point_m,
             entry_point_sd_m: PerAxis::default(),
-            swivel_axis: axis.map(|value| value / norm),
+            swivel_axis: guide.swivel_axis,
             swivel_zero: None,
             swivel_sd_rad: None,
             radius_m: guide.radius_m,
@@ -98,13 +95,20 @@ fn cable_of(
         },
         cable: CableMaterial::default(),
         force_sensor: None,
-    })
+    }
+}
+
+/// `CoGiRo` of `models/CoGiRo_cables.xml`.
+fn name_of(file: &str) -> String {
+    let stem = std::path::Path::new(file)
+        .file_stem()
+        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    stem.strip_suffix("_cables").unwrap_or(&stem).to_owned()
 }
 
 /// The robot of a description that knows its geometry only.
 fn robot_of(
     file: &str,
-    name: String,
     platform: Platform,
     cables: Vec<Cable>,
     mut notices: Vec<String>,
@@ -114,7 +118,7 @@ fn robot_of(
         1e3 * LENGTH_SD_M
     ));
     let robot = Robot {
-        name,
+        name: name_of(file),
         home: None,
         gravity_m_s2: [0.0, 0.0, -9.806_65],
         platform,

@@ -6,7 +6,7 @@
 //! without a radius has 0.1 m. Lengths are in metres.
 //! Source: A. Pott, WireX (WireLib: `CRobotData::getXmlNode`, `CKinematics::fncPulley`), XML versions 0.31 and 0.32.
 
-use tautline_core::geometry::Coordinate;
+use tautline_core::geometry::{Coordinate, Vec3};
 use tautline_core::robot::{Platform, Robot};
 use tautline_session::{Loaded, ReadError, quoted};
 
@@ -66,18 +66,19 @@ pub(super) fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadE
             }),
         };
         radii.push(guide.radius_m);
-        let cable = cable_of(None, cables.len() + 1, guide, point(file, anchor)?)
-            .ok_or_else(|| base.error(file, "found a swivel axis without direction"))?;
-        cables.push(cable);
+        cables.push(cable_of(
+            None,
+            cables.len() + 1,
+            guide,
+            point(file, anchor)?,
+        ));
     }
     if radii.iter().any(|radius| *radius > 0.0) {
         notices.push(format!(
             "{file}: does not say whether WireX computes with pulleys; they are taken with the radius of the file: set radius_m to 0 in robot.json if cables leave fixed points"
         ));
     }
-    let name = std::path::Path::new(file).file_stem();
-    let name = name.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    robot_of(file, name, platform, cables, notices)
+    robot_of(file, platform, cables, notices)
 }
 
 fn point(file: &str, element: &Element) -> Result<[f64; 3], ReadError> {
@@ -98,13 +99,14 @@ fn swivel_axis(
         ));
         return Ok([0.0, 0.0, 1.0]);
     };
-    let norm = axis.iter().map(|value| value * value).sum::<f64>().sqrt();
+    let axis = Vec3::from(axis);
+    let norm = axis.norm();
     if (norm - 1.0).abs() > AXIS_TOLERANCE {
         let message =
             format!("found a13, a23, a33 of length {norm:.4}, expected a column of a rotation");
         return Err(base.error(file, &message));
     }
-    Ok(axis)
+    Ok((axis / norm).into())
 }
 
 fn platform(file: &str, model: &Element, notices: &mut Vec<String>) -> Result<Platform, ReadError> {

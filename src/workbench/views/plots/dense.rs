@@ -33,12 +33,6 @@ impl PictureTexture {
             rect,
         }
     }
-
-    /// Puts another one in its place.
-    pub fn set(&mut self, Picture { image, rect }: Picture) {
-        self.texture.set(image, TextureOptions::NEAREST);
-        self.rect = rect;
-    }
 }
 
 impl fmt::Debug for PictureTexture {

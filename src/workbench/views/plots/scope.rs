@@ -7,7 +7,7 @@ use tautline_workflow::plot::scale::Scale;
 use tautline_workflow::plot::{Layout, Plot, Seen};
 use tautline_workflow::wording::cable_label;
 
-use super::dense::{PictureTexture, traces};
+use super::dense::{PictureTexture, traces as picture_of};
 use super::screen::{Screen, colours, text_width};
 use crate::model::command::{Outbox, ViewCommand};
 use crate::model::link::scope::{Channel, Extent, Reading, SPAN_S, Scope};
@@ -49,22 +49,18 @@ impl Graph {
     }
 }
 
-/// A graph: its figure without curves, which are a picture of their own, the range along y, and the curves.
+/// A graph: its figure, the same without the points of its curves, which are a picture of their own, and the range along y.
 #[derive(Debug)]
 struct Shown {
     graph: Graph,
     figure: Figure,
+    bare: Figure,
     y: [f64; 2],
-    curves: Vec<Curve>,
 }
 
-/// The curves of a graph as a texture.
-#[derive(Debug, Default)]
-struct Traces {
-    /// What they depend on: the moment, the selected cable, the scale, pixels per point, the theme.
-    key: Option<(i64, Option<usize>, Scale, f32, Theme)>,
-    drawn: Option<PictureTexture>,
-}
+/// The curves of a graph as a texture, by what they depend on: the moment, the selected cable, the scale, pixels per point,
+/// the theme.
+type Traces = Memo<(i64, Option<usize>, Scale, f32, Theme), Option<PictureTexture>>;
 
 /// State of the scope between frames.
 #[derive(Debug, Default)]
@@ -151,27 +147,40 @@ fn draw(
     traces: &mut Traces,
     selection: Selection,
 ) -> Option<usize> {
-    let Shown { graph, figure, .. } = shown;
+    let Shown {
+        graph,
+        figure,
+        bare,
+        y,
+    } = shown;
     let mut inner = ui.new_child(UiBuilder::new().id_salt(*graph as u8).max_rect(rect));
     let (whole, response) = inner.allocate_exact_size(rect.size(), Sense::click());
     let name = format!("Live: {}", graph.title());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
     let painter = inner.painter_at(whole);
-    let view = [[-SPAN_S, 0.0], shown.y];
+    let view = [[-SPAN_S, 0.0], *y];
     let inside = whole.shrink2(vec2(GRID, 0.5 * GRID));
     let layout = Layout::new(figure, view, inside, &text_width(&painter));
     let scale = layout.scale;
+    let pixels_per_point = ui.ctx().pixels_per_point();
+    let colours = colours(theme::of(ui));
+    let key = (moment, selection.cable, scale, pixels_per_point, ui.theme());
+    let picture = traces.get(key, || {
+        let most = ui.input(|input| input.max_texture_side);
+        let picture = picture_of(&scale, &figure.curves, &colours, (pixels_per_point, most))?;
+        Some(PictureTexture::new(ui.ctx(), picture))
+    });
+    let figure = if picture.is_some() { bare } else { figure };
     let plot = Plot {
         figure,
         layout: &layout,
-        seen: &Seen::new(figure, &scale, selection, ui.ctx().pixels_per_point()),
+        seen: &Seen::new(figure, &scale, selection, pixels_per_point),
         selection,
-        colours: &colours(theme::of(ui)),
+        colours: &colours,
     };
     let mut screen = Screen::new(painter);
     plot.draw_behind(&mut screen);
-    let key = (moment, selection.cable, scale);
-    if let Some(PictureTexture { texture, rect }) = traces.of(ui, &shown.curves, key) {
+    if let Some(PictureTexture { texture, rect }) = picture {
         screen.picture(texture.id(), *rect);
     }
     plot.draw_before(&mut screen);
@@ -183,51 +192,24 @@ fn draw(
     entry.cable
 }
 
-impl Traces {
-    /// The texture of curves.
-    fn of(
-        &mut self,
-        ui: &Ui,
-        curves: &[Curve],
-        (moment, cable, scale): (i64, Option<usize>, Scale),
-    ) -> Option<&PictureTexture> {
-        let pixels_per_point = ui.ctx().pixels_per_point();
-        let key = (moment, cable, scale, pixels_per_point, ui.theme());
-        if self.key.as_ref() != Some(&key) {
-            self.key = Some(key);
-            let most = ui.input(|input| input.max_texture_side);
-            let colours = colours(theme::of(ui));
-            match traces(&scale, curves, &colours, (pixels_per_point, most)) {
-                Some(picture) => match &mut self.drawn {
-                    Some(drawn) => drawn.set(picture),
-                    None => self.drawn = Some(PictureTexture::new(ui.ctx(), picture)),
-                },
-                None => self.drawn = None,
-            }
-        }
-        self.drawn.as_ref()
-    }
-}
-
 /// The graphs that a robot has readings for.
 fn graphs(scope: &Scope, cable: Option<usize>) -> Vec<Shown> {
     let graphs = Graph::ALL.map(|graph| {
-        let mut figure = figure(scope, graph, cable);
-        let y = along_y(graph, &figure);
+        let figure = figure(scope, graph, cable);
+        let mut bare = figure.clone();
         // Their names stay, for the legend.
-        let mut curves = figure.curves.clone();
-        curves.retain(|curve| !curve.points.is_empty());
-        for curve in &mut figure.curves {
+        for curve in &mut bare.curves {
             curve.points.clear();
         }
+        let y = along_y(graph, &figure);
         Shown {
             graph,
             figure,
+            bare,
             y,
-            curves,
         }
     });
-    let has_readings = |shown: &Shown| !shown.curves.is_empty();
+    let has_readings = |shown: &Shown| shown.figure.curves.iter().any(|c| !c.points.is_empty());
     graphs.into_iter().filter(has_readings).collect()
 }
 
