@@ -220,7 +220,7 @@ pub fn poses_in_words(labels: impl IntoIterator<Item = i64>) -> String {
 
 /// Labels of the plan that are not measured yet.
 pub fn missing_labels(session: &Session) -> impl Iterator<Item = i64> + '_ {
-    // The window asks in every frame: plans are short, measurements may be very many.
+    // Plans are short, measurements may be very many.
     let mut planned: Vec<i64> = session.plan.iter().map(|pose| pose.label).collect();
     planned.sort_unstable();
     let measured = session.measurements.labels.iter();
@@ -228,10 +228,4 @@ pub fn missing_labels(session: &Session) -> impl Iterator<Item = i64> + '_ {
     let measured: HashSet<i64> = measured.copied().collect();
     let planned = session.plan.iter().map(|pose| pose.label);
     planned.filter(move |label| !measured.contains(label))
-}
-
-/// Number of poses of the plan that are not measured yet.
-#[must_use]
-pub fn missing(session: &Session) -> usize {
-    missing_labels(session).count()
 }

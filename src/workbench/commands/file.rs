@@ -14,7 +14,7 @@ use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, 
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::importing::{Opened, open as open_any};
-use tautline_workflow::planning::missing;
+use tautline_workflow::planning::missing_labels;
 use tautline_workflow::session_file::recover_unsaved;
 use tautline_workflow::templates::Template;
 use tautline_workflow::{clock, samples};
@@ -410,10 +410,13 @@ fn open(model: &mut Model, opening: Opening) {
 
 /// Where to go on: at a measuring run that was interrupted, with what was measured, or at the beginning.
 fn first_phase(session: &Session) -> Phase {
-    match (session.measurements.is_empty(), missing(session)) {
+    match (
+        session.measurements.is_empty(),
+        missing_labels(session).next(),
+    ) {
         (true, _) => Phase::Precalibration,
-        (false, 0) => Phase::Identification,
-        (false, _) => Phase::Measuring,
+        (false, None) => Phase::Identification,
+        (false, Some(_)) => Phase::Measuring,
     }
 }
 

@@ -13,6 +13,7 @@ use super::edit::{Edit, History, Inputs};
 use tautline_workflow::clock;
 pub use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::identification::{Identification, IdentificationDocument};
+use tautline_workflow::planning::missing_labels;
 use tautline_workflow::precalibration::Calibration;
 
 /// Numbers of inputs, never used twice, so that a result that comes late belongs to no other session. A session is known
@@ -82,6 +83,7 @@ pub struct OpenSession {
     fit: Option<Computed<Identification>>,
     diagnosis: Option<Computed<Diagnosed>>,
     calibration: OnceLock<Arc<Calibration>>,
+    missing: OnceLock<Vec<i64>>,
 }
 
 impl OpenSession {
@@ -105,6 +107,7 @@ impl OpenSession {
             fit: None,
             diagnosis: None,
             calibration: OnceLock::new(),
+            missing: OnceLock::new(),
         }
     }
 
@@ -273,6 +276,7 @@ impl OpenSession {
             }
         }
         self.session.modified = self.session.modified.max(clock::now());
+        self.missing.take();
         if let Some(calibration) = self.calibration.get()
             && !calibration.is_of(&self.session)
         {
@@ -285,6 +289,13 @@ impl OpenSession {
     pub fn calibration(&self) -> &Arc<Calibration> {
         self.calibration
             .get_or_init(|| Arc::new(Calibration::of(&self.session)))
+    }
+
+    /// Labels of the plan that are not measured yet, in its order; looked up again when the session has changed.
+    #[must_use]
+    pub fn missing(&self) -> &[i64] {
+        self.missing
+            .get_or_init(|| missing_labels(&self.session).collect())
     }
 
     /// The identification that the session keeps from before it was opened.

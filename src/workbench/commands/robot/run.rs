@@ -9,7 +9,7 @@ use tautline_session::{MeasuredPose, Phase as LogPhase};
 use super::adjust::{not_recorded, refuses};
 use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending};
 use crate::model::{Model, OpenSession, UiRequest};
-use tautline_workflow::planning::{missing, missing_labels, poses_in_words};
+use tautline_workflow::planning::poses_in_words;
 
 /// What readings are compared with: the identified model where it is up to date, else the description.
 fn reference(open: &OpenSession) -> Robot {
@@ -30,10 +30,10 @@ pub(super) fn start(model: &mut Model) {
         return;
     }
     let session = open.session();
-    if missing(session) == 0 {
+    if open.missing().is_empty() {
         return;
     }
-    let missing = poses_in_words(missing_labels(session));
+    let missing = poses_in_words(open.missing().iter().copied());
     let planned = session.plan.iter();
     let plan: Vec<(i64, Pose)> = planned.map(|pose| (pose.label, pose.pose())).collect();
     let measured = session.measurements.labels.clone();

@@ -4,7 +4,6 @@ use super::{Action, NextStep, connecting, identify, plan, waits};
 use crate::model::command::{PLANNING, RobotCommand};
 use crate::model::phase::{Phase, Progress};
 use crate::model::{Model, OpenSession, phase_status};
-use tautline_workflow::planning::missing;
 use tautline_workflow::wording::sentence;
 
 pub(super) fn of(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
@@ -19,12 +18,12 @@ pub(super) fn of(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
     if let Some(waits) = waits(model) {
         return waits;
     }
-    let missing = missing(session);
-    if missing == 0 && session.measurements.is_empty() {
+    let is_complete = open.missing().is_empty();
+    if is_complete && session.measurements.is_empty() {
         let then = "Then: connect the controller and measure.";
         return NextStep::new(status, Some(plan(poses)), then);
     }
-    if missing == 0 {
+    if is_complete {
         let then = "Then: check whether the model explains the readings.";
         return match open.fit_is_current() {
             true => NextStep::new(status, Some(Action::go(Phase::Identification)), ""),

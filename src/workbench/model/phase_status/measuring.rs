@@ -2,14 +2,13 @@
 
 use crate::model::OpenSession;
 use crate::model::phase::{PhaseStatus, Progress};
-use tautline_workflow::planning::{missing_labels, poses_in_words};
+use tautline_workflow::planning::poses_in_words;
 
 /// How many poses are measured and how many are still planned.
 pub(super) fn whole(open: &OpenSession) -> PhaseStatus {
     let session = open.session();
     let labels = || session.measurements.labels.iter().copied();
-    let missing: Vec<i64> = missing_labels(session).collect();
-    match (labels().next(), &missing[..]) {
+    match (labels().next(), open.missing()) {
         (None, []) => PhaseStatus::new(Progress::NotStarted, "no poses measured"),
         (None, missing) => {
             let poses = poses_in_words(missing.iter().copied());

@@ -12,7 +12,6 @@ use super::OpenSession;
 use super::open_session::Stored;
 use super::phase::{Phase, PhaseStatus, Progress};
 use tautline_workflow::identification::FitVerdict;
-use tautline_workflow::planning::missing;
 use tautline_workflow::wording::count;
 
 /// How far a phase of this session is.
@@ -50,9 +49,9 @@ fn identification(open: &OpenSession) -> PhaseStatus {
             PhaseStatus::new(Progress::Attention, "elongation is extrapolated")
         }
         _ if !fit.solution.converged() => PhaseStatus::new(Progress::Attention, "did not converge"),
-        FitVerdict::Adequate if missing(open.session()) > 0 => {
+        FitVerdict::Adequate if !open.missing().is_empty() => {
             let poses = fit.dataset.measurements.len();
-            let planned = poses + missing(open.session());
+            let planned = poses + open.missing().len();
             let line = format!("from {poses} of {planned} poses: {}", explains.words());
             PhaseStatus::new(Progress::InProgress, line)
         }

@@ -29,6 +29,8 @@ pub struct PanelState {
     asked: Option<(u64, Vec<PlannedPose>)>,
     /// Rows of the table of poses, of a document and its revision.
     rows: Memo<(u64, u64), Vec<poses::Row>>,
+    /// How many poses of a plan are measured, by document, revision and length of the plan.
+    done: Memo<(u64, u64, usize), usize>,
     /// The pose that the table was scrolled to last.
     scrolled_to: Option<i64>,
     /// The laser distance that is typed.
@@ -52,6 +54,7 @@ impl Default for PanelState {
             goal_mm: 1.0,
             asked: None,
             rows: Memo::default(),
+            done: Memo::default(),
             scrolled_to: None,
             typed: asking::Typed::default(),
             shows_faults: false,

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use egui::{CollapsingHeader, DragValue, Ui};
 use tautline_core::planning::DesignCriteria;
+use tautline_session::Session;
 
 use super::PanelState;
 use crate::model::command::EXPECTING;
@@ -21,7 +22,6 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
         return;
     };
     let session = open.session();
-    let remembered = &mut *panel;
     if session.plan.is_empty() {
         if session.measurements.is_empty() {
             muted(
@@ -47,19 +47,11 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
         }
         None => return,
     };
-    // This is asked in every frame: plans are short, measurements may be very many.
-    let planned = outlook.poses.iter().map(|pose| pose.label);
-    let mut open_yet: HashSet<i64> = planned.filter(|label| *label != 0).collect();
-    let of_plan = open_yet.len();
-    let excluded = session.excluded();
-    let measured = session.measurements.labels.iter();
-    for label in measured.filter(|label| !excluded.contains(label)) {
-        open_yet.remove(label);
-    }
-    let done = of_plan - open_yet.len();
+    let key = (open.id(), open.revision(), outlook.poses.len());
+    let done = *panel.done.get(key, || done(outlook, session));
     let words = words(outlook);
     let kind = match outlook.expected.mean_m {
-        Some(sd_m) if sd_m * 1e3 <= remembered.goal_mm => Verdict::Good,
+        Some(sd_m) if sd_m * 1e3 <= panel.goal_mm => Verdict::Good,
         Some(_) => Verdict::Neutral,
         None => Verdict::Doubtful,
     };
@@ -68,11 +60,11 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
         muted(ui, &sentence);
     }
     if let Some(table) = &outlook.isolability {
-        faults(ui, table, &mut remembered.shows_faults);
+        faults(ui, table, &mut panel.shows_faults);
     }
-    goal(ui, &mut remembered.goal_mm);
-    course(ui, outlook, (done, remembered.goal_mm));
-    enough(ui, outlook, remembered.goal_mm, done);
+    goal(ui, &mut panel.goal_mm);
+    course(ui, outlook, (done, panel.goal_mm));
+    enough(ui, outlook, panel.goal_mm, done);
     CollapsingHeader::new("Show details").show(ui, |ui| details(ui, outlook));
 }
 
@@ -102,6 +94,20 @@ fn faults(ui: &mut Ui, table: &IsolabilityTable, is_shown: &mut bool) {
         );
     });
     fault_window(ui, table, is_shown);
+}
+
+/// How many of the poses are measured and not left out, home not counted.
+fn done(outlook: &PlanSummary, session: &Session) -> usize {
+    let planned = outlook.poses.iter().map(|pose| pose.label);
+    let mut open_yet: HashSet<i64> = planned.filter(|label| *label != 0).collect();
+    let of_plan = open_yet.len();
+    let excluded = session.excluded();
+    // Plans are short, measurements may be very many.
+    let measured = session.measurements.labels.iter();
+    for label in measured.filter(|label| !excluded.contains(label)) {
+        open_yet.remove(label);
+    }
+    of_plan - open_yet.len()
 }
 
 fn words(outlook: &PlanSummary) -> String {

@@ -13,7 +13,6 @@ use crate::model::messages::full_sentence;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 use tautline_workflow::identification::RESIDUAL;
-use tautline_workflow::planning::missing;
 use tautline_workflow::wording::count_are;
 use tautline_workflow::wording::units::signed;
 
@@ -26,7 +25,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
         return;
     };
     let session = open.session();
-    let missing = missing(session);
+    let missing = open.missing().len();
     let begun = !session.measurements.is_empty();
     if session.plan.is_empty() && model.link.run.is_none() && !model.link.is_connected() {
         return;
