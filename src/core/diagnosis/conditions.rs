@@ -136,6 +136,21 @@ impl Conditions {
         (0..self.poses).filter(has).collect()
     }
 
+    /// `x^T C x` of each column, with the covariance `C` of the conditions where classes have these variances.
+    pub fn variances(&self, variance: &[f64], columns: &DMatrix<f64>) -> Vec<f64> {
+        let mut sums = vec![0.0; columns.ncols()];
+        for block in &self.blocks {
+            let own = columns.rows(block.conditions.start, block.conditions.len());
+            let rows = block.basis.tr_mul(&own);
+            for (sum, column) in sums.iter_mut().zip(rows.column_iter()) {
+                for (value, class) in column.iter().zip(&block.classes) {
+                    *sum += class.map_or(1.0, |k| variance[k]) * value * value;
+                }
+            }
+        }
+        sums
+    }
+
     /// Noise with these variances of the classes.
     pub fn noise(&self, variance: &[f64]) -> Noise<'_> {
         let mut noise = Noise {

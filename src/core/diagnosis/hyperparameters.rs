@@ -31,7 +31,7 @@ const SETTLED: f64 = 0.05;
 /// By how much a step may lower the logarithm of the posterior density.
 const TOLERATED: f64 = 0.05;
 /// Makes directions of the fixed parameters that nothing determines regular.
-const RIDGE: f64 = 1e-11;
+pub(super) const RIDGE: f64 = 1e-11;
 
 /// Variance factor and amplitude of every class.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,12 +12,13 @@ use super::approach::approach;
 use super::candidates::is_alike;
 use super::catalogue::Catalogue;
 use super::complete::Comparison;
+use super::conditions::joined;
 use super::evidence::{Member, System};
 use super::exploration::{Visibility, explore};
 use super::fit::Fit;
 use super::gram::Gram;
 use super::grouping::united;
-use super::hyperparameters::{Hyperparameters, Linear};
+use super::hyperparameters::{AMPLITUDES, Hyperparameters, Linear, RIDGE};
 use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
 use super::progress::Reporter;
 use super::reading_id::ReadingId;
@@ -52,7 +53,6 @@ pub(super) struct Inference<'a> {
     pub columns: DMatrix<f64>,
     catalogue: Catalogue,
     present: Vec<Member>,
-    generators: DMatrix<f64>,
 }
 
 impl Inference<'_> {
@@ -137,24 +137,44 @@ impl Inference<'_> {
     }
 
     /// Standard deviations of the columns' parameters of each cause, in the noise and the background that there is, over
-    /// those in the noise as described.
+    /// those in the noise as described, whose weights the fit has.
+    ///
+    /// With the derivatives `Z`, the prior `R`, `N = Z^T Z + R` and the covariance `C` of noise and background, an estimate
+    /// in other weights has the covariance `N^-1 (Z^T C Z + R) N^-1` (White 1980), in the noise as described `N^-1`.
     pub fn spread(&self) -> Vec<Vec<f64>> {
-        let variance = |at: &Hyperparameters| {
-            let none = DMatrix::zeros(self.linear.conditions.count, 0);
-            let base = self.linear.base(at, &none);
-            let mut gram = Gram::new(&self.linear, base, &self.catalogue, &self.generators);
-            System::new(&mut gram, &self.present).covariance.diagonal()
+        let conditions = &self.linear.conditions;
+        let fixed = self.linear.fixed.ncols();
+        let mut derivatives = joined(&[&self.linear.fixed, &self.columns]);
+        for mut column in derivatives.columns_mut(0, fixed).column_iter_mut() {
+            column.try_normalize_mut(f64::MIN_POSITIVE);
+        }
+        let width = derivatives.ncols();
+        let mut normal = derivatives.tr_mul(&derivatives);
+        for k in 0..width {
+            normal[(k, k)] += if k < fixed { RIDGE } else { 1.0 };
+        }
+        let first = self.first_columns();
+        let Some(inverse) = normal.cholesky().map(|factor| factor.inverse()) else {
+            return first.windows(2).map(|w| vec![1.0; w[1] - w[0]]).collect();
         };
-        let (is, described) = (variance(&self.at), variance(&self.linear.described()));
-        let mut at = 0;
-        let of = |(index, _): &Member| {
-            let count = self.catalogue.candidates[*index].columns.len();
-            let ratio = |k: usize| (is[k] / described[k]).sqrt();
-            let own = (at..at + count).map(ratio).collect();
-            at += count;
-            own
+        let of_causes = inverse.columns(fixed, width - fixed).into_owned();
+        let weights = &derivatives * &of_causes;
+        let mut square = conditions.variances(&self.at.variance, &weights);
+        let shapes = self.linear.shapes.iter().zip(&self.at.amplitude);
+        for (shape, amplitude) in shapes.filter(|(_, amplitude)| **amplitude > 0) {
+            for functions in [&shape.columns, &shape.simple] {
+                let along = functions.tr_mul(&weights) * AMPLITUDES[*amplitude];
+                for (square, along) in square.iter_mut().zip(along.column_iter()) {
+                    *square += along.norm_squared();
+                }
+            }
+        }
+        let ratio = |k: usize| {
+            let of_prior = of_causes.column(k).rows_range(fixed..).norm_squared();
+            ((square[k] + of_prior) / of_causes[(fixed + k, k)]).sqrt()
         };
-        self.present.iter().map(of).collect()
+        let of_cause = |w: &[usize]| (w[0]..w[1]).map(ratio).collect();
+        first.windows(2).map(of_cause).collect()
     }
 }
 
@@ -319,7 +339,6 @@ pub(super) fn at_fit<'a>(
         linear,
         catalogue,
         present,
-        generators,
         ..
     } = at;
     Inference {
@@ -329,7 +348,6 @@ pub(super) fn at_fit<'a>(
         columns,
         catalogue,
         present,
-        generators,
         fit,
     }
 }
