@@ -24,7 +24,7 @@ const MOST_PERIODS: f64 = 300.0;
 /// the choices of so many.
 const SHARED: f64 = 0.05;
 /// Share of an effect's prior probability that is for one cable, for all cables alike and for each its own value.
-const SHARES: [f64; 3] = [0.65, 0.15, 0.1];
+const SHARES: [f64; 3] = [0.5, 0.3, 0.1];
 /// The same for some cables with values of their own: evenly over their number, then over the choices of so many.
 const SEVERAL: f64 = 0.1;
 /// Correlation of the values that cables have of their own.

@@ -11,7 +11,7 @@ use super::hyperparameters::Hyperparameters;
 use super::linear_fit::LinearFit;
 use super::progress::Reporter;
 use super::report::Cause;
-use super::search::{Search, Set, Visited, settled};
+use super::search::{INEXACT, Search, Set, Visited, set_of, settled};
 
 /// Most points of the hyperparameters at each fit.
 const MOST_POINTS: usize = 5;
@@ -103,6 +103,11 @@ pub(super) fn explore(
             search.drop_from_all();
             search.run(MOST_EXTENDED, &mut || report.stage(Stage::Scores, findings));
         }
+        search.around(&at.present);
+        search.exchange(&at.present);
+        if let Some(top) = search.best().map(|best| best.members.clone()) {
+            search.exchange(&top);
+        }
         let visited = search.visited;
         points.push(Point {
             gram,
@@ -112,7 +117,7 @@ pub(super) fn explore(
         if !asked.is_empty() {
             continue;
         }
-        let ranking = ranked(&mut points, WORTH_SETTLING);
+        let ranking = ranked(&mut points, WORTH_SETTLING, &at.present);
         let Some((members, _)) = ranking.first() else {
             break;
         };
@@ -130,13 +135,14 @@ pub(super) fn explore(
         visibility: points
             .first()
             .map_or_else(Vec::new, |point| visibility(&point.gram)),
-        ranking: ranked(&mut points, COUNTED),
+        ranking: ranked(&mut points, COUNTED, &at.present),
         at: found,
     }
 }
 
-/// The sets of all points with their posteriors, the best first, down to some below it.
-fn ranked(points: &mut [Point<'_>], counted: f64) -> Vec<(Vec<Member>, f64)> {
+/// The sets of all points with their posteriors, the best first, down to some below it and below the present one: sets that
+/// seem better than that may be worse when they are fitted.
+fn ranked(points: &mut [Point<'_>], counted: f64, present: &[Member]) -> Vec<(Vec<Member>, f64)> {
     // Where each set is best.
     let mut best: HashMap<Set, (usize, f64)> = HashMap::new();
     for (place, point) in points.iter().enumerate() {
@@ -150,29 +156,46 @@ fn ranked(points: &mut [Point<'_>], counted: f64) -> Vec<(Vec<Member>, f64)> {
     }
     let values = best.values().map(|(_, value)| *value);
     let top = values.fold(f64::NEG_INFINITY, f64::max);
+    let present = set_of(present);
+    let least = best.get(&present).map_or(top, |(_, value)| *value);
     let mut ranking: Vec<(Vec<Member>, f64)> = Vec::new();
-    // A complete fit may make more of the likeliest set without one of the causes of the best.
-    let rivals: Vec<Set> = if counted < COUNTED {
-        Vec::new()
-    } else {
-        let all = || best.iter().filter(|(_, (_, value))| *value > top - RIVAL);
-        let likeliest = all().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
-        let causes = likeliest.map_or(&[][..], |(set, _)| set.as_slice());
-        let without = |cause: &usize| {
-            let sets = all().filter(|(set, _)| !set.contains(cause));
-            let order = |a: &(&Set, &(usize, f64)), b: &(&Set, &(usize, f64))| {
-                a.1.1.total_cmp(&b.1.1).then_with(|| b.0.cmp(a.0))
-            };
-            Some(sets.max_by(order)?.0.clone())
-        };
-        causes.iter().filter_map(without).collect()
+    let order = |a: &(&Set, &(usize, f64)), b: &(&Set, &(usize, f64))| {
+        a.1.1.total_cmp(&b.1.1).then_with(|| b.0.cmp(a.0))
     };
+    let mut rivals: Vec<Set> = Vec::new();
+    if counted >= COUNTED {
+        let likeliest = best.iter().max_by(order).map(|(set, _)| set.clone());
+        for causes in likeliest.iter().chain([&present]) {
+            let Some((_, own)) = best.get(causes) else {
+                continue;
+            };
+            for cause in causes {
+                // A complete fit may make more of the likeliest set without one of the causes.
+                let without = |(set, (_, value)): &(&Set, &(usize, f64))| {
+                    *value > own - RIVAL && !set.contains(cause)
+                };
+                // A linear comparison of what explains much is off by more.
+                let others: Set = causes.iter().copied().filter(|c| c != cause).collect();
+                let explained = best.get(&others).map_or(0.0, |(_, value)| own - value);
+                let exchanged = |(set, (_, value)): &(&Set, &(usize, f64))| {
+                    *value > own - INEXACT * explained
+                        && set.len() == causes.len()
+                        && !set.contains(cause)
+                        && others.iter().all(|other| set.contains(other))
+                };
+                let without = best.iter().filter(without).max_by(order);
+                let exchanged = best.iter().filter(exchanged).max_by(order);
+                let both = without.into_iter().chain(exchanged);
+                rivals.extend(both.map(|(set, _)| set.clone()));
+            }
+        }
+    }
     for (set, (place, value)) in best {
-        if value < top - counted && !rivals.contains(&set) {
+        if value < least - counted && !rivals.contains(&set) {
             continue;
         }
         let mut visited = points[place].visited[&set].clone();
-        if value > top - WORTH_SETTLING {
+        if value > least - WORTH_SETTLING {
             // Members have the scales that suited the set that they were added to.
             visited = settled(&mut points[place].gram, &visited.members);
         }

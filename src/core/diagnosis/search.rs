@@ -19,6 +19,8 @@ const KEPT: f64 = 9.0;
 const REDUCED: usize = 8;
 /// How many are tried in place of a family, each extended by another.
 const IN_PLACE: usize = 4;
+/// Share of what a cause explains by which a linear comparison of what stands in its place may be off.
+pub(super) const INEXACT: f64 = 0.05;
 /// Most extensions of one set that are kept.
 const MOST_KEPT: usize = 40;
 
@@ -60,7 +62,16 @@ pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> Visited {
     }
 }
 
-fn set_of(members: &[Member]) -> Set {
+/// A set without each of its members.
+fn each_left_out(members: &[Member]) -> impl Iterator<Item = Vec<Member>> {
+    (0..members.len()).map(|left_out| {
+        let mut fewer = members.to_vec();
+        fewer.remove(left_out);
+        fewer
+    })
+}
+
+pub(super) fn set_of(members: &[Member]) -> Set {
     let mut set: Set = members.iter().map(|m| m.0).collect();
     set.sort_unstable();
     set
@@ -133,27 +144,42 @@ impl<'g, 'l> Search<'g, 'l> {
             if !go_on() {
                 return;
             }
-            self.extend(&members);
-            for left_out in 0..members.len() {
-                let mut fewer = members.clone();
-                fewer.remove(left_out);
+            self.extend(&members, self.top());
+            for fewer in each_left_out(&members) {
                 if !self.extended.contains(&set_of(&fewer)) {
                     self.visit(&fewer);
-                    self.extend(&fewer);
+                    self.extend(&fewer, self.top());
                 }
             }
         }
     }
 
-    /// Evaluates a set with each further candidate.
-    fn extend(&mut self, members: &[Member]) {
+    /// Looks at sets near one that seems to be far from the best, which a complete fit may show to be none.
+    pub fn around(&mut self, members: &[Member]) {
+        let value = self.settle(members);
+        if self.top() - value < NEAR {
+            return;
+        }
+        self.extend(members, value);
+        for fewer in each_left_out(members) {
+            self.visit(&fewer);
+            self.extend(&fewer, value);
+        }
+    }
+
+    /// Value of the best set.
+    fn top(&self) -> f64 {
+        self.best().map_or(f64::NEG_INFINITY, |b| b.log_posterior)
+    }
+
+    /// Evaluates a set with each further candidate; what is far below `top` is left out.
+    fn extend(&mut self, members: &[Member], top: f64) {
         self.extended.insert(set_of(members));
         if members.len() >= self.most {
             return;
         }
         let system = System::extensible(self.gram, members);
-        let best = self.best().map_or(f64::NEG_INFINITY, |b| b.log_posterior);
-        let least = best - KEPT - system.log_posterior;
+        let least = top - KEPT - system.log_posterior;
         let all = self.gram.candidates;
         let allowed = |index: &usize| {
             let candidate = &all[*index];
@@ -177,6 +203,38 @@ impl<'g, 'l> Search<'g, 'l> {
         // What signs say of the whole set is known once it is evaluated as a whole.
         if let Some(best) = self.next().filter(|m| m.len() == members.len() + 1) {
             self.settle(&best);
+        }
+    }
+
+    /// Puts in the place of each cause of a set that explains much the likeliest other effect, though it is clearly worse
+    /// here.
+    pub fn exchange(&mut self, members: &[Member]) {
+        let all = self.gram.candidates;
+        let whole = self.visit(members);
+        for ((cause, _), mut fewer) in members.iter().zip(each_left_out(members)) {
+            let system = System::extensible(self.gram, &fewer);
+            let off = INEXACT * (whole - system.log_posterior);
+            if off < KEPT {
+                continue;
+            }
+            let is_asked = |index: &usize| {
+                let candidate = &all[*index];
+                !std::ptr::eq(candidate.effect(), all[*cause].effect())
+                    && fewer.iter().all(|m| !candidate.excludes(&all[m.0]))
+            };
+            let gains = (0..all.len()).filter(is_asked).filter_map(|index| {
+                let (gain, scale) = system.gain(self.gram, index, f64::NEG_INFINITY)?;
+                Some((gain, (index, scale)))
+            });
+            let Some((gain, other)) = gains.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+                continue;
+            };
+            let value = system.log_posterior + gain;
+            self.record(fewer.clone(), system.log_posterior);
+            if value > whole - off {
+                fewer.push(other);
+                self.record(fewer, value);
+            }
         }
     }
 
@@ -212,7 +270,7 @@ impl<'g, 'l> Search<'g, 'l> {
                 let mut instead = fewer.clone();
                 instead.push(member);
                 if !self.extended.contains(&set_of(&instead)) {
-                    self.extend(&instead);
+                    self.extend(&instead, self.top());
                 }
             }
         }
