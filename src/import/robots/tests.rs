@@ -157,25 +157,7 @@ fn what_is_wrong_is_named_with_its_place() {
 }
 
 /// One cable over a pulley whose axis is x, one from a point of radius 0; as WireX writes them.
-const WIREX: &str = r#"<models version="0.32">
-  <robot generator="Wirelib Model writer" motionpattern="3R3T">
-    <geometry>
-      <chain id="1" winchtype="IPAnema-Winch">
-        <base x="0" y="0" z="0" a11="0" a21="0" a31="-1" a12="0" a22="1" a32="0" a13="1" a23="0" a33="0" radius="0.1" />
-        <platform x="0.1" y="0" z="0" a11="1" a21="0" a31="0" a12="0" a22="1" a32="0" a13="0" a23="0" a33="1" />
-      </chain>
-      <chain id="2" winchtype="IPAnema-Winch">
-        <base x="4" y="0" z="3" radius="0" />
-        <platform x="0" y="0" z="0" />
-      </chain>
-    </geometry>
-    <platform name="p" description="d" mass="12.5" swing_angle="50">
-      <inertiatensor Ixx="2" Ixy="0" Ixz="0" Iyx="0" Iyy="3" Iyz="0" Izx="0" Izy="0" Izz="4" />
-      <centerofgravity x="0" y="0" z="0.1" />
-    </platform>
-    <controller ipo_clock="4" />
-  </robot>
-</models>"#;
+const WIREX: &str = include_str!("../../../tests/fuzz/seeds/foreign_file/model.wcrfx");
 
 /// Length of a cable of WireX: the arc from the base point to the tangent point, by the law of cosines in the triangle of
 /// base point, centre of the pulley and anchor, and the straight rest.
