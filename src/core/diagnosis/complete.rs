@@ -121,6 +121,17 @@ impl Comparison {
         self.fits += 1;
     }
 
+    /// Leaves out all sets with these causes, which a fit has shown to be impossible together.
+    pub fn exclude(&mut self, causes: &[usize]) {
+        let has = |set: &Compared, cause: &usize| set.members.iter().any(|m| m.0 == *cause);
+        for set in &mut self.sets {
+            if causes.iter().all(|cause| has(set, cause)) {
+                set.change = Some(f64::NEG_INFINITY);
+            }
+        }
+        self.fits -= 1;
+    }
+
     /// The sets, the likeliest first.
     pub fn ranking(self) -> Vec<Ranked> {
         let values = self.values();

@@ -165,6 +165,14 @@ impl System {
         gram.candidates[index].log_odds + more_together(gram, &self.members, index)
     }
 
+    /// Share of what the readings say of the first parameter of a further candidate that is left when the members are
+    /// estimated, too.
+    pub fn left_of(&self, gram: &Gram<'_>, index: usize) -> f64 {
+        let whole = gram.own[index].information[(0, 0)];
+        let left = whole - self.taken[gram.first[index] - self.offset];
+        left / whole.max(f64::MIN_POSITIVE)
+    }
+
     /// By how much the logarithm of the posterior rises with a further candidate, and its best scale; nothing where that is
     /// clearly below `least`.
     pub fn gain(&self, gram: &Gram<'_>, index: usize, least: f64) -> Option<(f64, usize)> {

@@ -23,6 +23,7 @@ use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
 use super::progress::Reporter;
 use super::reading_id::ReadingId;
 use super::report::Cause;
+use super::search::alike_together;
 use super::{DiagnosisOptions, Stage};
 use crate::estimation::{EstimationError, Problem};
 
@@ -263,6 +264,12 @@ pub(super) fn infer<'a>(
                 f64::NEG_INFINITY
             };
             compared.fitted(place, value);
+            if value == f64::NEG_INFINITY {
+                let alike = alike_together(&mut gram, compared.members(place));
+                if alike.len() > 1 {
+                    compared.exclude(&alike);
+                }
+            }
             fitted.push((compared.causes(place).to_vec(), value));
             if value > best.as_ref().map_or(own, |b| b.0) {
                 best = Some((value, refit));

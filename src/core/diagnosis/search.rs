@@ -21,6 +21,8 @@ const REDUCED: usize = 8;
 const IN_PLACE: usize = 4;
 /// Share of what a cause explains by which a linear comparison of what stands in its place may be off.
 pub(super) const INEXACT: f64 = 0.05;
+/// Share of what the readings say of a cause below which others are alike together.
+const ALIKE: f64 = 0.05;
 /// Most extensions of one set that are kept.
 const MOST_KEPT: usize = 40;
 
@@ -75,6 +77,17 @@ pub(super) fn set_of(members: &[Member]) -> Set {
     let mut set: Set = members.iter().map(|m| m.0).collect();
     set.sort_unstable();
     set
+}
+
+/// The members of which the others say nearly the same together, as a heavier platform, stiffer cables and force sensors that
+/// read less do: a linear comparison takes what noise changes in their derivatives for a reason to prefer them.
+pub(super) fn alike_together(gram: &mut Gram<'_>, members: &[Member]) -> Vec<usize> {
+    let each = members.iter().zip(each_left_out(members));
+    each.filter_map(|((index, _), others)| {
+        let left = System::extensible_by(gram, &others, *index).left_of(gram, *index);
+        (left < ALIKE).then_some(*index)
+    })
+    .collect()
 }
 
 impl<'g, 'l> Search<'g, 'l> {
