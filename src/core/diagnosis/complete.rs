@@ -225,11 +225,30 @@ mod tests {
         assert_eq!(compared.values(), [0.0, -9.0, -1.0]);
     }
 
+    /// 1 and 2 are impossible together, and so are they with 3 beside them; another set is fitted instead, and that fit is not
+    /// counted.
+    #[test]
+    fn sets_with_causes_that_are_impossible_together_are_left_out() {
+        let mut compared = Comparison {
+            sets: vec![
+                set(&[1, 2], 0.0),
+                set(&[1, 2, 3], -1.0),
+                set(&[1, 4], -300.0),
+            ],
+            fits: 0,
+        };
+        assert_eq!(compared.next(), Some(0));
+        compared.fitted(0, f64::NEG_INFINITY);
+        compared.exclude(&[1, 2]);
+        assert_eq!(compared.fits, 0);
+        assert_eq!(compared.next(), Some(2));
+    }
+
     /// A set that is far below the best is fitted if it is the likeliest without one of the causes.
     #[test]
     fn the_likeliest_set_without_each_cause_is_fitted() {
         let mut compared = Comparison {
-            sets: vec![set(&[1, 2], 0.0), set(&[3, 2], -8.0), set(&[1, 4], -20.0)],
+            sets: vec![set(&[1, 2], 0.0), set(&[3, 2], -8.0), set(&[4], -24.0)],
             fits: 0,
         };
         compared.sets[0].change = Some(0.0);

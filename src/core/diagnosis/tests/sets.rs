@@ -3,13 +3,14 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::super::candidates::Acts;
+use super::super::conditions::joined;
 use super::super::evidence::{Member, System};
 use super::super::gram::Gram;
-use super::super::inference::is_same_cause;
+use super::super::inference::{at_fit, is_same_cause};
 use super::super::linear_fit::LinearFit;
 use super::super::report::Cause;
 use super::super::search::{Search, Visited, settled};
-use super::{Fit, based, run_with, setting};
+use super::{DiagnosisOptions, Fit, based, diagnosed, found, run_with, setting};
 use crate::effect::{BoundEffect, EffectSetting};
 
 fn causes() -> Vec<EffectSetting> {
@@ -220,4 +221,62 @@ fn the_search_scores_as_enumeration_does() {
         (found / exact - 1.0).abs() < 0.05,
         "{found} instead of {exact}"
     );
+}
+
+#[test]
+fn standard_deviations_are_those_of_the_weights_of_the_fit_in_the_noise_that_there_is() {
+    let dataset = run_with("planar", 12, 31, &causes()).dataset;
+    let problem = based(&dataset);
+    let bound = |s: &EffectSetting| BoundEffect::from_setting(s, &dataset.robot).unwrap();
+    let cause = |s: &EffectSetting| Cause {
+        instances: vec![bound(s)],
+    };
+    let causes: Vec<Cause> = causes().iter().map(cause).collect();
+    let fit = Fit::new(&problem, &causes).unwrap();
+    let mut inference = at_fit(fit, &DiagnosisOptions::default(), Vec::new(), &[]);
+    inference.at = inference.linear.described();
+    for ratio in inference.spread().iter().flatten() {
+        // But for what makes the normal equations regular.
+        assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
+    }
+    for (k, variance) in inference.at.variance.iter_mut().enumerate() {
+        *variance = 0.5 + 0.3 * k as f64;
+    }
+    let linear = &inference.linear;
+    let fixed = linear.fixed.ncols();
+    let all = joined(&[&linear.fixed, &inference.columns]);
+    let mut prior = DMatrix::zeros(all.ncols(), all.ncols());
+    prior
+        .view_mut((fixed, fixed), (all.ncols() - fixed, all.ncols() - fixed))
+        .fill_with_identity();
+    let mut whitening = DMatrix::identity(linear.conditions.count, linear.conditions.count);
+    linear
+        .conditions
+        .noise(&inference.at.variance)
+        .whiten(&mut whitening);
+    let covariance = whitening.tr_mul(&whitening).try_inverse().unwrap();
+    let inverse = (all.tr_mul(&all) + &prior).try_inverse().unwrap();
+    let sandwich = &inverse * (all.tr_mul(&(covariance * &all)) + prior) * &inverse;
+    let found = inference.spread();
+    let found: Vec<f64> = found.into_iter().flatten().collect();
+    assert_eq!(found.len(), all.ncols() - fixed);
+    for (k, ratio) in found.iter().enumerate() {
+        let at = fixed + k;
+        let dense = (sandwich[(at, at)] / inverse[(at, at)]).sqrt();
+        assert!((ratio - dense).abs() < 1e-6 * dense, "{ratio} {dense}");
+        assert!((dense - 1.0).abs() > 0.05, "the noise matters");
+    }
+}
+
+/// A heavier platform, stiffer cables and force sensors that read less change no reading together: with many poses a linear
+/// comparison prefers all three to what is there, and only fits show that it is wrong.
+#[test]
+fn causes_that_say_the_same_together_are_not_preferred_with_many_poses() {
+    let hidden = [
+        setting("winch_scale", &["cable-3"], &[("scale", 0.003)]),
+        setting("payload_mass", &[], &[("change", 0.05)]),
+    ];
+    let diagnosis = diagnosed(&run_with("mini", 500, 3, &hidden).dataset);
+    let expected = [("winch_scale", vec![2]), ("payload_mass", vec![])];
+    assert_eq!(found(&diagnosis), expected);
 }
