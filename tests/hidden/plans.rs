@@ -143,7 +143,7 @@ pub const STUDIES: [(&str, &str); 13] = [
 ];
 
 /// First seed of data sets of which nobody sees more than the table.
-pub const TABLE_SEED: u64 = 60_000_000;
+pub const TABLE_SEED: u64 = 80_000_000;
 /// Distance of the first seeds of two studies of the table.
 const APART: u64 = 100_000;
 /// Data sets of each study of the table.

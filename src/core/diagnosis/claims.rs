@@ -7,6 +7,8 @@ use crate::effect::Search;
 
 /// Probability from which a cause is named, or several together are listed.
 pub(super) const SURE: f64 = 0.95;
+/// Share of names that errors outside the catalogue may have at most.
+pub(super) const MOST_IMITATED: f64 = 0.03;
 /// Most causes that are listed beside one.
 const MOST_ALTERNATIVES: usize = 2;
 /// Probability from which an alternative is worth a line.
@@ -145,7 +147,7 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
                 sum += alternative.probability;
                 continue;
             }
-            if sum >= SURE
+            if sum * (1.0 - MOST_IMITATED) >= SURE
                 || kept.len() == MOST_ALTERNATIVES
                 || alternative.probability < WORTH_A_LINE
             {

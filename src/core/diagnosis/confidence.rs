@@ -2,7 +2,7 @@
 
 use super::adequacy::adequacy;
 use super::candidates::{log_rarity, size_parameter};
-use super::claims::{Claim, SURE};
+use super::claims::{Claim, MOST_IMITATED, SURE};
 use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
 use super::gain::Prediction;
@@ -28,6 +28,11 @@ const PART: f64 = 0.05;
 const SHARE: f64 = 0.2;
 /// Logarithm of the odds for a cause against an error that is in no catalogue and looks just like it.
 const LOOKS_THE_SAME: f64 = 4.5;
+/// How often an error outside the catalogue passes for a cause that explains a chi-square of 1; with more it falls by the root.
+/// And how often none of the causes of a list is there. Both were counted in simulated data, the model slightly wrong or an
+/// effect outside the catalogue hidden in some of them.
+const IMITATED: f64 = 0.5;
+const NONE_OF_THEM: f64 = 0.2;
 /// Events on one reading from which they look like a pattern, unless each stands for itself by this gain.
 const MANY_EVENTS: usize = 2;
 const LARGE_EVENT: f64 = 60.0;
@@ -258,6 +263,30 @@ pub(super) fn temper(
             probability: finding.probability * share,
         });
         finding.probability *= 1.0 - share;
+    }
+}
+
+/// States names and lists with what their evidence does not know: errors that are in no catalogue.
+///
+/// Such an error passes for a cause if what distinguishes both is lost in the noise. Of shapes that differ by a share of
+/// any size, one in `sqrt(chi-square explained)` does. What is no longer certain enough for a name is a list.
+pub(super) fn allow_for_imitations(findings: &mut [Finding]) {
+    for finding in findings {
+        if finding.verdict == Verdict::Named {
+            let explained = finding.evidence.delta_chi2.max(1.0);
+            let imitated = (IMITATED / explained.sqrt()).min(MOST_IMITATED);
+            let stated = finding.probability * (1.0 - imitated);
+            if stated >= SURE {
+                finding.probability = stated;
+                finding.alternatives.clear();
+                continue;
+            }
+            finding.verdict = Verdict::Ambiguous;
+        }
+        finding.probability *= 1.0 - NONE_OF_THEM;
+        for alternative in &mut finding.alternatives {
+            alternative.probability *= 1.0 - NONE_OF_THEM;
+        }
     }
 }
 

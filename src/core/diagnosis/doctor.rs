@@ -2,7 +2,9 @@
 
 use super::candidates::size_parameter;
 use super::claims::{claims, possible_after};
-use super::confidence::{Kept, contested, excess, judged, kept, temper, weighed};
+use super::confidence::{
+    Kept, allow_for_imitations, contested, excess, judged, kept, temper, weighed,
+};
 use super::exchange::exchanged;
 use super::exploration::Visibility;
 use super::finding::Found;
@@ -119,6 +121,7 @@ fn examine(
             (&remainder.rivals, &left),
             &scatter,
         );
+        allow_for_imitations(&mut findings);
         findings.extend(left.iter().map(|s| s.finding(fit)));
         possible = possible_after(possible, !left.is_empty());
     }

@@ -9,6 +9,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::candidates::Candidate;
 use super::catalogue::log_together;
+use super::exploration::log_sum;
 use super::gram::{Gram, Own};
 use crate::statistics::log_normal_cdf;
 
@@ -177,33 +178,93 @@ impl System {
     /// clearly below `least`.
     pub fn gain(&self, gram: &Gram<'_>, index: usize, least: f64) -> Option<(f64, usize)> {
         let candidate = &gram.candidates[index];
-        let (first, count) = (gram.first[index], candidate.columns.len());
-        let own = &gram.own[index];
         let log_odds = self.log_odds(gram, index);
-        if count == 1 {
-            let at = first - self.offset;
-            let information = (own.information[(0, 0)] - self.taken[at]).max(0.0);
-            let score = own.score[0] - self.explained[at];
-            let best = |(scale, (size, weight)): (usize, &(f64, f64))| {
-                let sd = candidate.prior[(0, 0)] * size;
-                let spread = 1.0 + information * sd * sd;
-                let mut value = 0.5 * ((score * sd).powi(2) / spread - spread.ln()) + weight;
-                if candidate.is_positive {
-                    value += log_positive(-score * sd * sd / spread, sd * sd / spread);
-                }
-                (value + log_odds, scale)
-            };
-            let all = candidate.scales.iter().enumerate().map(best);
-            let found = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
-            return (found.0 >= least).then_some(found);
+        if candidate.columns.len() == 1 {
+            let (score, information) = self.conditional_on_one(gram, index);
+            let value = |scale| (value_of_one(candidate, scale, score, information), scale);
+            let all = (0..candidate.scales.len()).map(value);
+            let (value, scale) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+            let value = value + log_odds;
+            return (value >= least).then_some((value, scale));
         }
-        let at = first - self.offset;
+        let own = self.conditional(gram, index).in_prior(candidate);
+        best_scale(candidate, &own, least).map(|(value, scale)| (value + log_odds, scale))
+    }
+
+    /// Logarithm of the evidence of a further candidate, summed over its scales, over that at its best scale.
+    pub fn log_over_scales(&self, gram: &Gram<'_>, index: usize) -> f64 {
+        let candidate = &gram.candidates[index];
+        let scales = 0..candidate.scales.len();
+        let values: Vec<f64> = if candidate.columns.len() == 1 {
+            let (score, information) = self.conditional_on_one(gram, index);
+            scales
+                .map(|scale| value_of_one(candidate, scale, score, information))
+                .collect()
+        } else {
+            let own = self.conditional(gram, index).in_prior(candidate);
+            scales
+                .filter_map(|scale| Some(own.value(candidate, scale)?.1))
+                .collect()
+        };
+        let best = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        log_sum(values.into_iter()) - best
+    }
+
+    /// What the readings say of a further candidate when the members are estimated, too.
+    fn conditional(&self, gram: &Gram<'_>, index: usize) -> Own {
+        let own = &gram.own[index];
+        let at = gram.first[index] - self.offset;
+        let count = own.score.len();
         let rows = self.shared.rows(at, count).into_owned();
-        let conditional = Own {
+        Own {
             score: &own.score - self.explained.rows(at, count),
             information: &own.information - &rows * rows.transpose(),
-        };
-        best_scale(candidate, &conditional, least).map(|(value, scale)| (value + log_odds, scale))
+        }
+    }
+
+    /// The same of one with a single column: score and information.
+    fn conditional_on_one(&self, gram: &Gram<'_>, index: usize) -> (f64, f64) {
+        let own = &gram.own[index];
+        let at = gram.first[index] - self.offset;
+        let information = (own.information[(0, 0)] - self.taken[at]).max(0.0);
+        (own.score[0] - self.explained[at], information)
+    }
+}
+
+/// Evidence of a candidate with one column at one of its scales, the prior of the scale included.
+fn value_of_one(candidate: &Candidate, scale: usize, score: f64, information: f64) -> f64 {
+    let (size, weight) = candidate.scales[scale];
+    let sd = candidate.prior[(0, 0)] * size;
+    let spread = 1.0 + information * sd * sd;
+    let mut value = 0.5 * ((score * sd).powi(2) / spread - spread.ln()) + weight;
+    if candidate.is_positive {
+        value += log_positive(-score * sd * sd / spread, sd * sd / spread);
+    }
+    value
+}
+
+impl Own {
+    /// The same in units of the prior at scale 1.
+    fn in_prior(&self, candidate: &Candidate) -> Self {
+        Self {
+            score: candidate.prior.tr_mul(&self.score),
+            information: candidate.prior.tr_mul(&self.information) * &candidate.prior,
+        }
+    }
+
+    /// In units of the prior at scale 1: half of the chi-square gained at a scale less the penalty, and the evidence.
+    fn value(&self, candidate: &Candidate, scale: usize) -> Option<(f64, f64)> {
+        let (size, weight) = candidate.scales[scale];
+        let mut matrix = &self.information * (size * size);
+        for k in 0..matrix.nrows() {
+            matrix[(k, k)] += 1.0;
+        }
+        let factor = matrix.cholesky()?;
+        let mut half = &self.score * size;
+        factor.l_dirty().solve_lower_triangular_mut(&mut half);
+        let log_determinant = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
+        let gain = 0.5 * half.norm_squared();
+        Some((gain, gain - 0.5 * log_determinant + weight))
     }
 }
 
@@ -225,29 +286,14 @@ fn divide(columns: &mut DMatrix<f64>, l: &DMatrix<f64>) {
     }
 }
 
-/// The largest evidence over the scales of a candidate, their probabilities included.
+/// The largest evidence over the scales of a candidate, their probabilities included, of what the readings say in units of
+/// the prior at scale 1.
 fn best_scale(candidate: &Candidate, own: &Own, least: f64) -> Option<(f64, usize)> {
-    let score = candidate.prior.tr_mul(&own.score);
-    let information = candidate.prior.tr_mul(&own.information) * &candidate.prior;
-    // Half of the chi-square gained less the penalty, and the evidence.
-    let value = |scale: usize| -> Option<(f64, f64)> {
-        let (size, weight) = candidate.scales[scale];
-        let mut matrix = &information * (size * size);
-        for k in 0..matrix.nrows() {
-            matrix[(k, k)] += 1.0;
-        }
-        let factor = matrix.cholesky()?;
-        let mut half = &score * size;
-        factor.l_dirty().solve_lower_triangular_mut(&mut half);
-        let log_determinant = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
-        let gain = 0.5 * half.norm_squared();
-        Some((gain, gain - 0.5 * log_determinant + weight))
-    };
-    let (gain, probe) = value(candidate.scales.len() / 2)?;
+    let (gain, probe) = own.value(candidate, candidate.scales.len() / 2)?;
     if gain < STRONG && probe + candidate.log_odds < least - PROBED {
         return None;
     }
-    let all = (0..candidate.scales.len()).filter_map(|k| Some((value(k)?.1, k)));
+    let all = (0..candidate.scales.len()).filter_map(|k| Some((own.value(candidate, k)?.1, k)));
     all.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 

@@ -203,7 +203,7 @@ fn ranked(points: &mut [Point<'_>], counted: f64, present: &[Member]) -> Vec<(Ve
             let own = if k == place {
                 visited.log_posterior
             } else {
-                System::new(&mut point.gram, &visited.members).log_posterior
+                System::new(&mut point.gram, &visited.members).log_posterior + visited.over_scales
             };
             point.of_none + own
         });

@@ -36,6 +36,8 @@ pub(super) struct Visited {
     pub members: Vec<Member>,
     /// Logarithm of evidence and prior.
     pub log_posterior: f64,
+    /// What of it is the sum over the scales of the members, where it is known.
+    pub over_scales: f64,
 }
 
 /// Sets that were evaluated at given hyperparameters.
@@ -47,20 +49,23 @@ pub(super) struct Search<'g, 'l> {
     most: usize,
 }
 
-/// A set evaluated exactly, the scale of each member chosen anew.
+/// A set evaluated exactly: the scale of each member chosen anew, and its evidence summed over the scales, those of the
+/// others being the best.
 pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> Visited {
     let mut members = members.to_vec();
+    let mut over_scales = 0.0;
     for place in 0..members.len() {
         let mut others = members.clone();
         let (index, scale) = others.remove(place);
         let system = System::extensible_by(gram, &others, index);
         let best = system.gain(gram, index, f64::NEG_INFINITY);
         members[place] = (index, best.map_or(scale, |b| b.1));
+        over_scales += system.log_over_scales(gram, index);
     }
-    let log_posterior = System::new(gram, &members).log_posterior;
     Visited {
+        log_posterior: System::new(gram, &members).log_posterior + over_scales,
+        over_scales,
         members,
-        log_posterior,
     }
 }
 
@@ -112,11 +117,13 @@ impl<'g, 'l> Search<'g, 'l> {
         let known = known.or_insert_with(|| Visited {
             members: members.clone(),
             log_posterior: f64::NEG_INFINITY,
+            over_scales: 0.0,
         });
         if log_posterior > known.log_posterior {
             *known = Visited {
                 members,
                 log_posterior,
+                over_scales: 0.0,
             };
         }
     }

@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::candidates::Candidate;
+use crate::diagnosis::exploration::log_sum;
 use crate::statistics::log_normal_cdf;
 
 /// The logarithm of the posterior odds of one candidate as a function of its score.
@@ -43,15 +44,9 @@ impl Evidence {
         }
     }
 
-    /// At the best scale.
+    /// Over all scales.
     pub fn log_odds(&self, score: &[f64]) -> f64 {
-        let value = |scale: &Scale| self.at(scale, score);
-        self.log_odds
-            + self
-                .scales
-                .iter()
-                .map(value)
-                .fold(f64::NEG_INFINITY, f64::max)
+        self.log_odds + log_sum(self.scales.iter().map(|scale| self.at(scale, score)))
     }
 
     fn at(&self, scale: &Scale, score: &[f64]) -> f64 {

@@ -92,6 +92,7 @@ fn evidence_is_that_of_the_diagnosis() {
         let own = &gram.own[index];
         let found = Evidence::new(candidate, &own.information).log_odds(own.score.as_slice());
         let (gain, _) = none.gain(&gram, index, f64::NEG_INFINITY).unwrap();
+        let gain = gain + none.log_over_scales(&gram, index);
         assert!(
             (found - gain).abs() < 1e-6 * (1.0 + gain.abs()),
             "{candidate:?}: {found} {gain}"

@@ -112,7 +112,7 @@ fn enumerated(gram: &mut Gram<'_>) -> Vec<(Vec<usize>, f64)> {
                 members[place].1 = best.1;
             }
         }
-        found.push((set.clone(), System::new(gram, &members).log_posterior));
+        found.push((set.clone(), settled(gram, &members).log_posterior));
         if set.len() < 3 {
             for next in set.last().map_or(0, |last| last + 1)..all.len() {
                 if set.iter().all(|k| !all[*k].excludes(&all[next])) {
