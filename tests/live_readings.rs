@@ -102,14 +102,14 @@ fn cycles(times_s: &[f64]) -> usize {
 #[must_use]
 pub fn markdown(all: &[Delivered]) -> String {
     let mut text = String::from(
-        "| Readings | per second | cycles of 10 ms without a reading | age when it arrives: median | 95 % | oldest |\n|---|---|---|---|---|---|\n",
+        "| readings | per second | cycles of 10 ms without a reading | age on receipt: median | 95 % | maximum |\n|---|---|---|---|---|---|\n",
     );
     for delivered in all {
         let ms = |time: Duration| time.as_millis();
         let way = match delivered.way {
-            Way::Asked(Duration::ZERO) => "asked for one after the other".to_owned(),
-            Way::Asked(pause) => format!("asked for every {} ms", ms(pause)),
-            Way::Sent(pause) => format!("sent every 10 ms, taken every {} ms", ms(pause)),
+            Way::Asked(Duration::ZERO) => "polled continuously".to_owned(),
+            Way::Asked(pause) => format!("polled every {} ms", ms(pause)),
+            Way::Sent(pause) => format!("subscribed every 10 ms, fetched every {} ms", ms(pause)),
         };
         let mut ages_s = delivered.ages_s.clone();
         ages_s.sort_by(f64::total_cmp);
