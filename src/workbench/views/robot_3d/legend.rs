@@ -3,8 +3,8 @@
 use egui::{Align2, Color32, Painter, Pos2, Rect, pos2, vec2};
 
 use super::drawing::{
-    ArrowColour, CableColour, conformity_colour, error_colour, length_colour, longest_m,
-    significance_colour, tension_colour, tension_range,
+    ArrowColour, Band, CableColour, band_colour, conformity_colour, error_colour, is_drawn,
+    length_colour, longest_m, significance_colour, tension_colour, tension_range,
 };
 use super::overlay::{SMALL, quiet, text};
 use super::picking::Picture;
@@ -48,6 +48,7 @@ pub fn paint(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pal
         };
         put(Some(legend), &mut at);
     }
+    put(bands(painter, at, picture, palette), &mut at);
     put(displacements(painter, at, picture, palette), &mut at);
     put(errors(painter, at, picture, palette), &mut at);
     drawn
@@ -101,6 +102,29 @@ fn displacements(
         }
         ArrowColour::Significance => Some(significances(painter, at, picture, palette)),
     }
+}
+
+/// A line for each region around the nominal place of the pulley that is inspected.
+fn bands(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette) -> Option<Rect> {
+    let (scene, options) = (picture.scene, picture.options);
+    options.inspected?;
+    let drawn = Band::ALL
+        .into_iter()
+        .filter(|one| is_drawn(*one, scene, options));
+    let named = drawn.map(|one| {
+        let words = match one {
+            Band::Prior => "as drawn, 95 %".to_owned(),
+            Band::Tolerance => {
+                let tolerance_mm = 1e3 * scene.tolerance_m.unwrap_or_default();
+                format!("tolerance of {} mm", significant(tolerance_mm, 3))
+            }
+        };
+        (words, band_colour(one, palette))
+    });
+    let named: Vec<(String, Color32)> = named.collect();
+    let lines: Vec<(&str, Color32)> = named.iter().map(|(w, c)| (w.as_str(), *c)).collect();
+    let title = "Around the nominal place";
+    (!lines.is_empty()).then(|| words(painter, at, (title, &lines), palette))
 }
 
 /// A line for each stage whose errors of position are drawn.

@@ -2,7 +2,7 @@
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
-use super::drawing::Options;
+use super::drawing::{Band, Options, is_drawn};
 use super::picking::{OnScreen, Picture};
 use super::scene::Besides;
 use super::{callout, labels, legend, words};
@@ -16,6 +16,8 @@ pub(super) const SMALL: f32 = 11.5;
 /// Width of the picture (points) from which on there is room for everything at its lower edge.
 const WIDE: f32 = 520.0;
 
+/// Height of the picture (points) from which on there is room for words over the robot.
+const HIGH: f32 = 260.0;
 /// Height of the picture (points) up to which there is no room for directions below the words.
 const LOW: f32 = 120.0;
 
@@ -154,6 +156,8 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
     let mut parts = vec!["pulleys"];
     parts.extend(arrows.then_some("arrows"));
     parts.extend(ellipsoids.then_some("95 % ellipsoids"));
+    let is_judged = is_drawn(Band::Tolerance, picture.scene, picture.options);
+    parts.extend(is_judged.then_some("tolerances"));
     let parts = list(&parts);
     // In two lines where one would reach over the robot.
     let after = if rect.width() < 2.0 * WIDE {
@@ -161,10 +165,15 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
     } else {
         ": "
     };
-    let size = if exaggeration > 1.0 {
-        format!("Displacements magnified {exaggeration:.0}×{after}{parts}")
-    } else {
-        format!("Displacements true to scale{after}{parts}")
+    let (what, after) = match rect.height() > HIGH {
+        true => (parts.as_str(), after),
+        // Where the robot is small, words would cover it.
+        false => ("", ""),
+    };
+    let size = match (exaggeration > 1.0, what.is_empty()) {
+        (true, true) => format!("Displacements {exaggeration:.0}×"),
+        (true, false) => format!("Displacements magnified {exaggeration:.0}×{after}{what}"),
+        (false, _) => format!("Displacements true to scale{after}{what}"),
     };
     let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
     let second = text(painter, below, Align2::LEFT_TOP, size, quiet(palette));
