@@ -262,7 +262,12 @@ mod tests {
 
     #[test]
     fn legends_leave_the_middle_of_a_small_picture_to_the_robot() {
-        for size in [[400.0, 140.0], [460.0, 240.0], [640.0, 400.0], [1200.0, 800.0]] {
+        for size in [
+            [400.0, 140.0],
+            [460.0, 240.0],
+            [640.0, 400.0],
+            [1200.0, 800.0],
+        ] {
             let legends = in_picture(size, paint);
             assert_eq!(legends.len(), 2, "residuals and displacements");
             for legend in legends {

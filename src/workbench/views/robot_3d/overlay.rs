@@ -311,7 +311,12 @@ pub(super) mod tests {
 
     #[test]
     fn words_cover_no_pulley() {
-        for size in [[400.0, 140.0], [460.0, 300.0], [632.0, 376.0], [900.0, 600.0]] {
+        for size in [
+            [400.0, 140.0],
+            [460.0, 300.0],
+            [632.0, 376.0],
+            [900.0, 600.0],
+        ] {
             let (words, pulleys) = in_picture(size, |painter, rect, picture, palette| {
                 let words = captions(painter, rect, picture, palette);
                 (words, labels::pulleys(picture, rect))

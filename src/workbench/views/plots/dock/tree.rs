@@ -201,9 +201,8 @@ pub fn stand_in(tree: &mut Tree, has_data: impl Fn(Tab) -> bool) -> Vec<StandIn>
 /// Lets the plots that were chosen be in front again, unless others were chosen meanwhile.
 pub fn stand_back(tree: &mut Tree, places: &[StandIn]) {
     for (place, chosen, seen) in places {
-        let tabs = match tree.tiles.get(*place) {
-            Some(Tile::Container(Container::Tabs(tabs))) => tabs,
-            _ => continue,
+        let Some(Tile::Container(Container::Tabs(tabs))) = tree.tiles.get(*place) else {
+            continue;
         };
         if tabs.active == Some(*seen) && tabs.children.contains(chosen) {
             set_active(tree, *place, *chosen);
