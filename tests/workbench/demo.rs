@@ -37,9 +37,13 @@ impl Bench {
 
     /// At the start screen.
     pub fn new(demo_seed: Option<u64>) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
+        Self::started_in(tempfile::tempdir().expect("a folder"), demo_seed)
+    }
+
+    /// At the start screen, where an earlier start may have left files in the folder.
+    pub fn started_in(folder: tempfile::TempDir, demo_seed: Option<u64>) -> Self {
         let options = Options {
-            folders: Some(Folders::below(&folder.path().join("user"))),
+            folders: Some(Self::folders(&folder)),
             demo_seed,
             robot_speed: Some(60.0),
             ..Options::default()
@@ -49,6 +53,11 @@ impl Bench {
             .with_max_steps(60)
             .build_eframe(|creation| App::new(creation, options));
         Self { harness, folder }
+    }
+
+    /// Where preferences and unsaved sessions are.
+    pub fn folders(folder: &tempfile::TempDir) -> Folders {
+        Folders::below(&folder.path().join("user"))
     }
 
     pub fn state(&self) -> &State {

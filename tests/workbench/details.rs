@@ -4,6 +4,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_core::simulation::{SimulationOptions, TensionRange, simulate};
 use tautline_session::{PlannedPose, Session, Timestamp};
+use tautline_validation::harness::words;
 use tautline_workbench::model::OpenSession;
 use tautline_workbench::model::command::{
     Command, FileCommand, IdentificationCommand, ViewCommand,
@@ -86,7 +87,7 @@ fn cables_with_letters_have_them_everywhere_and_no_laser_is_spoken_of_where_ther
     let mut session = Session::new("printer", robot, Timestamp::from_unix_seconds(0));
     session.measurements = run.dataset.measurements;
     let mut harness = workbench();
-    open(&mut harness, session, true);
+    open(&mut harness, session.clone(), true);
     give(
         &mut harness,
         ViewCommand::Go(Screen::Phase(Phase::Identification)),
@@ -113,6 +114,35 @@ fn cables_with_letters_have_them_everywhere_and_no_laser_is_spoken_of_where_ther
     }
     press(&mut harness, "Tracker");
     harness.get_by_label("Plot: Tracker");
+    // A robot that nobody tracks has nothing to show there: its residuals are seen instead, and the plot comes back.
+    open(&mut harness, session_of("mini", 12), true);
+    harness.get_by_label("Plot: Residuals");
+    assert!(harness.query_by_label("Plot: Tracker").is_none());
+    open(&mut harness, session, true);
+    harness.get_by_label("Plot: Tracker");
+}
+
+#[test]
+fn what_rounds_to_zero_has_no_sign() {
+    let mut session = session_of("mini", 12);
+    let close = -1e-6;
+    session.plan = vec![PlannedPose {
+        label: 90,
+        position_m: [close; 3],
+        orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
+    }];
+    let mut harness = workbench();
+    open(&mut harness, session, true);
+    for phase in Phase::ALL {
+        give(&mut harness, ViewCommand::Go(Screen::Phase(phase)));
+        for text in words(&harness) {
+            let parts = text.split(|part: char| !(part.is_ascii_digit() || "-.".contains(part)));
+            for part in parts {
+                let is_zero = part.parse::<f64>().is_ok_and(|number| number == 0.0);
+                assert!(!(is_zero && part.starts_with('-')), "{phase:?}: {text:?}");
+            }
+        }
+    }
 }
 
 #[test]

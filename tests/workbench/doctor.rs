@@ -28,6 +28,7 @@ fn clean_data_have_no_cards() {
     press(&mut harness, ASK);
     harness.get_by_label("The model explains the readings of 26 poses.");
     assert!(harness.query_by_label_contains("Add to model").is_none());
+    harness.get_by_label("Diagnosis finished: nothing was found.");
     harness.get_by_label_contains("No finding does not mean no fault");
     press(&mut harness, "What these poses cannot show");
     harness.get_by_label_contains("These poses cannot reveal");
@@ -48,6 +49,7 @@ fn a_cause_is_named_added_removed_and_undone() {
     press(&mut harness, ASK);
     harness.get_by_label("1. Winch scale (cable-3)");
     harness.get_by_label_contains("Size: ");
+    harness.get_by_label_contains("95 % interval: ");
     let found = &document(&harness)
         .diagnosis()
         .expect("a diagnosis")

@@ -107,6 +107,29 @@ fn a_pulley_moved_by_a_centimetre_changes_the_picture_there_and_only_there() {
 }
 
 #[test]
+fn nothing_is_between_the_row_of_buttons_and_the_picture() {
+    for theme in [ThemePreference::Dark, ThemePreference::Light] {
+        let renderer = GlowTestRenderer::new().expect("a picture");
+        let mut harness = Harness::builder()
+            .with_size(vec2(1280.0, 800.0))
+            .with_max_steps(60)
+            .renderer(renderer.clone())
+            .build_eframe(|creation| App::new(creation, options()));
+        harness.ctx.set_theme(theme);
+        open(&mut harness, session_of("mini", 3), false);
+        let image = renderer.picture(&harness).expect("a picture");
+        harness.state_mut().state.views.destroy();
+        let [button, view] =
+            ["Fit view (Home)", "3D view"].map(|name| harness.get_by_label(name).rect());
+        let ground = colour(theme::palette(harness.ctx.theme()).ground);
+        for y in button.top() as u32..view.top() as u32 + 8 {
+            let seen = rgb(&image, view.left() as u32 + 3, y);
+            assert_eq!(seen, ground, "{theme:?}, {y}");
+        }
+    }
+}
+
+#[test]
 fn what_is_picked_is_what_is_drawn() {
     for name in presets::NAMES {
         let scene = scene_of(&preset(name));

@@ -6,12 +6,15 @@ use egui_kittest::Harness;
 use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::presets::{self, Preset};
-use tautline_core::simulation::{Recording, SimulationOptions, TrueGeometry, record, simulate};
+use tautline_core::simulation::{
+    Recording, SimulationOptions, TensionRange, TrueGeometry, record, simulate,
+};
 use tautline_session::{PhaseData, write_dataset};
 pub use tautline_validation::harness::{give, press};
 use tautline_workbench::model::OpenSession;
 use tautline_workbench::model::command::FileCommand;
 use tautline_workbench::shell::App;
+use tautline_workflow::templates::Template;
 
 use crate::support::workbench;
 
@@ -42,6 +45,17 @@ impl Measured {
     /// `poses` poses with hidden effects, each with its cable and parameters.
     pub fn mini(poses: usize, effects: &[Hidden<'_>]) -> Self {
         Self::of(presets::find("mini").expect("a preset"), poses, effects)
+    }
+
+    /// So many poses of a robot that a camera tracks and that has neither laser nor force sensors.
+    pub fn tracked(poses: usize) -> Self {
+        let template = Template::Hangprinter;
+        let robot = template.robot(template.usual_size_m());
+        let options = SimulationOptions {
+            tension: Some(TensionRange::of(&robot)),
+            ..SimulationOptions::new(poses, 2)
+        };
+        Self::written(&simulate(&robot, &options).expect("measurements").dataset)
     }
 
     /// A planar robot in motion for so long (s), with twenty samples a second.

@@ -166,7 +166,7 @@ fn numbers_and_words_are_those_of_the_identification() {
         assert_eq!(image.accesskit_node().role(), Role::Image);
         assert!(image.rect().width() > 100.0);
     }
-    harness.get_by_label("What its errors go together with");
+    harness.get_by_label("Strongest correlations with other pulleys");
     let scene = scene(&harness);
     let moved = scene.cables[2].moved.expect("a displacement");
     assert_eq!(moved.significance(), Significance::Clear);

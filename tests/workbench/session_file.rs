@@ -6,12 +6,14 @@ use tautline_core::estimation::Termination;
 use tautline_core::robot::presets;
 use tautline_core::simulation::simulate;
 use tautline_session::{
-    MeasuredPose, Phase, RecoveryWriter, Session, Timestamp, read_session, write_session,
+    MeasuredPose, Phase, PlannedPose, RecoveryWriter, Session, Timestamp, read_session,
+    write_session,
 };
 use tautline_validation::program::{Answer, tautline};
 use tautline_validation::truth::preset_options;
 use tautline_workbench::model::command::{FileCommand, IdentificationCommand, RobotCommand};
 use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::phase::{Phase as Step, Screen};
 use tautline_workflow::session_file::FileLock;
 
 use crate::demo::Bench;
@@ -181,6 +183,32 @@ fn measurements_of_a_killed_command_are_recovered() {
             .iter()
             .any(|entry| entry.phase == Phase::Poses)
     );
+}
+
+#[test]
+fn a_recovered_run_goes_on_where_it_was_interrupted() {
+    for (planned, expected) in [(5, Step::Measuring), (3, Step::Identification)] {
+        let mut interrupted = session(3);
+        let planned = (0..=planned).map(|label| PlannedPose {
+            label,
+            position_m: [0.0; 3],
+            orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
+        });
+        interrupted.plan = planned.collect();
+        let folder = tempfile::tempdir().expect("a folder");
+        let place = Bench::folders(&folder).recovery();
+        std::fs::create_dir_all(&place).expect("a folder");
+        let left = RecoveryWriter::create(&place, None, &interrupted);
+        drop(left.expect("kept"));
+        let mut bench = Bench::started_in(folder, None);
+        bench.wait("what is left", |state| {
+            !state.model.unsaved_sessions.is_empty()
+        });
+        bench.press("Recover mini");
+        bench.wait("the session", |state| state.model.open.is_some());
+        assert_eq!(bench.session().measurements.len(), 4);
+        assert_eq!(bench.state().model.screen, Screen::Phase(expected));
+    }
 }
 
 #[test]

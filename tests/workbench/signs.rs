@@ -1,15 +1,23 @@
 //! One residual, one sign, one name: the doctor's plot, the plots below, the 3D view and the list of suspicious readings
 //! show the same number for every kind of reading.
 
+use egui::Role;
+use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_core::diagnosis::Quantity;
 use tautline_workbench::model::Selection;
-use tautline_workbench::model::command::IdentificationCommand;
+use tautline_workbench::model::command::{IdentificationCommand, ReportCommand, ViewCommand};
+use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::model::plot_preparation::residuals;
+use tautline_workbench::shell::App;
 use tautline_workbench::views::robot_3d::drawing::CableColour;
-use tautline_workflow::identification::{RESIDUAL, group_of, reading_statistics};
+use tautline_workflow::identification::{RESIDUAL, group_of, reading_name, reading_statistics};
+use tautline_workflow::report::ReportFormat;
+use tautline_workflow::wording::sentence;
+use tautline_workflow::wording::units::signed;
 
 use crate::measured::{Measured, document, give, press};
+use crate::support::{settle, type_into};
 
 /// How far two fits of the same model may be from each other (standard deviations): they end where the next step gains
 /// nothing worth taking.
@@ -99,6 +107,115 @@ fn the_doctor_the_plots_the_view_and_the_list_show_the_same_residuals() {
     for quantity in [Quantity::Length, Quantity::Tension] {
         assert!(kinds.contains(&quantity), "{quantity:?} is among {kinds:?}");
     }
+}
+
+/// What a plot shows, as it is saved: name of the series, pose and value.
+fn saved(harness: &mut Harness<'_, App>, tab: &str, measured: &Measured) -> Vec<Shown> {
+    if harness.query_by_role_and_label(Role::Button, tab).is_none() {
+        press(harness, "More plots");
+    }
+    let found = harness.query_all_by_role_and_label(Role::Button, tab);
+    found.last().expect("a tab").click_accesskit();
+    harness.step();
+    settle(harness);
+    if tab == "Tensions" {
+        let inner = harness.query_all_by_role_and_label(Role::Button, "Residuals");
+        let lowest = inner.max_by(|a, b| a.rect().min.y.total_cmp(&b.rect().min.y));
+        lowest
+            .expect("tensions or their residuals")
+            .click_accesskit();
+        harness.step();
+        settle(harness);
+    }
+    let path = measured.beside(&format!("{tab}.csv"));
+    press(harness, "Save plot");
+    press(harness, "Table (CSV)");
+    let name = path.display().to_string();
+    type_into(harness, Role::TextInput, "Plot file", &name);
+    press(harness, "Save this plot");
+    let text = std::fs::read_to_string(&path).expect("the file");
+    let line = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let value = cells[3].parse().expect("a number");
+        (
+            cells[0].to_owned(),
+            cells[1].parse().expect("a pose"),
+            value,
+        )
+    };
+    text.lines().skip(1).map(line).collect()
+}
+
+type Shown = (String, i64, f64);
+
+/// Nothing but the words and numbers of a page, apart by bars.
+fn plain(html: &str) -> String {
+    let mut text = String::new();
+    for part in html.split('<') {
+        let words = part.split_once('>').map_or(part, |(_, words)| words).trim();
+        if !words.is_empty() {
+            text += words;
+            text.push('|');
+        }
+    }
+    text.replace('\u{2212}', "-")
+}
+
+#[test]
+fn the_plots_below_and_the_report_show_the_residuals_of_the_table() {
+    let winch = ("winch_scale", "cable-3", &[("scale", 0.02)][..]);
+    let mut kinds = 0;
+    for (measured, tabs) in [
+        (
+            Measured::mini(30, &[winch]),
+            &["Residuals", "Laser", "Tensions"][..],
+        ),
+        (Measured::tracked(20), &["Residuals", "Tracker"][..]),
+    ] {
+        let mut harness = measured.opened();
+        give(&mut harness, IdentificationCommand::Identify);
+        let phase = ViewCommand::Go(Screen::Phase(Phase::Identification));
+        give(&mut harness, phase);
+        let fit = document(&harness).fit().cloned().expect("a fit");
+        let table = reading_statistics(&fit);
+        for tab in tabs {
+            let (quantity, in_newtons) = match *tab {
+                "Laser" => (Quantity::Laser, false),
+                "Tensions" => (Quantity::Tension, true),
+                "Tracker" => (Quantity::TrackerPosition, false),
+                _ => (Quantity::Length, false),
+            };
+            let shown = saved(&mut harness, tab, &measured);
+            assert!(shown.len() >= 20, "{tab}: {}", shown.len());
+            for (name, pose, value) in shown {
+                let own = table.iter().filter(|one| {
+                    let of = one.cable.map(|cable| &fit.dataset.robot.cables[cable].name);
+                    one.quantity == quantity && one.pose == pose && of.is_none_or(|of| *of == name)
+                });
+                let mut values = own.filter_map(|one| match in_newtons {
+                    true => Some(one.residual),
+                    false => one.normalised,
+                });
+                let is_same = |other: f64| (other - value).abs() <= 1e-3 * value.abs().max(1e-3);
+                assert!(values.any(is_same), "{tab}, {name} at pose {pose}: {value}");
+            }
+            kinds += 1;
+        }
+        let path = measured.beside("report.html");
+        give(&mut harness, ReportCommand::AskSave(ReportFormat::Html));
+        let typed = path.display().to_string();
+        type_into(&mut harness, Role::TextInput, "Path of the report", &typed);
+        press(&mut harness, "Save report");
+        let report = plain(&std::fs::read_to_string(&path).expect("a report"));
+        for reading in fit.suspects.iter().flatten().take(3) {
+            let name = sentence(&reading_name(&fit.dataset.robot, reading.kind));
+            let pose = fit.dataset.measurements.labels[reading.row];
+            let size = signed(reading.normalised().expect("a residual"), 1);
+            let row = format!("|{name}|{pose}|{size}|");
+            assert!(report.contains(&row), "{row}");
+        }
+    }
+    assert_eq!(kinds, 5);
 }
 
 #[test]

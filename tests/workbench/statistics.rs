@@ -2,7 +2,7 @@
 
 use egui::OutputCommand;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::IdentificationCommand;
 use tautline_workbench::shell::App;
@@ -92,6 +92,31 @@ fn a_click_on_a_row_selects_its_pose_and_its_cable_everywhere() {
     assert_eq!(selection.pose, Some(pose));
     assert!(selection.cable.is_some());
     assert_ne!(selection, Selection::default());
+}
+
+#[test]
+fn a_narrow_table_is_leafed_through_and_keeps_the_names_of_its_rows() {
+    let mut harness = opened();
+    harness.set_size(egui::vec2(1024.0, 640.0));
+    harness.run_ok();
+    let heads = |harness: &Harness<'_, App>| -> Vec<bool> {
+        let names = ["pose", "reading", "residual", "on pulley"];
+        let is_seen = |name: &&str| harness.query_by_label(&format!("Sort by {name}")).is_some();
+        names.iter().map(is_seen).collect()
+    };
+    assert_eq!(heads(&harness), [true, true, true, false]);
+    for _ in 0..8 {
+        let right = harness.get_by_label("Columns to the right");
+        if right.accesskit_node().is_disabled() {
+            break;
+        }
+        right.click();
+        harness.run_ok();
+    }
+    assert_eq!(heads(&harness), [true, true, false, true]);
+    press(&mut harness, "Columns to the left");
+    assert!(harness.query_by_label("Sort by on pulley").is_none());
+    assert_eq!(copied(&mut harness)[0].len(), 10, "all columns are copied");
 }
 
 #[test]

@@ -342,11 +342,15 @@ fn take_diagnosis(
     diagnosed: Diagnosed,
     record: Option<ResultRecord>,
 ) -> String {
+    let is_clean = diagnosed.diagnosis.findings.is_empty();
     let found = count(diagnosed.diagnosis.findings.len(), "finding");
     open.set_diagnosis(diagnosed, inputs);
     if let Some(record) = record {
         open.add_result(record);
         open.log(LogPhase::Diagnosis, format!("Diagnosed: {found}."));
     }
-    format!("Diagnosis finished with {found}.")
+    match is_clean {
+        true => "Diagnosis finished: nothing was found.".to_owned(),
+        false => format!("Diagnosis finished with {found}."),
+    }
 }

@@ -17,6 +17,7 @@ use crate::widgets::{
 };
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
+use tautline_workflow::wording::units::fixed;
 
 /// What is typed for a table.
 #[derive(Debug, Default)]
@@ -227,7 +228,7 @@ pub fn verdict_cell(ui: &Ui, passed: bool) -> Cell {
 
 /// A number that may be missing.
 pub fn or_dash(value: Option<f64>, decimals: usize) -> Cell {
-    Cell::new(value.map_or("–".to_owned(), |value| format!("{value:.decimals$}")))
+    Cell::new(value.map_or("–".to_owned(), |value| fixed(value, decimals)))
 }
 
 /// Decimals that show two digits of a standard deviation, within limits.

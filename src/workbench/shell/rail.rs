@@ -1,6 +1,6 @@
 //! The rail of the five phases at the left.
 
-use egui::{Align, Layout, RichText, Sense, Ui, UiBuilder, Vec2};
+use egui::{Align, Layout, Rangef, RichText, Sense, Ui, UiBuilder, Vec2};
 
 use super::state::State;
 use crate::model::command::ViewCommand;
@@ -11,24 +11,36 @@ use crate::theme::{self, GRID};
 /// Width of the rail with icons alone, margins included.
 pub const NARROW: f32 = 68.0;
 
+/// Height of an entry (points), between those in a low and in a high window.
+const ENTRY: Rangef = Rangef {
+    min: 9.0 * GRID,
+    max: 17.0 * GRID,
+};
+/// Height (points) from which on a number has room below its icon.
+const BELOW: f32 = 13.0 * GRID;
+
 /// Draws the rail; a `narrow` one has icons alone.
 pub fn show(ui: &mut Ui, state: &mut State, narrow: bool) {
     ui.spacing_mut().item_spacing.y = GRID;
+    let count = Phase::ALL.len() as f32;
+    let height = ENTRY.clamp((ui.available_height() + GRID) / count - GRID);
+    // Words need theirs.
+    let height = if narrow { height } else { ENTRY.max };
     egui::ScrollArea::vertical()
         .id_salt("rail")
         .auto_shrink(false)
         .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden)
-        .show(ui, |ui| entries(ui, state, narrow));
+        .show(ui, |ui| entries(ui, state, (narrow, height)));
 }
 
-fn entries(ui: &mut Ui, state: &mut State, narrow: bool) {
+fn entries(ui: &mut Ui, state: &mut State, look: (bool, f32)) {
     for phase in Phase::ALL {
         let Some(open) = &state.model.open else {
             return;
         };
         let status = phase_status::of(open, phase);
         let selected = state.model.screen == Screen::Phase(phase);
-        if entry(ui, (phase, &status), selected, narrow) {
+        if entry(ui, (phase, &status), selected, look) {
             state.outbox.send(ViewCommand::Go(Screen::Phase(phase)));
         }
     }
@@ -38,11 +50,11 @@ fn entry(
     ui: &mut Ui,
     (phase, status): (Phase, &PhaseStatus),
     selected: bool,
-    narrow: bool,
+    (narrow, height): (bool, f32),
 ) -> bool {
     let palette = theme::of(ui);
     let width = ui.available_width();
-    let (rect, response) = ui.allocate_exact_size(Vec2::new(width, 17.0 * GRID), Sense::click());
+    let (rect, response) = ui.allocate_exact_size(Vec2::new(width, height), Sense::click());
     let title = format!("{}. {}", phase.number(), phase.title());
     let name = format!("Phase {}: {}", phase.number(), phase.title());
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, selected, &name));
@@ -58,13 +70,14 @@ fn entry(
         let edge = rect.with_max_x(rect.min.x + 3.0);
         ui.painter().rect_filled(edge, 1.0, palette.accent);
     }
-    let inside = rect.shrink2(Vec2::new(2.0 * GRID, 2.0 * GRID));
+    let margin = if height < ENTRY.max { GRID } else { 2.0 * GRID };
+    let inside = rect.shrink2(Vec2::new(2.0 * GRID, margin));
     let builder = UiBuilder::new()
         .max_rect(inside)
         .layout(Layout::top_down(Align::Min));
     let mut inner = ui.new_child(builder);
     if narrow {
-        icon(&mut inner, phase, status);
+        icon(&mut inner, phase, status, height < BELOW);
     } else {
         words(&mut inner, &title, status);
     }
@@ -89,11 +102,15 @@ fn words(ui: &mut Ui, title: &str, status: &PhaseStatus) {
     ui.add(egui::Label::new(line).wrap());
 }
 
-fn icon(ui: &mut Ui, phase: Phase, status: &PhaseStatus) {
+fn icon(ui: &mut Ui, phase: Phase, status: &PhaseStatus, is_low: bool) {
     let colour = theme::of(ui).progress(status.progress);
-    ui.vertical_centered(|ui| {
-        ui.spacing_mut().item_spacing.y = 0.5 * GRID;
+    let parts = |ui: &mut Ui| {
+        ui.spacing_mut().item_spacing = Vec2::splat(0.5 * GRID);
         ui.label(status.progress.icon().rich_text().size(18.0).color(colour));
         ui.label(RichText::new(phase.number().to_string()).font(theme::strong(13.0)));
-    });
+    };
+    match is_low {
+        true => ui.horizontal_centered(parts).inner,
+        false => ui.vertical_centered(parts).inner,
+    }
 }

@@ -51,7 +51,9 @@ pub fn show(ui: &mut Ui, state: &mut State, items: &[Item]) {
                 lines(ui, state, (menu, items));
             });
         }
-        ui.separator();
+        if state.model.open.is_some() {
+            ui.separator();
+        }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             right(ui, state);
             // What is left; a long name is cut, and a narrow window has no room for it.

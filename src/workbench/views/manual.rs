@@ -97,6 +97,8 @@ fn text(ui: &mut Ui, page: Page, manual: &mut Manual, outbox: &mut Outbox) {
         manual.cache.add_link_hook(other.name());
     }
     let width = ui.available_width() as usize;
+    // What is read here may be wanted elsewhere.
+    ui.style_mut().interaction.selectable_labels = true;
     CommonMarkViewer::new()
         .max_image_width(Some(width))
         .default_width(Some(width))

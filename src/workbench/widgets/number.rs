@@ -4,6 +4,7 @@ use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, Ui, WidgetInfo};
 
 use super::text::muted;
 use crate::theme::{self, GRID};
+use tautline_workflow::wording::units::fixed;
 
 /// What was typed into a field for a number.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +48,7 @@ pub fn number_checked(
     let id = ui.make_persistent_id(("number", field.name));
     let shown = || {
         let value = field.value?;
-        Some(format!("{value:.*}", field.decimals))
+        Some(fixed(value, field.decimals))
     };
     let typed: Option<String> = ui.data(|data| data.get_temp(id));
     let was_typed = typed.is_some();

@@ -9,7 +9,7 @@ use tautline_core::statistics::chi_square_survival;
 
 use super::Identification;
 use crate::wording::odds;
-use crate::wording::units::{decimals, fixed};
+use crate::wording::units::{decimals, fixed, signed};
 
 /// Above this probability of being due to noise alone a displacement counts as noise.
 pub const NOISE: f64 = 0.05;
@@ -239,7 +239,7 @@ impl CoordinateCorrelation {
         let (cable, axis) = self.other;
         let name = robot.cables.get(cable).map_or("", |cable| &cable.name);
         let (own, other) = (AXES[self.axis], AXES[axis]);
-        format!("{own} with {other} of {name}: {:+.2}", self.value)
+        format!("{own} with {other} of {name}: {}", signed(self.value, 2))
     }
 
     /// What that means, in words.

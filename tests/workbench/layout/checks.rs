@@ -40,6 +40,9 @@ pub fn once() -> Vec<Appearance> {
 /// Edges may touch and lines of text may reach into each other's spacing by this much (points).
 const TOUCH: f32 = 2.5;
 
+/// Height of the bar at the bottom, at most (points).
+const BAR: f32 = 40.0;
+
 /// Something that is seen, with its name.
 pub struct Seen {
     role: Role,
@@ -55,25 +58,39 @@ pub fn seen(harness: &Harness<'_, App>) -> Vec<Seen> {
     let nodes = harness.root().children_recursive();
     let nodes = nodes.filter(|node| is_part(node.accesskit_node().role()));
     nodes
-        .filter_map(|node| {
+        .flat_map(|node| {
             let inner = node.accesskit_node();
             let name = inner.label().or(inner.value()).unwrap_or_default();
             let whole = node.rect();
-            let same = |(rect, _): &&(Rect, Rect)| {
-                (rect.min - whole.min).length() + (rect.max - whole.max).length() < 0.1
+            let own = visible.iter().find(|(rect, _)| is_near(rect, &whole));
+            let own = own.copied();
+            let parts: Vec<(Rect, Rect)> = match own {
+                Some(own) => vec![own],
+                // Text that flows around what is bold is a widget in each of its lines. What is scrolled away has none.
+                None if inner.role() == Role::Label => {
+                    let lines = node.children().map(|line| line.rect());
+                    let seen = lines.map(|line| {
+                        let is_it = |(rect, _): &&(Rect, Rect)| is_near(rect, &line);
+                        visible.iter().find(is_it).copied().unwrap_or((line, line))
+                    });
+                    seen.collect()
+                }
+                None => vec![(whole, whole)],
             };
-            let rect = visible
-                .iter()
-                .find(same)
-                .map_or(whole, |(_, clipped)| *clipped);
-            rect.is_positive().then_some(Seen {
-                role: inner.role(),
-                name,
+            let role = inner.role();
+            parts.into_iter().map(move |(whole, rect)| Seen {
+                role,
+                name: name.clone(),
                 rect,
                 whole,
             })
         })
+        .filter(|seen| seen.rect.is_positive())
         .collect()
+}
+
+fn is_near(a: &Rect, b: &Rect) -> bool {
+    (a.min - b.min).length() + (a.max - b.max).length() < 0.1
 }
 
 /// Whole and visible rectangles of all widgets.
@@ -103,6 +120,10 @@ pub fn faults(harness: &Harness<'_, App>) -> Vec<String> {
 fn faults_of(window: Rect, all: &[Seen]) -> Vec<String> {
     let mut faults = Vec::new();
     for part in all {
+        // A sentence over two lines of the source must not bring their indentation along.
+        if part.name.trim().contains("  ") {
+            faults.push(format!("{:?} \"{}\" has gaps", part.role, part.name));
+        }
         if part.rect.width() < part.whole.width() - 1.5 {
             faults.push(format!(
                 "{:?} \"{}\" is cut at the side: {:?} of {:?}",
@@ -119,10 +140,29 @@ fn faults_of(window: Rect, all: &[Seen]) -> Vec<String> {
     // What a panel has scrolled away lies behind the bars; it is not seen.
     let between = window
         .with_min_y(window.min.y + 36.0)
-        .with_max_y(window.max.y - 40.0);
+        .with_max_y(window.max.y - BAR);
+    faults.extend(overlaps(all, between));
+    faults
+}
+
+/// What is wrong with the bar at the bottom, in which nothing is scrolled.
+pub fn faults_at_the_bottom(harness: &Harness<'_, App>) -> Vec<String> {
+    let window = harness.ctx.content_rect();
+    let bar = window.with_min_y(window.max.y - BAR);
+    let all = seen(harness);
+    let outside = all
+        .iter()
+        .filter(|part| part.rect.center().y > bar.min.y && !window.contains_rect(part.rect))
+        .map(|part| format!("\"{}\" leaves the window: {:?}", part.name, part.rect));
+    outside.chain(overlaps(&all, bar)).collect()
+}
+
+/// Parts within an area of which one covers another.
+fn overlaps(all: &[Seen], area: Rect) -> Vec<String> {
+    let mut faults = Vec::new();
     let inside: Vec<&Seen> = all
         .iter()
-        .filter(|part| between.contains_rect(part.rect))
+        .filter(|part| area.contains_rect(part.rect))
         .collect();
     for (k, a) in inside.iter().enumerate() {
         for b in &inside[k + 1..] {
@@ -169,10 +209,6 @@ pub fn check_dialog(harness: &mut Harness<'_, App>, what: &str, [open, close]: [
             a.name == b.name && (a.rect.min - b.rect.min).length() < 1.0 && a.role == b.role
         };
         parts.retain(|part| !behind.iter().any(|other| same(part, other)));
-        // Text that flows around what is bold has no rectangles line by line.
-        parts.retain(|part| what != "manual" || part.role == Role::Button);
-        // What is scrolled away below, but for its upper edge, is not seen.
-        parts.retain(|part| part.rect.height() > TOUCH);
         let window = harness.ctx.content_rect();
         let mut found = faults_of(window, &parts);
         if parts.is_empty() {
@@ -191,7 +227,7 @@ pub fn check_dialog(harness: &mut Harness<'_, App>, what: &str, [open, close]: [
 }
 
 /// Finds faults in windows that look so.
-fn check_with(
+pub fn check_with(
     harness: &mut Harness<'_, App>,
     what: &str,
     appearances: &[Appearance],

@@ -17,7 +17,7 @@ use tautline_workflow::templates::Template;
 
 use crate::measured::{Measured, give};
 use crate::support::settle;
-use checks::{SIZES, check, check_in, in_pairs, once};
+use checks::{SIZES, check, check_in, check_with, faults_at_the_bottom, in_pairs, once};
 
 #[test]
 fn the_start_screen_fits() {
@@ -79,6 +79,42 @@ fn the_bar_at_the_top_fits() {
     }
 }
 
+/// No phase is scrolled out of sight.
+#[test]
+fn the_rail_shows_all_phases() {
+    let mut harness = Measured::mini(6, &[]).opened();
+    check_with(&mut harness, "rail", &in_pairs(), &mut |harness| {
+        let window = harness.ctx.content_rect();
+        let bar = harness.get_by_label("Show the log").rect();
+        let room = window.with_max_y(bar.min.y);
+        let phases = Phase::ALL.map(|phase| {
+            let name = format!("Phase {}: {}", phase.number(), phase.title());
+            let rect = harness.get_by_label(&name).rect();
+            (!room.contains_rect(rect)).then(|| format!("{name} at {rect:?}"))
+        });
+        phases.into_iter().flatten().collect()
+    });
+}
+
+/// The bar with a long message and a controller that is connected.
+#[test]
+fn the_bar_at_the_bottom_fits() {
+    let mut bench = crate::demo::Bench::demo(3);
+    bench.go(Phase::Measuring);
+    bench.connect_and_arm();
+    let messages = &mut bench.harness.state_mut().state.model.messages;
+    messages.warning("measured.csv, line 1048: the tension of the eighth cable is larger than any that the robot can bear.");
+    check_with(
+        &mut bench.harness,
+        "bar at the bottom",
+        &in_pairs(),
+        &mut |harness| {
+            harness.step();
+            faults_at_the_bottom(harness)
+        },
+    );
+}
+
 #[test]
 fn every_phase_fits() {
     let measured = Measured::mini(30, &[("winch_scale", "cable-3", &[("scale", 0.02)])]);
@@ -137,12 +173,14 @@ fn the_inspector_and_the_statistics_fit() {
             harness.run_ok();
             crate::measured::press(&mut harness, "Statistics");
         }
-        // The table of statistics is scrolled to the side where it has no room.
-        let all = in_pairs().into_iter();
-        let wide: Vec<_> = all
-            .filter(|(.., scale)| part != Part::Plots || *scale < 2.0)
-            .collect();
-        check_in(&mut harness, &format!("{part:?} maximised"), &wide);
+        check(&mut harness, &format!("{part:?} maximised"));
+        if part == Part::Plots {
+            crate::measured::press(&mut harness, "Statistics of: Readings");
+            crate::measured::press(&mut harness, "Values");
+            harness.key_press(egui::Key::Escape);
+            harness.run_ok();
+            check(&mut harness, "values maximised");
+        }
     }
 }
 

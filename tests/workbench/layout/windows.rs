@@ -89,9 +89,10 @@ fn every_window_above_the_screen_fits() {
     ] {
         by_commands(&mut harness, what, [open, close]);
     }
-    let parts: [(&str, &[&str]); 4] = [
+    let parts: [(&str, &[&str]); 5] = [
         ("recording", &["Recording"]),
         ("controller", &["Beckhoff controller (ADS)"]),
+        ("other controller", &["Controller with OPC UA"]),
         (
             "symbols",
             &["Beckhoff controller (ADS)", "Symbols", "Custom names"],

@@ -9,6 +9,7 @@ use crate::model::command::Outbox;
 use crate::model::command::RobotCommand;
 use crate::theme;
 use crate::widgets::{PoseFields, Verdict, muted, primary, verdict};
+use tautline_workflow::wording::units::mm;
 
 /// A position this far from the target may be a slip of the keys (m).
 const FAR_M: f64 = 0.1;
@@ -49,11 +50,11 @@ pub(super) fn show(
     }
     let title = format!("Where is the platform at {name}?");
     ui.label(RichText::new(title).font(theme::strong(15.0)));
-    let [x, y, z] = [0, 1, 2].map(|k| commanded.position[k] * 1e3);
+    let [x, y, z] = [0, 1, 2].map(|k| mm(commanded.position[k], 1));
     muted(
         ui,
         &format!(
-            "Target {number} of {of}, commanded to {x:.1}, {y:.1}, {z:.1} mm. Enter angles only if they are measured."
+            "Target {number} of {of}, commanded to {x}, {y}, {z} mm. Enter angles only if they are measured."
         ),
     );
     let fields = memory.pose.show(ui, "Measured", is_new);

@@ -14,6 +14,7 @@ use crate::model::link::Doing;
 use crate::theme::{self, GRID};
 use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
 use tautline_workflow::controllers::Kind;
+use tautline_workflow::wording::units::fixed;
 
 /// Draws buttons, progress and the table of both runs.
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
@@ -164,7 +165,7 @@ fn show_figures(ui: &mut Ui, lines: &[Figure]) {
         .iter()
         .map(|line| {
             let gain = line.gain();
-            let percent = gain.map_or_else(String::new, |gain| format!("{:.0}", 100.0 * gain));
+            let percent = gain.map_or_else(String::new, |gain| fixed(100.0 * gain, 0));
             let percent = match gain {
                 Some(gain) if gain < 0.0 => Cell::new(percent).coloured(palette.warning),
                 _ => Cell::new(percent),

@@ -11,7 +11,9 @@ use crate::widgets::{Cell, Column, muted, section, table};
 use tautline_workflow::comparison::{by_chance, differs, effect_name};
 use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::sentence;
-use tautline_workflow::wording::units::{decimals, display_unit, quantity, unit_of, with_sd};
+use tautline_workflow::wording::units::{
+    decimals, display_unit, fixed, quantity, unit_of, with_sd,
+};
 
 /// Draws the parts.
 pub fn show(ui: &mut Ui, compared: &Compared) {
@@ -57,7 +59,7 @@ fn side_by_side(
     let value = |value: Option<f64>| match value {
         None => Cell::new("not in its model").coloured(theme::of(ui).muted),
         Some(value) if sd.is_finite() && sd > 0.0 => {
-            let text = format!("{:.*} {shown}", decimals(sd), factor * value);
+            let text = format!("{} {shown}", fixed(factor * value, decimals(sd)));
             Cell::new(text.trim_end())
         }
         Some(value) => Cell::new(quantity(value, unit)),

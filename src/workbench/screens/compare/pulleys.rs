@@ -9,6 +9,7 @@ use crate::model::{Model, Selection};
 use crate::screens::bench_panel::decimals_for;
 use crate::theme;
 use crate::widgets::{Cell, Column, muted, section, table};
+use tautline_workflow::wording::units::mm;
 
 /// Draws the part; gives the cable that was clicked.
 pub fn show(
@@ -68,7 +69,7 @@ fn chance(test: Test) -> String {
 fn row(ui: &Ui, index: usize, pulley: &PulleyDifference, decimals: usize) -> Vec<Cell> {
     let palette = theme::of(ui);
     let shown = pulley.relative.unwrap_or(pulley.raw);
-    let millimetres = |metres: f64| Cell::new(format!("{:.decimals$}", metres * 1e3));
+    let millimetres = |metres: f64| Cell::new(mm(metres, decimals));
     let verdict = match (pulley.test, pulley.moved) {
         (None, _) => Cell::new("not determined").coloured(palette.muted),
         (Some(_), true) => Cell::new("moved")

@@ -231,7 +231,7 @@ fn controller(
             });
             wrapped(
                 ui,
-                "The connection is neither encrypted nor signed, and without a user: docs/OPC-UA.md says what the controller                  has to allow. Nothing moves and nothing is written before it is armed.",
+                "The connection is anonymous, neither encrypted nor signed: docs/OPC-UA.md says what the controller has to allow. Nothing moves and nothing is written before it is armed.",
             );
         }
     }

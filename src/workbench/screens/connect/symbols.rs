@@ -12,6 +12,9 @@ use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, parse_number};
 use tautline_workflow::wording::{count, sentence};
 
+/// Width (points) from which on the columns have room beside each other.
+const WIDE: f32 = 560.0;
+
 /// A row.
 #[derive(Debug, Clone)]
 struct Row {
@@ -168,6 +171,19 @@ impl SymbolRows {
             .iter()
             .map(|row| self.found(row).cloned())
             .collect();
+        let rows = self.rows.iter_mut().zip(&found).enumerate();
+        if ui.available_width() < WIDE {
+            for (k, (row, found)) in rows {
+                ui.label(&row.title);
+                ui.horizontal_wrapped(|ui| row.fields(ui, own, true));
+                let problem = problems.of(Field::Symbol(k));
+                if found.is_some() || problem.is_some() {
+                    row.judged(ui, found.as_ref(), problem);
+                }
+                ui.add_space(GRID);
+            }
+            return;
+        }
         Grid::new("symbols")
             .num_columns(5)
             .spacing([2.0 * GRID, GRID])
@@ -182,33 +198,37 @@ impl SymbolRows {
                     muted(ui, title);
                 }
                 ui.end_row();
-                for (k, (row, found)) in self.rows.iter_mut().zip(&found).enumerate() {
+                for (k, (row, found)) in rows {
                     ui.label(&row.title);
-                    edit(
-                        ui,
-                        own,
-                        &format!("Symbol: {}", row.title),
-                        &mut row.symbol,
-                        208.0,
-                    );
-                    if row.need.has_scale() {
-                        edit(
-                            ui,
-                            own,
-                            &format!("Scale: {}", row.title),
-                            &mut row.scale,
-                            56.0,
-                        );
-                    } else {
-                        ui.label("");
-                    }
-                    muted(ui, &row.unit);
-                    let several = row.symbol != found.as_ref().map_or("", |f| &f.name);
-                    let problem = problems.of(Field::Symbol(k));
-                    state(ui, found.as_ref().map(|f| (f, several)), problem);
+                    row.fields(ui, own, false);
+                    row.judged(ui, found.as_ref(), problems.of(Field::Symbol(k)));
                     ui.end_row();
                 }
             });
+    }
+}
+
+impl Row {
+    /// Symbol, scale and unit; in a window without columns the scale says what it is.
+    fn fields(&mut self, ui: &mut Ui, own: bool, is_titled: bool) {
+        let name = format!("Symbol: {}", self.title);
+        edit(ui, own, &name, &mut self.symbol, 208.0);
+        if self.need.has_scale() {
+            if is_titled {
+                muted(ui, "Scale");
+            }
+            let name = format!("Scale: {}", self.title);
+            edit(ui, own, &name, &mut self.scale, 56.0);
+        } else if !is_titled {
+            ui.label("");
+        }
+        muted(ui, &self.unit);
+    }
+
+    /// What the controller says of it, or what is wrong with it.
+    fn judged(&self, ui: &mut Ui, found: Option<&SymbolCheck>, problem: Option<&str>) {
+        let found = found.map(|check| (check, self.symbol != check.name));
+        state(ui, found, problem);
     }
 }
 

@@ -12,6 +12,7 @@ use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, probability, verdict};
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::wording::count;
+use tautline_workflow::wording::units::{fixed, mm};
 
 /// Width that a cause needs to stand beside others (points).
 const NARROWEST: f32 = 150.0;
@@ -108,9 +109,9 @@ fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {
         &["Pose", "x mm", "y mm", "z mm", "rx °", "ry °", "rz °"],
     );
     for (index, pose) in separation.poses.iter().enumerate() {
-        let position = <[f64; 3]>::from(pose.position).map(|v| format!("{:.0}", 1e3 * v));
+        let position = <[f64; 3]>::from(pose.position).map(|v| mm(v, 0));
         let rotation = <[f64; 3]>::from(pose.orientation.scaled_axis());
-        let rotation = rotation.map(|angle| format!("{:.1}", angle.to_degrees()));
+        let rotation = rotation.map(|angle| fixed(angle.to_degrees(), 1));
         let texts: Vec<String> = position.into_iter().chain(rotation).collect();
         let name = format!("Separating pose {}: {}", index + 1, texts.join(", "));
         let mut cells = vec![Cell::new((index + 1).to_string()).coloured(theme::of(ui).muted)];

@@ -64,7 +64,7 @@ fn dependence(
     });
     if button
         .on_hover_text(
-            "Plots them along what they depend on, and colours the cables by their residuals",
+            "Plots them against what they depend on, and colours the cables by their residuals",
         )
         .clicked()
     {
@@ -183,26 +183,33 @@ pub fn size(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
         return;
     };
     let label = ui.add(egui::Label::new(format!("Size: {size}")).wrap());
+    let is_only = finding.parameters.len() == 1;
     let intervals: Vec<_> = finding
         .parameters
         .iter()
-        .filter_map(|p| interval(diagnosed, p))
+        .filter_map(|p| interval(diagnosed, p, is_only))
         .collect();
     label.on_hover_text(intervals.join("\n"));
-    if let ([one], [_]) = (&intervals[..], &finding.parameters[..]) {
+    if let ([one], true) = (&intervals[..], is_only) {
         muted(ui, one);
     }
 }
 
-/// The 95 % interval of a parameter.
-fn interval(diagnosed: &Diagnosed, parameter: &FoundParameter) -> Option<String> {
+/// The 95 % interval of a parameter, which has no name where it is the only one.
+fn interval(diagnosed: &Diagnosed, parameter: &FoundParameter, is_only: bool) -> Option<String> {
     let sd = parameter.sd.filter(|sd| sd.is_finite())?;
     let of = diagnosed
         .cable(parameter.cable)
         .map_or_else(String::new, |cable| format!("{cable} "));
     let unit = unit_of(parameter.name, parameter.unit);
     let ends = units::interval(parameter.value, sd, unit);
-    Some(format!("95 % interval of {of}{}: {ends}", parameter.name))
+    Some(match is_only {
+        true => format!("95 % interval: {ends}"),
+        false => {
+            let name = parameter.name.replace('_', " ");
+            format!("95 % interval of {of}{name}: {ends}")
+        }
+    })
 }
 
 /// The probability of a finding, with the numbers behind it on demand.

@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         verdict(
             ui,
             Verdict::Good,
-            "Nothing in the readings speaks against identification.",
+            "Nothing in the readings stands in the way of identification.",
         );
         CollapsingHeader::new("All parts of the check")
             .show(ui, |ui| items.iter().for_each(|i| show_item(ui, i)));

@@ -10,7 +10,7 @@ use crate::views::plots::small;
 use crate::widgets::{muted, section};
 use tautline_workflow::diagnosis::dependences::groups;
 use tautline_workflow::documents::diagnosis::Diagnosed;
-use tautline_workflow::wording::{list, ratio, readings, sentence};
+use tautline_workflow::wording::{list, p_value, ratio, readings, sentence};
 
 /// Height of a plot (points).
 const HEIGHT: f32 = 190.0;
@@ -66,8 +66,8 @@ fn line(
     let line = ui.add(label.sense(egui::Sense::click()));
     muted(ui, &along(found, group));
     let tip = format!(
-        "Probability of this by chance {:.1e}, corrected for all tests. Click for the plot.",
-        first.p_value
+        "By chance alone: {}, corrected for all tests. Click for the plot.",
+        p_value(first.p_value)
     );
     line.on_hover_text(tip).clicked()
 }

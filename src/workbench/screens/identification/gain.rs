@@ -6,6 +6,7 @@ use tautline_core::diagnosis::Gain;
 use crate::theme::{self, GRID};
 use crate::widgets::muted;
 use tautline_workflow::documents::diagnosis;
+use tautline_workflow::wording::units::fixed;
 use tautline_workflow::wording::{count, ratio};
 
 /// Draws the words and, where poses were held out, the two figures on one scale.
@@ -24,8 +25,8 @@ fn first_upper(text: &str) -> String {
 }
 
 fn kinds(gain: &Gain) -> String {
-    let [low, high] = gain.interval;
-    let mut text = format!("Difference of the two: 95 % interval {low:.2} to {high:.2}.");
+    let [low, high] = gain.interval.map(|end| fixed(end, 2));
+    let mut text = format!("Difference of the two: 95 % interval {low} to {high}.");
     for kind in &gain.kinds {
         let (name, before, after) = (kind.quantity.name(), kind.before, kind.after);
         text += &format!("\n{name}: {before:.2} before, {after:.2} with it");

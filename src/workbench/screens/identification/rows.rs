@@ -3,6 +3,7 @@
 use egui::{Align2, Color32, FontId, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
 
 use crate::theme::{self, GRID};
+use tautline_workflow::wording::units::mm;
 
 /// One cell.
 pub struct Cell {
@@ -107,7 +108,7 @@ pub fn heads(ui: &mut Ui, shares: &[f32], heads: &[&str]) {
 /// Millimetres with the decimals that a standard deviation (m) leaves sense; two without one.
 pub fn millimetres(value_m: f64, sd_m: Option<f64>) -> String {
     let decimals = sd_m.map_or(2, decimals);
-    format!("{:.decimals$}", 1e3 * value_m)
+    mm(value_m, decimals)
 }
 
 /// A standard deviation (m) in millimetres; a dash where the data do not determine it.

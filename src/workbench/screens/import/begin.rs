@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 fn file(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
     muted(
         ui,
-        "Logs of the controller, motion capture, lists of points, spreadsheets, MATLAB and NumPy files: what a file is shows its content. Drop it on the window, or open it here.",
+        "Logs of the controller, motion capture, lists of points, spreadsheets, MATLAB and NumPy files: the content tells what a file is. Drop it on the window, or open it here.",
     );
     ui.add_space(2.0 * GRID);
     let size = egui::vec2(ui.available_width(), 7.0 * GRID);

@@ -10,6 +10,7 @@ use crate::model::command::{RobotCommand, ViewCommand};
 use crate::theme::{self, GRID};
 use crate::widgets::{Cell, Column, checkbox, muted, table};
 use tautline_workflow::wording::cable_label;
+use tautline_workflow::wording::units::fixed;
 
 /// A cable by colour and number.
 pub(super) fn cable_mark(ui: &mut Ui, index: usize, name: &str) {
@@ -69,8 +70,8 @@ pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
             let force = sample.force_n.get(index);
             vec![
                 Cell::new(cable_label(index, name_of(model, index))).with_dot(palette.cable(index)),
-                Cell::new(format!("{revolutions:.4}")),
-                Cell::new(force.map_or_else(String::new, |force| format!("{force:.1}"))),
+                Cell::new(fixed(*revolutions, 4)),
+                Cell::new(force.map_or_else(String::new, |force| fixed(*force, 1))),
             ]
         })
         .collect();

@@ -12,6 +12,7 @@ use crate::model::command::{RobotCommand, ViewCommand};
 use crate::model::edit::Edit;
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::{icon_button, muted, section};
+use tautline_workflow::wording::units::fixed;
 
 /// Draws the table.
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
@@ -74,7 +75,8 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
         .sense(Sense::click())
         .cell_layout(Layout::right_to_left(Align::Center))
         .auto_shrink([false, true])
-        .max_scroll_height(64.0 * GRID)
+        // Whole rows, so that none is cut when one is scrolled to.
+        .max_scroll_height(10.0 * height)
         .column(Column::exact(14.0 * GRID))
         .columns(Column::exact(12.0 * GRID), 3)
         .column(Column::exact(18.0 * GRID))
@@ -108,12 +110,12 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
                 for k in 0..3 {
                     line.col(|ui| {
                         let at = row.position_mm.map(|position| position[k]);
-                        ui.label(at.map_or_else(String::new, |mm| format!("{mm:.1}")));
+                        ui.label(at.map_or_else(String::new, |mm| fixed(mm, 1)));
                     });
                 }
                 line.col(|ui| {
                     let turn = row.rotation_deg;
-                    ui.label(turn.map_or_else(String::new, |deg| format!("{deg:.1}")));
+                    ui.label(turn.map_or_else(String::new, |deg| fixed(deg, 1)));
                 });
                 line.col(|ui| {
                     let (words, colour) = words(row, shown, theme::of(ui));

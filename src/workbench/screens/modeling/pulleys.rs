@@ -13,6 +13,7 @@ use crate::views::pulley_inspector;
 use crate::widgets::{
     Cell, Column, Entered, Number, Verdict, muted, number, section, table, verdict,
 };
+use tautline_workflow::wording::units::fixed;
 
 /// Draws the part.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
@@ -63,13 +64,13 @@ fn overview(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, states: Option<&[
     let rows: Vec<Vec<Cell>> = cables
         .map(|(k, cable)| {
             let state = states.and_then(|states| states.get(k));
-            let [x, y, z] = cable.pulley.swivel_axis;
+            let axis = cable.pulley.swivel_axis.map(|part| fixed(part, 2));
             let wrap = state.map(|state| state.wrap_rad.to_degrees());
             let swivel = state.and_then(|state| state.swivel_rad);
             vec![
                 bench.cable_cell(ui, k),
                 Cell::new(format!("{:.2}", cable.pulley.radius_m * 1e3)),
-                Cell::new(format!("{x:.2}, {y:.2}, {z:.2}")),
+                Cell::new(axis.join(", ")),
                 or_dash(wrap, 1),
                 or_dash(swivel.map(f64::to_degrees), 1),
             ]

@@ -14,6 +14,7 @@ use crate::widgets::{
     Cell, Column, Numbers, RowField, Rows, RowsEdit, Verdict, muted, rows, section, table, verdict,
 };
 use tautline_workflow::precalibration::Table;
+use tautline_workflow::wording::units::fixed;
 
 const SENSOR: RowField = RowField::new("Sensor", "", 0).accepting(
     |value| value.fract() == 0.0 && (1.0..=6.0).contains(&value),
@@ -132,7 +133,7 @@ fn pose(ui: &mut Ui, bench: &Bench<'_>, measured: &HomeMeasurement) {
         .map(|(k, name)| {
             let shown = if k < 3 { 1e3 } else { 1f64.to_degrees() };
             let digits = decimals_for(sd[k] * shown, 2, 4);
-            let number = |value: f64| format!("{:.digits$}", value * shown);
+            let number = |value: f64| fixed(value * shown, digits);
             let repeated = measured.repeatability.map(|r| r[k] * shown);
             vec![
                 Cell::new(name),

@@ -5,6 +5,7 @@ use egui_material_icons::icons;
 use tautline_core::instrument::HomeAverage;
 use tautline_core::robot::Home;
 use tautline_session::HomePose;
+use tautline_workflow::wording::units::mm;
 use tautline_workflow::wording::{count, p_value};
 
 use crate::model::edit::Edit;
@@ -88,11 +89,8 @@ fn list(ui: &mut Ui, bench: &mut Bench<'_>) {
         .zip(poses)
         .map(|(number, pose): (usize, &HomePose)| {
             let mut cells = vec![Cell::new(number.to_string())];
-            cells.extend(
-                pose.position_m
-                    .map(|v| Cell::new(format!("{:.3}", v * 1e3))),
-            );
-            cells.push(Cell::new(format!("{:.3}", pose.position_sd_m * 1e3)));
+            cells.extend(pose.position_m.map(|v| Cell::new(mm(v, 3))));
+            cells.push(Cell::new(mm(pose.position_sd_m, 3)));
             cells
         })
         .collect();

@@ -12,7 +12,7 @@ use crate::widgets::{
 };
 use tautline_workflow::plot::figure::{Axis, Point};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
-use tautline_workflow::wording::units::signed;
+use tautline_workflow::wording::units::{fixed, signed};
 
 /// A pair of a table.
 pub trait Pair: Sized {
@@ -237,7 +237,7 @@ fn values<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>) {
             let [least, most] = fitted.decimals;
             let digits = decimals_for(sd, least, most);
             cells.push(or_dash(current, digits));
-            cells.extend([value, sd].map(|number| Cell::new(format!("{number:.digits$}"))));
+            cells.extend([value, sd].map(|number| Cell::new(fixed(number, digits))));
             if let Some(current) = current.filter(|_| shows_change) {
                 cells.push(Cell::new(signed(value - current, digits)));
             }

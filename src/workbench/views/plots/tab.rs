@@ -120,7 +120,7 @@ impl Tab {
             ),
             Self::External => (
                 fit.is_some_and(|fit| !fit.dataset.measurements.tracked_position_m.is_empty()),
-                "Residuals of positions by a tracker or camera appear here after an identification with such.",
+                "Residuals of a tracker or camera appear here after an identification with its positions.",
             ),
             Self::Course => (
                 super::sources::course::has_times(open.session()),

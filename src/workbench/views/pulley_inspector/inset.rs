@@ -1,14 +1,13 @@
 //! A pulley seen along an axis, in millimetres: both places, the displacement and the 95 % region.
 
-use std::f64::consts::TAU;
-
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, StrokeKind, Ui, Vec2,
     WidgetInfo, pos2, vec2,
 };
-use nalgebra::{Matrix2, SymmetricEigen, Vector2};
+use nalgebra::{Matrix2, Matrix3, Vector2};
 use tautline_core::geometry::Vec3;
 
+use super::region::{boundary, region};
 use crate::theme::{self, Palette};
 use crate::views::robot_3d::camera::{Directions, StandardView};
 use tautline_workflow::identification::{IdentifiedPulley, PulleyInspection};
@@ -17,14 +16,10 @@ use tautline_workflow::wording::units::significant;
 
 /// From where the pulley is seen.
 pub const SIDES: [StandardView; 3] = [StandardView::Front, StandardView::Side, StandardView::Top];
-/// Upper 5 % points of chi-square with one and two degrees of freedom.
-const QUANTILES: [f64; 2] = [3.841, 5.991];
 /// Share of an inset that stays free around what it must show.
 const MARGIN: f64 = 1.3;
 /// Lines of the grid across an inset, about.
 const LINES: f64 = 9.0;
-/// Points along an ellipse.
-const STEPS: usize = 72;
 /// Size of what is written (points).
 const SMALL: f32 = 11.0;
 
@@ -38,6 +33,10 @@ pub struct Inset {
     found: Vector2<f64>,
     /// Semi-axes of the 95 % region about it, where it is known: half of its long and half of its short side.
     region: Option<[Vector2<f64>; 2]>,
+    /// The same of the drawing, about the nominal place.
+    prior: Option<[Vector2<f64>; 2]>,
+    /// How far the pulley may be from the drawing.
+    tolerance: Option<f64>,
 }
 
 /// Axes to the right and up as seen from a side (base frame).
@@ -57,21 +56,6 @@ fn name(direction: &Vec3) -> String {
     format!("{sign}{}", ["x", "y", "z"][axis])
 }
 
-/// Semi-axes of the region in which a point of this covariance is with 95 % probability: `d^T P^-1 d = q`, the 95 % point
-/// `q` of chi-square with one or two degrees of freedom. `None` for a point without uncertainty.
-pub fn region(covariance: &Matrix2<f64>) -> Option<[Vector2<f64>; 2]> {
-    let eigen = SymmetricEigen::new(*covariance);
-    let largest = eigen.eigenvalues.max();
-    if !(largest.is_finite() && largest > 0.0) {
-        return None;
-    }
-    let rank = eigen.eigenvalues.iter().filter(|v| **v > 1e-9 * largest);
-    let quantile = QUANTILES[(rank.count() - 1).min(1)];
-    let half =
-        |k: usize| eigen.eigenvectors.column(k) * (quantile * eigen.eigenvalues[k].max(0.0)).sqrt();
-    Some([half(0), half(1)])
-}
-
 impl Inset {
     /// The pulley as it is seen from a side.
     pub fn new(
@@ -79,17 +63,25 @@ impl Inset {
         directions: &Directions,
         inspection: &PulleyInspection,
         found: &IdentifiedPulley,
+        tolerance_m: Option<f64>,
     ) -> Self {
         let axes = axes(side, directions);
         let flat = |v: &Vec3| Vector2::new(axes[0].dot(v), axes[1].dot(v)) * 1e3;
-        let covariance = found
-            .covariance
-            .map(|whole| Matrix2::from_fn(|i, k| axes[i].dot(&(whole * axes[k])) * 1e6));
+        let flattened =
+            |whole: Matrix3<f64>| Matrix2::from_fn(|i, k| axes[i].dot(&(whole * axes[k])) * 1e6);
+        let drawn = match inspection.prior_sd_m {
+            [Some(x), Some(y), Some(z)] => Some([x, y, z].map(|sd| sd * sd)),
+            // A coordinate of which the drawing says nothing can be anywhere.
+            _ => None,
+        };
+        let drawn = drawn.map(|variances| Matrix3::from_diagonal(&Vec3::from(variances)));
         Self {
             side,
             axes: axes.each_ref().map(name),
             found: flat(&(found.entry_m - inspection.nominal_m)),
-            region: covariance.as_ref().and_then(region),
+            region: found.covariance.and_then(|whole| region(&flattened(whole))),
+            prior: drawn.and_then(|whole| region(&flattened(whole))),
+            tolerance: tolerance_m.map(|metres| 1e3 * metres),
         }
     }
 
@@ -161,6 +153,7 @@ pub fn show(ui: &mut Ui, inset: &Inset, scale: Scale, size: f32, (colour, name):
         middle: inset.found / 2.0,
         per_mm: f64::from(size) / (2.0 * scale.half),
     };
+    bands(&painter, &place, inset, palette);
     grid(&painter, &place, scale, palette);
     if let Some(semi_axes) = inset.region {
         ellipse(&painter, &place, (inset.found, semi_axes), colour);
@@ -200,13 +193,20 @@ fn grid(painter: &Painter, place: &Place, scale: Scale, palette: &Palette) {
     }
 }
 
-/// Points of the boundary of the 95 % region about `centre`.
-pub fn boundary(centre: Vector2<f64>, [a, b]: [Vector2<f64>; 2]) -> Vec<Vector2<f64>> {
-    let at = |k: usize| {
-        let (sin, cos) = (TAU * k as f64 / STEPS as f64).sin_cos();
-        centre + a * cos + b * sin
-    };
-    (0..STEPS).map(at).collect()
+/// Where the drawing has the pulley, and the tolerance, around the nominal place.
+fn bands(painter: &Painter, place: &Place, inset: &Inset, palette: &Palette) {
+    let nominal = Vector2::zeros();
+    if let Some(semi_axes) = inset.prior {
+        let points = boundary(nominal, semi_axes).into_iter();
+        let points: Vec<Pos2> = points.map(|point| place.at(point)).collect();
+        let edge = Stroke::new(1.0, palette.ghost.gamma_multiply(0.6));
+        let fill = palette.ghost.gamma_multiply(0.18);
+        painter.add(Shape::convex_polygon(points, fill, edge));
+    }
+    if let Some(tolerance) = inset.tolerance {
+        let radius = (tolerance * place.per_mm) as f32;
+        painter.circle_stroke(place.at(nominal), radius, Stroke::new(1.5, palette.good));
+    }
 }
 
 fn ellipse(
@@ -280,7 +280,6 @@ fn words(painter: &Painter, rect: Rect, inset: &Inset, palette: &Palette) {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Matrix3;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
     use rand_distr::StandardNormal;
@@ -294,7 +293,7 @@ mod tests {
             radius_m: 0.018,
             nominal_m: Vec3::new(0.5, -0.2, 1.0),
             identified: None,
-            prior_sd_m: [None; 3],
+            prior_sd_m: [Some(1e-3), Some(1e-3), Some(2e-3)],
         };
         let found = IdentifiedPulley {
             entry_m: inspection.nominal_m + by,
@@ -306,7 +305,13 @@ mod tests {
             }),
             correlations: Vec::new(),
         };
-        Inset::new(side, &Directions::identity(), &inspection, &found)
+        Inset::new(
+            side,
+            &Directions::identity(),
+            &inspection,
+            &found,
+            Some(2e-3),
+        )
     }
 
     /// Whether a point is inside a polygon: an odd number of its sides cross the ray to the right.
@@ -350,12 +355,21 @@ mod tests {
     }
 
     #[test]
-    fn what_was_given_has_no_region_and_a_line_has_one() {
-        assert!(region(&Matrix2::zeros()).is_none());
-        let flat = region(&Matrix2::new(4.0, 0.0, 0.0, 0.0)).expect("a region");
-        let lengths = flat.map(|axis| axis.norm());
-        let (long, short) = (lengths[0].max(lengths[1]), lengths[0].min(lengths[1]));
-        assert!((long - 2.0 * 3.841_f64.sqrt()).abs() < 1e-12 && short == 0.0);
+    fn the_drawing_and_the_tolerance_lie_around_the_nominal_place() {
+        let by = Vec3::new(5e-3, 0.0, -1e-3);
+        for (side, sds) in [
+            (StandardView::Front, [1.0, 2.0]),
+            (StandardView::Side, [1.0, 2.0]),
+            (StandardView::Top, [1.0, 1.0]),
+        ] {
+            let inset = inset(side, &(Matrix3::identity() * 1e-4), by);
+            let axes = inset.prior.expect("the drawing says how sure it is");
+            for (k, sd) in sds.into_iter().enumerate() {
+                let reach = axes[0][k].hypot(axes[1][k]);
+                assert!((reach - sd * 5.991_f64.sqrt()).abs() < 1e-9, "{side:?}");
+            }
+            assert_eq!(inset.tolerance, Some(2.0));
+        }
     }
 
     #[test]

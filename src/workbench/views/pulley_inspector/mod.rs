@@ -3,6 +3,7 @@
 
 mod coordinates;
 mod inset;
+mod region;
 
 use egui::{CentralPanel, Frame, Key, Label, Margin, Panel, RichText, ScrollArea, Ui};
 use egui_material_icons::icons;
@@ -15,6 +16,7 @@ use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, icon_button, icon_only, muted, section, verdict};
 use inset::{Inset, SIDES, Scale};
 use tautline_workflow::identification::{FitVerdict, IdentifiedPulley, PulleyInspection};
+use tautline_workflow::wording::units::significant;
 
 /// Largest side of an inset (points), and its part of the height.
 const INSET: f32 = 280.0;
@@ -105,7 +107,8 @@ pub fn show(
                     verdict != FitVerdict::Inadequate
                 });
                 judged(ui, &inspection, is_explained);
-                details(ui, &inspection, robot, arrangement);
+                let tolerance_m = model.preferences.report.tolerance_m;
+                details(ui, &inspection, (robot, tolerance_m), arrangement);
             });
         });
     CentralPanel::no_frame().show(ui, |ui| {
@@ -203,7 +206,12 @@ fn is_pressed(ui: &Ui, key: Key) -> bool {
 }
 
 /// The three views, the coordinates, and what their errors go together with.
-fn details(ui: &mut Ui, inspection: &PulleyInspection, robot: &Robot, arrangement: Arrangement) {
+fn details(
+    ui: &mut Ui,
+    inspection: &PulleyInspection,
+    (robot, tolerance_m): (&Robot, Option<f64>),
+    arrangement: Arrangement,
+) {
     let Some(found) = &inspection.identified else {
         muted(
             ui,
@@ -212,7 +220,7 @@ fn details(ui: &mut Ui, inspection: &PulleyInspection, robot: &Robot, arrangemen
         return;
     };
     let directions = robot_3d::camera::directions(robot.gravity());
-    let insets = SIDES.map(|side| Inset::new(side, &directions, inspection, found));
+    let insets = SIDES.map(|side| Inset::new(side, &directions, inspection, found, tolerance_m));
     let scale = Scale::of(&insets);
     let colour = theme::of(ui).cable(inspection.cable);
     ui.horizontal_top(|ui| {
@@ -223,11 +231,7 @@ fn details(ui: &mut Ui, inspection: &PulleyInspection, robot: &Robot, arrangemen
                     inset::show(ui, inset, scale, arrangement.inset, of);
                 }
             });
-            let text = format!(
-                "Ring: nominal place. Dot: identified place, in its 95 % region. Grid {}.",
-                scale.grid_words()
-            );
-            muted_small(ui, &text);
+            muted_small(ui, &caption(inspection, scale, tolerance_m));
         });
         if arrangement.is_wide {
             ui.add_space(2.0 * GRID);
@@ -239,13 +243,26 @@ fn details(ui: &mut Ui, inspection: &PulleyInspection, robot: &Robot, arrangemen
     }
 }
 
+/// What is drawn in the insets.
+fn caption(inspection: &PulleyInspection, scale: Scale, tolerance_m: Option<f64>) -> String {
+    let mut text = "Ring: nominal place. Dot: identified place, in its 95 % region. ".to_owned();
+    if inspection.prior_sd_m.iter().all(Option::is_some) {
+        text += "Grey: 95 % region of the drawing. ";
+    }
+    if let Some(metres) = tolerance_m {
+        let tolerance = significant(1e3 * metres, 3);
+        text += &format!("Green circle: tolerance, {tolerance} mm. ");
+    }
+    format!("{text}Grid {}.", scale.grid_words())
+}
+
 /// The coordinates, and what their errors go together with.
 fn numbers(ui: &mut Ui, found: &IdentifiedPulley, robot: &Robot) {
     ui.scope(|ui| coordinates::show(ui, &found.coordinates));
     if found.correlations.is_empty() {
         return;
     }
-    section(ui, "What its errors go together with");
+    section(ui, "Strongest correlations with other pulleys");
     ui.spacing_mut().item_spacing.y = 2.0;
     for correlation in &found.correlations {
         let text = format!("{}, {}", correlation.name(robot), correlation.words());

@@ -3,10 +3,10 @@
 use egui::{Align2, Color32, Painter, Pos2, Rect, pos2, vec2};
 
 use super::drawing::{
-    ArrowColour, CableColour, conformity_colour, error_colour, length_colour, longest_m,
-    significance_colour, tension_colour, tension_range,
+    ArrowColour, Band, CableColour, band_colour, conformity_colour, error_colour, is_drawn,
+    length_colour, longest_m, significance_colour, tension_colour, tension_range,
 };
-use super::overlay::{SMALL, quiet, text};
+use super::overlay::{SMALL, WIDE, quiet, text};
 use super::picking::Picture;
 use super::scene::{Besides, Significance};
 use crate::theme::{GRID, Palette};
@@ -14,8 +14,9 @@ use tautline_session::Stage;
 use tautline_workflow::report::tolerance::Conformity;
 use tautline_workflow::wording::units::significant;
 
-/// Width of a scale of colours (points).
+/// Width of a scale of colours (points), and in a small picture.
 const WIDTH: f32 = 160.0;
+const SMALL_WIDTH: f32 = 108.0;
 
 /// Draws the legends above each other in the lower right corner of `rect`; gives where they are.
 pub fn paint(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Palette) -> Vec<Rect> {
@@ -48,6 +49,7 @@ pub fn paint(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pal
         };
         put(Some(legend), &mut at);
     }
+    put(bands(painter, at, picture, palette), &mut at);
     put(displacements(painter, at, picture, palette), &mut at);
     put(errors(painter, at, picture, palette), &mut at);
     drawn
@@ -101,6 +103,29 @@ fn displacements(
         }
         ArrowColour::Significance => Some(significances(painter, at, picture, palette)),
     }
+}
+
+/// A line for each region around the nominal place of the pulley that is inspected.
+fn bands(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &Palette) -> Option<Rect> {
+    let (scene, options) = (picture.scene, picture.options);
+    options.inspected?;
+    let drawn = Band::ALL
+        .into_iter()
+        .filter(|one| is_drawn(*one, scene, options));
+    let named = drawn.map(|one| {
+        let words = match one {
+            Band::Prior => "as drawn, 95 %".to_owned(),
+            Band::Tolerance => {
+                let tolerance_mm = 1e3 * scene.tolerance_m.unwrap_or_default();
+                format!("tolerance of {} mm", significant(tolerance_mm, 3))
+            }
+        };
+        (words, band_colour(one, palette))
+    });
+    let named: Vec<(String, Color32)> = named.collect();
+    let lines: Vec<(&str, Color32)> = named.iter().map(|(w, c)| (w.as_str(), *c)).collect();
+    let title = "Around the nominal place";
+    (!lines.is_empty()).then(|| words(painter, at, (title, &lines), palette))
 }
 
 /// A line for each stage whose errors of position are drawn.
@@ -195,25 +220,61 @@ fn ramp(
     palette: &Palette,
 ) -> Rect {
     const STEPS: usize = 40;
-    let left = at.x - WIDTH;
+    // A small picture is left to the robot: the unit stands below the title there.
+    let is_small = painter.clip_rect().width() < WIDE;
+    let width = if is_small { SMALL_WIDTH } else { WIDTH };
+    let left = at.x - width;
     for step in 0..STEPS {
         let share = |k: usize| k as f32 / STEPS as f32;
         let corners = [
-            pos2(left + WIDTH * share(step), at.y - 6.0),
-            pos2(left + WIDTH * share(step + 1), at.y),
+            pos2(left + width * share(step), at.y - 6.0),
+            pos2(left + width * share(step + 1), at.y),
         ];
         let middle = (share(step) + share(step + 1)) / 2.0;
         painter.rect_filled(Rect::from_points(&corners), 0.0, colour(middle));
     }
     let anchors = [Align2::LEFT_TOP, Align2::CENTER_TOP, Align2::RIGHT_TOP];
     for (k, (mark, anchor)) in marks.iter().zip(anchors).enumerate() {
-        let x = left + WIDTH * 0.5 * k as f32;
+        let x = left + width * 0.5 * k as f32;
         text(painter, pos2(x, at.y + 1.0), anchor, mark, quiet(palette));
     }
-    let above = pos2(at.x, at.y - 9.0);
-    let title = text(painter, above, Align2::RIGHT_BOTTOM, title, quiet(palette));
-    title.union(Rect::from_two_pos(
+    let mut lines = vec![title];
+    if let Some(place) = title.find(" (").filter(|_| is_small) {
+        lines = vec![&title[..place], &title[place + 1..]];
+    }
+    let mut above = pos2(at.x, at.y - 9.0);
+    let mut written = Rect::from_min_max(above, above);
+    for line in lines.into_iter().rev() {
+        let line = text(painter, above, Align2::RIGHT_BOTTOM, line, quiet(palette));
+        above.y = line.top();
+        written = written.union(line);
+    }
+    written.union(Rect::from_two_pos(
         pos2(left, at.y - 6.0),
         at + vec2(0.0, SMALL + 3.0),
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::overlay::tests::in_picture;
+    use super::*;
+
+    #[test]
+    fn legends_leave_the_middle_of_a_small_picture_to_the_robot() {
+        for size in [
+            [400.0, 140.0],
+            [460.0, 240.0],
+            [640.0, 400.0],
+            [1200.0, 800.0],
+        ] {
+            let legends = in_picture(size, paint);
+            assert_eq!(legends.len(), 2, "residuals and displacements");
+            for legend in legends {
+                assert!(legend.min.y > 0.0, "{size:?}: {legend:?}");
+                let reach = (size[0] - legend.min.x) / size[0];
+                assert!(reach < 0.4, "{size:?}: {legend:?}");
+            }
+        }
+    }
 }

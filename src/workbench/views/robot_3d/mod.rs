@@ -311,6 +311,8 @@ impl Robot3d {
                 let state = (projection, can_frame, maximise);
                 aim = toolbar::show(ui, &mut self.options, scene, state);
             });
+        // The picture begins where the row ends, so that no strip of another colour is between them.
+        ui.add_space(-ui.spacing().item_spacing.y);
         aim
     }
 

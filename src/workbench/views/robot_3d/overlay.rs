@@ -2,7 +2,7 @@
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
-use super::drawing::Options;
+use super::drawing::{Band, Options, is_drawn};
 use super::picking::{OnScreen, Picture};
 use super::scene::Besides;
 use super::{callout, labels, legend, words};
@@ -14,8 +14,10 @@ use tautline_workflow::wording::list;
 /// Size of what is written (points).
 pub(super) const SMALL: f32 = 11.5;
 /// Width of the picture (points) from which on there is room for everything at its lower edge.
-const WIDE: f32 = 520.0;
+pub(super) const WIDE: f32 = 520.0;
 
+/// Height of the picture (points) from which on there is room for words over the robot.
+const HIGH: f32 = 260.0;
 /// Height of the picture (points) up to which there is no room for directions below the words.
 const LOW: f32 = 120.0;
 
@@ -154,6 +156,8 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
     let mut parts = vec!["pulleys"];
     parts.extend(arrows.then_some("arrows"));
     parts.extend(ellipsoids.then_some("95 % ellipsoids"));
+    let is_judged = is_drawn(Band::Tolerance, picture.scene, picture.options);
+    parts.extend(is_judged.then_some("tolerances"));
     let parts = list(&parts);
     // In two lines where one would reach over the robot.
     let after = if rect.width() < 2.0 * WIDE {
@@ -161,12 +165,25 @@ fn captions(painter: &Painter, rect: Rect, picture: &Picture<'_>, palette: &Pale
     } else {
         ": "
     };
-    let size = if exaggeration > 1.0 {
-        format!("Displacements magnified {exaggeration:.0}×{after}{parts}")
-    } else {
-        format!("Displacements true to scale{after}{parts}")
-    };
     let below = first.left_bottom() + vec2(0.0, 0.5 * GRID);
+    let (mut size, short) = match exaggeration > 1.0 {
+        true => (
+            format!("Displacements magnified {exaggeration:.0}×{after}{parts}"),
+            format!("Displacements {exaggeration:.0}×"),
+        ),
+        false => (
+            format!("Displacements true to scale{after}{parts}"),
+            "Displacements true to scale".to_owned(),
+        ),
+    };
+    let font = FontId::proportional(SMALL);
+    let words = painter.layout_no_wrap(size.clone(), font, palette.muted);
+    let place = Rect::from_min_size(below, words.size());
+    let mut pulleys = labels::pulleys(picture, rect).into_iter();
+    // Where the robot is small, or a pulley is there, only how much is said and not of what.
+    if rect.height() < HIGH || pulleys.any(|pulley| pulley.intersects(place)) {
+        size = short;
+    }
     let second = text(painter, below, Align2::LEFT_TOP, size, quiet(palette));
     vec![first, second]
 }
@@ -233,8 +250,83 @@ fn metres(length: f64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use egui_kittest::Harness;
+    use tautline_core::geometry::Vec3;
+    use tautline_core::measurement::Measurements;
+    use tautline_core::robot::presets;
+
     use super::*;
+    use crate::views::robot_3d::camera::{Camera, StandardView};
+    use crate::views::robot_3d::scene::{MeasuredPose, MeasuredPoses, Scene, Subject};
+
+    /// MINI, identified, with a pose.
+    fn scene() -> Scene {
+        let robot = presets::find("mini").expect("a preset").robot;
+        let mut scene = Subject::new(&robot, &Measurements::default()).scene();
+        scene.besides = Besides::Drawing;
+        let pose = MeasuredPose {
+            label: 1,
+            position: Vec3::zeros(),
+            residual: Some(1.0),
+        };
+        scene.measured = Arc::new(MeasuredPoses::new(vec![pose]));
+        scene
+    }
+
+    /// What is drawn over a picture of this size (points).
+    pub fn in_picture<T: Clone + Send + 'static>(
+        [width, height]: [f32; 2],
+        draw: impl Fn(&Painter, Rect, &Picture<'_>, &Palette) -> T + 'static,
+    ) -> T {
+        let drawn = Arc::new(Mutex::new(None));
+        let (seen, scene) = (Arc::clone(&drawn), scene());
+        let show = move |ui: &mut egui::Ui| {
+            if ui.ctx().cumulative_pass_nr() == 0 {
+                // Fonts are there from the next frame on.
+                theme::install(ui.ctx());
+                return;
+            }
+            let (options, extent) = (Options::default(), scene.extent());
+            let aspect = f64::from(width / height);
+            let view = StandardView::Isometric;
+            let picture = Picture {
+                scene: &scene,
+                options: &options,
+                camera: &Camera::new(scene.directions, view, &extent, aspect),
+                size: [width, height].map(f64::from),
+            };
+            let rect = ui.ctx().content_rect();
+            let what = draw(&ui.painter_at(rect), rect, &picture, theme::of(ui));
+            *seen.lock().expect("one thread") = Some(what);
+        };
+        let size = vec2(width, height);
+        let mut harness = Harness::builder().with_size(size).build_ui(show);
+        harness.run();
+        let drawn = drawn.lock().expect("one thread").clone();
+        drawn.expect("it is drawn")
+    }
+
+    #[test]
+    fn words_cover_no_pulley() {
+        for size in [
+            [400.0, 140.0],
+            [460.0, 300.0],
+            [632.0, 376.0],
+            [900.0, 600.0],
+        ] {
+            let (words, pulleys) = in_picture(size, |painter, rect, picture, palette| {
+                let words = captions(painter, rect, picture, palette);
+                (words, labels::pulleys(picture, rect))
+            });
+            for pulley in &pulleys {
+                let covers = |words: &Rect| words.intersects(*pulley);
+                assert!(!words.iter().any(covers), "{size:?}: {words:?}, {pulley:?}");
+            }
+        }
+    }
 
     #[test]
     fn lengths_have_the_unit_that_fits() {

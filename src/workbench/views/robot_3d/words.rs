@@ -2,7 +2,8 @@
 
 use super::picking::Thing;
 use super::scene::{Besides, Residual, Scene, Shown};
-use tautline_workflow::wording::units::signed;
+use tautline_core::geometry::Vec3;
+use tautline_workflow::wording::units::{mm, signed};
 
 /// Tooltip of an object.
 #[must_use]
@@ -63,10 +64,10 @@ fn pulley(scene: &Scene, index: usize) -> String {
     let Some(cable) = scene.cables.get(index) else {
         return String::new();
     };
-    let [x, y, z] = (cable.wheel.entry * 1e3).into();
+    let entry = place(&cable.wheel.entry);
     let radius = cable.wheel.radius_m * 1e3;
     let mut text = format!(
-        "Pulley {}: radius {radius:.1} mm, entry point ({x:.1}, {y:.1}, {z:.1}) mm",
+        "Pulley {}: radius {radius:.1} mm, entry point {entry}",
         cable.label
     );
     if let Some(moved) = &cable.moved {
@@ -86,23 +87,29 @@ fn pulley(scene: &Scene, index: usize) -> String {
     text
 }
 
+/// Coordinates of a place, in millimetres.
+fn place(at: &Vec3) -> String {
+    let [x, y, z] = <[f64; 3]>::from(*at).map(|metres| mm(metres, 1));
+    format!("({x}, {y}, {z}) mm")
+}
+
 fn platform(scene: &Scene) -> String {
-    let [x, y, z] = (scene.pose.position * 1e3).into();
+    let at = place(&scene.pose.position);
     let turned = scene.pose.orientation.angle().to_degrees();
-    format!("Platform at ({x:.1}, {y:.1}, {z:.1}) mm, rotated by {turned:.2}°")
+    format!("Platform at {at}, rotated by {turned:.2}°")
 }
 
 fn pose(scene: &Scene, label: i64) -> String {
     let Some(pose) = scene.measured.iter().find(|pose| pose.label == label) else {
         return String::new();
     };
-    let [x, y, z] = (pose.position * 1e3).into();
+    let at = place(&pose.position);
     let name = if label == 0 {
         "Home pose".to_owned()
     } else {
         format!("Pose {label}")
     };
-    let text = format!("{name}: ({x:.1}, {y:.1}, {z:.1}) mm");
+    let text = format!("{name}: {at}");
     match pose.residual {
         Some(value) => format!("{text}, residual {} standard deviations", signed(value, 1)),
         None => text,

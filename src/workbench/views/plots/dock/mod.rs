@@ -319,7 +319,9 @@ pub fn show(
         empty(ui, "All plots are in windows of their own.");
     } else {
         let dragged = tree.dragged_id(ui.ctx());
+        let places = tree::stand_in(tree, |tab| tab.missing(open).is_none());
         tree.ui(&mut dock, ui);
+        tree::stand_back(tree, &places);
         if let Some(dragged) = dragged.filter(|_| ui.input(|input| input.pointer.any_released())) {
             tree::untangle(tree, dragged);
             tree.simplify(&dock.simplification_options());

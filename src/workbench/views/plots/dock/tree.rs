@@ -165,6 +165,57 @@ pub fn bring_forward(tree: &mut Tree, plot: PlotId) -> Option<PlotId> {
     tree.tiles.get_pane(&before).copied()
 }
 
+/// A place, the plot that was chosen there, and the one that is seen instead.
+pub type StandIn = (TileId, TileId, TileId);
+
+/// Lets other plots be seen where those in front have nothing to show: the residuals, which say how to get there, or the
+/// first that has something to show. The live scope, which always has, comes by itself.
+pub fn stand_in(tree: &mut Tree, has_data: impl Fn(Tab) -> bool) -> Vec<StandIn> {
+    let instead = |tabs: &Tabs| {
+        let plot = |tile: &TileId| tree.tiles.get_pane(tile).map(|plot| plot.tab);
+        let chosen = tabs.active?;
+        if plot(&chosen).is_none_or(|tab| tab == Tab::Residuals || has_data(tab)) {
+            return None;
+        }
+        let others = tabs.children.iter();
+        let others: Vec<(TileId, Tab)> = others.filter_map(|t| Some((*t, plot(t)?))).collect();
+        let residuals = others.iter().find(|(_, tab)| *tab == Tab::Residuals);
+        let shows = |(_, tab): &&(TileId, Tab)| *tab != Tab::Scope && has_data(*tab);
+        let (seen, _) = residuals.or_else(|| others.iter().find(shows))?;
+        Some((chosen, *seen))
+    };
+    let places = tree.tiles.iter().filter_map(|(place, tile)| match tile {
+        Tile::Container(Container::Tabs(tabs)) => {
+            let (chosen, seen) = instead(tabs)?;
+            Some((*place, chosen, seen))
+        }
+        _ => None,
+    });
+    let places: Vec<StandIn> = places.collect();
+    for (place, _, seen) in &places {
+        set_active(tree, *place, *seen);
+    }
+    places
+}
+
+/// Lets the plots that were chosen be in front again, unless others were chosen meanwhile.
+pub fn stand_back(tree: &mut Tree, places: &[StandIn]) {
+    for (place, chosen, seen) in places {
+        let Some(Tile::Container(Container::Tabs(tabs))) = tree.tiles.get(*place) else {
+            continue;
+        };
+        if tabs.active == Some(*seen) && tabs.children.contains(chosen) {
+            set_active(tree, *place, *chosen);
+        }
+    }
+}
+
+fn set_active(tree: &mut Tree, place: TileId, plot: TileId) {
+    if let Some(Tile::Container(Container::Tabs(tabs))) = tree.tiles.get_mut(place) {
+        tabs.set_active(plot);
+    }
+}
+
 /// Once `dragged` was dropped at the side of a plot among others: the place of all of them is divided, not that of this
 /// plot behind its tab.
 pub fn untangle(tree: &mut Tree, dragged: TileId) {
@@ -273,6 +324,31 @@ mod tests {
         let mut first = FIRST.map(PlotId::first);
         first.sort_unstable();
         assert_eq!(seen, first);
+    }
+
+    #[test]
+    fn a_plot_without_data_is_replaced_until_it_has_some() {
+        let one = Preset::One.area(&all());
+        let mut tree = tree("test", &one, &all());
+        let external = PlotId::first(Tab::External);
+        bring_forward(&mut tree, external);
+        let chosen = area(&tree);
+        let places = stand_in(&mut tree, |tab| tab != Tab::External);
+        assert_eq!(shown(&tree), [PlotId::first(Tab::Residuals)]);
+        stand_back(&mut tree, &places);
+        assert_eq!(area(&tree), chosen, "preferences keep what was chosen");
+        assert!(stand_in(&mut tree, |_| true).is_empty());
+        // Without the residuals the first that has data; what is chosen meanwhile stays.
+        remove(&mut tree, PlotId::first(Tab::Residuals));
+        let places = stand_in(&mut tree, |tab| {
+            [Tab::Elongation, Tab::Scope].contains(&tab)
+        });
+        assert_eq!(shown(&tree), [PlotId::first(Tab::Elongation)]);
+        bring_forward(&mut tree, PlotId::first(Tab::Scope));
+        stand_back(&mut tree, &places);
+        assert_eq!(shown(&tree), [PlotId::first(Tab::Scope)]);
+        bring_forward(&mut tree, external);
+        assert!(stand_in(&mut tree, |tab| tab == Tab::Scope).is_empty());
     }
 
     #[test]

@@ -73,3 +73,48 @@ pub fn figure(fit: &Identification) -> Figure {
         ..Figure::default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use tautline_core::estimation::{Control, Method};
+    use tautline_core::robot::presets;
+    use tautline_core::simulation::{SimulationOptions, TensionRange, simulate};
+    use tautline_workflow::identification::{IdentificationRequest, identify};
+    use tautline_workflow::plot::draw::drawing;
+    use tautline_workflow::plot::drawing::Shape;
+
+    use super::*;
+    use crate::theme;
+    use crate::views::plots::screen::colours;
+
+    /// Names are left out where they have no room, but not those of the cables.
+    #[test]
+    fn every_cable_has_its_number_on_both_axes_of_a_small_plot() {
+        let robot = presets::find("mini").expect("a preset").robot;
+        let options = SimulationOptions {
+            tension: Some(TensionRange::of(&robot)),
+            ..SimulationOptions::new(12, 3)
+        };
+        let run = simulate(&robot, &options).expect("measurements");
+        let request = IdentificationRequest::new(run.dataset, Method::Joint, &[]);
+        let request = request.expect("a request");
+        let fit = identify(&request, &mut |_| Control::Continue).expect("a fit");
+        let colours = colours(theme::palette(egui::Theme::Dark));
+        let drawn = drawing("", &figure(&fit), [620.0, 230.0], 1.0, &colours);
+        // Names along x stand below the others, those along y left of them.
+        let mut along: [BTreeSet<String>; 2] = Default::default();
+        for shape in &drawn.shapes {
+            if let Shape::Text { at, text, .. } = shape {
+                let is_below = at[1] > 0.85 * drawn.size[1];
+                along[usize::from(!is_below)].insert(text.clone());
+            }
+        }
+        for cable in 1..=8 {
+            for names in &along {
+                assert!(names.contains(&cable.to_string()), "{cable} in {names:?}");
+            }
+        }
+    }
+}

@@ -1,10 +1,13 @@
 //! Statistics of the identification as a table: readings with their reliability, identified values with their intervals.
 
+mod columns;
 mod rows;
 
 use std::sync::Arc;
 
-use egui::{Align, ComboBox, IntoAtoms, Layout, RichText, Role, Sense, TextEdit, Ui, WidgetInfo};
+use egui::{
+    Align, ComboBox, IntoAtoms, Layout, RichText, Role, Sense, TextEdit, Ui, UiBuilder, WidgetInfo,
+};
 use egui_extras::{Column, TableBuilder};
 use egui_material_icons::icons;
 use tautline_workflow::identification::Identification;
@@ -13,9 +16,12 @@ use tautline_workflow::wording::count;
 use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Memo, Selection};
 use crate::theme::{self, GRID};
-use crate::widgets::{icon_button, muted};
+use crate::widgets::{icon_button, icon_only, muted};
+use columns::Seen;
 use rows::{Head, Listed, Of, Order, Row, arranged, rows_of, text};
 
+/// Width (points) below which the buttons have icons alone.
+const NARROW: f32 = 480.0;
 /// Width (points) beside the filter from which on the number of rows has room there.
 const COUNTED: f32 = 220.0;
 
@@ -24,6 +30,8 @@ const COUNTED: f32 = 220.0;
 pub struct Statistics {
     listed: Listed,
     orders: [Option<Order>; 2],
+    /// The first of the columns that are leafed through, where not all have room.
+    from: [usize; 2],
     filter: String,
     all: Memo<Of, Vec<Row>>,
     shown: Memo<(Of, Option<Order>, String), Vec<usize>>,
@@ -47,16 +55,24 @@ pub fn show(
     let key = (of.clone(), order, filter.clone());
     let shown = state.shown.get(key, || arranged(rows, order, &filter));
     let heads = of.listed.heads();
+    let bar = ui.spacing().scroll.allocated_width();
+    let room = (ui.available_width() - bar, ui.spacing().item_spacing.x);
+    let from = &mut state.from[of.listed as usize];
+    let seen = Seen::of(heads, of.listed.names(), *from, room);
+    let is_narrow = ui.available_width() < NARROW;
     ui.horizontal(|ui| {
         listed(ui, &mut state.listed);
         let field = TextEdit::singleline(&mut state.filter).hint_text("Filter by name");
-        ui.add(field.desired_width(140.0))
+        let width = if is_narrow { 96.0 } else { 140.0 };
+        ui.add(field.desired_width(width))
             .widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Filter the table"));
+        leaf(ui, &seen, of.listed.names(), from);
         if ui.available_width() > COUNTED {
             muted(ui, &number_of(shown.len(), rows.len()));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if icon_button(ui, icons::ICON_CONTENT_COPY, "Copy table", true).clicked() {
+            let button = if is_narrow { icon_only } else { icon_button };
+            if button(ui, icons::ICON_CONTENT_COPY, "Copy table", true).clicked() {
                 ui.ctx().copy_text(text(heads, rows, shown));
             }
         });
@@ -64,12 +80,27 @@ pub fn show(
     let order = &mut state.orders[of.listed as usize];
     table(
         ui,
-        heads,
+        (heads, &seen),
         (rows, shown),
         order,
         (selection, hovered),
         outbox,
     );
+}
+
+/// Buttons to the columns that have no room.
+fn leaf(ui: &mut Ui, seen: &Seen, names: usize, from: &mut usize) {
+    let first = seen.others.start - names;
+    let [left, right] = seen.more;
+    if !(left || right) {
+        return;
+    }
+    if icon_only(ui, icons::ICON_CHEVRON_LEFT, "Columns to the left", left).clicked() {
+        *from = first.saturating_sub(seen.others.len());
+    }
+    if icon_only(ui, icons::ICON_CHEVRON_RIGHT, "Columns to the right", right).clicked() {
+        *from = first + seen.others.len();
+    }
 }
 
 fn listed(ui: &mut Ui, chosen: &mut Listed) {
@@ -97,7 +128,7 @@ fn number_of(shown: usize, all: usize) -> String {
 
 fn table(
     ui: &mut Ui,
-    heads: &[Head],
+    (heads, seen): (&[Head], &Seen),
     (rows, shown): (&[Row], &[usize]),
     order: &mut Option<Order>,
     (selection, hovered): (Selection, &mut Selection),
@@ -105,64 +136,64 @@ fn table(
 ) {
     let palette = theme::of(ui);
     let id = ui.scope_id().with(("statistics", heads.len()));
-    egui::ScrollArea::horizontal().id_salt(id).show(ui, |ui| {
-        let mut table = TableBuilder::new(ui)
-            .id_salt(id)
-            .sense(Sense::click())
-            .cell_layout(Layout::left_to_right(Align::Center));
-        for head in heads {
-            table = table.column(Column::initial(head.width).at_least(36.0).clip(true));
+    let mut table = TableBuilder::new(ui)
+        .id_salt(id)
+        .sense(Sense::click())
+        .cell_layout(Layout::left_to_right(Align::Center));
+    let others = heads[seen.others.clone()].iter().map(|head| head.width);
+    for width in seen.names.iter().copied().chain(others) {
+        table = table.column(Column::exact(width).clip(true));
+    }
+    let header = |mut row: egui_extras::TableRow<'_, '_>| {
+        for column in seen.places() {
+            row.col(|ui| heading(ui, &heads[column], column, order));
         }
-        let header = |mut row: egui_extras::TableRow<'_, '_>| {
-            for (column, head) in heads.iter().enumerate() {
-                row.col(|ui| heading(ui, head, column, order));
-            }
-        };
-        table.header(6.0 * GRID, header).body(|body| {
-            body.rows(5.5 * GRID, shown.len(), |mut line| {
-                let row = &rows[shown[line.index()]];
-                let is_selected = row.selects != Selection::default() && row.selects == selection;
-                line.set_selected(is_selected);
-                for (head, cell) in heads.iter().zip(&row.cells) {
-                    line.col(|ui| {
-                        let colour = if row.is_suspect && head.title == "Standardised" {
-                            palette.warning
-                        } else {
-                            palette.text
-                        };
-                        let label = egui::Label::new(RichText::new(cell).color(colour))
-                            .selectable(false)
-                            .truncate();
-                        aligned(ui, head, |ui| {
-                            ui.add(label);
-                        });
-                    });
-                }
-                let response = line.response();
-                let name = row.cells.join(", ");
-                response
-                    .widget_info(|| WidgetInfo::selected(Role::Button, true, is_selected, &name));
-                if response.hovered() {
-                    *hovered = row.selects;
-                }
-                if response.clicked() {
-                    let chosen = match is_selected {
-                        true => Selection::default(),
-                        false => row.selects,
+    };
+    table.header(6.0 * GRID, header).body(|body| {
+        body.rows(5.5 * GRID, shown.len(), |mut line| {
+            let row = &rows[shown[line.index()]];
+            let is_selected = row.selects != Selection::default() && row.selects == selection;
+            line.set_selected(is_selected);
+            for (head, cell) in seen.places().map(|k| (&heads[k], &row.cells[k])) {
+                line.col(|ui| {
+                    let colour = if row.is_suspect && head.title == "Standardised" {
+                        palette.warning
+                    } else {
+                        palette.text
                     };
-                    outbox.send(ViewCommand::Select(chosen));
-                }
-            });
+                    let label = egui::Label::new(RichText::new(cell).color(colour))
+                        .selectable(false)
+                        .truncate();
+                    aligned(ui, head, |ui| {
+                        ui.add(label);
+                    });
+                });
+            }
+            let response = line.response();
+            let name = row.cells.join(", ");
+            response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_selected, &name));
+            if response.hovered() {
+                *hovered = row.selects;
+            }
+            if response.clicked() {
+                let chosen = match is_selected {
+                    true => Selection::default(),
+                    false => row.selects,
+                };
+                outbox.send(ViewCommand::Select(chosen));
+            }
         });
     });
 }
 
+/// Adds to a cell, at the side where its column has its text; what is added takes no room, so that the cell does not grow.
 fn aligned(ui: &mut Ui, head: &Head, add: impl FnOnce(&mut Ui)) {
-    if head.is_number {
-        ui.with_layout(Layout::right_to_left(Align::Center), add);
-    } else {
-        add(ui);
-    }
+    let layout = match head.is_number {
+        true => Layout::right_to_left(Align::Center),
+        false => Layout::left_to_right(Align::Center),
+    };
+    let cell = UiBuilder::new().max_rect(ui.max_rect()).layout(layout);
+    add(&mut ui.new_child(cell));
 }
 
 /// A heading, which sorts by its column: first ascending, then descending, then as measured.

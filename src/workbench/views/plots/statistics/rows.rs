@@ -28,6 +28,14 @@ impl Listed {
     pub const ALL: [(Self, &'static str); 2] =
         [(Self::Readings, "Readings"), (Self::Values, "Values")];
 
+    /// How many of its columns, from the first on, say what a row is.
+    pub fn names(self) -> usize {
+        match self {
+            Self::Readings => 2,
+            Self::Values => 1,
+        }
+    }
+
     /// Its columns.
     pub fn heads(self) -> &'static [Head] {
         match self {

@@ -1,5 +1,6 @@
 //! A scene in the colours of a theme: triangles, lines and points as the graphics card takes them. No camera.
 
+mod bands;
 mod colours;
 mod options;
 mod points;
@@ -10,6 +11,7 @@ use egui::{Color32, Theme};
 use nalgebra::{Matrix3, SymmetricEigen};
 use tautline_core::geometry::Vec3;
 
+pub use bands::{Band, band_colour, is_drawn};
 pub use colours::{
     arrow_colour, cable_colour, conformity_colour, error_colour, length_colour, longest_m,
     significance_colour, tension_colour, tension_range,
@@ -116,6 +118,7 @@ impl Drawing {
             let placed = scene.placed(index, options.exaggeration_of(scene));
             drawing.cable(&placed, look);
             drawing.pulley(cable, &placed, look, (scene, options), palette);
+            drawing.bands(scene, index, options, palette);
         }
         if options.inspected.is_none() {
             drawing.trail(scene, palette);
@@ -309,17 +312,21 @@ impl Drawing {
 }
 
 /// Takes the unit sphere to the ellipsoid in which the pulley is with 95 % probability, so many times too large.
-///
-/// `d^T P^-1 d = q` with the 95 % point `q` of chi-square for as many coordinates as were estimated.
 #[must_use]
 pub fn ellipsoid(moved: &Displacement, exaggeration: f64) -> Option<Matrix3<f64>> {
-    let covariance = moved.covariance?;
-    let quantile: f64 = match moved.coordinates() {
+    region(&moved.covariance?, exaggeration)
+}
+
+/// Takes the unit sphere to the 95 % region of a covariance (m^2), so many times too large: `d^T P^-1 d = q` with the 95 %
+/// point `q` of chi-square for as many coordinates as have a variance.
+fn region(covariance: &Matrix3<f64>, exaggeration: f64) -> Option<Matrix3<f64>> {
+    let known = covariance.diagonal().iter().filter(|v| **v > 0.0).count();
+    let quantile: f64 = match known {
         1 => 3.841,
         2 => 5.991,
         _ => 7.815,
     };
-    let eigen = SymmetricEigen::new(covariance);
+    let eigen = SymmetricEigen::new(*covariance);
     let scale = exaggeration * quantile.sqrt();
     let axes = eigen.eigenvalues.map(|v| scale * v.max(0.0).sqrt());
     // A flat ellipsoid is drawn with a thickness.

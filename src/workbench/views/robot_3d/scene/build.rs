@@ -171,6 +171,7 @@ impl<'a> Subject<'a> {
                 wheel: own.wheel,
                 nominal: nominal_wheel(index),
                 moved: self.fit.map(|fit| displacement(fit, index, drawn)),
+                prior_sd_m: drawn.pulley.entry_point_sd_m.each(),
                 free_m: own.free_m,
                 tension_n: tensions[index],
                 residual: residuals

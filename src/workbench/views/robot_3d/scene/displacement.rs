@@ -28,7 +28,7 @@ impl Significance {
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
-            Self::Unknown => "no valid uncertainty",
+            Self::Unknown => "uncertainty not valid",
             Self::Noise => "within the uncertainty",
             Self::Unclear => "unclear",
             Self::Clear => "beyond the uncertainty",

@@ -105,6 +105,8 @@ pub struct CableView {
     pub nominal: Option<Wheel>,
     /// How the two differ.
     pub moved: Option<Displacement>,
+    /// Standard deviations of the coordinates of the drawing (m), where they are known.
+    pub prior_sd_m: [Option<f64>; 3],
     /// Straight part (m); `None` where it has no path at this pose.
     pub free_m: Option<f64>,
     /// Tension (N), if known.

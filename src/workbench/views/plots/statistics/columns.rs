@@ -1,0 +1,105 @@
+//! Which columns of the table are seen: where not all have room, those that name the row stay and the others are leafed
+//! through, so that none is ever cut.
+
+use std::ops::Range;
+
+use super::rows::Head;
+
+/// Least width of a column of names (points).
+const LEAST: f32 = 72.0;
+
+/// The columns that are seen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Seen {
+    /// Those that name the row, with their widths (points).
+    pub names: Vec<f32>,
+    /// The others, by their places.
+    pub others: Range<usize>,
+    /// Whether there are more to the left and to the right.
+    pub more: [bool; 2],
+}
+
+impl Seen {
+    /// The columns of a table so wide (points), with this space after each: the first `names` and others, beginning with
+    /// `from` of them unless that would leave room unused.
+    pub fn of(heads: &[Head], names: usize, from: usize, (width, space): (f32, f32)) -> Self {
+        let (naming, others) = heads.split_at(names.min(heads.len()));
+        let widest = others.iter().map(|head| head.width).fold(0.0, f32::max);
+        let mut named: Vec<f32> = naming.iter().map(|head| head.width).collect();
+        let taken = |named: &[f32]| named.iter().map(|width| width + space).sum::<f32>();
+        let missing = taken(&named) + widest - width;
+        if let Some(longest) = named.iter_mut().max_by(|a, b| a.total_cmp(b)) {
+            // A name is shortened before a number is cut.
+            *longest = (*longest - missing.max(0.0)).max(LEAST.min(*longest));
+        }
+        let room = width - taken(&named);
+        let fits = |range: Range<usize>| {
+            let count = range.len();
+            let widths = others[range].iter().map(|head| head.width).sum::<f32>();
+            count <= 1 || widths + space * (count - 1) as f32 <= room
+        };
+        let count = others.len();
+        let last = (0..count).find(|from| fits(*from..count)).unwrap_or(count);
+        let from = from.min(last);
+        let ends = (from + 1..=count).rev();
+        let to = ends.into_iter().find(|to| fits(from..*to)).unwrap_or(count);
+        Self {
+            names: named,
+            others: names + from..names + to,
+            more: [from > 0, to < count],
+        }
+    }
+
+    /// Places of all that are seen.
+    pub fn places(&self) -> impl Iterator<Item = usize> + Clone + use<> {
+        (0..self.names.len()).chain(self.others.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::views::plots::statistics::rows::Listed;
+
+    const SPACE: f32 = 8.0;
+
+    /// Width of what is seen (points).
+    fn width(seen: &Seen, heads: &[Head]) -> f32 {
+        let others = heads[seen.others.clone()].iter().map(|head| head.width);
+        let widths: Vec<f32> = seen.names.iter().copied().chain(others).collect();
+        widths.iter().sum::<f32>() + SPACE * (widths.len() - 1) as f32
+    }
+
+    #[test]
+    fn columns_are_whole_and_all_are_reached_at_every_width() {
+        for (listed, _) in Listed::ALL {
+            let (heads, names) = (listed.heads(), listed.names());
+            for room in [260.0, 400.0, 512.0, 640.0, 760.0, 1200.0] {
+                let mut reached = std::collections::BTreeSet::new();
+                let mut from = 0;
+                loop {
+                    let seen = Seen::of(heads, names, from, (room, SPACE));
+                    assert!(
+                        width(&seen, heads) <= room,
+                        "{listed:?} in {room}: {seen:?}"
+                    );
+                    assert!(!seen.others.is_empty());
+                    reached.extend(seen.places());
+                    if !seen.more[1] {
+                        break;
+                    }
+                    from += 1;
+                }
+                assert_eq!(reached.len(), heads.len(), "{listed:?} in {room}");
+            }
+        }
+    }
+
+    #[test]
+    fn where_all_have_room_all_are_seen_from_the_first_on() {
+        let heads = Listed::Readings.heads();
+        let seen = Seen::of(heads, 2, 7, (2000.0, SPACE));
+        assert_eq!(seen.places().count(), heads.len());
+        assert_eq!(seen.more, [false, false]);
+    }
+}
