@@ -266,18 +266,14 @@ pub(super) fn temper(
     }
 }
 
-/// States names and lists with what their evidence does not know: errors that are in no catalogue.
-///
-/// Such an error passes for a cause if what distinguishes both is lost in the noise. Of shapes that differ by a share of
-/// any size, one in `sqrt(chi-square explained)` does. What is no longer certain enough for a name is a list.
+/// Allows for errors outside the catalogue, of which the evidence knows nothing: lowers the probabilities of all findings. A name
+/// that is then no longer certain becomes a list.
 pub(super) fn allow_for_imitations(findings: &mut [Finding]) {
     for finding in findings {
         if finding.verdict == Verdict::Named {
-            let explained = finding.evidence.delta_chi2.max(1.0);
-            let imitated = (IMITATED / explained.sqrt()).min(MOST_IMITATED);
-            let stated = finding.probability * (1.0 - imitated);
-            if stated >= SURE {
-                finding.probability = stated;
+            let explained = finding.evidence.delta_chi2;
+            if let Some(probability) = probability_of_name(finding.probability, explained) {
+                finding.probability = probability;
                 finding.alternatives.clear();
                 continue;
             }
@@ -288,6 +284,16 @@ pub(super) fn allow_for_imitations(findings: &mut [Finding]) {
             alternative.probability *= 1.0 - NONE_OF_THEM;
         }
     }
+}
+
+/// Probability of a named cause that explains a chi-square; `None` where it is too low for a name.
+///
+/// An error outside the catalogue passes for a cause if noise hides the difference of their shapes. Of shapes that differ by
+/// any share of what the cause explains, a part in proportion to `1 / sqrt(chi-square explained)` does.
+fn probability_of_name(probability: f64, explained: f64) -> Option<f64> {
+    let imitated = (IMITATED / explained.max(1.0).sqrt()).min(MOST_IMITATED);
+    let stated = probability * (1.0 - imitated);
+    (stated >= SURE).then_some(stated)
 }
 
 /// Logarithm of how much rarer the size of a cause, as far as it is certain, is than the largest typical one.
@@ -345,4 +351,20 @@ pub(super) fn judged(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>, 
     let tests = dependence_tests(&space, &variables);
     let found = discrepancies(&space, &tests, level);
     (adequacy(&space, &fit.solution, level), found, space)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_more_a_cause_explains_the_surer_is_its_name() {
+        let stated = |p, explained| probability_of_name(p, explained);
+        let expected = [(2500.0, 0.99), (100.0, 0.97), (10.0, 0.97), (0.0, 0.97)];
+        for (explained, probability) in expected {
+            assert!((stated(1.0, explained).unwrap() - probability).abs() < 1e-12);
+        }
+        assert!(stated(0.96, 1e6).is_some());
+        assert_eq!(stated(0.96, 100.0), None);
+    }
 }
