@@ -5,7 +5,7 @@ use tautline_core::effect::CATALOGUE;
 use super::{Channels, Circumstances, OUTSIDE, Plan, Stratum, Wanted, robots};
 
 /// Seed of the first data set.
-const FIRST_SEED: u64 = 2_000_000;
+const FIRST_SEED: u64 = 3_000_000;
 /// Of this many data sets per effect and robot the last is just visible.
 const JUST_VISIBLE_EVERY: usize = 3;
 
