@@ -205,7 +205,7 @@ fn a_channel_is_mapped_by_hand() {
     let file = bench.write("log.csv", &example("table.csv"));
     drop_file(&mut bench, &file);
     press(&mut bench.harness, "Winde2 Winkel, rev_2");
-    press(&mut bench.harness, "This channel alone");
+    press(&mut bench.harness, "Only this channel");
     press(&mut bench.harness, "Reversed");
     let recipe = import(&bench).draft.recipe();
     let entry = |channel: &str| recipe.entry_of("log", channel, 8).expect("used");

@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         ui.label(RichText::new("Tautline").font(theme::strong(32.0)));
         muted(
             ui,
-            "Find where the pulleys of a cable robot really are, and what its model still gets wrong.",
+            "Identify the pulleys of a cable robot and diagnose its model.",
         );
         ui.add_space(4.0 * GRID);
         unsaved_sessions(ui, model, panel, outbox);

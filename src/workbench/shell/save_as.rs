@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             verdict(
                 ui,
                 Verdict::Doubtful,
-                "There is a file of this name already; it will be replaced.",
+                "A file with this name exists; it will be replaced.",
             );
         }
         ui.add_space(2.0 * GRID);

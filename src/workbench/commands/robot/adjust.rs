@@ -115,7 +115,7 @@ pub fn recorded(model: &mut Model) {
 pub(super) fn not_recorded(model: &mut Model) {
     if model.link.to_write.take().is_some() {
         model.link.writing = false;
-        let text = "Nothing was written: its record cannot be kept on disk.";
+        let text = "Nothing was written: its record cannot be saved to disk.";
         conclude(model, Outcome::Failed(text.to_owned()), text);
         model.messages.error(text);
     }

@@ -123,7 +123,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
         DriverEvent::Refused(text) => refused(model, &text),
         DriverEvent::Parameters(parameters) => {
             model.link.take_parameters(parameters);
-            model.messages.info("Read what the controller holds.");
+            model.messages.info("Read the values of the controller.");
         }
         DriverEvent::Written {
             values,

@@ -154,8 +154,8 @@ fn home(ui: &mut Ui, compared: &Comparison) {
         Some(test) if differs(compared, Some(test)) => {
             "The platform stood differently at home. This is no change of the robot."
         }
-        Some(_) => "The same within the noise.",
-        None => "Whether it is the same cannot be told.",
+        Some(_) => "Unchanged within the noise.",
+        None => "Cannot be determined.",
     };
     muted(ui, told);
     let rows = home.coordinates.iter().map(|(coordinate, value, sd)| {

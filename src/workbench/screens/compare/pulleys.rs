@@ -43,7 +43,7 @@ pub fn show(
     }
     muted(
         ui,
-        "Relative to the pulleys that did not move, ± one standard deviation. The probabilities are corrected for the number of questions asked.",
+        "Relative to the pulleys that did not move, ± one standard deviation. The probabilities are corrected for the number of tests.",
     );
     touched.clicked
 }

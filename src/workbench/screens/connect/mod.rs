@@ -159,7 +159,7 @@ fn controller(
             let text = match present.is_demo {
                 true => "The robot of the demonstration: its hidden fault is in what it reads.",
                 false => {
-                    "A robot that moves as its description says. What it reads is not of the real robot."
+                    "A robot that moves as its description says. Its readings are simulated."
                 }
             };
             wrapped(ui, text);

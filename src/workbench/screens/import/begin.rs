@@ -52,7 +52,7 @@ fn robot(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox
     section(ui, "Which robot was measured?");
     muted(
         ui,
-        "Its description says how many cables there are and what their readings should be. Drop a session or a robot.json on the window, or begin with a robot that is known:",
+        "Its description says how many cables there are and what their readings should be. Drop a session or a robot.json on the window, or start with a known robot:",
     );
     ui.add_space(GRID);
     ui.horizontal_wrapped(|ui| {

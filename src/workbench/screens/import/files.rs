@@ -14,7 +14,7 @@ pub fn show(ui: &mut Ui, import: &OpenImport, panel: &mut PanelState, outbox: &m
     ui.horizontal(|ui| {
         heading(ui, "Import");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if icon_button(ui, icons::ICON_CLOSE, "Do not import", true).clicked() {
+            if icon_button(ui, icons::ICON_CLOSE, "Cancel import", true).clicked() {
                 outbox.send(RecordingCommand::Discard);
             }
             ui.add_space(2.0 * GRID);
@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, import: &OpenImport, panel: &mut PanelState, outbox: &m
             let path = std::path::Path::new(&source.file);
             let name = path.file_name().unwrap_or(path.as_os_str());
             let name = name.to_string_lossy();
-            let remove = format!("Take out {name}");
+            let remove = format!("Remove {name}");
             if icon_only(ui, icons::ICON_CLOSE, &remove, true).clicked() {
                 outbox.send(RecordingCommand::Remove(k));
             }

@@ -94,7 +94,7 @@ fn scope(ui: &mut Ui, shown: &Shown<'_>, panel: &mut PanelState, cables: usize) 
     };
     let all = format!("All {cables} channels {pattern}");
     choice(ui, &mut panel.for_all, true, &all);
-    choice(ui, &mut panel.for_all, false, "This channel alone");
+    choice(ui, &mut panel.for_all, false, "Only this channel");
     ui.add_space(GRID);
 }
 

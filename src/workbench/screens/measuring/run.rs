@@ -155,7 +155,7 @@ fn outcome(ui: &mut Ui, run: &RunLog, outbox: &mut Outbox) {
         return;
     };
     let next = match run.restarted {
-        true => "What is measured from now on belongs to a series of its own.",
+        true => "Further measurements form a new series.",
         false => "The run can be continued.",
     };
     let text = format!(

@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut PoseInput) {
     section(ui, "Measured by another instrument");
     muted(
         ui,
-        "Drive home, measure the pose of the platform there, and repeat: what differs from time to time averages out.",
+        "Drive home, measure the pose of the platform there, and repeat: random differences average out.",
     );
     list(ui, bench);
     let response = input.pose.show(ui, "Home", false);
