@@ -1,4 +1,4 @@
-//! Drum out of round: `A sin(2 pi rev / gear_ratio + phase) - A sin(phase)` is added to the cable paid
+//! Eccentric or oval drum: `A sin(2 pi rev / gear_ratio + phase) - A sin(phase)` is added to the cable paid
 //! out. Typical amplitude 0.1 to 1 mm.
 
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};

@@ -208,19 +208,19 @@ const ABOUT_CABLES: &[(&str, &[usize], &[f64], &str)] = &[
         "cable_swap",
         &[0, 1],
         &[1.0],
-        "The encoders of winches 1 and 2 are connected the wrong way round.",
+        "The encoders of winches 1 and 2 are swapped.",
     ),
     (
         "cable_swap",
         &[0, 1],
         &[2.0],
-        "Force sensors 1 and 2 are connected the wrong way round.",
+        "Force sensors 1 and 2 are swapped.",
     ),
     (
         "cable_swap",
         &[0, 1],
         &[3.0],
-        "The encoders of winches 1 and 2 are connected the wrong way round, and so are their force sensors.",
+        "The encoders of winches 1 and 2 are swapped, and so are their force sensors.",
     ),
     (
         "platform_anchor",
