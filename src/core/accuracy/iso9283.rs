@@ -1,6 +1,5 @@
 //! Accuracy figures of ISO 9283 from commanded and attained poses.
 //!
-//! Of one commanded position `p_c`, attained as `p_k` in `n` cycles with barycentre `pbar`:
 //! For one commanded position `p_c` and positions `p_k` attained in `n` cycles with barycentre `pbar`:
 //! accuracy `AP = |pbar - p_c|`; with `l_k = |p_k - pbar|`, its mean `lbar` and standard deviation
 //! `S_l = sqrt(sum (l_k - lbar)^2 / (n - 1))`, repeatability `RP = lbar + 3 S_l` (m). For each angle: accuracy

@@ -38,10 +38,10 @@ pub(super) const MAX_DEGREE: usize = 5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceValue<T> {
     /// Elongation (m).
+    pub elongation_m: T,
     /// Derivative with respect to the cable length (m/m).
-    /// Change per metre of cable (m/m).
+    pub by_length: T,
     /// Derivative with respect to the tension (m/N).
-    /// Change per newton of tension (m/N).
     pub by_tension_m_per_n: T,
 }
 

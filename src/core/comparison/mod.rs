@@ -79,7 +79,7 @@ pub enum ComparisonError {
 /// Result of a chi-square test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Test {
-    /// Test statistic.
+    /// Test statistic, chi-square.
     pub chi2: f64,
     /// Degrees of freedom.
     #[serde(rename = "dof")]
@@ -203,11 +203,11 @@ pub struct HomeDifference {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FitQuality {
     /// Chi-square.
-    /// Probability of a chi-square at least as large if model and noise are right; if it is small, differences
-    /// may come from unmodelled effects.
+    pub chi2: f64,
+    /// Degrees of freedom.
     #[serde(rename = "dof")]
     pub degrees_of_freedom: f64,
-    /// Probability of a chi-square at least as large if model and noise are right: where it is small, differences
+    /// Probability of a chi-square at least as large if model and noise are right; if it is small, differences
     /// may come from unmodelled effects.
     pub p_value: Option<f64>,
 }

@@ -45,14 +45,14 @@ pub enum EffectError {
         parameter: &'static str,
     },
     /// A parameter has no finite value.
-    #[error("effect \"{effect}\": expected a finite number for \"{parameter}\"")]
+    #[error("effect \"{effect}\": expected a number for \"{parameter}\"")]
     NotANumber {
         /// Effect concerned.
         effect: String,
         /// The parameter.
         parameter: String,
+    },
     /// The effect has no parameter that readings can determine.
-    /// The effect has no parameter that readings could determine.
     #[error(
         "effect \"{0}\" has no parameter that can be estimated: it can only be simulated or stated in a model file"
     )]

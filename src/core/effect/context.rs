@@ -18,7 +18,7 @@ pub struct CableContext {
     pub is_home: bool,
     /// Label of the pose.
     pub label: i64,
-    /// Time since the home row, or the first row where there is none (s); 0 if not measured.
+    /// Time since the home row, or the first row if there is none (s); 0 if not measured.
     pub time_s: f64,
     /// Change of temperature since the home row, or the first row (K); 0 if not measured.
     pub temperature_change_k: f64,
@@ -61,7 +61,7 @@ pub struct PlatformContext {
     pub row: usize,
     /// Label of the pose.
     pub label: i64,
-    /// Time since the home row, or the first row where there is none (s); 0 if not measured.
+    /// Time since the home row, or the first row if there is none (s); 0 if not measured.
     pub time_s: f64,
     /// Change of temperature since the home row, or the first row (K); 0 if not measured.
     pub temperature_change_k: f64,

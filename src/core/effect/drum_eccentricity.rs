@@ -17,7 +17,7 @@ pub(super) static EFFECT: Effect = Effect {
         ),
     ],
     cause: |found| {
-        found.say("The {drum|drums} of {winch} {is|are} out of round: once per turn the cable paid out swings by {0:mm} to either side.")
+        found.say("The {drum|drums} of {winch} {is|are} out of round: once per turn the length paid out varies by {0:mm} to either side.")
     },
     workshop: |found| {
         found.say("Measure the runout of the {drum|drums} of {winch} with a dial gauge; centre or replace what runs out.")

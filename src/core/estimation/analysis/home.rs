@@ -11,7 +11,7 @@ use crate::estimation::problem::Problem;
 use crate::estimation::solution::Solution;
 use crate::estimation::system::Priors;
 
-/// Readings at the home pose, which depend on the common parameters alone.
+/// Readings at the home pose, which depend on the common parameters only.
 pub(super) struct HomeReadings<'a> {
     pub problem: &'a Problem<'a>,
     pub solution: &'a Solution,
@@ -41,7 +41,7 @@ impl HomeReadings<'_> {
             .collect()
     }
 
-    /// The tension readings: priors of their errors. Assumed tensions are none.
+    /// The tension readings, which enter as priors of their errors. Assumed tensions are not readings.
     pub fn tensions(&self) -> Vec<Observation> {
         if self.problem.assumes_tensions() {
             return Vec::new();
