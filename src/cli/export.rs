@@ -22,7 +22,7 @@ pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// File to write: .csv or .parquet with one table, or .mat (MATLAB version 5) with a struct for each
+    /// File to write: .csv or .parquet with one table, or .mat (MATLAB version 5) with one struct per table
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
     /// What to write: the measured poses, identified values with their standard deviations, or readings with their residuals; may be repeated
@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         _ => poses_table(&dataset.measurements),
     };
     let tables: Vec<Table> = contents.iter().map(table).collect();
-    let bytes = encode(format, &tables).map_err(|why| anyhow!("{out}: cannot be made ({why})"))?;
+    let bytes = encode(format, &tables).map_err(|why| anyhow!("{out}: cannot be created ({why})"))?;
     write_bytes(&arguments.out, &bytes)?;
     for table in &tables {
         let (rows, columns) = (table.rows(), table.columns.len());

@@ -46,7 +46,7 @@ pub struct Arguments {
     /// Write the values even if a parameter lies far outside its prior
     #[arg(long)]
     allow_implausible: bool,
-    /// Write the values even if the diagnosis has a finding that the model does not have
+    /// Write the values even if the diagnosis has a finding that is not in the model
     #[arg(long)]
     allow_finding: bool,
     /// Show what would be written, and write nothing
@@ -55,7 +55,7 @@ pub struct Arguments {
     /// Restore the values from before the last adjustment
     #[arg(long, conflicts_with_all = ["method", "dry_run"])]
     roll_back: bool,
-    /// Write the values of the controller and the identified ones as a CSV table
+    /// Write the values of the controller and the identified values as a CSV table
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Write the identified values as constants in Structured Text
@@ -110,7 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     adjust(arguments, &mut file, &mut connection, &identified)
 }
 
-/// Values that there is reason to doubt are written only on request.
+/// Rejects values that there is reason to doubt, unless the user allowed them.
 fn check_doubts(arguments: &Arguments, identified: &Identified) -> Result<()> {
     for doubt in &identified.doubts {
         let (flag, allowed) = match doubt.kind {
@@ -191,7 +191,7 @@ fn parameters(connection: &mut Connection) -> Result<Vec<ParameterInfo>> {
     connection.controller.parameters().map_err(link_error)
 }
 
-/// Prints a message that is not part of the document, on standard error where that goes to standard output.
+/// Prints a message that is not part of the document, on standard error if the document goes to standard output.
 fn message(arguments: &Arguments, text: &str) {
     if arguments.json.is_text() {
         say!("{text}");

@@ -80,7 +80,7 @@ fn a_foreign_log_gives_the_same_identification() {
         "-o",
         &folder.join("data"),
     ];
-    tautline(&again).refused(&["poses.csv: is there already, expected --replace"]);
+    tautline(&again).refused(&["poses.csv: already exists, expected --replace"]);
     tautline(&[&again[..], &["--replace"]].concat()).succeeded();
 }
 

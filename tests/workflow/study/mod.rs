@@ -87,7 +87,7 @@ fn the_result_is_the_same_however_it_was_cut() {
     // What is there is not done again.
     let again = tautline(&["study", "run", &study.path]).succeeded();
     assert!(
-        again.stdout.contains("0 chunks done, 4 were there"),
+        again.stdout.contains("0 chunks done, 4 existed"),
         "{}",
         again.stdout
     );
