@@ -1,6 +1,6 @@
-//! Writing identified values to a controller: which values, what is reported and what is recorded, for window and commands.
+//! Writing identified values to a controller: the choice of values, reports and records, for window and commands.
 //!
-//! An adjustment is recorded before the first value is written and concluded when it is known what the controller holds.
+//! An adjustment is recorded before the first value is written and concluded once the state of the controller is known.
 //! Until then it is [open](Adjustment::is_open): nothing moves, and nothing else is written, before it is settled with the
 //! same old and new values.
 
@@ -13,16 +13,16 @@ use tautline_session::{Adjustment, NamedValue, Outcome, Session, Stage, Timestam
 use crate::wording::count;
 pub use doubts::{Doubt, DoubtKind, doubts, finding, implausible, unanswered};
 
-/// Why values are written.
+/// Purpose of writing values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
-    /// Identified values.
+    /// Write identified values.
     Adjust,
-    /// Those that were there before.
+    /// Restore the previous values.
     RollBack,
 }
 
-/// The values that a controller can be given and does not hold.
+/// The values that the controller accepts and does not already hold.
 #[must_use]
 pub fn values_to_write(differences: Vec<Difference>) -> Vec<(String, f64)> {
     differences
@@ -32,7 +32,7 @@ pub fn values_to_write(differences: Vec<Difference>) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// The last adjustment that changed what the controller holds.
+/// The last adjustment that changed the controller.
 #[must_use]
 pub fn in_effect(session: &Session) -> Option<&Adjustment> {
     let mut all = session.adjustments().iter().rev();
@@ -46,19 +46,19 @@ pub fn revertible(session: &Session) -> Option<&Adjustment> {
     (last.outcome == Outcome::Written && !last.changes.is_empty()).then_some(last)
 }
 
-/// The adjustment that is still to be settled.
+/// The adjustment that remains to be settled.
 #[must_use]
 pub fn open(session: &Session) -> Option<&Adjustment> {
     session.adjustments().last().filter(|last| last.is_open())
 }
 
-/// Why nothing may move and nothing else may be written: one sentence without full stop, to which the caller adds how an
-/// adjustment is settled.
+/// Reason why nothing may move and nothing else may be written: one sentence without full stop, to which the caller adds how to
+/// settle the adjustment.
 #[must_use]
 pub fn unsettled(session: &Session) -> Option<String> {
     let open = open(session)?;
     Some(format!(
-        "an adjustment of the controller was interrupted, so that {} may be old or new ones",
+        "an adjustment of the controller was interrupted, so {} may be old or new ones",
         match open.changes.len() {
             1 => "1 value".to_owned(),
             values => format!("its {}", count(values, "value")),
@@ -66,7 +66,7 @@ pub fn unsettled(session: &Session) -> Option<String> {
     ))
 }
 
-/// The values that were there before an adjustment, as far as they were numbers.
+/// The values before an adjustment, except those that were not numbers.
 #[must_use]
 pub fn former_values(adjustment: &Adjustment) -> Vec<(String, f64)> {
     let changes = adjustment.changes.iter();
@@ -86,7 +86,7 @@ pub fn old_and_new(adjustment: &Adjustment) -> [Vec<(String, f64)>; 2] {
     [named(|change| change.before), named(|change| change.after)]
 }
 
-/// The record of an attempt that begins now.
+/// The record of an attempt that starts now.
 #[must_use]
 pub fn begun(
     (controller, operator): (String, String),
@@ -108,7 +108,7 @@ pub fn begun(
     }
 }
 
-/// What was found after an adjustment was interrupted: one sentence.
+/// The state found after an interrupted adjustment, in one sentence.
 #[must_use]
 pub fn found(open: &Adjustment, found: &Holds) -> String {
     let values = count(open.changes.len(), "value");
@@ -130,7 +130,7 @@ pub fn found(open: &Adjustment, found: &Holds) -> String {
     format!("The {what} of {when} was interrupted: {was}.")
 }
 
-/// What came of settling an adjustment: the outcome for the record, and a text for the operator.
+/// The result of settling an adjustment: the outcome for the record, and a text for the operator.
 #[must_use]
 pub fn settled(
     open: &Adjustment,
@@ -143,7 +143,7 @@ pub fn settled(
         Holds::Old => "The values from before were written back and verified.".to_owned(),
         Holds::Mixed(_) | Holds::Unknown => String::new(),
     };
-    // Where values were no numbers, the advice names them.
+    // The advice names values that are not numbers.
     let advice = match &settled.holds {
         Holds::New => "",
         Holds::Old if *found == Holds::Old => "",
@@ -165,7 +165,7 @@ pub fn settled(
     (outcome, text)
 }
 
-/// Summary of an attempt to write so many values, for the operator.
+/// Summary of an attempt to write `values` values, for the operator.
 #[must_use]
 pub fn summary(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usize) -> String {
     let what = match (&adjustment.holds, purpose) {
@@ -193,7 +193,7 @@ pub fn summary(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usi
     parts.join(" ")
 }
 
-/// The outcome for the session's record; `text` is the summary. `None`: nothing was written.
+/// The outcome for the session's record, with the summary as `text`; `holds` is `None` if nothing was written.
 #[must_use]
 pub fn outcome(holds: Option<&Holds>, purpose: Purpose, text: &str) -> Outcome {
     match (holds, purpose) {
@@ -225,7 +225,7 @@ fn changes(
         .collect()
 }
 
-/// The values of a controller in the form of a session.
+/// The values of a controller as the session records them.
 #[must_use]
 pub fn held(parameters: &[ParameterInfo]) -> Vec<NamedValue> {
     let parameters = parameters.iter();

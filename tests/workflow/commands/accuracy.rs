@@ -108,7 +108,7 @@ fn incomplete_check_tables_are_refused() {
         ),
         (
             ["pose,P2,2,0", "pose,P3,2,0"],
-            vec!["pose \"P2\"", "found cycle 1 only, expected at least 2"],
+            vec!["pose \"P2\"", "found only cycle 1, expected at least 2"],
         ),
         (
             ["pose,P2,2,0", "pose,P2,2,5"],

@@ -5,7 +5,7 @@ use tautline_core::diagnosis::Invisible;
 use super::Diagnosed;
 use crate::wording::units::{range, unit_of};
 
-/// All that is invisible of one effect on cables or on the whole robot, in one unit.
+/// Everything that the data cannot reveal of one effect, in one unit.
 struct Group<'a> {
     effect: &'static str,
     unit: &'static str,
@@ -40,7 +40,7 @@ impl Diagnosed {
         }
     }
 
-    /// The same in lines of text, none if there is nothing.
+    /// The same as lines of text; empty if there are none.
     #[must_use]
     pub fn invisible_lines(&self) -> Vec<String> {
         let hidden = self.hidden_effects();
@@ -87,7 +87,7 @@ impl Group<'_> {
         self.members[0].cause.effect().title()
     }
 
-    /// Smallest visible sizes.
+    /// Smallest detectable sizes.
     fn sizes(&self) -> impl Iterator<Item = f64> {
         let sizes = self.members.iter().filter_map(|m| m.smallest_visible);
         sizes.map(f64::abs).filter(|size| size.is_finite())
