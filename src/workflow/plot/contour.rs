@@ -1,8 +1,8 @@
-//! Lines of equal value of a heat map (marching squares between the middles of its cells).
+//! Contour lines of a heat map (marching squares between the centres of its cells).
 
 use super::figure::Heat;
 
-/// The line of a level: pieces with a place that is not finite after each.
+/// The contour of a level, as pieces that end with a non-finite point.
 #[must_use]
 pub fn contours(heat: &Heat, level: f64) -> Vec<[f64; 2]> {
     let middles = |edges: &[f64]| -> Vec<f64> {
@@ -25,7 +25,7 @@ pub fn contours(heat: &Heat, level: f64) -> Vec<[f64; 2]> {
             let around = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
             let mut crossings =
                 (0..4).filter_map(|k| crossing(around[k], around[(k + 1) % 4], level));
-            // Four crossings are a saddle: two pieces.
+            // Four crossings are a saddle point with two pieces.
             while let (Some(a), Some(b)) = (crossings.next(), crossings.next()) {
                 line.extend([a, b, [f64::NAN; 2]]);
             }

@@ -1,4 +1,4 @@
-//! Heat maps: cells, their colours, and the scale beside them.
+//! Heat maps: cells, colours, and the colour scale beside them.
 
 use ecolor::Color32;
 use emath::{Align2, Pos2, Rect, lerp, vec2};
@@ -28,7 +28,7 @@ pub fn cells(canvas: &mut dyn Canvas, heat: &Heat, scale: &Scale, colours: &Colo
 /// Colour of a value of a heat map.
 fn shade(shades: Shades, value: f64, colours: &Colours) -> Color32 {
     match shades {
-        // Zero is the ground itself, so that what is large stands out.
+        // Zero has the background colour, so that large values stand out.
         Shades::Diverging(most) => {
             let t = (value / most).clamp(-1.0, 1.0) as f32;
             let end = colours.diverging[usize::from(t >= 0.0)];
@@ -41,7 +41,7 @@ fn shade(shades: Shades, value: f64, colours: &Colours) -> Color32 {
     }
 }
 
-/// Values at the ends of the colours.
+/// Values at the ends of the colour scale.
 #[must_use]
 pub fn limits(shades: Shades) -> [f64; 2] {
     match shades {
@@ -50,7 +50,7 @@ pub fn limits(shades: Shades) -> [f64; 2] {
     }
 }
 
-/// Draws the colours with their values beside the data.
+/// Draws the colour scale with its values beside the data.
 pub fn colour_scale(canvas: &mut dyn Canvas, heat: &Heat, plot: Rect, colours: &Colours) {
     const STEPS: usize = 64;
     let bar = Rect::from_min_max(

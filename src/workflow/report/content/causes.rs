@@ -33,7 +33,7 @@ pub fn section(told: &Diagnosed) -> Section {
                 None => format!("{} readings", sentence(found.quantity.name())),
             };
             section.note(format!(
-                "{name} by which this was noticed, and what the findings explain of them."
+                "{name} that revealed this, and the part of them that the findings explain."
             ));
             section
                 .blocks
@@ -46,7 +46,7 @@ pub fn section(told: &Diagnosed) -> Section {
         section.note(text);
     }
     section.note(format!(
-        "Probability of a false finding where the model is right: {}.",
+        "Probability of a false finding if the model is right: {}.",
         significant(told.alpha, 2)
     ));
     section
@@ -71,10 +71,10 @@ fn finding(told: &Diagnosed, number: usize, finding: &Finding, section: &mut Sec
     }
 }
 
-/// The causes that exclude each other with their probabilities.
+/// The mutually exclusive causes with their probabilities.
 fn candidates(told: &Diagnosed, finding: &Finding) -> Table {
     let mut table = Table::new(
-        "Causes that these data cannot tell apart; the values below hold for the first".to_owned(),
+        "Causes that these data cannot separate; the values below are those of the first".to_owned(),
         1,
         &["Cause", "Probability", "Odds of the first against it"],
     );

@@ -13,7 +13,7 @@ use super::faces::Faces;
 use super::layout::Placed;
 use crate::plot::drawing::{Anchor, Shape};
 
-/// Handle of a quarter of a circle as a cubic curve.
+/// Control point distance of a cubic Bezier curve for a quarter circle.
 const ARC: f64 = 0.552_284_75;
 
 /// A colour and its opacity.
@@ -90,7 +90,7 @@ pub fn shape(surface: &mut Surface<'_>, shape: &Shape, faces: &Faces) {
     let path = match shape {
         Shape::Clip(None) => return surface.pop(),
         Shape::Clip(Some([at, size])) => {
-            // Without a path nothing is clipped, but what ends the clip needs something to end.
+            // Without a path nothing is clipped, but the end of the clip needs a counterpart.
             match rectangle(*at, *size) {
                 Some(path) => surface.push_clip_path(&path, &FillRule::NonZero),
                 None => surface.push_transform(&Transform::identity()),
