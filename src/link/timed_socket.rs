@@ -1,6 +1,6 @@
-//! A socket on which every exchange has a deadline, whatever arrives meanwhile.
+//! A socket with a deadline for every exchange, whatever arrives meanwhile.
 //!
-//! Time is taken of the whole exchange, not of its parts: a server that sends one byte every half second is late as well.
+//! The deadline applies to the whole exchange, not to its parts: a server that sends one byte every half second is also late.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{IpAddr, SocketAddr, TcpStream, ToSocketAddrs};
@@ -8,23 +8,23 @@ use std::time::{Duration, Instant};
 
 use crate::error::LinkError;
 
-/// Why a connection cannot be used any more.
+/// Reasons why a connection can no longer be used.
 #[derive(Debug)]
 pub(crate) enum Broken {
-    /// It cannot be made, or the system says that it failed.
+    /// It could not be made, or the operating system reports a failure.
     Io(std::io::Error),
-    /// The answer was not there in time.
+    /// The response did not arrive in time.
     Late,
     /// The other side closed it.
     Closed,
-    /// The other side ended it and said why.
+    /// The other side ended it and stated why.
     Ended(String),
-    /// What arrived is not what the protocol allows; what.
+    /// The received data violate the protocol; states how.
     Invalid(String),
 }
 
 impl Broken {
-    /// What it means to the operator; `closed` says why the other side may have closed it.
+    /// Converts to an error for the operator; `closed` suggests why the other side may have closed it.
     pub fn into_error(self, timeout_s: f64, closed: &str) -> LinkError {
         match self {
             Self::Late => LinkError::Timeout(timeout_s),
@@ -92,7 +92,7 @@ impl TimedSocket {
         }
     }
 
-    /// Receives as many bytes as the buffer has.
+    /// Fills the buffer.
     pub fn fill(&mut self, buffer: &mut [u8], until: Instant) -> Result<(), Broken> {
         let mut done = 0;
         while done < buffer.len() {
@@ -123,7 +123,7 @@ impl TimedSocket {
     }
 }
 
-/// The time that is left.
+/// Time remaining.
 fn remaining(until: Instant) -> Result<Duration, Broken> {
     let left = until.saturating_duration_since(Instant::now());
     match left.is_zero() {
@@ -132,7 +132,7 @@ fn remaining(until: Instant) -> Result<Duration, Broken> {
     }
 }
 
-/// An error of a socket after which it can be tried again, until the time is over.
+/// Ignores errors after which a socket can be tried again, until the deadline.
 fn passing(error: std::io::Error) -> Result<(), Broken> {
     match error.kind() {
         ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut => Ok(()),

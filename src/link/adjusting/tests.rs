@@ -251,7 +251,7 @@ fn what_is_no_number_is_overwritten_and_cannot_be_restored() {
     assert!(
         adjustment
             .advice
-            .contains("no numbers and cannot be written: a.")
+            .contains("not numbers and cannot be written: a.")
     );
     assert_eq!(odd.0, named([4.0, 1.0, 3.0]));
 }

@@ -1,4 +1,4 @@
-//! A connection to a running program whose symbols are known.
+//! A connection to a running program with known symbols.
 
 use super::address::AdsAddress;
 use super::client::{AdsClient, RequestError};
@@ -22,7 +22,7 @@ fn refused(code: AdsCode, what: &str) -> Failure {
     Failure::refused(format!("{what}: {}", code.explain()))
 }
 
-/// A program that can be connected.
+/// A program to connect to.
 pub(super) struct AdsServer {
     pub address: AdsAddress,
     pub options: AdsOptions,
@@ -52,13 +52,13 @@ impl SymbolServer for AdsServer {
     }
 }
 
-/// A program of a controller.
+/// A connected program.
 pub(super) struct Program {
     client: AdsClient,
     symbols: Vec<Symbol>,
-    /// The handle of each subscription and the index of its symbol.
+    /// The handle of each subscription, with the index of its symbol.
     subscribed: Vec<(u32, usize)>,
-    /// Number that changes with the program, where the controller has one.
+    /// Number that changes with the program, if the controller has one.
     version: Option<u8>,
 }
 
@@ -159,7 +159,7 @@ impl SymbolAccess for Program {
     }
 
     fn close(&mut self) {
-        // The end of the connection ends them as well, later.
+        // Otherwise they end later, with the connection.
         let _ = self.client.unsubscribe();
     }
 

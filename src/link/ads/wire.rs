@@ -1,9 +1,9 @@
-//! Frames of AMS over TCP: one request at a time, and its answer by a deadline.
+//! Frames of AMS over TCP: one request at a time, with its response before a deadline.
 //!
-//! Nothing that arrives is believed: a length is compared with its limit before anything is allocated and with what
-//! arrived before anything is read, and time is taken of the whole exchange, not of its parts. A connection that broke
-//! any of this has to be dropped, so that a late answer is never taken for that of a later request. No thread is
-//! needed: what nobody asked for is read on the way to the answer, and thrown away unless it was subscribed to.
+//! Received data are not trusted: a length is compared with its limit before memory is allocated and with the size of the
+//! data before they are read, and the deadline applies to the whole exchange. After any violation the connection must be
+//! dropped, so that a late response is never taken for that to a later request. No thread is
+//! needed: unsolicited frames are read while waiting for the response, and dropped unless they belong to a subscription.
 
 use std::collections::VecDeque;
 use std::net::{IpAddr, SocketAddr};
@@ -14,24 +14,24 @@ use crate::timed_socket::{Broken, TimedSocket};
 
 /// The AMS port of this computer.
 const OWN_PORT: u16 = 58913;
-/// Bytes of the header of TCP: two that name the kind of frame, and the length of the rest.
+/// Length of the TCP header (bytes): two for the kind of frame, then the length of the rest.
 const OUTER: usize = 6;
-/// Bytes of the header of AMS.
+/// Length of the AMS header (bytes).
 const HEADER: usize = 32;
-/// More than what a router tells unasked.
+/// Upper limit of unsolicited frames of a router (bytes).
 const LONGEST_UNASKED: usize = 1 << 12;
-/// Longest notification (bytes).
+/// Largest notification (bytes).
 const LONGEST_NOTIFICATION: usize = 1 << 16;
-/// Most notifications that wait until they are taken; of more, the oldest are lost.
+/// Largest number of queued notifications; the oldest in excess are dropped.
 const MOST_NOTIFICATIONS: usize = 1024;
-/// The Net ID that stands for the computer it is used on.
+/// The Net ID of the local computer.
 const LOCAL: [u8; 6] = [127, 0, 0, 1, 1, 1];
-/// Set in the flags of an answer.
+/// Flag of a response.
 const ANSWER: u16 = 1;
-/// Flags of a request: it is an ADS command.
+/// Flag of an ADS command.
 const COMMAND: u16 = 4;
 
-/// Commands of ADS.
+/// ADS commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Command {
     Read = 2,
@@ -39,12 +39,12 @@ pub(super) enum Command {
     ReadState = 4,
     Subscribe = 6,
     Unsubscribe = 7,
-    /// What a device sends unasked.
+    /// Sent by a device without a request.
     Notification = 8,
     ReadWrite = 9,
 }
 
-/// An address of AMS: Net ID and port.
+/// AMS address: Net ID and port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct AmsAddress {
     pub net_id: [u8; 6],
@@ -59,7 +59,7 @@ impl AmsAddress {
     }
 }
 
-/// A connection.
+/// An AMS connection.
 pub(super) struct Wire {
     socket: TimedSocket,
     target: AmsAddress,
@@ -67,15 +67,15 @@ pub(super) struct Wire {
     timeout: Duration,
     /// Number of the last request.
     number: u32,
-    /// Notifications that nobody has taken yet; `None` while nothing is subscribed to.
+    /// Queued notifications; `None` without subscriptions.
     notifications: Option<VecDeque<Vec<u8>>>,
 }
 
-/// An answer, without its headers; or the error that the router gives in its place.
+/// A response without its headers, or the error that the router returned instead.
 pub(super) type Reply = Result<Vec<u8>, AdsCode>;
 
 impl Wire {
-    /// Connects; `own` is the Net ID by which this computer presents itself, that of its address if absent.
+    /// Connects; `own` is the Net ID of this computer, derived from its IP address if absent.
     pub fn connect(
         place: SocketAddr,
         target: AmsAddress,
@@ -111,15 +111,15 @@ impl Wire {
         })
     }
 
-    /// Keeps notifications from now on.
+    /// Queues notifications from now on.
     pub fn keep_notifications(&mut self) {
         self.notifications.get_or_insert_default();
     }
 
-    /// The notifications that have arrived, the oldest first. Does not wait for more.
+    /// Takes the queued notifications, the oldest first, without waiting for more.
     pub fn take_notifications(&mut self) -> Result<VecDeque<Vec<u8>>, Broken> {
         while self.notifications.is_some() && self.socket.has_received()? {
-            // The rest of a frame whose first byte is there.
+            // Only the rest of a frame whose first byte has arrived is waited for.
             let until = Instant::now() + self.timeout;
             let (kind, frame) = self.receive(LONGEST_UNASKED, until)?;
             if is_ads(kind)? && !self.keep(&Frame::parse(&frame)?) {
@@ -133,7 +133,7 @@ impl Wire {
             .unwrap_or_default())
     }
 
-    /// Keeps a notification if anything is subscribed to; whether the frame is one.
+    /// Queues a notification if there are subscriptions; returns whether the frame is one.
     fn keep(&mut self, frame: &Frame) -> bool {
         let is_notification =
             frame.command == Command::Notification as u16 && frame.flags & ANSWER == 0;
@@ -146,7 +146,7 @@ impl Wire {
         is_notification
     }
 
-    /// Sends a request and returns its answer, which has at most `longest` bytes.
+    /// Sends a request and returns its response of at most `longest` bytes.
     pub fn exchange(
         &mut self,
         command: Command,
@@ -183,7 +183,7 @@ impl Wire {
         let sizes = u32::try_from(data.len()).ok();
         let sizes = sizes.and_then(|size| Some((size, size.checked_add(HEADER as u32)?)));
         let (size, whole) =
-            sizes.ok_or_else(|| invalid("a request of ours is too long".to_owned()))?;
+            sizes.ok_or_else(|| invalid("the request is too long".to_owned()))?;
         let mut frame = Vec::with_capacity(OUTER + HEADER + data.len());
         frame.extend_from_slice(&[0, 0]);
         frame.extend_from_slice(&whole.to_le_bytes());
@@ -198,7 +198,7 @@ impl Wire {
         Ok(frame)
     }
 
-    /// The next frame: its kind and what follows the length.
+    /// The next frame: its kind, and the data after the length.
     fn receive(&mut self, limit: usize, until: Instant) -> Result<(u16, Vec<u8>), Broken> {
         let mut outer = [0; OUTER];
         self.socket.fill(&mut outer, until)?;
@@ -211,7 +211,7 @@ impl Wire {
         let size = usize::try_from(length).ok().filter(|size| *size <= limit);
         let size = size.ok_or_else(|| {
             invalid(format!(
-                "a frame of {length} bytes, at most {limit} are possible"
+                "a frame of {length} bytes, expected at most {limit}"
             ))
         })?;
         let mut frame = vec![0; size];
@@ -220,7 +220,7 @@ impl Wire {
     }
 }
 
-/// Whether a frame of this kind carries ADS; what a router tells unasked may arrive at any time.
+/// Whether a frame of this kind contains ADS data; other frames of a router may arrive at any time.
 fn is_ads(kind: u16) -> Result<bool, Broken> {
     match kind {
         0 => Ok(true),
@@ -229,13 +229,13 @@ fn is_ads(kind: u16) -> Result<bool, Broken> {
     }
 }
 
-/// A frame of AMS.
+/// An AMS frame.
 struct Frame<'a> {
     command: u16,
     flags: u16,
-    /// The error that the router gives in place of an answer; 0: none.
+    /// Error of the router in place of a response; 0: none.
     code: u32,
-    /// Number of the request that it answers.
+    /// Number of the request that it responds to.
     number: u32,
     data: &'a [u8],
 }
@@ -274,7 +274,7 @@ fn invalid(what: String) -> Broken {
     Broken::Invalid(what)
 }
 
-/// Words of a request, as it carries them.
+/// Words of a request in transmission format.
 pub(super) fn words(words: &[u32]) -> Vec<u8> {
     words.iter().flat_map(|word| word.to_le_bytes()).collect()
 }
@@ -367,7 +367,7 @@ mod tests {
             let mut says = vec![0, 0];
             says.extend_from_slice(&length.to_le_bytes());
             assert!(
-                refused(says).contains("at most 4096 are possible"),
+                refused(says).contains("expected at most 4096"),
                 "{length}"
             );
         }

@@ -1,7 +1,7 @@
-//! Messages of OPC UA over TCP: one request at a time, and its answer by a deadline.
+//! Messages of OPC UA over TCP: one request at a time, with its response before a deadline.
 //!
-//! The messages themselves are those of `async-opcua-types`; their transport is ours, so that no length is believed before
-//! it was compared with its limit and time is taken of whole exchanges. The security policy is None.
+//! The messages are encoded by `async-opcua-types`; their transport is implemented here, so that every length is
+//! compared with its limit first and the deadline applies to whole exchanges. The security policy is None.
 
 use std::io::Cursor;
 use std::net::SocketAddr;
@@ -16,21 +16,21 @@ use opcua_types::{
 
 use crate::timed_socket::{Broken, TimedSocket};
 
-/// Bytes before the content of every message: its kind, whether more follows, its length.
+/// Length of the header of every message (bytes): kind, continuation flag, length.
 const HEADER: usize = 8;
-/// Bytes of channel, token, number of the chunk and number of the request.
+/// Length of channel, token, chunk number and request number (bytes).
 const CHUNK: usize = 16;
-/// Largest chunk that is taken.
+/// Largest accepted chunk (bytes).
 const LARGEST_CHUNK: usize = 1 << 16;
-/// Longest answer that is taken, all its chunks together.
+/// Largest accepted response (bytes), all chunks together.
 const LONGEST: usize = 1 << 21;
-/// Smallest buffer that a server may have.
+/// Smallest buffer that the standard allows (bytes).
 const SMALLEST_BUFFER: usize = 8192;
-/// How long a channel is to live before it is renewed (ms).
+/// Requested lifetime of a channel before it is renewed (ms).
 const LIFETIME_MS: u32 = 3_600_000;
 const NO_SECURITY: &str = "http://opcfoundation.org/UA/SecurityPolicy#None";
 
-/// An answer of a server.
+/// A response of a server.
 pub(super) trait Answer: BinaryDecodable {
     const ID: ObjectId;
     fn header(&self) -> &ResponseHeader;
@@ -55,7 +55,7 @@ answers! {
     WriteResponse WriteResponse_Encoding_DefaultBinary
 }
 
-/// A connection with a secure channel, whose security is none.
+/// A connection with a secure channel of the policy None.
 pub(super) struct Wire {
     socket: TimedSocket,
     timeout: Duration,
@@ -66,7 +66,7 @@ pub(super) struct Wire {
     /// Number of the last chunk and of the last request.
     chunk: u32,
     request: u32,
-    /// Bytes of the largest chunk that the server takes.
+    /// Largest chunk that the server accepts (bytes).
     largest: usize,
 }
 
@@ -89,7 +89,7 @@ impl Wire {
         Ok(wire)
     }
 
-    /// Tells how large messages may be, and hears it of the server.
+    /// Negotiates the sizes of messages.
     fn greet(&mut self, url: &str) -> Result<(), Broken> {
         let until = Instant::now() + self.timeout;
         let mut hello = Vec::new();
@@ -105,16 +105,16 @@ impl Wire {
         hello.extend(UAString::from(url).encode_to_vec(&self.context.context()));
         self.socket.send(&message(*b"HELF", &hello), until)?;
         let (kind, content) = self.receive(until)?;
-        // Version, the buffers for receiving and for sending, and two limits.
+        // Version, receive and send buffer, and two limits.
         if kind != *b"ACKF" || content.len() != 20 {
-            return Err(Broken::Invalid("its greeting is none".to_owned()));
+            return Err(Broken::Invalid("its greeting is invalid".to_owned()));
         }
         let buffer = usize::try_from(word(&content[4..8])).unwrap_or(usize::MAX);
         self.largest = buffer.clamp(SMALLEST_BUFFER, LARGEST_CHUNK);
         Ok(())
     }
 
-    /// Opens the channel, or renews it.
+    /// Opens or renews the channel.
     fn open(&mut self, request_type: SecurityTokenRequestType) -> Result<(), Broken> {
         let until = Instant::now() + self.timeout;
         let request = OpenSecureChannelRequest {
@@ -134,24 +134,24 @@ impl Wire {
         let (kind, content) = self.receive(until)?;
         if kind != *b"OPNF" {
             return Err(Broken::Invalid(
-                "it does not answer to the opening of a channel".to_owned(),
+                "it did not answer the request to open a channel".to_owned(),
             ));
         }
         let body = self.opened(&content)?;
         let answer: OpenSecureChannelResponse = self.decode(body)?.map_err(refused)?;
         let token = answer.security_token;
         (self.channel, self.token) = (token.channel_id, token.token_id);
-        // Well before its end, which a server may set to a time so short that nothing else would be said.
+        // Renewal well before expiry; a server may set a lifetime so short that nothing else could be sent.
         let life = Duration::from_millis(u64::from(token.revised_lifetime)).mul_f64(0.75);
         self.renew_at = Instant::now() + life.max(self.timeout);
         Ok(())
     }
 
-    /// The body of an answer to the opening of a channel.
+    /// The body of the response to opening a channel.
     fn opened<'c>(&self, content: &'c [u8]) -> Result<&'c [u8], Broken> {
-        let short = || Broken::Invalid("the opening of a channel is cut off".to_owned());
+        let short = || Broken::Invalid("the answer to opening a channel is cut off".to_owned());
         let (_, mut rest) = content.split_at_checked(4).ok_or_else(short)?;
-        // The policy and two certificates, each with its length, which is -1 where it is absent.
+        // The policy and two certificates, each preceded by its length, which is -1 if absent.
         for _ in 0..3 {
             let (length, left) = rest.split_at_checked(4).ok_or_else(short)?;
             let length = i32::from_le_bytes(length.try_into().map_err(|_| short())?);
@@ -174,7 +174,7 @@ impl Wire {
         }
     }
 
-    /// Sends a request and returns its answer; or the status that the server gives in its place.
+    /// Sends a request and returns its response, or the status that the server returned instead.
     pub fn exchange<A: Answer>(
         &mut self,
         request: &(impl BinaryEncodable + MessageInfo),
@@ -189,7 +189,7 @@ impl Wire {
         self.decode(&answer)
     }
 
-    /// Ends the connection; the server is told, but not waited for.
+    /// Ends the connection; notifies the server without waiting for it.
     pub fn close(&mut self) {
         let request = CloseSecureChannelRequest {
             request_header: self.header(&NodeId::null()),
@@ -208,7 +208,7 @@ impl Wire {
         body
     }
 
-    /// The numbers of the next chunk and request.
+    /// Numbers of the next chunk and request.
     fn numbers(&mut self) -> Vec<u8> {
         self.request = self.request.wrapping_add(1);
         self.next_chunk()
@@ -224,7 +224,7 @@ impl Wire {
         [channel, self.next_chunk()].concat()
     }
 
-    /// Sends a request, in chunks that the server takes.
+    /// Sends a request in chunks that the server accepts.
     fn send(&mut self, body: &[u8], until: Instant) -> Result<(), Broken> {
         self.request = self.request.wrapping_add(1);
         let parts: Vec<&[u8]> = body.chunks(self.largest - HEADER - CHUNK).collect();
@@ -237,15 +237,15 @@ impl Wire {
         Ok(())
     }
 
-    /// The body of the answer to the last request, put together of its chunks.
+    /// The body of the response to the last request, assembled from its chunks.
     fn answer(&mut self, until: Instant) -> Result<Vec<u8>, Broken> {
         let mut body = Vec::new();
         loop {
             let (kind, content) = self.receive(until)?;
             let [b'M', b'S', b'G', more @ (b'F' | b'C')] = kind else {
                 return Err(Broken::Invalid(match kind {
-                    [b'M', b'S', b'G', b'A'] => "it gave up amid an answer".to_owned(),
-                    _ => "a message of a kind that nobody asked for".to_owned(),
+                    [b'M', b'S', b'G', b'A'] => "it aborted an answer".to_owned(),
+                    _ => "a message of an unexpected kind".to_owned(),
                 }));
             };
             let (head, part) = content
@@ -276,7 +276,7 @@ impl Wire {
         }
     }
 
-    /// The next message: its kind and what follows the length.
+    /// The next message: its kind, and the data after the length.
     fn receive(&mut self, until: Instant) -> Result<([u8; 4], Vec<u8>), Broken> {
         let mut header = [0; HEADER];
         self.socket.fill(&mut header, until)?;
@@ -286,7 +286,7 @@ impl Wire {
         let size = size.filter(|size| (HEADER..=LARGEST_CHUNK).contains(size));
         let size = size.ok_or_else(|| {
             Broken::Invalid(format!(
-                "a message of {length} bytes, possible are {HEADER} to {LARGEST_CHUNK}"
+                "a message of {length} bytes, expected {HEADER} to {LARGEST_CHUNK}"
             ))
         })?;
         let mut content = vec![0; size - HEADER];
@@ -297,7 +297,7 @@ impl Wire {
         }
     }
 
-    /// The server says why it ends the connection.
+    /// The server's reason for ending the connection.
     fn ended(&self, content: &[u8]) -> Broken {
         let Some((code, reason)) = content.split_at_checked(4) else {
             return Broken::Invalid("an error without its code".to_owned());
@@ -342,7 +342,7 @@ fn refused(status: StatusCode) -> Broken {
     Broken::Ended(explain(status))
 }
 
-/// What a status means, in words.
+/// Meaning of a status in words.
 pub(super) fn explain(status: StatusCode) -> String {
     let meaning = status.sub_code().description().trim().trim_end_matches('.');
     format!("{meaning} (OPC UA {})", status.sub_code())

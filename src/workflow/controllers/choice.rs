@@ -146,7 +146,7 @@ mod tests {
             ("opc.tcp://", "has no host"),
             ("ads:robot/1.2.3.4.1", "a Net ID that"),
             ("ads:robot/1.2.3.4.1.256", "a Net ID that"),
-            ("ads:robot:many/1.2.3.4.1.1", "a port that is none"),
+            ("ads:robot:many/1.2.3.4.1.1", "an invalid port"),
         ] {
             let error = text.parse::<ControllerChoice>().expect_err(text);
             assert!(error.to_string().contains(expected), "{text}: {error}");

@@ -7,7 +7,7 @@ use crate::laser::source::LONGEST_M;
 
 /// Longest valid line (bytes).
 const LONGEST_LINE: usize = 256;
-/// Most characters of a line in a message.
+/// Length limit of a quoted line in a message (characters).
 const SHOWN: usize = 40;
 
 /// The meaning of a line.
@@ -17,17 +17,17 @@ pub(super) enum LineContent {
     Distance(f64),
     /// The sensor has no return.
     NoReturn,
-    /// Neither; the text says why.
+    /// Neither; the text states why.
     Invalid(String),
 }
 
 /// Splits bytes into lines in bounded memory.
 ///
-/// The first line is dropped, because its beginning may be missing.
+/// The first line is dropped, because its start may be missing.
 #[derive(Debug, Default)]
 pub(super) struct LineSplitter {
     line: Vec<u8>,
-    /// Whether the beginning of the present line was received.
+    /// Whether the start of the present line was received.
     whole: bool,
     too_long: bool,
 }
@@ -40,7 +40,7 @@ impl LineSplitter {
         }
     }
 
-    /// Adds bytes and passes on the lines that they complete; too long ones as `None`.
+    /// Adds bytes and passes on the completed lines; lines that are too long as `None`.
     pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(Option<&[u8]>)) {
         for byte in bytes {
             if matches!(byte, b'\n' | b'\r') {
@@ -61,14 +61,14 @@ impl LineSplitter {
     }
 }
 
-/// Parses lines by the settings of a device.
+/// Parses lines according to the settings of a device.
 pub(super) struct LineParser {
     settings: LineLaserSettings,
     expression: Regex,
 }
 
 impl LineParser {
-    /// A parser; the error says what is wrong with the pattern.
+    /// Creates a parser; fails if the pattern is invalid.
     pub fn new(settings: &LineLaserSettings) -> Result<Self, String> {
         Ok(Self {
             expression: settings.expression()?,
@@ -76,7 +76,7 @@ impl LineParser {
         })
     }
 
-    /// The meaning of a line; `None` if it is blank or the echo of our command.
+    /// The meaning of a line; `None` if it is blank or the echo of the command.
     pub fn parse(&self, line: Option<&[u8]>) -> Option<LineContent> {
         let Some(line) = line else {
             let text = format!("it sent a line of more than {LONGEST_LINE} characters");
