@@ -89,7 +89,7 @@ fn check_storage(mapping: &Mapping<'_>, file: &str) -> Result<(), ReadError> {
     if channels.clone().all(|channel| channel.values.is_intact()) {
         return Ok(());
     }
-    let message = "the temporary file of a long recording cannot be read again, expected room for it and no other program that changes it";
+    let message = "the temporary file of a long recording cannot be read back, expected enough disk space and no other program that changes it";
     Err(ReadError::new(file, Place::File, message))
 }
 
@@ -172,7 +172,7 @@ fn suggestions(
             .any(|clock| clock.close_jumps && is_series(series, &clock.series));
         if let Some((row, step)) = times.jumps.first().filter(|_| !is_closed) {
             let sentence = format!(
-                "the clock of {} jumps by {step:.3} s at row {}: it was set in between; close the jump",
+                "the clock of {} jumps by {step:.3} s at row {}: it was adjusted during the recording; close the jump",
                 series.name,
                 row + 1
             );
@@ -220,10 +220,10 @@ impl std::fmt::Display for ImportError {
             .or(self.suggestions.first());
         match (first, self.suggestions.len()) {
             (None, _) => Ok(()),
-            (Some(first), 1) => write!(f, " ({}; --apply-suggestions corrects it)", first.sentence),
+            (Some(first), 1) => write!(f, " ({}; --apply-suggestions applies it)", first.sentence),
             (Some(first), count) => write!(
                 f,
-                " ({}; {} more; --apply-suggestions corrects them)",
+                " ({}; {} more; --apply-suggestions applies them)",
                 first.sentence,
                 count - 1
             ),
@@ -356,7 +356,7 @@ fn labels(poses: &[CutPose], recipe: &Recipe, notices: &mut Vec<String>) -> Vec<
         Some(numbers) if numbers.iter().collect::<HashSet<_>>().len() == numbers.len() => numbers,
         _ => {
             let name = names.first().copied().unwrap_or_default();
-            notices.push(format!("names of poses such as \"{name}\" have no number of their own: numbered from {first} in the order of the file"));
+            notices.push(format!("pose names such as \"{name}\" contain no unique number: poses are numbered from {first} in the order of the file"));
             in_order()
         }
     }

@@ -159,7 +159,7 @@ impl FillingTexts {
     pub fn finish(self, name: &str) -> Result<TextChannel, String> {
         if self.distinct.len() > MAX_DISTINCT {
             return Err(format!(
-                "text, more than {MAX_DISTINCT} different ones, not kept"
+                "text with more than {MAX_DISTINCT} distinct values, not kept"
             ));
         }
         if self.distinct.iter().all(String::is_empty) {

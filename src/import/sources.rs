@@ -52,7 +52,7 @@ fn read_folder(
     let before = sources.len();
     for path in paths {
         if path.is_dir() {
-            notices.push(format!("{}: folder in a folder, not read", path.display()));
+            notices.push(format!("{}: nested folder, not read", path.display()));
             continue;
         }
         match read_watched(&path, watch) {

@@ -16,7 +16,7 @@ const UNITS: [(f64, &str); 4] = [
     (1e3, "kilonewtons"),
     (9.806_65, "kilograms"),
     (1e-3, "millinewtons"),
-    (1.0 / 9.806_65, "newtons that were multiplied by gravity"),
+    (1.0 / 9.806_65, "newtons multiplied by g"),
 ];
 /// A factor is a known one within this share of it.
 const FACTOR: f64 = 0.2;
@@ -62,7 +62,7 @@ pub(super) fn check(
             .map(|(quantity, _)| quantity.column())
             .collect();
         let sentence = format!(
-            "{} hold the platform only if they are {unit}, not newtons",
+            "{} balance the weight of the platform only as {unit}, not newtons",
             columns.join(", ")
         );
         found.push(Suggestion::new(
@@ -91,7 +91,7 @@ pub(super) fn check(
         };
         let (a, b) = (column(i), column(j));
         let sentence = format!(
-            "{a} and {b} hold the platform only the other way round: their channels are exchanged"
+            "{a} and {b} balance the weight of the platform only when swapped: their channels are swapped"
         );
         found.push(Suggestion::new(sentence, Change::Exchange { a, b }));
     }
@@ -115,7 +115,7 @@ fn negative(columns: &[(Quantity, &[f64])], found: &mut Vec<Suggestion>) {
     };
     for columns in groups {
         let sentence = format!(
-            "{}: negative at nearly all poses, and cables cannot push: the sign is reversed",
+            "{}: negative at nearly all poses, but cables cannot push: the sign is reversed",
             columns.join(", ")
         );
         found.push(Suggestion::new(sentence, Change::Reverse { columns }));

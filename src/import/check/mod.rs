@@ -150,7 +150,7 @@ fn dead_channels(readings: &Readings, found: &mut Vec<Suggestion>) {
         for (quantity, _) in columns.iter().filter(|(_, values)| is_constant(values)) {
             let column = quantity.column();
             let sentence = format!(
-                "{column} is the same at all poses while the other cables change: a dead channel; leave it empty"
+                "{column} is constant over all poses while the other cables change: a dead channel; leave it empty"
             );
             found.push(Suggestion::new(sentence, Change::LeaveEmpty { column }));
         }
@@ -182,7 +182,7 @@ fn positions_in_other_unit(
     if let Some((factor, unit)) = factor {
         let columns: Vec<String> = positions.map(|(quantity, _)| quantity.column()).collect();
         let sentence = format!(
-            "{} are up to {largest:.0} m in a frame of {frame_m:.1} m: {unit}, not metres",
+            "{} reach {largest:.0} m in a frame of {frame_m:.1} m: {unit}, not metres",
             columns.join(", ")
         );
         found.push(Suggestion::new(
@@ -245,7 +245,7 @@ fn angles_in_degrees(readings: &Readings, found: &mut Vec<Suggestion>) {
                 .map(|(quantity, _)| quantity.column())
                 .collect();
             let sentence = format!(
-                "{} are beyond a full turn: degrees, not radians",
+                "{} exceed a full turn: degrees, not radians",
                 columns.join(", ")
             );
             let factor = std::f64::consts::PI / 180.0;
@@ -295,7 +295,7 @@ fn compare(
                 exchanged[j] = true;
                 let (a, b) = (columns[j].quantity.column(), columns[i].quantity.column());
                 let sentence = format!(
-                    "{a} follows what {b} should be, and the other way round: their channels are exchanged"
+                    "{a} follows the expected values of {b}, and vice versa: their channels are swapped"
                 );
                 found.push(Suggestion::new(sentence, Change::Exchange { a, b }));
             }
@@ -335,7 +335,7 @@ fn steps(
     let from_pose = readings.labels[step.row];
     let name = column.quantity.column();
     let sentence = format!(
-        "{name} jumps by {:.4} ({:.1} mm of cable) at pose {from_pose} and stays so: the encoder lost counts, or the cable slipped",
+        "{name} jumps by {:.4} ({:.1} mm of cable) at pose {from_pose} and keeps the offset: the encoder lost counts, or the cable slipped",
         step.size,
         1e3 * size_m
     );
@@ -366,7 +366,7 @@ fn signs(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
         .collect();
     let name = |k: usize| columns[k].quantity.column();
     let what = |columns: &[String]| match columns {
-        [one] => format!("{one} falls where it should rise: its sign is reversed"),
+        format!("{one} falls where it should rise: its sign is reversed"), => [one] => format!("{one} falls where it should rise: its sign is reversed"), => format!("{one} falls where it should rise: its sign is reversed"),
         _ => format!(
             "{} fall where they should rise: their signs are reversed",
             columns.join(", ")
@@ -402,7 +402,7 @@ fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
             let times = if inverse { 1.0 / factor } else { factor };
             let how = if inverse { "too small" } else { "too large" };
             let why = if inverse {
-                "a unit was converted once too often".to_owned()
+                "a unit was converted twice".to_owned()
             } else {
                 format!("{unit}, not the unit of the column")
             };

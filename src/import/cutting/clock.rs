@@ -95,7 +95,7 @@ impl Times {
         self.time_s.as_deref().ok_or_else(|| {
             let series = quoted(series);
             let message = format!(
-                "the series {series} has no times, expected a channel that is time_s {what_for}"
+                "the series {series} has no times, expected a channel assigned to time_s {what_for}"
             );
             ReadError::new(file, Place::File, message)
         })
@@ -129,7 +129,7 @@ impl Times {
 
 fn more(count: usize) -> String {
     if count > 1 {
-        format!(" and {} more times", count - 1)
+        format!(" and {} more", count - 1)
     } else {
         String::new()
     }

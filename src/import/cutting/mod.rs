@@ -105,7 +105,7 @@ pub(crate) fn cut(
 ) -> Result<Vec<CutPose>, ReadError> {
     if mapping.quantities.is_empty() {
         let message =
-            "no channel is a quantity of the robot: expected a recipe that says which are";
+            "no channel is assigned to a quantity of the robot: expected a recipe that assigns at least one";
         return Err(ReadError::new(file, Place::File, message));
     }
     let main = main_series(mapping);
@@ -128,7 +128,7 @@ pub(crate) fn cut(
             )?;
             let every = rows.div_ceil(MOST_SAMPLES).max(1);
             if every > 1 {
-                notices.push(format!("a recording of {rows} rows: one in {every} is used, which leaves more than {} samples", MOST_SAMPLES / 2));
+                notices.push(format!("a recording of {rows} rows: one row in {every} is used, which leaves more than {} samples", MOST_SAMPLES / 2));
             }
             (0..rows).step_by(every).map(|row| row..row + 1).collect()
         }
@@ -140,13 +140,13 @@ pub(crate) fn cut(
             let found = rest::find(mapping, main, time_s, rest, &limits);
             if found.is_empty() {
                 let message = format!(
-                    "found no rest of {} s among {rows} rows, expected poses at rest (minimum_s, speed_m_s in the recipe), or the cutting \"motion\" for a recording in motion",
+                    "found no standstill of {} s in {rows} rows, expected poses at rest (minimum_s, speed_m_s in the recipe), or \"motion\" as the cutting of a recording in motion",
                     rest.minimum_s
                 );
                 return Err(ReadError::new(file, Place::File, message));
             }
             let kept: usize = found.iter().map(Range::len).sum();
-            notices.push(format!("{} rests with {kept} of {rows} rows; the others, in motion or settling, are not used", found.len()));
+            notices.push(format!("{} standstills with {kept} of {rows} rows; the other rows, in motion or settling, are not used", found.len()));
             found
         }
     };
@@ -171,7 +171,7 @@ fn by_labels(
         quantity.kind == crate::recipe::Kind::Label && mapped.series == main
     });
     let Some((_, label)) = label else {
-        let message = "cutting by labels needs a channel that is pose in the series of the cables";
+        let message = "cutting by labels needs a channel assigned to pose in the series of the cables";
         return Err(ReadError::new(file, Place::File, message));
     };
     let series = mapping.series[main];
@@ -324,7 +324,7 @@ fn other_rows(
         return Ok(Some(range.clone()));
     }
     let message = format!(
-        "the series {} has {} rows and {} has {}, expected times or labels of poses in both, or as many rows",
+        "the series {} has {} rows and {} has {}, expected times or pose labels in both, or equal numbers of rows",
         quoted(&mapping.series[main].name),
         mapping.series[main].rows,
         quoted(&series.name),

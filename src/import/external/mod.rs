@@ -86,7 +86,7 @@ pub(crate) fn other_frame(positions: &[(Vec3, Pose)], robot_m: f64) -> Option<St
     let is_other = rms_m > CLOSE * robot_m && alignment.rms_m * CLOSER < rms_m;
     is_other.then(|| {
         format!(
-            "the measured poses are in a frame of their own, or of another point: they are off by {} mm, and by {} mm when brought to the \
+            "the measured poses are in another frame, or are those of another point: they are off by {} mm, and by {} mm when aligned to the \
              robot's frame and the platform's origin",
             millimetres(rms_m),
             millimetres(alignment.rms_m)
@@ -107,12 +107,12 @@ fn words(alignment: &Alignment, given: &Instrument) -> String {
     let how = match (given.frame.is_some(), given.body.is_some()) {
         (true, true) => "given",
         (true, false) | (false, true) => {
-            "given in part, the rest found from the poses of the platform"
+            "partly given, the rest found from the poses of the platform"
         }
         (false, false) => "found from the poses of the platform",
     };
     format!(
-        "frame of the external instrument, {how}: its origin is at {} in the robot's frame, it is turned by {}; the body that it \
+        "frame of the external instrument, {how}: its origin is at {} in the robot's frame, it is rotated by {}; the body that it \
          follows is at {} on the platform. Measured poses then differ by {} mm from those of the platform (identify with the \
          effects tracker_frame and tracker_target, and tracker_tilt where orientations are measured, to estimate the rest)",
         millimetres(alignment.frame.position),
@@ -159,7 +159,7 @@ fn poses_of_markers(
     }
     let known = body.points_m.iter().flatten().count();
     notices.push(format!(
-        "{known} markers are a rigid body, to {} mm",
+        "{known} markers form a rigid body to within {} mm",
         millimetres(body.rms_m(&thinned(&seen)))
     ));
     if lost > 0 {

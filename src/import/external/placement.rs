@@ -91,7 +91,7 @@ fn closest(pairs: &[Pair], body_m: &Vec3) -> Result<Pose, String> {
     let targets: Vec<Vec3> = pairs.iter().map(target).collect();
     let fitted = fit_pose(&measured, &targets).filter(|_| is_spread(&measured));
     fitted.ok_or_else(|| {
-        "found measured positions on a line, expected poses that spread in two directions".into()
+        "found collinear measured positions, expected poses that spread in two directions".into()
     })
 }
 

@@ -41,7 +41,7 @@ impl RigidBody {
             points_m: centred(first),
         };
         if !is_spread(&body.points_m.iter().flatten().copied().collect::<Vec<_>>()) {
-            return Err("found markers on a line, expected three or more that are not".to_owned());
+            return Err("found collinear markers, expected three or more that are not".to_owned());
         }
         for _ in 0..ROUNDS {
             body = body.refined(moments);

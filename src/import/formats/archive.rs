@@ -61,7 +61,7 @@ impl<'a> Archive<'a> {
                 }
                 _ => {
                     return Err(format!(
-                        "entry {name} of the archive is compressed in another way than by deflate"
+                        "entry {name} of the archive is compressed by a method other than deflate"
                     ));
                 }
             };

@@ -36,7 +36,7 @@ pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, 
     notices.extend(encoding_notice(file, lines.encoding()));
     if !layout.has_header && !layout.is_point_list() {
         notices.push(format!(
-            "{file}: no header row; the columns go by their number"
+            "{file}: no header row; columns are numbered"
         ));
     }
     let series = columns.finish(&stem(file), &mut notices)?;

@@ -72,7 +72,7 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
         };
         let Some(text) = part(&target)? else {
             source.notices.push(format!(
-                "{file}: sheet {} left out: it is no table",
+                "{file}: sheet {} left out: it is not a table",
                 quoted(name)
             ));
             continue;

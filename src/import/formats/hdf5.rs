@@ -177,14 +177,14 @@ impl Reader<'_> {
     fn damaged(&self, error: &Error) -> ReadError {
         self.fail(match error {
             Error::FileMarkedInUse(_) => {
-                "was not closed by the program that wrote it, expected a closed file; h5clear -s <file> says that it is"
+                "was not closed by the program that wrote it, expected a closed file; h5clear -s <file> clears the flag"
                     .to_owned()
             }
             // The place where a link by name would be followed to.
             Error::Format(FormatError::OffsetOverflow {
                 offset: u64::MAX, ..
             }) => "is damaged or has links by name (soft or external links), expected HDF5 without them".to_owned(),
-            error => format!("is damaged or of a version that is not read, expected HDF5 ({error})"),
+            error => format!("is damaged or of an unsupported version, expected HDF5 ({error})"),
         })
     }
 
@@ -317,7 +317,7 @@ impl Reader<'_> {
         let parts = parts_of(&fields);
         if size.columns.saturating_mul(parts as u64) > MAX_COLUMNS {
             let (rows, columns) = (size.rows, size.columns);
-            let why = format!("{rows} x {columns} values, more than {MAX_COLUMNS} in a row");
+            let why = format!("{rows} x {columns} values, more than {MAX_COLUMNS} columns");
             self.leave_out(path, &why);
             return Ok(());
         }
@@ -345,7 +345,7 @@ impl Reader<'_> {
             }
         };
         if rows < 2 || columns == 0 {
-            let why = format!("{rows} x {columns} values, no readings");
+            let why = format!("{rows} x {columns} values, not readings");
             self.leave_out(path, &why);
             return None;
         }
@@ -377,7 +377,7 @@ impl Reader<'_> {
                     ..
                 },
                 _,
-            ) => "several dimensions that may grow, expected one".to_owned(),
+            ) => "several extensible dimensions, expected one".to_owned(),
             _ => String::new(),
         };
         let path = quoted(path);
@@ -392,7 +392,7 @@ impl Reader<'_> {
                 end.is_some_and(|end| end <= self.bytes)
             });
             if !ends_in_file {
-                let message = format!("is damaged, array {path} has pieces beyond its end");
+                let message = format!("is damaged, array {path} has chunks beyond its end");
                 return Err(self.fail(message));
             }
         }
@@ -413,7 +413,7 @@ impl Reader<'_> {
             }
             _ => {
                 let message = format!(
-                    "array {path} has more values than its file can hold, expected those that it claims"
+                    "array {path} claims more values than its file can hold"
                 );
                 Err(self.fail(message))
             }
@@ -505,7 +505,7 @@ impl Reader<'_> {
         if window.saturating_mul(line_bytes) > MAX_WHOLE {
             let (path, limit) = (quoted(path), MAX_WHOLE >> 30);
             let message =
-                format!("array {path} has pieces of more than {limit} GB, expected smaller ones");
+                format!("array {path} has chunks of more than {limit} GB, expected smaller ones");
             return Err(self.fail(message));
         }
         let parts = parts_of(fields);

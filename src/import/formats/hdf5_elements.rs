@@ -107,12 +107,12 @@ pub(super) fn fields_of(
         other => {
             let why = match other {
                 Datatype::FixedPoint { .. } | Datatype::FloatingPoint { .. } => {
-                    "numbers of a rare width"
+                    "numbers of an unusual width"
                 }
                 Datatype::VariableLength {
                     is_string: true, ..
-                } => "texts of any length in a record",
-                Datatype::VariableLength { .. } => "lists of values",
+                } => "variable-length texts in a record",
+                Datatype::VariableLength { .. } => "variable-length lists",
                 Datatype::Reference { .. } => "references to other arrays",
                 _ => "neither numbers nor text",
             };

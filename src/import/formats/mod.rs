@@ -90,11 +90,11 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
         Format::RosBag => ros::bag::read(&mut input, &file),
         #[cfg(not(feature = "ros"))]
         Format::Mcap => refuse(
-            "is an MCAP recording of ROS 2, which is not read, expected its topics as CSV (ros2 topic echo --csv)",
+            "is an MCAP recording of ROS 2, which this build cannot read, expected its topics as CSV (ros2 topic echo --csv)",
         ),
         #[cfg(not(feature = "ros"))]
         Format::RosBag => refuse(
-            "is a bag of ROS 1, which is not read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>)",
+            "is a bag of ROS 1, which this build cannot read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>)",
         ),
         Format::Excel => excel::read(input, &file),
     }
@@ -144,7 +144,7 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
         .is_some_and(|extension| extension.eq_ignore_ascii_case("svdx"))
     {
         return Refused(
-            "is a recording of TwinCAT Scope in its closed format, expected its export: \
+            "is a recording of TwinCAT Scope in its proprietary format, expected its export: \
              TC3ScopeExportTool.exe \"svd=<file>\" target=<csv> silent",
         );
     }
@@ -169,12 +169,12 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
         }
         _ if head.starts_with(b"SQLite format 3") => {
             return Refused(
-                "is a database, which is not read, expected CSV; a recording of ROS 2: mcap convert <db3> <mcap>",
+                "is a database, which cannot be imported, expected CSV; a recording of ROS 2: mcap convert <db3> <mcap>",
             );
         }
         [0xd0, 0xcf, 0x11, 0xe0, ..] => {
             return Refused(
-                "is an old Excel file (.xls), expected .xlsx: save it under that format",
+                "is an old Excel file (.xls), expected .xlsx: save it in that format",
             );
         }
         [2..=8, 0x50, ..] => return Readable(Format::C3d),

@@ -35,7 +35,7 @@ pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, 
             break cells;
         } else if line as usize > HEADER_LINES {
             let message =
-                "found no row that begins with \"Frame\" so far, expected the header of the data";
+                "found no row that begins with \"Frame\" in the first lines, expected the header of the data";
             return Err(ReadError::new(file, Place::Line(line), message));
         } else if !cells.are_blank() {
             rows.push(cells.iter().map(str::to_owned).collect());
@@ -221,7 +221,7 @@ impl Frames {
     pub fn notice(&self, file: &str) -> Option<String> {
         (self.missing > 0.0).then(|| {
             format!(
-                "{file}: {} frames are missing between the others",
+                "{file}: {} frames are missing in between",
                 self.missing
             )
         })

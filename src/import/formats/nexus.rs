@@ -89,7 +89,7 @@ fn section(
             )
         })
     };
-    let (line, text) = next(lines, "the rate of sampling")?;
+    let (line, text) = next(lines, "the sampling rate")?;
     let separator = |text: &str| Separator::Character(if text.contains('\t') { '\t' } else { ',' });
     let rate = Cells::of(&text, separator(&text));
     let Some(rate_hz) = parse_number(rate.get(0))
@@ -100,7 +100,7 @@ fn section(
             file,
             Place::Line(line),
             format!(
-                "found {}, expected the rate of sampling in Hz",
+                "found {}, expected the sampling rate in Hz",
                 quoted(&text)
             ),
         ));

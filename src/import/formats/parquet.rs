@@ -46,7 +46,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let damaged = |error: ParquetError| {
         let message = match error {
             // Says which compressor it was.
-            ParquetError::NYI(what) => format!("uses what is not read ({what})"),
+            ParquetError::NYI(what) => format!("uses an unsupported feature ({what})"),
             error => format!("is damaged, expected Parquet ({error})"),
         };
         ReadError::new(file, Place::File, message)
@@ -128,7 +128,7 @@ fn columns(
             notices.push(format!("{file}, column {}: {why}, left out", quoted(&path)));
         };
         if descriptor.max_rep_level() > 0 {
-            leave_out("lists of values");
+            leave_out("variable-length lists");
             continue;
         }
         let (name, stated) = split_heading(&path);

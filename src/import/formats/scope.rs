@@ -42,7 +42,7 @@ pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, 
     if !header.scaled.is_empty() {
         let names = header.scaled.join(", ");
         notices.push(format!(
-            "{file}: a ScaleFactor other than 1 is stated for {names}; values are taken as written"
+            "{file}: a ScaleFactor other than 1 is stated for {names}; the values are used as written"
         ));
     }
     let series = by_time(channels, &header, &stem(file));
@@ -118,7 +118,7 @@ fn header(lines: &mut Lines<'_>, separator: Separator) -> Result<Header, ReadErr
     }
     if header.names.is_empty() || blocks < 2 {
         let message =
-            "found no header of channels that begins with \"Name\" between two empty lines";
+            "found no channel header that begins with \"Name\" between two empty lines";
         return Err(ReadError::new(file, Place::File, message));
     }
     Ok(header)
@@ -173,7 +173,7 @@ fn data(
                     unread += 1;
                     continue;
                 }
-                None => return Err(unexpected(at, "the number or the time of a sample")),
+                None => return Err(unexpected(at, "a sample number or time")),
             };
             let value = match parse_number(value) {
                 Some((value, sign)) => {

@@ -134,7 +134,7 @@ impl Proposal<'_> {
                 candidates.push((kind, score, family));
             } else if family.count + 1 >= cables || family.count > 2 {
                 self.notices.push(format!(
-                    "{}: {} channels {} could be the {} of cables, but the robot has {cables}: not used",
+                    "{}: {} channels {} could be the {} of cables, but the robot has {cables} cables: not used",
                     series.name,
                     family.count,
                     family.pattern,
@@ -204,11 +204,11 @@ impl Proposal<'_> {
             _ => None,
         }?;
         let reason = match format {
-            Format::Mcap | Format::RosBag => "by its range and the usage of ROS",
+            Format::Mcap | Format::RosBag => "by its range and the conventions of ROS",
             _ => "by its range",
         };
         self.notices.push(format!(
-            "{}: no unit is stated for {}; {reason} it is taken as {unit}",
+            "{}: no unit is stated for {}; {reason} it is assumed to be {unit}",
             series.name, family.pattern
         ));
         Some(unit.into())
@@ -300,7 +300,7 @@ impl Proposal<'_> {
             _ => return None,
         };
         self.notices.push(format!(
-            "no unit is stated for {}; by its range it is taken as {unit}",
+            "no unit is stated for {}; by its range it is assumed to be {unit}",
             channel.name
         ));
         Some(unit)
@@ -400,7 +400,7 @@ impl Proposal<'_> {
                 });
             }
             if up_is_y {
-                self.notices.push(format!("{}: the y axis of the capture is taken as up: x, y, z of the robot are x, -z, y there", series.name));
+                self.notices.push(format!("{}: the y axis of the capture is assumed to point up: x, y, z of the robot are x, -z, y there", series.name));
             }
         }
     }
@@ -454,7 +454,7 @@ impl Proposal<'_> {
                 .join(", ")
         };
         let mut notice = format!(
-            "{}: {} keep their distances while they move: taken as markers on the platform",
+            "{}: {} move at constant distances from each other: assumed to be markers on the platform",
             series.name,
             names(true)
         );
@@ -489,7 +489,7 @@ impl Proposal<'_> {
             owner
         };
         self.notices.push(format!(
-            "no unit is stated for {of}; by their range they are taken as mm"
+            "no unit is stated for {of}; by their range they are assumed to be in mm"
         ));
         Some("mm")
     }
@@ -560,9 +560,9 @@ impl Proposal<'_> {
         self.recipe.first_pose_is_home = true;
         if largest > 0.02 * span {
             assignment.from_first_pose = true;
-            self.notices.push("the revolutions do not begin at 0: they are counted from the first pose, which is taken as the home pose".into());
+            self.notices.push("the revolutions do not begin at 0: they are counted from the first pose, which is assumed to be the home pose".into());
         } else {
-            self.notices.push("the first pose is taken as the home pose, because the revolutions begin at 0 there".into());
+            self.notices.push("the first pose is assumed to be the home pose, because the revolutions begin at 0 there".into());
         }
     }
 }

@@ -214,7 +214,7 @@ impl VersionedFile for Recipe {
             };
             if channel.matches("{i}").count() != quantity.matches("{i}").count() {
                 let message = format!(
-                    "found \"{channel}\" for \"{quantity}\", expected one {{i}} in both or in none"
+                    "found \"{channel}\" for \"{quantity}\", expected {{i}} once in both or in neither"
                 );
                 return fail(at("channel"), message);
             }
@@ -264,7 +264,7 @@ impl VersionedFile for Recipe {
                 if value.is_nan() || value.abs() > most {
                     return fail(
                         format!("/clocks/{k}/{key}"),
-                        format!("found {value}, expected a number of a clock"),
+                        format!("found {value}, expected a finite number"),
                     );
                 }
             }

@@ -90,7 +90,7 @@ pub(crate) fn resolve<'a>(
                 return Err(fail(
                     "channel",
                     format!(
-                        "found {}, which is text, expected numbers",
+                        "found {}, which is a text column, expected numbers",
                         quoted(&channel)
                     ),
                 ));
@@ -166,7 +166,7 @@ fn find(
         found.extend(text.map(|index| (place, index, true)));
     }
     match found[..] {
-        [one] => Ok(one),
+        format!("{one} falls where it should rise: its sign is reversed"), => [one] => format!("{one} falls where it should rise: its sign is reversed"), => Ok(one),
         [] => {
             let names = series
                 .iter()

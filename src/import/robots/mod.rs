@@ -54,7 +54,7 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
             Err(ReadError::new(
                 &file,
                 Place::File,
-                "describes bodies only, expected the file of the cables beside it",
+                "describes bodies only, expected the file of the cables as well",
             ))
         }
     }
@@ -114,7 +114,7 @@ fn robot_of(
     mut notices: Vec<String>,
 ) -> Result<Loaded<Robot>, ReadError> {
     notices.push(format!(
-        "{file}: says nothing of winches, noise and how well pulleys are known: a motor revolution is 1 m of cable, a length has a standard deviation of {} mm, entry points are unknown; correct robot.json",
+        "{file}: does not state winches, noise and tolerances of the pulleys: a motor revolution is assumed to wind 1 m of cable, a length to have a standard deviation of {} mm, and entry points to be unknown; correct robot.json",
         1e3 * LENGTH_SD_M
     ));
     let robot = Robot {

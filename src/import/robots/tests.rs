@@ -128,7 +128,7 @@ fn what_is_wrong_is_named_with_its_place() {
         (
             CABLES.replace("</cables>", ""),
             BODIES.to_owned(),
-            "a.xml: ends before its elements do",
+            "a.xml: ends within an element",
         ),
         (
             CABLES.replace("</cable_set>\n</cables>", "</cables>"),
@@ -207,7 +207,7 @@ fn lengths_of_a_model_of_wirex_are_those_of_its_own_equations() {
     for part in [
         "line 9: gives no rotation",
         "line 14: inertia left out",
-        "does not say whether WireX computes with pulleys",
+        "does not state whether WireX models pulleys",
         "says nothing of winches",
     ] {
         let told = read.notices.iter().filter(|notice| notice.contains(part));
@@ -267,7 +267,7 @@ fn what_is_wrong_with_a_model_of_wirex_is_named_with_its_place() {
             "line 5: <base>: found a13, a23, a33 of length 2.0000",
         ),
         ("<robot generator", "<wireRobot generator", "is no XML"),
-        ("</models>", "", "ends before its elements do"),
+        ("</models>", "", "ends within an element"),
     ] {
         let text = WIREX.replace(found, replacement);
         let error = read(&[("a.wcrfx", &text)]).expect_err(part);

@@ -145,7 +145,7 @@ impl Columns {
                     String::new()
                 };
                 notices.push(format!(
-                    "{place}: line {line} holds {}{more}, taken as no reading",
+                    "{place}: line {line} holds {}{more}, treated as missing",
                     quoted(&text)
                 ));
             }

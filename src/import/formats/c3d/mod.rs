@@ -67,7 +67,7 @@ pub(super) fn read(mut input: Input<'_>, file: &str, name: &str) -> Result<Sourc
     let parameters = Parameters::parse(processor, &bytes);
     let mut notices = Vec::new();
     if !parameters.is_whole {
-        notices.push("its parameters are damaged, those that follow left out".to_owned());
+        notices.push("its parameters are damaged; those after the damage are left out".to_owned());
     }
     let frames = Frames::of(processor, &header, &parameters, size).map_err(refuse)?;
     input.seek(SeekFrom::Start(frames.at)).map_err(failed)?;
@@ -167,12 +167,12 @@ impl Frames {
         if !header.analog.is_multiple_of(samples) {
             let analog = header.analog;
             return Err(format!(
-                "found {analog} analog numbers in a frame, expected {samples} of each channel"
+                "found {analog} analog samples in a frame, expected {samples} per channel"
             ));
         }
         let scale = one("SCALE").unwrap_or(header.scale);
         if header.points > 0 && (scale == 0.0 || !scale.is_finite()) {
-            return Err(format!("found {scale} as POINT:SCALE, expected a factor"));
+            return Err(format!("found {scale} as POINT:SCALE, expected a finite factor"));
         }
         let data_block = match header.data_block {
             0 => one("DATA_START").map_or(0, |block| block as u64),
@@ -196,7 +196,7 @@ impl Frames {
         }
         frames.held = size.saturating_sub(frames.at) / frames.bytes() as u64;
         if frames.held == 0 || frames.at < BLOCK {
-            return Err("found no frame, expected data behind the parameters".into());
+            return Err("found no frame, expected data after the parameters".into());
         }
         frames.count = frame_count(header, parameters, frames.held);
         Ok(frames)
@@ -286,11 +286,11 @@ impl Frames {
         let others = held.saturating_sub(*count);
         if others * self.bytes() as u64 >= BLOCK {
             notices.push(format!(
-                "states {count} frames, what could be {others} more is left out"
+                "states {count} frames; data that could be {others} more are left out"
             ));
         }
         if self.rate_hz.is_none() {
-            notices.push("states no rate of sampling, its rows have no times".into());
+            notices.push("states no sampling rate, so its rows have no times".into());
         }
     }
 
@@ -403,7 +403,7 @@ fn names(
     }
     if unnamed > 0 {
         notices.push(format!(
-            "{unnamed} of {count} labels of {group} are empty, their channels are called {kind}_1, {kind}_2 and so on"
+            "{unnamed} of {count} labels of {group} are empty; their channels are called {kind}_1, {kind}_2 and so on"
         ));
     }
     names
@@ -478,7 +478,7 @@ fn left_out(header: &Header, parameters: &Parameters) -> Vec<String> {
     let up = parameters.texts("POINT", "Y_SCREEN");
     if let Some(up) = up.first().filter(|up| up.contains(['X', 'Y'])) {
         notices.push(format!(
-            "its axis {} is shown upwards, expected +Z: check which axis is up",
+            "its axis {} points up, expected +Z: check which axis is vertical",
             quoted(up)
         ));
     }

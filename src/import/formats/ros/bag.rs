@@ -60,7 +60,7 @@ pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let mut notices = Vec::new();
     if bag.damaged_chunks > 0 {
         notices.push(format!(
-            "{} of its chunks are damaged; their messages are read as far as they go, and may be wrong",
+            "{} of its chunks are damaged; their messages are read as far as possible and may be wrong",
             bag.damaged_chunks
         ));
     }
@@ -124,7 +124,7 @@ impl Bag {
             b"lz4" => decompressed(FrameDecoder::new(data), most),
             other => {
                 let name = quoted(&String::from_utf8_lossy(other));
-                return Ok(Err(format!("uses what is not read (compression {name})")));
+                return Ok(Err(format!("uses an unsupported compression ({name})")));
             }
         };
         let mut is_whole = is_intact && content.len() as u64 == u64::from(size);
@@ -174,7 +174,7 @@ impl Bag {
             let text = field(data, "message_definition").unwrap_or_default();
             if text.is_empty() {
                 return Err(format!(
-                    "messages of the type {}, of which no field is known",
+                    "messages of the type {}, whose fields are unknown",
                     quoted(&name)
                 ));
             }

@@ -139,7 +139,7 @@ fn field(line: &str, kind_of: impl Fn(&str) -> Option<Kind>) -> Option<Result<Fi
     if rest[end..].trim_start().starts_with('=') {
         return None;
     }
-    let unknown = || format!("its type has {kind}");
+    let unknown = || format!("its type contains {kind}");
     let (base, count) = match kind.split_once('[') {
         None => (kind, Some(Count::One)),
         Some((base, length)) => (base, length.strip_suffix(']').and_then(count_of)),
@@ -249,7 +249,7 @@ mod tests {
             ("int32[-1] c", "int32[-1]"),
         ] {
             let error = Definitions::parse(Version::Ros2, "p/Kind", line).err();
-            assert_eq!(error, Some(format!("its type has {kind}")));
+            assert_eq!(error, Some(format!("its type contains {kind}")));
         }
     }
 
@@ -271,6 +271,6 @@ mod tests {
             ]
         );
         let error = Definitions::parse(Version::Ros2, "p/Kind", "time a").err();
-        assert_eq!(error.as_deref(), Some("its type has time"));
+        assert_eq!(error.as_deref(), Some("its type contains time"));
     }
 }

@@ -78,7 +78,7 @@ impl Node {
 }
 
 /// What a later message has and the first one had not.
-const LATER: &str = "what its first message does not have";
+const LATER: &str = "fields that its first message does not have";
 
 impl Layout {
     /// Reads a message of this type into the row; `None` where it does not fit. A message that is nothing but data gives
@@ -154,7 +154,7 @@ impl Layout {
     fn has_room(&mut self) -> bool {
         let has_room = self.columns.len() + self.texts.len() < MOST_COLUMNS;
         if !has_room {
-            let what = format!("what follows the first {MOST_COLUMNS} columns");
+            let what = format!("all after the first {MOST_COLUMNS} columns");
             self.left_out.insert(what);
         }
         has_room

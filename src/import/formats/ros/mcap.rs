@@ -50,7 +50,7 @@ pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
             }
             Some(Some(Err(McapError::UnsupportedCompression(name)))) => {
                 break Some(format!(
-                    "uses what is not read (compression {})",
+                    "uses an unsupported compression ({})",
                     quoted(&name)
                 ));
             }
@@ -60,7 +60,7 @@ pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let mut notices = Vec::new();
     if damaged_chunks > 0 {
         notices.push(format!(
-            "check sums of {damaged_chunks} of its chunks are wrong; their values may be, too"
+            "the checksums of {damaged_chunks} of its chunks are wrong; their values may be wrong, too"
         ));
     }
     let recording = records.recording;
@@ -124,7 +124,7 @@ fn decoder(schemas: &HashMap<u16, Schema>, connection: &Connection) -> Result<De
             let definitions = Definitions::parse(Version::Ros2, &schema.name, &schema.text)?;
             Decoder::typed(|data| Wire::cdr(data), definitions)
         }
-        ("cdr", encoding, _) => Err(format!("messages whose type is in {}", named(encoding))),
+        ("cdr", encoding, _) => Err(format!("messages whose type is described in {}", named(encoding))),
         (encoding, _, _) => Err(format!("messages in {}", named(encoding))),
     }
 }
@@ -132,7 +132,7 @@ fn decoder(schemas: &HashMap<u16, Schema>, connection: &Connection) -> Result<De
 /// An encoding in sentences.
 fn named(encoding: &str) -> String {
     match encoding {
-        "" => "an encoding that is not named".to_owned(),
+        "" => "an unnamed encoding".to_owned(),
         encoding => format!("the encoding {}", quoted(encoding)),
     }
 }

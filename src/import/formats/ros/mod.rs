@@ -176,7 +176,7 @@ impl Recording {
             return Err(ReadError::new(file, Place::File, message));
         }
         if let Some(end) = end {
-            notices.push(format!("{end}; it is read as far as it goes"));
+            notices.push(format!("{end}; it is read as far as possible"));
         }
         notices.extend(others);
         let notices = notices.iter().map(|notice| format!("{file}: {notice}"));
@@ -340,10 +340,10 @@ impl Rows {
 fn no_reading(kind: &str) -> Option<&'static str> {
     match kind.split_once('/')? {
         ("rcl_interfaces" | "diagnostic_msgs", _) | ("rosgraph_msgs", "Log") => {
-            Some("messages of the programs")
+            Some("log messages")
         }
         ("sensor_msgs", "Image" | "CompressedImage") => Some("images"),
-        ("sensor_msgs", "PointCloud" | "PointCloud2") => Some("clouds of points"),
+        ("sensor_msgs", "PointCloud" | "PointCloud2") => Some("point clouds"),
         _ => None,
     }
 }
