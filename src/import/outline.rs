@@ -1,4 +1,4 @@
-//! The course of a channel, with as many points as a plot can show.
+//! The course of a channel, reduced to the resolution of a plot.
 
 use crate::values::Values;
 

@@ -1,4 +1,4 @@
-//! Poses by an external instrument: of a body with three or more markers, in a frame of the instrument's own.
+//! Poses measured by an external instrument in its own frame, also of a body with three or more markers.
 //!
 //! Markers give the pose of the body that carries them. Where the frame of the instrument is in that of the robot, and where
 //! the body is on the platform, is found from the poses that were commanded, or else from the lengths of the cables. That is
@@ -21,16 +21,16 @@ use platform_poses::platform_poses;
 pub(crate) use rigid_body::FEWEST as FEWEST_MARKERS;
 use rigid_body::{RigidBody, Seen};
 
-/// Most poses from which a frame or a body is found.
+/// Maximum number of poses used to align a frame or a body.
 const MOST_POSES: usize = 2000;
-/// Measured poses are in another frame where one brings them closer by this factor.
+/// Measured poses are in another frame if an alignment brings them closer by this factor.
 const CLOSER: f64 = 4.0;
 /// Measured poses that are as close to the robot's, as a share of its size, are in its frame, and what they are off by is an
 /// error to be found: that of the home pose, for instance.
 const CLOSE: f64 = 0.05;
 
-/// Brings the measured poses into the robot's frame, and makes them of markers where these were recorded. The recipe comes
-/// back with what was found.
+/// Transforms the measured poses into the robot's frame, computing them from markers where these were recorded. Returns the
+/// recipe with the alignment that was found.
 ///
 /// # Errors
 /// In one sentence, if the markers or the poses do not say enough.
@@ -122,7 +122,7 @@ fn words(alignment: &Alignment, given: &Instrument) -> String {
     )
 }
 
-/// Numbers from 0 of the markers of which a pose has a coordinate.
+/// Indices of the markers with a coordinate at a pose.
 fn numbers_of_markers(pose: &CutPose) -> impl Iterator<Item = usize> {
     let markers = pose
         .readings
@@ -186,7 +186,7 @@ fn seen(pose: &CutPose, count: usize) -> Seen {
     (0..count).map(place).collect()
 }
 
-/// Takes the readings of the markers out of a pose.
+/// Removes the marker readings from a pose and returns them.
 fn take_markers(pose: &mut CutPose) -> Vec<Averaged> {
     let readings = std::mem::take(&mut pose.readings);
     let (markers, others): (BTreeMap<_, _>, _) = readings
@@ -196,7 +196,7 @@ fn take_markers(pose: &mut CutPose) -> Vec<Averaged> {
     markers.into_values().collect()
 }
 
-/// Standard deviation and number of a coordinate of the middle of some markers.
+/// Standard deviation and number of readings of a coordinate of the centroid of the markers.
 fn typical(markers: &[Averaged]) -> Averaged {
     let variance = markers
         .iter()
@@ -222,7 +222,7 @@ fn set_measured(pose: &mut CutPose, found: &Pose, like: Averaged) {
         .chain(found.orientation_wxyz());
     for (index, mean) in numbers.enumerate() {
         let kind = Kind::Tracked;
-        // How the markers scatter says nothing simple of a quaternion.
+        // The scatter of the markers does not translate simply to a quaternion.
         let sd = if index < 3 { like.sd } else { f64::NAN };
         let reading = Averaged { mean, sd, ..like };
         pose.readings.insert(Quantity { kind, index }, reading);
@@ -242,7 +242,7 @@ fn orientation(pose: &CutPose, kind: Kind) -> Option<nalgebra::UnitQuaternion<f6
     is_there.then(|| Pose::from_parts([0.0; 3], q).orientation)
 }
 
-/// The poses that were measured and of which it is known where the platform was.
+/// The measured poses with a known pose of the platform.
 fn pairs(poses: &[CutPose], robot: &Robot) -> Vec<Pair> {
     let pair = |(pose, platform): (&CutPose, Option<Pose>)| {
         Some(Pair {
@@ -255,7 +255,7 @@ fn pairs(poses: &[CutPose], robot: &Robot) -> Vec<Pair> {
     poses.iter().zip(platform).filter_map(pair).collect()
 }
 
-/// Brings the measured pose of the body to that of the platform's origin, in the robot's frame.
+/// Transforms the measured pose of the body to the pose of the platform in the robot's frame.
 fn bring(pose: &mut CutPose, alignment: &Alignment) {
     let Some(measured) = vector(pose, Kind::Tracked) else {
         return;
@@ -310,7 +310,7 @@ fn turn_deviations(pose: &mut CutPose, kind: Kind, rotation: &nalgebra::Matrix3<
     }
 }
 
-/// At most [`MOST_POSES`], evenly.
+/// At most [`MOST_POSES`] elements, evenly spaced.
 fn thinned<T: Clone>(all: &[T]) -> Vec<T> {
     let every = all.len().div_ceil(MOST_POSES).max(1);
     all.iter().step_by(every).cloned().collect()

@@ -1,4 +1,4 @@
-//! Where the platform was at each pose: as it was commanded, else by the lengths of its cables.
+//! Pose of the platform at each measured pose: as commanded, otherwise from the cable lengths.
 
 use tautline_core::geometry::Pose;
 use tautline_core::kinematics::{ForwardKinematics, inverse_kinematics};

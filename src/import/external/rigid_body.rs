@@ -1,22 +1,22 @@
-//! The pose of a body by the markers on it.
+//! Pose of a rigid body from the markers on it.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use tautline_core::geometry::{Pose, Vec3};
 
-/// Fewest markers that say how a body is turned.
+/// Minimum number of markers that define an orientation.
 pub(crate) const FEWEST: usize = 3;
-/// Rounds of fitting poses to points and points to poses; they converge like a square.
+/// Alternations between fitting poses and points.
 const ROUNDS: usize = 10;
-/// Points are on a line if they extend by less than this share across it.
+/// Points are collinear if their extent across a line is below this fraction of that along it.
 const ON_A_LINE: f64 = 1e-2;
 
-/// Where markers are at one moment; `None` for those that were not seen.
+/// Marker positions at one instant; `None` for those not seen.
 pub(super) type Seen = Vec<Option<Vec3>>;
 
-/// Markers that keep their distances.
+/// Markers on one rigid body.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RigidBody {
-    /// Positions of the markers in the body's frame (m), for those that were seen with enough others.
+    /// Positions of the markers in the body's frame (m), for those seen together with enough others.
     pub points_m: Seen,
 }
 
@@ -27,7 +27,7 @@ impl RigidBody {
     /// Positions are the mean of what all moments say (generalised Procrustes analysis, DOI 10.1007/BF02291478).
     ///
     /// # Errors
-    /// If never three of them were seen at once, or they are on a line.
+    /// If no three of them were ever seen at once, or they are collinear.
     pub fn of(moments: &[Seen]) -> Result<Self, String> {
         let count = |seen: &Seen| seen.iter().flatten().count();
         let most = moments.iter().map(count).max().unwrap_or(0);
@@ -49,7 +49,7 @@ impl RigidBody {
         Ok(body)
     }
 
-    /// The pose at a moment, or `None` where fewer than three markers were seen.
+    /// The pose at one instant, or `None` if fewer than three markers were seen.
     pub fn pose(&self, seen: &Seen) -> Option<Pose> {
         let (known, found) = self.pairs(seen);
         if known.len() < FEWEST || !is_spread(&known) {
@@ -58,7 +58,7 @@ impl RigidBody {
         fit_pose(&known, &found)
     }
 
-    /// Root mean square distance of the markers from where the poses put them (m).
+    /// Root mean square distance between the markers and their fitted positions (m).
     pub fn rms_m(&self, moments: &[Seen]) -> f64 {
         let mut squares = (0.0, 0_usize);
         for seen in moments {
@@ -74,7 +74,7 @@ impl RigidBody {
         (squares.0 / squares.1.max(1) as f64).sqrt()
     }
 
-    /// Positions in the body's frame and where they were seen, of the markers of which both are known.
+    /// Positions in the body's frame and observed positions of the markers with both.
     fn pairs(&self, seen: &Seen) -> (Vec<Vec3>, Vec<Vec3>) {
         let both = self.points_m.iter().zip(seen);
         both.filter_map(|(known, found)| known.zip(*found)).unzip()
@@ -112,7 +112,7 @@ fn centred(points: &Seen) -> Seen {
         .collect()
 }
 
-/// Whether points extend in two directions at least.
+/// Whether points extend in at least two directions.
 pub(super) fn is_spread(points: &[Vec3]) -> bool {
     let middle = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
     let scatter = points.iter().fold(Matrix3::zeros(), |sum, point| {
@@ -125,7 +125,7 @@ pub(super) fn is_spread(points: &[Vec3]) -> bool {
 }
 
 /// The pose that takes points closest to others, `to = r + R from` by least squares (Umeyama 1991, DOI 10.1109/34.88573).
-/// `None` if they are on a line or none.
+/// `None` if they are collinear or none.
 pub(super) fn fit_pose(from: &[Vec3], to: &[Vec3]) -> Option<Pose> {
     let count = from.len() as f64;
     let [middle, target] = [from, to].map(|points| points.iter().sum::<Vec3>() / count);
@@ -135,7 +135,7 @@ pub(super) fn fit_pose(from: &[Vec3], to: &[Vec3]) -> Option<Pose> {
     });
     let svd = covariance.try_svd(true, true, f64::EPSILON, 0)?;
     let (u, v_t) = (svd.u?, svd.v_t?);
-    // A reflection is no motion: the direction that counts least turns round.
+    // A reflection is not a rotation: the direction of the smallest singular value is reversed.
     let mut sign = Matrix3::identity();
     sign[(2, 2)] = (u * v_t).determinant().signum();
     let rotation = Rotation3::from_matrix_unchecked(u * sign * v_t);

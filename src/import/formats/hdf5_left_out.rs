@@ -1,4 +1,4 @@
-//! What is said of HDF5 files where the program was built without their reader.
+//! Errors for HDF5 files in builds without the HDF5 reader.
 
 use tautline_session::{Place, ReadError};
 

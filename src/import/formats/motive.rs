@@ -194,7 +194,7 @@ fn data(
     Ok(times.into())
 }
 
-/// Whether a row may be one that was cut off: rows in the middle of a file end with all their separators.
+/// Whether a row may be truncated: complete rows end with all their separators.
 fn lines_are_over(text: &str) -> bool {
     !text.ends_with(',')
 }

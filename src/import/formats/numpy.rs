@@ -45,14 +45,14 @@ pub(super) fn read(mut input: Input<'_>, head: &[u8], file: &str) -> Result<Sour
     Ok(source)
 }
 
-/// Type of a field: its letter and its size in bytes.
+/// Type of a field: type character and size in bytes.
 #[derive(Debug, Clone, PartialEq)]
 struct Field {
     name: String,
     letter: u8,
     size: usize,
     big_endian: bool,
-    /// How many of them there are in a row.
+    /// Number of elements per row.
     count: usize,
 }
 

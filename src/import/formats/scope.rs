@@ -22,7 +22,7 @@ struct Header {
     names: Vec<String>,
     units: Vec<Option<String>>,
     sample_ms: Vec<Option<f64>>,
-    /// Channels whose values the program that shows them multiplies.
+    /// Channels with a display scale factor.
     scaled: Vec<String>,
 }
 
@@ -54,7 +54,7 @@ pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, 
     })
 }
 
-/// What follows the first key, `Name`.
+/// The separator, which follows the first key, `Name`.
 fn separator(first: &str) -> Separator {
     match first
         .trim_start_matches("Name")
@@ -168,7 +168,7 @@ fn data(
                 .or_else(|| parse_timestamp(at).map(|s| s * 1e3));
             let time = match time {
                 Some(time) => time,
-                // A file that was cut off ends in the middle of a pair.
+                // A truncated file ends within a pair.
                 None if lines_end(text, at) => {
                     unread += 1;
                     continue;
@@ -257,7 +257,7 @@ fn by_time(channels: Vec<Pairs<Values>>, header: &Header, stem: &str) -> Vec<Ser
     series
 }
 
-/// Times (s) of what stands before the values: the number of the sample, or the time in milliseconds.
+/// Times (s) from the first cell of each pair: sample number, or time in milliseconds.
 fn seconds(at: &Values, sample_ms: Option<f64>) -> Values {
     let counts = at
         .iter()

@@ -9,11 +9,11 @@ pub(crate) struct Family {
     pub pattern: String,
     /// Smallest number.
     pub first: usize,
-    /// How many follow each other from there.
+    /// Number of members.
     pub count: usize,
 }
 
-/// The families among names: names that are equal but for one number, and these numbers without a hole.
+/// The families among names: names that differ in one number only, with consecutive numbers.
 pub(crate) fn families<'a>(names: impl Iterator<Item = &'a str>) -> Vec<Family> {
     let mut patterns: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for name in names {

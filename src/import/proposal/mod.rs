@@ -1,4 +1,4 @@
-//! A recipe from names, units and ranges.
+//! Proposal of a recipe from names, units and ranges.
 
 mod markers;
 mod recognition;
@@ -18,7 +18,7 @@ use crate::units::{Dimension, parse_unit};
 use markers::{Marker, on_platform};
 use recognition::{Body, component, is_any, is_whole, kind_name, kind_of};
 
-/// Proposes a recipe; the sentences say what was assumed.
+/// Proposes a recipe; the sentences state the assumptions.
 #[must_use]
 pub fn propose(sources: &[Source], robot: &Robot) -> (Recipe, Vec<String>) {
     let mut proposal = Proposal {
@@ -69,7 +69,7 @@ fn topic(series: &Series, format: Format) -> Vec<String> {
 struct Proposal<'a> {
     robot: &'a Robot,
     recipe: Recipe,
-    /// Columns that have a channel.
+    /// Columns that already have a channel.
     given: BTreeSet<String>,
     notices: Vec<String>,
 }
@@ -84,7 +84,7 @@ impl Proposal<'_> {
         self.given.contains(column)
     }
 
-    /// Channels that are called as the columns of `poses.csv`.
+    /// Channels with the names of the columns of `poses.csv`.
     fn own_names(&mut self, series: &Series) {
         let cables = self.robot.cable_count();
         for (kind, _) in PER_CABLE {
@@ -159,7 +159,7 @@ impl Proposal<'_> {
         }
     }
 
-    /// The unit of a family without one, where its values fit to a unit other than that of the quantity.
+    /// The unit of a family without a stated one, if its values suggest a unit other than that of the quantity.
     fn unit_by_range(
         &mut self,
         series: &Series,
@@ -191,10 +191,10 @@ impl Proposal<'_> {
             Kind::Revolutions => {
                 let per_revolution = self.robot.cables[0].winch.cable_per_revolution_m();
                 let frames = widest(&|range| range[1] - range[0]) * per_revolution / frame_m;
-                // A calibration moves cables by a part of the frame's size, and not by several times that.
+                // A calibration moves cables by a fraction of the frame's size, never by a multiple of it.
                 if frames > 30.0 {
                     Some("deg")
-                // Joints of ROS turn in radians, however little.
+                // ROS states joint angles in radians.
                 } else if frames > 2.0 || is_ros && family.pattern.starts_with("position[") {
                     Some("rad")
                 } else {
@@ -214,7 +214,7 @@ impl Proposal<'_> {
         Some(unit.into())
     }
 
-    /// Channels that there is one of.
+    /// Quantities with a single channel.
     fn singles(&mut self, series: &Series, format: Format) {
         for text in &series.texts {
             let spoken = words_of(&text.name);
@@ -286,7 +286,7 @@ impl Proposal<'_> {
         });
     }
 
-    /// The unit of a channel without one, by its range.
+    /// The unit of a channel without a stated one, from its range.
     fn single_unit(&mut self, channel: &Channel, column: &str) -> Option<&'static str> {
         if channel.unit.is_some() {
             return None;
@@ -306,7 +306,7 @@ impl Proposal<'_> {
         Some(unit)
     }
 
-    /// Coordinates of poses: those that a controller wants, and those that an instrument measures.
+    /// Coordinates of poses: commanded, and measured by an instrument.
     fn poses(&mut self, series: &Series, format: Format) {
         if self.markers(series, format) {
             return;
@@ -405,7 +405,7 @@ impl Proposal<'_> {
         }
     }
 
-    /// Three or more markers on the platform, where no body has an orientation of its own; whether there are.
+    /// Assigns three or more markers on the platform if no body has an orientation; returns whether there are any.
     fn markers(&mut self, series: &Series, format: Format) -> bool {
         let mut owners: BTreeMap<String, [Option<&Channel>; 3]> = BTreeMap::new();
         let mut has_orientation = false;

@@ -1,4 +1,4 @@
-//! What one channel is, by its name, its unit and its values.
+//! Recognition of one channel by its name, unit and values.
 
 use crate::naming::words::{ACTUAL, OTHER, PER_CABLE, WANTED};
 use crate::naming::words_of;
@@ -6,7 +6,7 @@ use crate::recipe::Kind;
 use crate::source::Channel;
 use crate::units::{Dimension, parse_unit};
 
-/// Name of a body, whether it is wanted rather than measured, and its components.
+/// Name of a body, whether it is commanded rather than measured, and its components.
 pub(super) type Body<'a> = (String, bool, Vec<(usize, &'a Channel)>);
 
 pub(super) fn is_any(spoken: &[String], known: &[&str]) -> bool {
@@ -26,7 +26,7 @@ pub(super) fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
-/// What one channel for each cable is, and how surely.
+/// Kind of a channel that exists once per cable, with a score.
 pub(super) fn kind_of(channel: &Channel) -> Option<(Kind, i32)> {
     let spoken = words_of(&channel.name);
     if is_any(&spoken, OTHER) {

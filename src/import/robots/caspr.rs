@@ -37,7 +37,7 @@ pub(super) fn robot(
     robot_of(file, platform, cables, notices)
 }
 
-/// The set of cables that is the default, or the first one.
+/// The default set of cables, or the first one.
 fn cable_set<'a>(file: &str, root: &'a Element) -> Result<&'a Element, ReadError> {
     let mut sets = root
         .children
@@ -115,7 +115,7 @@ fn body(file: &str, root: &Element) -> Result<Platform, ReadError> {
     })
 }
 
-/// Free coordinates of a joint. The ways to write rotations differ, the freedom does not.
+/// Free coordinates of a joint. Joint types with different rotation parameters have the same freedom.
 fn freedom(joint: &str) -> Option<Vec<Coordinate>> {
     use Coordinate::{Rx, Ry, Rz, X, Y, Z};
     Some(match joint {
@@ -168,7 +168,7 @@ fn cable(
     let (entry_point_m, radius_m, axis) = match base.name.as_str() {
         "attachment" => {
             on_link(base, 0.0)?;
-            // The axis of an eyelet has no meaning.
+            // An eyelet has no swivel axis; the value is arbitrary.
             (need(base, "location")?, 0.0, [0.0, 0.0, 1.0])
         }
         "base_rotating_pulley" => {

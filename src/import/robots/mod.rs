@@ -14,13 +14,13 @@ use xml::Element;
 /// Largest description that is read (bytes).
 const MAX_BYTES: u64 = 16 << 20;
 
-/// Standard deviation of a length reading (m) where nobody has said any: what good winches reach.
+/// Default standard deviation of a length reading (m): what good winches reach.
 const LENGTH_SD_M: f64 = 1e-3;
 
-/// Reads the robot that files describe: cables and bodies of CASPR, which are two files, or a model of WireX.
+/// Reads a robot description: the two files of cables and bodies of CASPR, or a model of WireX.
 ///
 /// # Errors
-/// If a file is none of these, or describes no robot with one platform.
+/// If a file is none of these, or does not describe a robot with one platform.
 pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadError> {
     let (mut cables, mut bodies) = (None, None);
     for path in paths {
@@ -68,7 +68,7 @@ struct Guide {
     radius_m: f64,
 }
 
-/// A cable of which only the geometry is known, with the winch and the noise that [`robot_of`] tells of.
+/// A cable with known geometry and the default winch and noise that [`robot_of`] reports.
 fn cable_of(
     name: Option<String>,
     number: usize,
@@ -106,7 +106,7 @@ fn name_of(file: &str) -> String {
     stem.strip_suffix("_cables").unwrap_or(&stem).to_owned()
 }
 
-/// The robot of a description that knows its geometry only.
+/// The robot of a description that states the geometry only.
 fn robot_of(
     file: &str,
     platform: Platform,

@@ -12,13 +12,13 @@ use tautline_session::{Loaded, ReadError, quoted};
 
 use super::{Element, Guide, cable_of, robot_of};
 
-/// What WireX takes for the radius of a pulley (m) where the file gives none.
+/// Default pulley radius of WireX (m).
 const RADIUS_M: f64 = 0.1;
 
-/// What WireX writes for a platform of which nobody has said anything: mass (kg), centre of mass (m).
+/// Default platform of WireX: mass (kg), centre of mass (m).
 const DEFAULT_PLATFORM: (f64, [f64; 3]) = (25.0, [0.0, 1.0, 0.2]);
 
-/// Largest difference of the length of a swivel axis from 1: what is left by numbers of four digits.
+/// Maximum deviation of the length of a swivel axis from 1, due to rounding to four digits.
 const AXIS_TOLERANCE: f64 = 1e-3;
 
 pub(super) fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadError> {

@@ -19,9 +19,9 @@ use crate::values::{Filling, Storage, Values};
 
 /// Bytes of the header, and of a block in which places are counted.
 const BLOCK: u64 = 512;
-/// What stands in the header where it has events with names.
+/// Key word in the header that announces events with labels.
 const HAS_EVENTS: u16 = 12345;
-/// Parameters that say which of the points are no markers, and their units.
+/// Parameters that list the points that are not markers, and their units.
 const OTHER_POINTS: [(&str, &str); 5] = [
     ("ANGLES", "ANGLE_UNITS"),
     ("FORCES", "FORCE_UNITS"),
@@ -85,25 +85,25 @@ pub(super) fn read(mut input: Input<'_>, file: &str, name: &str) -> Result<Sourc
     })
 }
 
-/// What of the header is used.
+/// The fields of the header that are used.
 struct Header {
     points: usize,
-    /// Analog numbers of a frame.
+    /// Number of analog samples per frame.
     analog: usize,
     /// Numbers of the first and the last frame.
     frames: [u16; 2],
     scale: f64,
     data_block: u64,
-    /// Samples of each analog channel in a frame.
+    /// Samples per analog channel in a frame.
     samples: usize,
     rate_hz: f64,
-    /// Events that have no name in the parameters.
+    /// Number of events in the header.
     events: u16,
 }
 
 impl Header {
     fn read(processor: Processor, bytes: &[u8; BLOCK as usize]) -> Self {
-        // The words of the description of the format begin with 1.
+        // The format specification numbers words from 1.
         let word = |k: usize| processor.integer([bytes[2 * k - 2], bytes[2 * k - 1]]);
         let float = |k: usize| {
             let [a, b] = [2 * k - 2, 2 * k];
@@ -126,12 +126,12 @@ impl Header {
     }
 }
 
-/// The frames: where and how many they are, and what one of them has.
+/// Position, number and layout of the frames.
 struct Frames {
     processor: Processor,
-    /// Where they begin (bytes).
+    /// Offset of the first frame (bytes).
     at: u64,
-    /// Frames that the file has, and those that it should have.
+    /// Number of frames present in the file, and number stated.
     held: u64,
     count: u64,
     /// Number of the first one.
@@ -141,12 +141,12 @@ struct Frames {
     points: usize,
     channels: usize,
     samples: usize,
-    /// Factor of coordinates; `None` where they are floating-point numbers.
+    /// Scale factor of coordinates; `None` if they are floating-point numbers.
     scale: Option<f64>,
 }
 
 impl Frames {
-    /// The frames of a file of `size` bytes; or why they cannot be read.
+    /// Locates the frames in a file of `size` bytes.
     fn of(
         processor: Processor,
         header: &Header,
@@ -213,7 +213,7 @@ impl Frames {
         number * self.numbers()
     }
 
-    /// The number at a place of a frame, before it is scaled.
+    /// The unscaled number at an index of a frame.
     fn number(&self, frame: &[u8], k: usize, is_unsigned: bool) -> f64 {
         if self.scale.is_none() {
             let at = 4 * k;
@@ -227,7 +227,7 @@ impl Frames {
         }
     }
 
-    /// Reads markers and analog channels, a series of each, whose names begin with `name`.
+    /// Reads markers and analog channels into one series each, whose names begin with `name`.
     fn read(
         &self,
         input: &mut impl Read,
@@ -276,13 +276,13 @@ impl Frames {
         Ok(all)
     }
 
-    /// Says what is odd about the frames.
+    /// Adds notices about missing or surplus frames.
     fn notice(&self, notices: &mut Vec<String>) {
         let Self { held, count, .. } = self;
         if held < count {
             notices.push(format!("ends after {held} of {count} frames"));
         }
-        // The last block is filled up.
+        // The last block is padded.
         let others = held.saturating_sub(*count);
         if others * self.bytes() as u64 >= BLOCK {
             notices.push(format!(
@@ -409,13 +409,13 @@ fn names(
     names
 }
 
-/// How the numbers of analog channels are meant.
+/// Scaling of the analog channels.
 struct Analog {
     names: Vec<String>,
     units: Vec<String>,
     offsets: Vec<f64>,
     scales: Vec<f64>,
-    /// Factor of all channels.
+    /// Common scale factor.
     scale: f64,
     is_unsigned: bool,
     unnamed: Vec<String>,
@@ -444,7 +444,7 @@ impl Analog {
         }
     }
 
-    /// The value of a channel.
+    /// The scaled value of a channel.
     fn value(&self, channel: usize, number: f64) -> f64 {
         let offset = self.offsets.get(channel).copied().unwrap_or(0.0);
         let scale = self.scales.get(channel).copied().unwrap_or(1.0);
