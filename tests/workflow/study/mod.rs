@@ -123,12 +123,12 @@ fn what_does_not_belong_together_is_not_merged() {
     let refused = |parts: &[&str]| tautline(&["study", "merge", &study.path]).refused(parts);
     refused(&["found no chunk"]);
     run_part(&study.path, "1/3");
-    refused(&["found 1 of 3 chunks, number 2 is missing"]);
+    refused(&["found 1 of 3 chunks; number 2 is missing"]);
     run_part(&study.path, "2/3");
     run_part(&study.path, "3/3");
     let whole = merged(&study.path);
     run_part(&study.path, "1/2");
-    refused(&["a cut into 2 and of one into 3"]);
+    refused(&["a division into 2 and of one into 3"]);
     fs::remove_file(path("chunk-1-of-2.parquet")).expect("removed");
     // A chunk of another study, with other noise.
     let other = study
