@@ -136,7 +136,7 @@ impl Axis {
             ),
             Self::Range { .. } if !is_random => fail(
                 pointer,
-                "found a range, expected values, or random_cells together with ranges",
+                "found a range, expected values; ranges require random_cells",
             ),
             Self::Range { .. } => Ok(()),
         }

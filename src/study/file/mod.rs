@@ -230,7 +230,7 @@ mod tests {
             ),
             (
                 "[design]\nrobots = [\"mini\"]\nhome_sd_m = {from = 1e-5, to = 1e-3}",
-                "s.toml, /design/home_sd_m: found a range, expected values, or random_cells together with ranges",
+                "s.toml, /design/home_sd_m: found a range, expected values; ranges require random_cells",
             ),
             (
                 "[design]\nrobots = [\"mini\"]\n[[faults]]\neffect = \"rust\"\nrate = 0.1",
