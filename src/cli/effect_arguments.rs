@@ -20,7 +20,7 @@ pub struct HiddenEffects {
 
 /// Effects to estimate.
 #[derive(Debug, Default, clap::Args)]
-pub struct FreedEffects {
+pub struct EstimatedEffects {
     /// Also estimate this effect, on each cable unless one is named; parameters that cannot be estimated must be given, such
     /// as the pose of a slip: cable_slip:cable-3:pose=12; may be repeated, or several effects separated by commas
     #[arg(
@@ -53,7 +53,7 @@ impl HiddenEffects {
     }
 }
 
-impl FreedEffects {
+impl EstimatedEffects {
     /// The effects at their start values, one for each cable if the effect is per cable and no cable is
     /// named. Poses that they refer to must be in `data`, if there are data.
     pub fn settings(
@@ -147,7 +147,7 @@ mod tests {
     #[derive(Debug, Parser)]
     struct Freed {
         #[command(flatten)]
-        effects: FreedEffects,
+        effects: EstimatedEffects,
     }
 
     #[derive(Debug, Parser)]

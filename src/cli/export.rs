@@ -13,7 +13,7 @@ use tautline_workflow::identification::{
 };
 
 use crate::BadInput;
-use crate::effect_arguments::FreedEffects;
+use crate::effect_arguments::EstimatedEffects;
 use crate::input;
 use crate::output::say;
 
@@ -29,7 +29,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "poses")]
     table: Vec<Content>,
     #[command(flatten)]
-    effects: FreedEffects,
+    effects: EstimatedEffects,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -66,7 +66,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         _ => poses_table(&dataset.measurements),
     };
     let tables: Vec<Table> = contents.iter().map(table).collect();
-    let bytes = encode(format, &tables).map_err(|why| anyhow!("{out}: cannot be created ({why})"))?;
+    let bytes =
+        encode(format, &tables).map_err(|why| anyhow!("{out}: cannot be created ({why})"))?;
     write_bytes(&arguments.out, &bytes)?;
     for table in &tables {
         let (rows, columns) = (table.rows(), table.columns.len());

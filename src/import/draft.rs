@@ -126,8 +126,8 @@ impl Draft {
         self.revision
     }
 
-    /// Takes a recipe; `what` names the change for undoing it. A change that goes on, as that of a slider that is
-    /// dragged, is one with those before it. Says whether anything changed.
+    /// Replaces the recipe; `what` names the change in the undo history. A continued change, such as dragging a slider, is
+    /// merged with the previous one. Returns whether anything changed.
     pub fn change(&mut self, what: impl Into<String>, recipe: Recipe, goes_on: bool) -> bool {
         if recipe == self.recipe {
             return false;

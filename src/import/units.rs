@@ -189,8 +189,8 @@ pub fn parse_unit(text: &str) -> Option<Unit> {
     })
 }
 
-/// The unit in the heading of a column, and the heading without it: `Pos [mm]`, `Pos (mm)`, `Pos / mm`, `Pos in mm`. From
-/// `pos_mm` the unit is taken, but not off the name.
+/// Splits the heading of a column into name and unit: `Pos [mm]`, `Pos (mm)`, `Pos / mm`, `Pos in mm`. For `pos_mm` the name
+/// keeps its suffix.
 #[must_use]
 pub fn split_heading(heading: &str) -> (String, Option<String>) {
     let heading = heading.trim();

@@ -28,7 +28,7 @@ pub mod verifying;
 pub use clock::{Clock, ManualClock, SystemClock};
 pub use controller::{Activity, Controller, ControllerState, Instrument, Sample};
 pub use error::LinkError;
-pub use guarded::{GuardedController, Seen};
+pub use guarded::{GuardedController, LastState};
 pub use laser::LaserSource;
 pub use limits::Limits;
 pub use parameters::ParameterInfo;

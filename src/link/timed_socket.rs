@@ -10,7 +10,7 @@ use crate::error::LinkError;
 
 /// Reasons why a connection can no longer be used.
 #[derive(Debug)]
-pub(crate) enum Broken {
+pub(crate) enum SocketError {
     /// It could not be made, or the operating system reports a failure.
     Io(std::io::Error),
     /// The response did not arrive in time.
@@ -23,7 +23,7 @@ pub(crate) enum Broken {
     Invalid(String),
 }
 
-impl Broken {
+impl SocketError {
     /// Converts to an error for the operator; `closed` suggests why the other side may have closed it.
     pub fn into_error(self, timeout_s: f64, closed: &str) -> LinkError {
         match self {
@@ -65,41 +65,43 @@ pub(crate) struct TimedSocket(TcpStream);
 
 impl TimedSocket {
     /// Connects within a time.
-    pub fn connect(place: SocketAddr, timeout: Duration) -> Result<Self, Broken> {
+    pub fn connect(place: SocketAddr, timeout: Duration) -> Result<Self, SocketError> {
         let socket =
             TcpStream::connect_timeout(&place, timeout).map_err(|error| match error.kind() {
-                ErrorKind::WouldBlock | ErrorKind::TimedOut => Broken::Late,
-                _ => Broken::Io(error),
+                ErrorKind::WouldBlock | ErrorKind::TimedOut => SocketError::Late,
+                _ => SocketError::Io(error),
             })?;
-        socket.set_nodelay(true).map_err(Broken::Io)?;
+        socket.set_nodelay(true).map_err(SocketError::Io)?;
         Ok(Self(socket))
     }
 
     /// The address of this computer on the connection.
-    pub fn own_address(&self) -> Result<IpAddr, Broken> {
-        Ok(self.0.local_addr().map_err(Broken::Io)?.ip())
+    pub fn own_address(&self) -> Result<IpAddr, SocketError> {
+        Ok(self.0.local_addr().map_err(SocketError::Io)?.ip())
     }
 
     /// Whether something has arrived that was not received yet.
-    pub fn has_received(&self) -> Result<bool, Broken> {
-        self.0.set_nonblocking(true).map_err(Broken::Io)?;
+    pub fn has_received(&self) -> Result<bool, SocketError> {
+        self.0.set_nonblocking(true).map_err(SocketError::Io)?;
         let peeked = self.0.peek(&mut [0]);
-        self.0.set_nonblocking(false).map_err(Broken::Io)?;
+        self.0.set_nonblocking(false).map_err(SocketError::Io)?;
         match peeked {
-            Ok(0) => Err(Broken::Closed),
+            Ok(0) => Err(SocketError::Closed),
             Ok(_) => Ok(true),
             Err(error) => passing(error).map(|()| false),
         }
     }
 
     /// Fills the buffer.
-    pub fn fill(&mut self, buffer: &mut [u8], until: Instant) -> Result<(), Broken> {
+    pub fn fill(&mut self, buffer: &mut [u8], until: Instant) -> Result<(), SocketError> {
         let mut done = 0;
         while done < buffer.len() {
             let left = remaining(until)?;
-            self.0.set_read_timeout(Some(left)).map_err(Broken::Io)?;
+            self.0
+                .set_read_timeout(Some(left))
+                .map_err(SocketError::Io)?;
             match self.0.read(&mut buffer[done..]) {
-                Ok(0) => return Err(Broken::Closed),
+                Ok(0) => return Err(SocketError::Closed),
                 Ok(count) => done += count,
                 Err(error) => passing(error)?,
             }
@@ -108,13 +110,15 @@ impl TimedSocket {
     }
 
     /// Sends all bytes.
-    pub fn send(&mut self, bytes: &[u8], until: Instant) -> Result<(), Broken> {
+    pub fn send(&mut self, bytes: &[u8], until: Instant) -> Result<(), SocketError> {
         let mut done = 0;
         while done < bytes.len() {
             let left = remaining(until)?;
-            self.0.set_write_timeout(Some(left)).map_err(Broken::Io)?;
+            self.0
+                .set_write_timeout(Some(left))
+                .map_err(SocketError::Io)?;
             match self.0.write(&bytes[done..]) {
-                Ok(0) => return Err(Broken::Closed),
+                Ok(0) => return Err(SocketError::Closed),
                 Ok(count) => done += count,
                 Err(error) => passing(error)?,
             }
@@ -124,22 +128,22 @@ impl TimedSocket {
 }
 
 /// Time remaining.
-fn remaining(until: Instant) -> Result<Duration, Broken> {
+fn remaining(until: Instant) -> Result<Duration, SocketError> {
     let left = until.saturating_duration_since(Instant::now());
     match left.is_zero() {
-        true => Err(Broken::Late),
+        true => Err(SocketError::Late),
         false => Ok(left),
     }
 }
 
 /// Ignores errors after which a socket can be tried again, until the deadline.
-fn passing(error: std::io::Error) -> Result<(), Broken> {
+fn passing(error: std::io::Error) -> Result<(), SocketError> {
     match error.kind() {
         ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut => Ok(()),
         ErrorKind::UnexpectedEof
         | ErrorKind::ConnectionReset
         | ErrorKind::ConnectionAborted
-        | ErrorKind::BrokenPipe => Err(Broken::Closed),
-        _ => Err(Broken::Io(error)),
+        | ErrorKind::BrokenPipe => Err(SocketError::Closed),
+        _ => Err(SocketError::Io(error)),
     }
 }

@@ -196,9 +196,7 @@ impl Preferences {
                 loaded.value.recent.truncate(MAX_RECENT);
                 loaded
             }
-            Err(error) => defaults(vec![format!(
-                "{error}; the default preferences are used"
-            )]),
+            Err(error) => defaults(vec![format!("{error}; the default preferences are used")]),
         }
     }
 

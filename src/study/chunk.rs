@@ -287,7 +287,9 @@ pub fn read_chunk(path: &Path) -> Result<(Origin, Rows), StudyError> {
         ));
     }
     if rows.len() as u64 != origin.range[1].saturating_sub(origin.range[0]) {
-        return Err(fail("the number of calibrations differs from the stated range"));
+        return Err(fail(
+            "the number of calibrations differs from the stated range",
+        ));
     }
     Ok((origin, rows))
 }

@@ -1,8 +1,8 @@
 //! Studies: accuracy of calibration as a function of robot, sensors, poses, noise and faults.
 //!
-//! A study file describes cells. Most are answered by the expected covariance alone; a part is checked by simulated
-//! calibrations, which are done in chunks on any number of machines and merged. The result does not depend on how it was
-//! cut nor on where it ran: every calibration has random numbers of its own, and statistics are exact sums and counts.
+//! A study file describes cells. Most are predicted by the expected covariance alone; some are checked by simulated
+//! calibrations, which run in chunks on any number of machines and are merged. The result depends neither on the division
+//! into chunks nor on the machines: every calibration has its own random stream, and statistics are exact sums and counts.
 
 pub mod calibration;
 pub mod cell;

@@ -221,11 +221,11 @@ impl Tally {
         share.count += u64::from(p.is_some_and(|p| p < alpha));
         let doctor = &mut self.doctor;
         let counted = match rows.opinion[row] {
-            said if said == Opinion::Silent as u8 && has_fault => &mut doctor.missed,
-            said if said == Opinion::Silent as u8 => &mut doctor.rightly_silent,
-            said if said == Opinion::Right as u8 => &mut doctor.right,
-            said if said == Opinion::Wrong as u8 => &mut doctor.wrong,
-            said if said == Opinion::Partly as u8 => &mut doctor.partly,
+            verdict if verdict == Opinion::Silent as u8 && has_fault => &mut doctor.missed,
+            verdict if verdict == Opinion::Silent as u8 => &mut doctor.rightly_silent,
+            verdict if verdict == Opinion::Right as u8 => &mut doctor.right,
+            verdict if verdict == Opinion::Wrong as u8 => &mut doctor.wrong,
+            verdict if verdict == Opinion::Partly as u8 => &mut doctor.partly,
             _ => return,
         };
         *counted += 1;

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_link::adjusting::{Difference, Holds};
+use tautline_link::adjusting::{ControllerValues, Difference};
 use tautline_session::{Outcome, VersionedFile};
 
 use crate::output::say;
@@ -92,12 +92,12 @@ impl AdjustmentDocument {
     }
 
     /// Sets the state found after an interrupted adjustment.
-    pub fn set_interrupted(&mut self, found: &Holds) {
+    pub fn set_interrupted(&mut self, found: &ControllerValues) {
         self.interrupted = Some(word(found).to_owned());
     }
 
     /// Sets the outcome; `holds` is the state of the controller after an attempt to write.
-    pub fn set_outcome(&mut self, outcome: &Outcome, holds: Option<&Holds>, text: &str) {
+    pub fn set_outcome(&mut self, outcome: &Outcome, holds: Option<&ControllerValues>, text: &str) {
         self.outcome = match outcome {
             Outcome::Written => "written",
             Outcome::RolledBack => "rolled_back",
@@ -110,12 +110,12 @@ impl AdjustmentDocument {
     }
 }
 
-fn word(holds: &Holds) -> &'static str {
+fn word(holds: &ControllerValues) -> &'static str {
     match holds {
-        Holds::New => "new",
-        Holds::Old => "old",
-        Holds::Mixed(_) => "mixed",
-        Holds::Unknown => "unknown",
+        ControllerValues::New => "new",
+        ControllerValues::Old => "old",
+        ControllerValues::Mixed(_) => "mixed",
+        ControllerValues::Unknown => "unknown",
     }
 }
 

@@ -1,7 +1,7 @@
 //! Settling an interrupted adjustment: the program was killed, or the connection was lost for good.
 
 use anyhow::{Result, anyhow};
-use tautline_link::adjusting::{Holds, holds, settle_adjustment};
+use tautline_link::adjusting::{ControllerValues, check_values, settle_adjustment};
 use tautline_session::{Adjustment, Outcome};
 use tautline_workflow::adjusting;
 
@@ -31,7 +31,7 @@ pub fn settle(
     open: &Adjustment,
 ) -> Result<Next> {
     let [old, new] = adjusting::old_and_new(open);
-    let found = holds(&mut *connection.controller, &old, &new).map_err(link_error)?;
+    let found = check_values(&mut *connection.controller, &old, &new).map_err(link_error)?;
     let mut document = AdjustmentDocument::new(connection.controller.identity());
     document.set_interrupted(&found);
     if arguments.dry_run {
@@ -39,7 +39,7 @@ pub fn settle(
         document.text = Some(adjusting::found(open, &found));
         return arguments.deliver(&document).map(|()| Next::Done);
     }
-    if matches!(found, Holds::Mixed(_)) {
+    if matches!(found, ControllerValues::Mixed(_)) {
         let robot = &arguments.robot_arguments;
         robot.require_arm("The old values were not restored")?;
         interrupt::finish_first()?;

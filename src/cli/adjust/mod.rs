@@ -79,8 +79,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let symbols = &arguments.robot_arguments.symbols;
     let renamed = symbols.take(&mut file.session, &choice)?;
     if let Some(open) = adjusting::open(&file.session).cloned() {
-        let rig = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
-        let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+        let setup = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
+        let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
         return match interrupted::settle(arguments, &mut file, &mut connection, &open)? {
             Next::Done => Ok(()),
             Next::RollBack => {
@@ -95,15 +95,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         robot.require_arm("Nothing was written to the controller")?;
     }
     if arguments.roll_back {
-        let rig = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
-        let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+        let setup = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
+        let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
         return roll_back(arguments, &mut file, &mut connection);
     }
     let identified = Identified::of(&file.session, arguments.method)?;
     check_doubts(arguments, &identified)?;
     let effects = &identified.model.effects;
-    let rig = ConnectionSetup::chosen(&file.session, effects, &choice, Some(&file.controller()));
-    let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+    let setup = ConnectionSetup::chosen(&file.session, effects, &choice, Some(&file.controller()));
+    let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
     if renamed && !arguments.dry_run {
         file.save()?;
     }

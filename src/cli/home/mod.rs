@@ -125,18 +125,20 @@ fn returned(
         &arguments.session.display().to_string(),
     )?;
     arguments.symbols.take(&mut file.session, choice)?;
-    let rig = ConnectionSetup::chosen(&file.session, &[], choice, Some(&file.controller()));
-    if !rig.has_instrument() {
+    let setup = ConnectionSetup::chosen(&file.session, &[], choice, Some(&file.controller()));
+    if !setup.has_instrument() {
         typed::require("The robot was not moved: the poses have to be typed")?;
     }
-    let mut connection = Connection::open(&rig, None)?;
+    let mut connection = Connection::open(&setup, None)?;
     interrupt::listen()?;
     connection.controller.arm().map_err(link_error)?;
     let mut instrument = connection.home_instrument.take();
     let mut poses = Vec::new();
     for number in 1..=arguments.repeats {
         if !connection.go_home()? {
-            return Err(anyhow!("Stopped by the operator: these measurements are discarded"));
+            return Err(anyhow!(
+                "Stopped by the operator: these measurements are discarded"
+            ));
         }
         poses.push(match &mut instrument {
             Some(instrument) => seen(instrument.as_mut())?,

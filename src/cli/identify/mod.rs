@@ -16,7 +16,7 @@ use tautline_workflow::identification::{
 };
 use tautline_workflow::wording::sampling_sentence;
 
-use crate::effect_arguments::FreedEffects;
+use crate::effect_arguments::EstimatedEffects;
 use crate::input;
 use crate::method::MethodName;
 use crate::not_converged::NotConverged;
@@ -33,7 +33,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t = MethodName::Joint)]
     method: MethodName,
     #[command(flatten)]
-    effects: FreedEffects,
+    effects: EstimatedEffects,
     /// Use a Huber loss, which downweights residuals beyond this many standard deviations; 1.5 without a number
     #[arg(long, value_name = "LIMIT", num_args = 0..=1, default_missing_value = "1.5")]
     robust: Option<f64>,

@@ -49,13 +49,13 @@ pub struct Connection {
 
 impl Connection {
     /// Opens the connection; without a `speed`, a robot that is not real runs as fast as it can be computed.
-    pub fn open(rig: &ConnectionSetup, speed: Option<f64>) -> Result<Self> {
+    pub fn open(setup: &ConnectionSetup, speed: Option<f64>) -> Result<Self> {
         let pace = match speed {
-            _ if rig.runs_in_real_time() => Pace::Real,
+            _ if setup.runs_in_real_time() => Pace::Real,
             Some(speed) => Pace::Faster(speed),
             None => Pace::Computed,
         };
-        let opened = rig.open(speed.unwrap_or(1.0));
+        let opened = setup.open(speed.unwrap_or(1.0));
         let opened = opened.map_err(|error| match error {
             OpenError::Read(error) => error.into(),
             OpenError::Link(error) => link_error(error),

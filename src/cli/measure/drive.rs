@@ -65,17 +65,17 @@ impl Drive {
     /// A run over the planned poses that are not measured yet.
     pub fn new(
         session: &Session,
-        rig: &ConnectionSetup,
+        setup: &ConnectionSetup,
         stop_at_m: Option<f64>,
         retries: usize,
     ) -> Self {
         let planned = session.plan.iter();
         let plan: Vec<(i64, Pose)> = planned.map(|pose| (pose.label, pose.pose())).collect();
-        let mut options = MeasuringOptions::of(rig.robot());
-        options.tension = rig.tension();
+        let mut options = MeasuringOptions::of(setup.robot());
+        options.tension = setup.tension();
         let poses = plan.len();
-        let run = MeasuringRun::new(plan, rig.robot(), options)
-            .predicting(predict_by(rig.robot(), rig.tension()))
+        let run = MeasuringRun::new(plan, setup.robot(), options)
+            .predicting(predict_by(setup.robot(), setup.tension()))
             .continuing(&session.measurements.labels);
         Self {
             run,

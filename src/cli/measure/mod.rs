@@ -107,12 +107,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(laser) = &arguments.laser {
         file.session.laser_source = laser.clone();
     }
-    let rig = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
-    let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+    let setup = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
+    let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
     interrupt::listen()?;
     file.save()?;
     connection.controller.arm().map_err(link_error)?;
-    let drive = Drive::new(&file.session, &rig, stop_at_m, arguments.retries);
+    let drive = Drive::new(&file.session, &setup, stop_at_m, arguments.retries);
     let ended = drive.run(&mut file, &mut connection)?;
     let enough = is_enough(&file.session);
     let document = MeasuringDocument::of(&file.session, &ended, enough);

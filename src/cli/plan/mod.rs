@@ -11,7 +11,7 @@ use tautline_core::estimation::Control;
 use tautline_core::planning::{Plan, PlanError, PlanOptions, plan};
 use tautline_workflow::planning::HomeGain;
 
-use crate::effect_arguments::FreedEffects;
+use crate::effect_arguments::EstimatedEffects;
 use crate::input;
 use crate::output::{JsonOutput, say};
 use goal::GoalName;
@@ -43,7 +43,7 @@ pub struct Arguments {
     #[arg(long)]
     explain: bool,
     #[command(flatten)]
-    effects: FreedEffects,
+    effects: EstimatedEffects,
     /// Write the poses, in the order of measurement, as a table
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,

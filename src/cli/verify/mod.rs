@@ -161,16 +161,16 @@ fn driven(
 ) -> Result<(Vec<CheckRow>, String)> {
     let place = arguments.session.display().to_string();
     require_simulated(&file.session, choice, &place)?;
-    let rig = ConnectionSetup::chosen(&file.session, &[], choice, Some(&file.controller()));
-    let targets = targets(arguments, &rig);
+    let setup = ConnectionSetup::chosen(&file.session, &[], choice, Some(&file.controller()));
+    let targets = targets(arguments, &setup);
     if targets.is_empty() {
         let message = format!("{place}: --targets: its robot cannot reach any of them");
         return Err(BadInput::new(message));
     }
-    if !rig.has_instrument() {
+    if !setup.has_instrument() {
         typing::require("The robot was not moved: its positions have to be typed")?;
     }
-    let mut connection = Connection::open(&rig, arguments.speed)?;
+    let mut connection = Connection::open(&setup, arguments.speed)?;
     interrupt::listen()?;
     connection.controller.arm().map_err(link_error)?;
     let source = match &connection.instrument {
@@ -181,8 +181,8 @@ fn driven(
     Ok((rows, source))
 }
 
-fn targets(arguments: &Arguments, rig: &ConnectionSetup) -> Vec<CheckTarget> {
-    let (robot, workspace) = (rig.robot(), rig.workspace());
+fn targets(arguments: &Arguments, setup: &ConnectionSetup) -> Vec<CheckTarget> {
+    let (robot, workspace) = (setup.robot(), setup.workspace());
     let (on_circle, on_line) = POINTS;
     let mut targets = Vec::new();
     for name in TargetName::ALL {

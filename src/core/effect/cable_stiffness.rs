@@ -11,9 +11,7 @@ pub(super) static EFFECT: Effect = Effect {
     workshop: |found| {
         found.say("Stretch a piece of the same cable with known weights, measure how much it stretches, and enter that stiffness.")
     },
-    check: Some(
-        "Pull a piece of the cable with a known force and measure how much it stretches.",
-    ),
+    check: Some("Pull a piece of the cable with a known force and measure how much it stretches."),
     source: "Hooke's law; sizes from stiffnesses reported for ropes",
     change_cable: |parameters, _, ports| ports.compliance *= (parameters[0] + 1.0).recip(),
     ..Effect::NEUTRAL

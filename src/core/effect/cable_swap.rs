@@ -27,18 +27,12 @@ fn exchanged(channels: f64) -> [bool; 2] {
 fn cause(found: &FoundEffect<'_>) -> String {
     found.say(
         match (exchanged(found.value(0)), found.counts_revolutions()) {
-            ([true, false], true) => {
-                "The encoders of {winch} are swapped."
-            }
-            ([true, false], false) => {
-                "The length readings of {cable} are swapped."
-            }
+            ([true, false], true) => "The encoders of {winch} are swapped.",
+            ([true, false], false) => "The length readings of {cable} are swapped.",
             ([true, true], true) => {
                 "The encoders of {winch} are swapped, and so are their force sensors."
             }
-            ([true, true], false) => {
-                "The length and force readings of {cable} are swapped."
-            }
+            ([true, true], false) => "The length and force readings of {cable} are swapped.",
             ([false, _], _) => "{force sensor} are swapped.",
         },
     )

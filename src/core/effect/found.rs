@@ -76,19 +76,19 @@ impl<'a> FoundEffect<'a> {
 
     /// As [`Self::say`], with `insert` in place of the field `{}`.
     pub fn say_with(&self, text: &str, insert: &str) -> String {
-        let mut said = String::new();
+        let mut filled = String::new();
         let mut rest = text;
         while let Some((before, after)) = rest.split_once('{') {
             let (field, after) = after.split_once('}').unwrap_or((after, ""));
-            said += before;
-            said += &match field {
+            filled += before;
+            filled += &match field {
                 "" => insert.to_owned(),
                 _ => self.field(field),
             };
             rest = after;
         }
-        said += rest;
-        sentence(&said)
+        filled += rest;
+        sentence(&filled)
     }
 
     /// Replacement of a field; the field itself, in braces, if it is unknown.

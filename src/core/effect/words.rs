@@ -9,8 +9,7 @@ pub(super) const GO_BACK: &str =
 pub(super) const GO_FROM_EITHER_SIDE: &str =
     "Go to one pose from either side and compare the readings.";
 pub(super) const GO_THERE_AGAIN: &str = "Go to that pose again and compare the readings.";
-pub(super) const CHECK_CLOCKS: &str =
-    "Move the platform to and fro quickly and plot the readings against time: late readings follow the others.";
+pub(super) const CHECK_CLOCKS: &str = "Move the platform to and fro quickly and plot the readings against time: late readings follow the others.";
 pub(super) const REPEAT_WARMER: &str =
     "Repeat the run when it is warmer, and compare the readings at the same poses.";
 

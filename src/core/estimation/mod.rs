@@ -31,7 +31,9 @@ pub use covariance::covariance_of;
 pub use expected::ExpectedInformation;
 pub use globals::Globals;
 pub use linearisation::{LinearRow, Linearisation, PoseBlock, RowKind};
-pub use observation::{DetectionTest, Observation, ObservationKind, Pull, Reliability};
+pub use observation::{
+    DetectionTest, EntryPointSensitivity, Observation, ObservationKind, Reliability,
+};
 pub use options::{Control, Division, Options, Progress, Termination};
 pub use parameter::{Parameter, ParameterId};
 pub use problem::{Geometry, Loss, Method, Poses, Problem};

@@ -58,12 +58,12 @@ pub struct Observation {
     pub redundancy: Option<f64>,
     /// The entry point that an error of this reading moves most; `None` if it moves none, or if the common parameters
     /// are not determined.
-    pub pull: Option<Pull>,
+    pub pull: Option<EntryPointSensitivity>,
 }
 
 /// Sensitivity of the entry point that an error of a reading moves most.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pull {
+pub struct EntryPointSensitivity {
     /// Index of its cable.
     pub cable: usize,
     /// Displacement by an error of one standard deviation of the reading (m).
@@ -151,7 +151,7 @@ mod tests {
             standardised: 1.0,
             sd: 2e-4,
             redundancy: Some(0.25),
-            pull: Some(Pull {
+            pull: Some(EntryPointSensitivity {
                 cable: 3,
                 per_sd_m: 1e-5,
             }),

@@ -78,7 +78,9 @@ pub fn fit_distance_curve(pairs: &[DistancePair]) -> Result<DistanceCurveFit, Ca
     different.sort_by(f64::total_cmp);
     different.dedup();
     if different.len() < 3 || !line.is_full_rank() {
-        return degenerate("at least three different voltages are needed to determine the curvature");
+        return degenerate(
+            "at least three different voltages are needed to determine the curvature",
+        );
     }
     let start = [line.parameters[1], line.parameters[0], 0.0];
     let (fit, converged) = fit(&voltages, &distances, start);

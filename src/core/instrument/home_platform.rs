@@ -30,7 +30,9 @@ pub enum HomePlatformError {
         message: String,
     },
     /// The distances do not determine the pose.
-    #[error("the six sensors do not determine the pose of the platform: no reading changes when it {motion}")]
+    #[error(
+        "the six sensors do not determine the pose of the platform: no reading changes when it {motion}"
+    )]
     Singular {
         /// The motion that changes no distance.
         motion: String,

@@ -19,7 +19,8 @@ pub use candidates::Refused;
 pub use expectation::{Accuracy, DesignCriteria, Expectation};
 pub use goal::{Goal, Volume};
 pub use order::Order;
-pub use pose_set::{PoseSet, expect, iso_9283_poses, position_jacobians, random_poses};
+pub use pose_set::{PoseSet, expect, iso_9283_poses, random_poses};
+pub use position_error::position_jacobians;
 
 use nalgebra::DMatrix;
 

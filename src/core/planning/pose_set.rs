@@ -185,17 +185,6 @@ pub fn random_poses(robot: &Robot, options: &PlanOptions<'_>) -> Result<Vec<Pose
     })
 }
 
-/// Derivative of the position that a controller reaches at each target with respect to the parameters (3 x parameters each), see
-/// [`PoseSet::position_weights`]; `None` for a robot without home pose or where a target has no cable path.
-#[must_use]
-pub fn position_jacobians(
-    robot: &Robot,
-    targets: &[Pose],
-    parameters: &[Parameter],
-) -> Option<Vec<DMatrix<f64>>> {
-    position_error::jacobians(robot, targets, parameters)
-}
-
 /// The five poses of ISO 9283: the centre of the workspace and four points on a diagonal plane of its box, at 80 % of
 /// the diagonals (the standard uses the largest cube inside the workspace).
 #[must_use]

@@ -49,9 +49,11 @@ pub(super) fn weights(
     (!errors.is_empty()).then(|| sum / errors.len() as f64)
 }
 
-/// Derivatives of the positions reached at targets with respect to the parameters; `None` for a robot without home pose or
-/// if a target has no cable paths.
-pub(super) fn jacobians(
+/// Derivative of the position that a controller reaches at each target with respect to the parameters (3 x parameters each), see
+/// [`PoseSet::position_weights`](super::PoseSet::position_weights); `None` for a robot without home pose or where a target has no
+/// cable path.
+#[must_use]
+pub fn position_jacobians(
     robot: &Robot,
     targets: &[Pose],
     parameters: &[Parameter],

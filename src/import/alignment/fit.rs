@@ -184,8 +184,8 @@ fn rows(
     })
 }
 
-/// What a part of the recording contributes to the normal equations of a channel: the polynomial's terms, the slopes of
-/// offset and drift, and what the polynomial leaves of the values.
+/// Contribution of one block to the normal equations of a channel: products of the polynomial's terms, of the slopes by
+/// offset and drift, and of the residuals of the polynomial.
 struct Products {
     mixed: DMatrix<f64>,
     slopes: Matrix2<f64>,

@@ -1,12 +1,12 @@
 //! Clock offset and drift between two recorders that observed the same motion.
 //!
-//! What an instrument measures of the platform is a smooth function of what the cables do, whatever its frame and its place
-//! on the platform: `y(t) = f(x(t + offset + drift (t - t0)))` with the channels `x` of the one recorder and `y` of the
-//! other. `f` is a polynomial of the second degree that is estimated as well, so that no geometry has to be known. Where the
-//! recordings lie at all is found by correlating how fast each of them changes; then offset, drift and `f` are fitted by
-//! least squares. The standard deviations are those of a jackknife over parts of the recording that are longer than its
-//! errors are alike (Künsch 1989, The jackknife and the bootstrap for general stationary observations), because neighbouring
-//! samples are not independent. Without a part the polynomial has less hold, so that they are rather too large.
+//! The readings of an instrument are a smooth function of the cable readings, whatever the frame of the instrument and its
+//! target on the platform: `y(t) = f(x(t + offset + drift (t - t0)))` with the channels `x` of one recorder and `y` of the
+//! other. `f` is a second-degree polynomial that is estimated as well, so that no geometry has to be known. A coarse lag
+//! results from the correlation of the speeds; then offset, drift and `f` are fitted by least squares. Standard deviations
+//! come from a jackknife over blocks longer than the correlation length of the errors (Künsch 1989, The jackknife and the
+//! bootstrap for general stationary observations), because neighbouring samples are not independent. They are
+//! conservative, since leaving out a block weakens the polynomial.
 
 mod coarse;
 mod fit;

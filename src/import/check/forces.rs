@@ -57,21 +57,11 @@ pub(super) fn check(
     if let Some((known, unit)) = unit
         && balance.left(*known, None) < 0.25 * one.min(1.0)
     {
-        let columns: Vec<String> = columns
-            .iter()
-            .map(|(quantity, _)| quantity.column())
-            .collect();
-        let sentence = format!(
-            "{} balance the weight of the platform only as {unit}, not newtons",
-            columns.join(", ")
-        );
-        found.push(Suggestion::new(
-            sentence,
-            Change::Multiply {
-                columns,
-                factor: *known,
-            },
-        ));
+        let sentence = |forces: &str| {
+            format!("{forces} balance the weight of the platform only as {unit}, not newtons")
+        };
+        let columns = columns.iter().map(|(quantity, _)| quantity.column());
+        found.push(Suggestion::multiply(columns.collect(), *known, sentence));
         return;
     }
     let cables = robot.cable_count();

@@ -1,10 +1,10 @@
 //! Common mistakes in logs, found by comparing readings with their expected values at the poses.
 //!
-//! Where the commanded or measured poses are known, every reading has a value that it should have: lengths and swivel
-//! angles by the kinematics, laser distances by the target plane. The reading as a line over that value has a slope: 1 if all
-//! is well, -1 with the wrong sign, 360 in degrees instead of revolutions. Where another channel's value fits and its own
-//! does not, channels are exchanged; where it fits with one step, an encoder has lost counts. Forces have no such value;
-//! they have to hold the platform.
+//! With commanded or measured poses, every reading has an expected value: lengths and swivel angles from the kinematics,
+//! laser distances from the target plane. The regression of the readings on these values has a slope: 1 if all is well, -1
+//! with the wrong sign, 360 in degrees instead of revolutions. If the readings fit the values of another channel instead,
+//! channels are swapped; if they fit with one step, an encoder has lost counts. Forces have no expected values, but must
+//! balance the platform.
 
 mod expected;
 mod forces;
@@ -180,17 +180,14 @@ fn positions_in_other_unit(
         .iter()
         .find(|(factor, _)| largest / factor < 3.0 * frame_m && largest / factor > 1e-3 * frame_m);
     if let Some((factor, unit)) = factor {
-        let columns: Vec<String> = positions.map(|(quantity, _)| quantity.column()).collect();
-        let sentence = format!(
-            "{} reach {largest:.0} m in a frame of {frame_m:.1} m: {unit}, not metres",
-            columns.join(", ")
-        );
-        found.push(Suggestion::new(
+        let sentence = |names: &str| {
+            format!("{names} reach {largest:.0} m in a frame of {frame_m:.1} m: {unit}, not metres")
+        };
+        let columns = positions.map(|(quantity, _)| quantity.column());
+        found.push(Suggestion::multiply(
+            columns.collect(),
+            1.0 / factor,
             sentence,
-            Change::Multiply {
-                columns,
-                factor: 1.0 / factor,
-            },
         ));
     }
 }
@@ -240,19 +237,11 @@ fn angles_in_degrees(readings: &Readings, found: &mut Vec<Suggestion>) {
                 suggestion.is_of(kind) && suggestion.mistake == Mistake::WrongUnit
             })
         {
-            let columns: Vec<String> = columns
-                .iter()
-                .map(|(quantity, _)| quantity.column())
-                .collect();
-            let sentence = format!(
-                "{} exceed a full turn: degrees, not radians",
-                columns.join(", ")
-            );
+            let sentence =
+                |names: &str| format!("{names} exceed a full turn: degrees, not radians");
+            let columns = columns.iter().map(|(quantity, _)| quantity.column());
             let factor = std::f64::consts::PI / 180.0;
-            found.push(Suggestion::new(
-                sentence,
-                Change::Multiply { columns, factor },
-            ));
+            found.push(Suggestion::multiply(columns.collect(), factor, sentence));
         }
     }
 }
@@ -366,7 +355,7 @@ fn signs(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
         .collect();
     let name = |k: usize| columns[k].quantity.column();
     let what = |columns: &[String]| match columns {
-        format!("{one} falls where it should rise: its sign is reversed"), => [one] => format!("{one} falls where it should rise: its sign is reversed"), => format!("{one} falls where it should rise: its sign is reversed"),
+        [one] => format!("{one} falls where it should rise: its sign is reversed"),
         _ => format!(
             "{} fall where they should rise: their signs are reversed",
             columns.join(", ")
@@ -406,17 +395,9 @@ fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
             } else {
                 format!("{unit}, not the unit of the column")
             };
-            let sentence = format!(
-                "{}: {times:.4} times {how} for these poses: {why}",
-                columns.join(", ")
-            );
-            found.push(Suggestion::new(
-                sentence,
-                Change::Multiply {
-                    columns,
-                    factor: 1.0 / factor,
-                },
-            ));
+            let sentence =
+                |names: &str| format!("{names}: {times:.4} times {how} for these poses: {why}");
+            found.push(Suggestion::multiply(columns, 1.0 / factor, sentence));
         }
     }
 }

@@ -109,6 +109,18 @@ impl Suggestion {
         }
     }
 
+    /// A factor for columns in a wrong unit; `sentence` describes the mistake, given their names.
+    pub(super) fn multiply(
+        columns: Vec<String>,
+        factor: f64,
+        sentence: impl Fn(&str) -> String,
+    ) -> Self {
+        Self::new(
+            sentence(&columns.join(", ")),
+            Change::Multiply { columns, factor },
+        )
+    }
+
     /// Whether it concerns columns of a kind.
     pub(super) fn is_of(&self, kind: Kind) -> bool {
         self.columns
@@ -164,8 +176,8 @@ impl Suggestion {
     }
 }
 
-/// Changes the entries of columns. A pattern all of whose columns are meant is changed itself; for some of them there are
-/// entries of their own after it.
+/// Changes the entries of columns. A pattern is changed itself if all of its columns are affected; otherwise entries for
+/// single columns are added after it.
 fn edit(recipe: &mut Recipe, columns: &[String], change: impl Fn(&mut Assignment)) {
     let is_meant = |entry: &Assignment, column: &str| {
         entry.quantity == column || pattern_number(entry, column).is_some()

@@ -258,7 +258,7 @@ fn planted_mistakes_are_found_and_rightly_named() {
             let found = check(&readings, &robot);
             tries += 1;
             let rightly =
-                matches!(&found[..], format!("{one} falls where it should rise: its sign is reversed"), => [one] => format!("{one} falls where it should rise: its sign is reversed"), if one.mistake == *mistake && one.columns[0] == *first);
+                matches!(&found[..], [one] if one.mistake == *mistake && one.columns[0] == *first);
             if !rightly {
                 missed.push(format!(
                     "{what}, seed {seed}: {:?}",

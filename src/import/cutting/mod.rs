@@ -104,8 +104,7 @@ pub(crate) fn cut(
     notices: &mut Vec<String>,
 ) -> Result<Vec<CutPose>, ReadError> {
     if mapping.quantities.is_empty() {
-        let message =
-            "no channel is assigned to a quantity of the robot: expected a recipe that assigns at least one";
+        let message = "no channel is assigned to a quantity of the robot: expected a recipe that assigns at least one";
         return Err(ReadError::new(file, Place::File, message));
     }
     let main = main_series(mapping);
@@ -171,7 +170,8 @@ fn by_labels(
         quantity.kind == crate::recipe::Kind::Label && mapped.series == main
     });
     let Some((_, label)) = label else {
-        let message = "cutting by labels needs a channel assigned to pose in the series of the cables";
+        let message =
+            "cutting by labels needs a channel assigned to pose in the series of the cables";
         return Err(ReadError::new(file, Place::File, message));
     };
     let series = mapping.series[main];
@@ -373,8 +373,7 @@ fn average(values: impl Iterator<Item = f64>) -> Option<Averaged> {
     })
 }
 
-/// Makes means of quaternions unit quaternions. Where a recorder changes sign in between, their mean is none, and is left
-/// out.
+/// Normalises the means of quaternions. If the sign changes within a pose the mean is invalid and left out.
 fn align_quaternions(mapping: &Mapping<'_>, pose: &mut CutPose) {
     use crate::recipe::Kind;
     for kind in [Kind::Commanded, Kind::Tracked] {

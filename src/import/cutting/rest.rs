@@ -1,8 +1,8 @@
 //! Detection of standstills.
 //!
 //! The speed of a channel at a row is the difference of its means over the two halves of a window around the row, divided
-//! by half the window: noise averages out, and one outlier is no motion. A row is at rest where every channel that moves
-//! with the platform is slower than its limit.
+//! by half the window: noise averages out, and a single outlier does not count as motion. A row is at rest if every channel
+//! that moves with the platform is slower than its limit.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -176,8 +176,8 @@ impl<'a> Sums<'a> {
     }
 }
 
-/// Standard deviation of the noise: the median of second differences, which motion hardly changes; of long recordings that of
-/// every so many.
+/// Standard deviation of the noise, from the median of second differences, which motion hardly affects; long recordings are
+/// thinned.
 fn noise(values: &Values) -> f64 {
     let every = values.len().div_ceil(MOST_DIFFERENCES).max(1);
     let rows = (0..values.len().saturating_sub(2)).step_by(every);

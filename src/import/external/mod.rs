@@ -1,9 +1,9 @@
 //! Poses measured by an external instrument in its own frame, also of a body with three or more markers.
 //!
-//! Markers give the pose of the body that carries them. Where the frame of the instrument is in that of the robot, and where
-//! the body is on the platform, is found from the poses that were commanded, or else from the lengths of the cables. That is
-//! as good as these are and enough to start from: the effects `tracker_frame`, `tracker_target` and `tracker_tilt` estimate
-//! what is left with everything else.
+//! Markers determine the pose of the body that carries them. The pose of the instrument's frame in the robot's frame, and of
+//! the body on the platform, are estimated from the commanded poses, otherwise from the cable lengths. This is as accurate as
+//! these are, and sufficient as a start: the effects `tracker_frame`, `tracker_target` and `tracker_tilt` estimate the
+//! remainder jointly with all other parameters.
 
 mod placement;
 mod platform_poses;
@@ -19,14 +19,14 @@ use crate::recipe::{Instrument, Kind, Quantity, Recipe};
 use placement::{Alignment, Pair, align};
 use platform_poses::platform_poses;
 pub(crate) use rigid_body::FEWEST as FEWEST_MARKERS;
-use rigid_body::{RigidBody, Seen};
+use rigid_body::{MarkerPositions, RigidBody};
 
 /// Maximum number of poses used to align a frame or a body.
 const MOST_POSES: usize = 2000;
 /// Measured poses are in another frame if an alignment brings them closer by this factor.
 const CLOSER: f64 = 4.0;
-/// Measured poses that are as close to the robot's, as a share of its size, are in its frame, and what they are off by is an
-/// error to be found: that of the home pose, for instance.
+/// Distance relative to the size of the robot below which measured poses are in its frame: the difference is then an error
+/// to be estimated, such as that of the home pose.
 const CLOSE: f64 = 0.05;
 
 /// Transforms the measured poses into the robot's frame, computing them from markers where these were recorded. Returns the
@@ -69,8 +69,8 @@ pub(crate) fn place(
     Ok(recipe)
 }
 
-/// Whether measured positions are those of another frame, or of another point of the platform, for a robot of a size: a
-/// sentence that says so.
+/// A sentence if measured positions are in another frame, or those of another point of the platform, for a robot of a given
+/// size.
 pub(crate) fn other_frame(positions: &[(Vec3, Pose)], robot_m: f64) -> Option<String> {
     let pair = |(measured_m, platform): &(Vec3, Pose)| Pair {
         measured_m: *measured_m,
@@ -142,7 +142,7 @@ fn poses_of_markers(
         .flat_map(numbers_of_markers)
         .max()
         .map_or(0, |last| last + 1);
-    let seen: Vec<Seen> = poses.iter().map(|pose| seen(pose, count)).collect();
+    let seen: Vec<MarkerPositions> = poses.iter().map(|pose| seen(pose, count)).collect();
     let body = match &instrument.markers_m {
         Some(known) => RigidBody {
             points_m: known.iter().map(|point| point.map(Vec3::from)).collect(),
@@ -172,7 +172,7 @@ fn poses_of_markers(
     Ok(())
 }
 
-fn seen(pose: &CutPose, count: usize) -> Seen {
+fn seen(pose: &CutPose, count: usize) -> MarkerPositions {
     let coordinate = |index: usize| {
         let kind = Kind::Marker;
         pose.readings
@@ -287,8 +287,8 @@ fn bring(pose: &mut CutPose, alignment: &Alignment) {
     }
 }
 
-/// Standard deviations along the axes of the robot's frame, of those along the instrument's: scatter of the readings, or
-/// columns that state them.
+/// Transforms standard deviations along the axes of the instrument's frame to those of the robot's frame: scatter of the
+/// readings, or columns that state them.
 fn turn_deviations(pose: &mut CutPose, kind: Kind, rotation: &nalgebra::Matrix3<f64>) {
     let is_stated = kind == Kind::TrackedSd;
     let sd = |k: usize| {

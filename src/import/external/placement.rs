@@ -107,8 +107,8 @@ fn rms_m(pairs: &[Pair], frame: &Pose, body_m: &Vec3) -> f64 {
     (squares.sum::<f64>() / pairs.len().max(1) as f64).sqrt()
 }
 
-/// Gauss-Newton step of shift, rotation and body, of which some are free (m, rad). A place of the body that the poses do not
-/// show stays where it is.
+/// Gauss-Newton step (m, rad) of shift, rotation and body position, as far as they are free. A body position that the poses
+/// do not determine stays as it is.
 fn step(pairs: &[Pair], frame: &Pose, body_m: &Vec3, is_free: [bool; 3]) -> SVector<f64, 9> {
     let variance = rms_m(pairs, frame, body_m).powi(2) / 3.0;
     let mut normal = SMatrix::<f64, 9, 9>::zeros();

@@ -11,25 +11,25 @@ const ROUNDS: usize = 10;
 const ON_A_LINE: f64 = 1e-2;
 
 /// Marker positions at one instant; `None` for those not seen.
-pub(super) type Seen = Vec<Option<Vec3>>;
+pub(super) type MarkerPositions = Vec<Option<Vec3>>;
 
 /// Markers on one rigid body.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RigidBody {
     /// Positions of the markers in the body's frame (m), for those seen together with enough others.
-    pub points_m: Seen,
+    pub points_m: MarkerPositions,
 }
 
 impl RigidBody {
-    /// The body of these markers. Its frame has its origin in their middle and is turned as the instrument's frame at the
-    /// moment when most of them were seen first.
+    /// The rigid body of these markers. The origin of its frame is their centroid, its axes are those of the instrument's frame
+    /// at the first instant at which most of them were seen.
     ///
-    /// Positions are the mean of what all moments say (generalised Procrustes analysis, DOI 10.1007/BF02291478).
+    /// Positions are means over all instants (generalised Procrustes analysis, DOI 10.1007/BF02291478).
     ///
     /// # Errors
     /// If no three of them were ever seen at once, or they are collinear.
-    pub fn of(moments: &[Seen]) -> Result<Self, String> {
-        let count = |seen: &Seen| seen.iter().flatten().count();
+    pub fn of(moments: &[MarkerPositions]) -> Result<Self, String> {
+        let count = |seen: &MarkerPositions| seen.iter().flatten().count();
         let most = moments.iter().map(count).max().unwrap_or(0);
         let first = moments.iter().find(|seen| count(seen) == most);
         let Some(first) = first.filter(|_| most >= FEWEST) else {
@@ -50,7 +50,7 @@ impl RigidBody {
     }
 
     /// The pose at one instant, or `None` if fewer than three markers were seen.
-    pub fn pose(&self, seen: &Seen) -> Option<Pose> {
+    pub fn pose(&self, seen: &MarkerPositions) -> Option<Pose> {
         let (known, found) = self.pairs(seen);
         if known.len() < FEWEST || !is_spread(&known) {
             return None;
@@ -59,7 +59,7 @@ impl RigidBody {
     }
 
     /// Root mean square distance between the markers and their fitted positions (m).
-    pub fn rms_m(&self, moments: &[Seen]) -> f64 {
+    pub fn rms_m(&self, moments: &[MarkerPositions]) -> f64 {
         let mut squares = (0.0, 0_usize);
         for seen in moments {
             let Some(pose) = self.pose(seen) else {
@@ -75,12 +75,12 @@ impl RigidBody {
     }
 
     /// Positions in the body's frame and observed positions of the markers with both.
-    fn pairs(&self, seen: &Seen) -> (Vec<Vec3>, Vec<Vec3>) {
+    fn pairs(&self, seen: &MarkerPositions) -> (Vec<Vec3>, Vec<Vec3>) {
         let both = self.points_m.iter().zip(seen);
         both.filter_map(|(known, found)| known.zip(*found)).unzip()
     }
 
-    fn refined(&self, moments: &[Seen]) -> Self {
+    fn refined(&self, moments: &[MarkerPositions]) -> Self {
         let mut sums = vec![(Vec3::zeros(), 0_usize); self.points_m.len()];
         for seen in moments {
             let Some(pose) = self.pose(seen) else {
@@ -103,7 +103,7 @@ impl RigidBody {
     }
 }
 
-fn centred(points: &Seen) -> Seen {
+fn centred(points: &MarkerPositions) -> MarkerPositions {
     let known = points.iter().flatten();
     let middle = known.clone().sum::<Vec3>() / known.count().max(1) as f64;
     points

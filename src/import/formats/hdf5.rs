@@ -47,18 +47,20 @@ const FILTERS: [u16; 5] = [1, 2, 3, 6, 32000];
 pub(super) fn read(input: &mut Input<'_>, format: Format, file: &str) -> Result<Source, ReadError> {
     let io = |error: std::io::Error| ReadError::io(file, Place::File, &error);
     let opened = input.file().map_err(io)?;
-    let (teller, told) = channel();
+    let (progress, reports) = channel();
     scope(|threads| {
         let read = || {
-            read_damaged(|| read_file(opened, teller, format, file)).unwrap_or_else(|| {
+            read_damaged(|| read_file(opened, progress, format, file)).unwrap_or_else(|| {
                 let message = "is damaged, expected HDF5";
                 Err(ReadError::new(file, Place::File, message))
             })
         };
         let thread = Builder::new().stack_size(STACK);
         let thread = thread.spawn_scoped(threads, read).map_err(io)?;
-        // Where reading is to end, the thread finds nobody to tell.
-        let ended = told.into_iter().try_for_each(|bytes| input.advance(bytes));
+        // If reading is stopped, the thread fails as it finds the channel closed.
+        let ended = reports
+            .into_iter()
+            .try_for_each(|bytes| input.advance(bytes));
         let read = thread.join();
         ended.map_err(io)?;
         read.unwrap_or_else(|panic| resume_unwind(panic))
@@ -67,7 +69,7 @@ pub(super) fn read(input: &mut Input<'_>, format: Format, file: &str) -> Result<
 
 fn read_file(
     opened: Opened,
-    teller: Sender<u64>,
+    progress: Sender<u64>,
     format: Format,
     file: &str,
 ) -> Result<Source, ReadError> {
@@ -81,7 +83,7 @@ fn read_file(
         file,
         is_matlab: format == Format::Matlab,
         read: Arc::clone(&counted.read),
-        teller,
+        progress,
         bytes,
         left: bytes.saturating_mul(MAX_RATIO),
         objects: 0,
@@ -134,7 +136,7 @@ struct Reader<'a> {
     file: &'a str,
     is_matlab: bool,
     /// Receives the number of bytes read.
-    teller: Sender<u64>,
+    progress: Sender<u64>,
     /// Bytes read since the last report.
     read: Arc<AtomicU64>,
     /// Bytes of the file.
@@ -412,9 +414,7 @@ impl Reader<'_> {
                 Ok(())
             }
             _ => {
-                let message = format!(
-                    "array {path} claims more values than its file can hold"
-                );
+                let message = format!("array {path} claims more values than its file can hold");
                 Err(self.fail(message))
             }
         }
@@ -536,8 +536,8 @@ impl Reader<'_> {
             }
             found += count;
             let read = self.read.swap(0, Ordering::Relaxed);
-            let told = self.teller.send(read);
-            told.map_err(|_| self.fail("was not read to its end"))?;
+            let sent = self.progress.send(read);
+            sent.map_err(|_| self.fail("was not read to its end"))?;
         }
         if found == cells {
             return Ok(());

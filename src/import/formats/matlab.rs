@@ -62,18 +62,12 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Source, ReadError> {
                     ));
                 };
                 found.array(data, "", 0).ok_or_else(|| {
-                    fail(
-                        at,
-                        "found a damaged array, expected a complete variable",
-                    )
+                    fail(at, "found a damaged array, expected a complete variable")
                 })?;
             }
-            MATRIX => found.array(data, "", 0).ok_or_else(|| {
-                fail(
-                    at,
-                    "found a damaged array, expected a complete variable",
-                )
-            })?,
+            MATRIX => found
+                .array(data, "", 0)
+                .ok_or_else(|| fail(at, "found a damaged array, expected a complete variable"))?,
             _ => found.skipped.push(format!("an element of type {kind}")),
         }
         rest = next;

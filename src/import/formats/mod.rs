@@ -173,9 +173,7 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
             );
         }
         [0xd0, 0xcf, 0x11, 0xe0, ..] => {
-            return Refused(
-                "is an old Excel file (.xls), expected .xlsx: save it in that format",
-            );
+            return Refused("is an old Excel file (.xls), expected .xlsx: save it in that format");
         }
         [2..=8, 0x50, ..] => return Readable(Format::C3d),
         _ => {}

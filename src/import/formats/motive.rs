@@ -34,8 +34,7 @@ pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, 
         } else if cells.get(0) == "Frame" {
             break cells;
         } else if line as usize > HEADER_LINES {
-            let message =
-                "found no row that begins with \"Frame\" in the first lines, expected the header of the data";
+            let message = "found no row that begins with \"Frame\" in the first lines, expected the header of the data";
             return Err(ReadError::new(file, Place::Line(line), message));
         } else if !cells.are_blank() {
             rows.push(cells.iter().map(str::to_owned).collect());
@@ -219,11 +218,7 @@ impl Frames {
 
     /// The sentence about frames that are missing.
     pub fn notice(&self, file: &str) -> Option<String> {
-        (self.missing > 0.0).then(|| {
-            format!(
-                "{file}: {} frames are missing in between",
-                self.missing
-            )
-        })
+        (self.missing > 0.0)
+            .then(|| format!("{file}: {} frames are missing in between", self.missing))
     }
 }

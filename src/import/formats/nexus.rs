@@ -99,10 +99,7 @@ fn section(
         return Err(ReadError::new(
             file,
             Place::Line(line),
-            format!(
-                "found {}, expected the sampling rate in Hz",
-                quoted(&text)
-            ),
+            format!("found {}, expected the sampling rate in Hz", quoted(&text)),
         ));
     };
     let (_, text) = next(lines, "the names of what was recorded")?;

@@ -271,7 +271,9 @@ fn fields(descr: &str) -> Result<(Vec<Field>, bool), String> {
             .unwrap_or_default();
         return Ok((vec![field("", name, 1)?], false));
     }
-    let end = descr.find(']').ok_or("found an unterminated list of types")?;
+    let end = descr
+        .find(']')
+        .ok_or("found an unterminated list of types")?;
     let mut fields = Vec::new();
     for record in descr[1..end].split("('").skip(1) {
         let mut parts = record.split('\'');

@@ -117,8 +117,7 @@ fn header(lines: &mut Lines<'_>, separator: Separator) -> Result<Header, ReadErr
         }
     }
     if header.names.is_empty() || blocks < 2 {
-        let message =
-            "found no channel header that begins with \"Name\" between two empty lines";
+        let message = "found no channel header that begins with \"Name\" between two empty lines";
         return Err(ReadError::new(file, Place::File, message));
     }
     Ok(header)

@@ -217,16 +217,16 @@ impl Proposal<'_> {
     /// Quantities with a single channel.
     fn singles(&mut self, series: &Series, format: Format) {
         for text in &series.texts {
-            let spoken = words_of(&text.name);
+            let words = words_of(&text.name);
             let column = match () {
-                () if is_any(&spoken, GROUP) => "group",
-                () if is_any(&spoken, LABEL) => "pose",
+                () if is_any(&words, GROUP) => "group",
+                () if is_any(&words, LABEL) => "pose",
                 () => continue,
             };
             self.single(series, &text.name, column, None);
         }
         for channel in &series.channels {
-            let spoken = words_of(&channel.name);
+            let words = words_of(&channel.name);
             let dimension = channel
                 .unit
                 .as_deref()
@@ -235,23 +235,23 @@ impl Proposal<'_> {
             let fits = |expected: Dimension| {
                 dimension.is_none_or(|found| found == expected || found == Dimension::Number)
             };
-            let column = if is_any(&spoken, LABEL) && is_whole(channel) && spoken.len() <= 2 {
+            let column = if is_any(&words, LABEL) && is_whole(channel) && words.len() <= 2 {
                 Some("pose")
             } else if series.time_s.is_none()
                 && fits(Dimension::Time)
-                && (is_any(&spoken[..spoken.len().min(1)], TIME)
+                && (is_any(&words[..words.len().min(1)], TIME)
                     || dimension == Some(Dimension::Time))
             {
                 Some("time_s")
-            } else if (is_any(&spoken, LASER) || spoken == ["range"]) && fits(Dimension::Length) {
+            } else if (is_any(&words, LASER) || words == ["range"]) && fits(Dimension::Length) {
                 Some("laser_m")
-            } else if is_any(&spoken, TEMPERATURE) && fits(Dimension::Temperature) {
+            } else if is_any(&words, TEMPERATURE) && fits(Dimension::Temperature) {
                 Some("temperature_c")
             } else {
                 ANGLES
                     .iter()
-                    .position(|angle| is_any(&spoken, angle))
-                    .filter(|_| fits(Dimension::Angle) && !is_any(&spoken, WANTED))
+                    .position(|angle| is_any(&words, angle))
+                    .filter(|_| fits(Dimension::Angle) && !is_any(&words, WANTED))
                     .map(|k| ["roll_rad", "pitch_rad", "yaw_rad"][k])
             };
             if let Some(column) = column {
@@ -325,11 +325,11 @@ impl Proposal<'_> {
             .iter()
             .filter(|channel| !given.contains(&channel.name));
         for channel in free {
-            let spoken = words_of(&channel.name);
+            let words = words_of(&channel.name);
             let (Some((component, owner)), false) = (
-                component(&channel.name, &spoken),
+                component(&channel.name, &words),
                 is_any(
-                    &spoken,
+                    &words,
                     &[
                         "vel",
                         "velocity",
@@ -346,16 +346,16 @@ impl Proposal<'_> {
             ) else {
                 continue;
             };
-            let is_wanted = is_any(&spoken, WANTED) || is_any(&topic, WANTED);
+            let is_wanted = is_any(&words, WANTED) || is_any(&topic, WANTED);
             let is_known = is_wanted
-                || is_any(&spoken, EXTERNAL)
+                || is_any(&words, EXTERNAL)
                 || is_any(&topic, EXTERNAL)
                 || matches!(
                     format,
                     Format::Motive | Format::Nexus | Format::C3d | Format::PointList
                 )
                 || owner.is_empty();
-            if !is_known || is_any(&spoken, &["marker"]) {
+            if !is_known || is_any(&words, &["marker"]) {
                 continue;
             }
             match bodies.iter_mut().find(|(known, ..)| *known == owner) {

@@ -19,8 +19,8 @@ pub(crate) use resolve::{Mapped, Mapping, is_series, resolve};
 /// Assignment of channels of foreign files to columns of `poses.csv`, and how rows become poses.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Recipe {
-    /// Channels and their quantities. Where two entries give one quantity the later one holds, so that an entry for one
-    /// cable corrects an entry for all.
+    /// Channels and their quantities. If two entries assign the same quantity the later one holds, so that an entry for one
+    /// cable overrides an entry for all.
     pub channels: Vec<Assignment>,
     /// How rows become poses.
     #[serde(default)]

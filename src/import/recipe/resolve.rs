@@ -166,7 +166,7 @@ fn find(
         found.extend(text.map(|index| (place, index, true)));
     }
     match found[..] {
-        format!("{one} falls where it should rise: its sign is reversed"), => [one] => format!("{one} falls where it should rise: its sign is reversed"), => Ok(one),
+        [one] => Ok(one),
         [] => {
             let names = series
                 .iter()

@@ -134,7 +134,8 @@ fn platform(file: &str, model: &Element, notices: &mut Vec<String>) -> Result<Pl
         .and_then(|element| element.child("centerofgravity"))
         .map(|place| point(file, place))
         .transpose()?;
-    let untold = (mass_kg, center_of_mass_m) == (Some(DEFAULT_PLATFORM.0), Some(DEFAULT_PLATFORM.1));
+    let untold =
+        (mass_kg, center_of_mass_m) == (Some(DEFAULT_PLATFORM.0), Some(DEFAULT_PLATFORM.1));
     if untold {
         notices.push(format!(
             "{file}: the platform of 25 kg is the default of WireX and is left out"

@@ -62,8 +62,7 @@ impl Columns {
         }
     }
 
-    /// Adds a row. Rows without a text and comments are no rows; a row with another number of cells is counted and left
-    /// out.
+    /// Adds a row. Blank rows and comments are skipped; a row with a different number of cells is counted and left out.
     ///
     /// # Errors
     /// If some numbers have decimal points and others decimal commas: one of the two would be misread.

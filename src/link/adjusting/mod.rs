@@ -124,7 +124,7 @@ fn effect_named(solution: &Solution, robot: &Robot, id: &ParameterId) -> Option<
 
 /// State of the controller's values after an attempt to write.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Holds {
+pub enum ControllerValues {
     /// All new values.
     New,
     /// All old values, as if nothing had been written.
@@ -135,15 +135,14 @@ pub enum Holds {
     Unknown,
 }
 
-const OLD_VALUES: &str =
-    "The controller holds its old values: find the cause, then write again.";
+const OLD_VALUES: &str = "The controller holds its old values: find the cause, then write again.";
 const UNKNOWN_VALUES: &str = "Do not move the robot: connect and arm it again, which brings the old values back; they are saved here.";
 
 /// Outcome of an attempt to write.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adjustment {
     /// State of the values.
-    pub holds: Holds,
+    pub holds: ControllerValues,
     /// The previous values, to be restored by hand or with [`write_adjustment`].
     pub old: Vec<(String, f64)>,
     /// What went wrong, if anything.
@@ -173,7 +172,7 @@ pub fn write_adjustment(
     let problem = match write_and_compare(controller, new) {
         Ok(wrong) if wrong.is_empty() => {
             return Ok(Adjustment {
-                holds: Holds::New,
+                holds: ControllerValues::New,
                 old,
                 problem: None,
                 advice: "Verify the new values with a verification run.".to_owned(),
@@ -200,7 +199,7 @@ pub fn write_adjustment_reconnecting(
     policy: &mut dyn ReconnectPolicy,
 ) -> Result<Adjustment, LinkError> {
     let written = write_adjustment(controller, new)?;
-    if written.holds != Holds::Unknown {
+    if written.holds != ControllerValues::Unknown {
         return Ok(written);
     }
     let mut last = None;
@@ -214,7 +213,7 @@ pub fn write_adjustment_reconnecting(
             });
         }
         // If the connection is lost again before anything could be read, another attempt is made.
-        let found = holds(controller, &written.old, new).ok();
+        let found = check_values(controller, &written.old, new).ok();
         if let Some(holds) = found.clone().filter(|_| found == last) {
             return Ok(Adjustment {
                 advice: found_advice(&holds),
@@ -232,31 +231,31 @@ pub fn write_adjustment_reconnecting(
 ///
 /// # Errors
 /// If the values cannot be read.
-pub fn holds(
+pub fn check_values(
     controller: &mut dyn Controller,
     old: &[(String, f64)],
     new: &[(String, f64)],
-) -> Result<Holds, LinkError> {
+) -> Result<ControllerValues, LinkError> {
     if differing(controller, new)?.is_empty() {
-        return Ok(Holds::New);
+        return Ok(ControllerValues::New);
     }
     let others = differing(controller, old)?;
     Ok(match others.is_empty() {
-        true => Holds::Old,
-        false => Holds::Mixed(others),
+        true => ControllerValues::Old,
+        false => ControllerValues::Mixed(others),
     })
 }
 
 /// Advice on the values found after the connection was lost.
-fn found_advice(holds: &Holds) -> String {
+fn found_advice(holds: &ControllerValues) -> String {
     match holds {
-        Holds::New => "All new values arrived before the connection was lost: verify them with a verification run.".to_owned(),
-        Holds::Old => OLD_VALUES.to_owned(),
-        Holds::Mixed(names) => format!(
+        ControllerValues::New => "All new values arrived before the connection was lost: verify them with a verification run.".to_owned(),
+        ControllerValues::Old => OLD_VALUES.to_owned(),
+        ControllerValues::Mixed(names) => format!(
             "Do not move the robot: {} of its values are not the old ones. Arm the controller again to bring the old values back.",
             names.len()
         ),
-        Holds::Unknown => UNKNOWN_VALUES.to_owned(),
+        ControllerValues::Unknown => UNKNOWN_VALUES.to_owned(),
     }
 }
 
@@ -271,8 +270,8 @@ pub fn settle_adjustment(
     new: &[(String, f64)],
 ) -> Result<Adjustment, LinkError> {
     let problem = "Writing was interrupted before.".to_owned();
-    let found = holds(controller, old, new)?;
-    if matches!(found, Holds::Mixed(_)) && controller.state().armed {
+    let found = check_values(controller, old, new)?;
+    if matches!(found, ControllerValues::Mixed(_)) && controller.state().armed {
         return Ok(roll_back(controller, old.to_vec(), problem));
     }
     Ok(Adjustment {
@@ -295,20 +294,22 @@ fn roll_back(
         .partition(|(_, value)| value.is_finite());
     let others: Vec<String> = others.into_iter().map(|(name, _)| name).collect();
     let (holds, advice) = match write_and_compare(controller, &numbers) {
-        Ok(wrong) if wrong.is_empty() && others.is_empty() => (Holds::Old, OLD_VALUES.to_owned()),
+        Ok(wrong) if wrong.is_empty() && others.is_empty() => {
+            (ControllerValues::Old, OLD_VALUES.to_owned())
+        }
         Ok(wrong) if wrong.is_empty() => {
             let list = others.join(", ");
             let advice = format!(
                 "The controller holds its old values, except for those that were not numbers and cannot be written: {list}."
             );
-            (Holds::Old, advice)
+            (ControllerValues::Old, advice)
         }
         Ok(wrong) => {
             let list = former(&numbers, &wrong);
             let advice = format!(
                 "Do not move the robot: set these values at the controller by hand: {list}."
             );
-            (Holds::Mixed(wrong), advice)
+            (ControllerValues::Mixed(wrong), advice)
         }
         Err(error) => after_failed_rollback(controller, &numbers, &error),
     };
@@ -334,17 +335,17 @@ fn after_failed_rollback(
     controller: &mut dyn Controller,
     old: &[(String, f64)],
     error: &LinkError,
-) -> (Holds, String) {
+) -> (ControllerValues, String) {
     match differing(controller, old) {
-        Ok(wrong) if wrong.is_empty() => (Holds::Old, OLD_VALUES.to_owned()),
+        Ok(wrong) if wrong.is_empty() => (ControllerValues::Old, OLD_VALUES.to_owned()),
         Ok(wrong) => {
             let list = former(old, &wrong);
             let advice = format!(
                 "Do not move the robot: the old values could not be written ({error}). Write them again, or set them at the controller by hand: {list}."
             );
-            (Holds::Mixed(wrong), advice)
+            (ControllerValues::Mixed(wrong), advice)
         }
-        Err(_) => (Holds::Unknown, UNKNOWN_VALUES.to_owned()),
+        Err(_) => (ControllerValues::Unknown, UNKNOWN_VALUES.to_owned()),
     }
 }
 

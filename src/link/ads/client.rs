@@ -10,7 +10,7 @@ use super::options::AdsOptions;
 use super::symbols::{Place, Symbol};
 use super::wire::{AmsAddress, Command, Wire, words};
 use crate::error::LinkError;
-use crate::timed_socket::{Broken, addresses_of, timeout_of};
+use crate::timed_socket::{SocketError, addresses_of, timeout_of};
 
 /// Largest number of parts per request; controllers allow 500.
 const PARTS: usize = 256;
@@ -81,12 +81,12 @@ impl AdsClient {
                         rows: Rows::default(),
                     });
                 }
-                Err(Broken::Invalid(_)) => {
+                Err(SocketError::Invalid(_)) => {
                     last = LinkError::Disconnected(format!(
                         "the server at {place} does not speak ADS"
                     ));
                 }
-                Err(Broken::Io(error)) => {
+                Err(SocketError::Io(error)) => {
                     last = LinkError::Disconnected(format!("{place} cannot be reached ({error})"));
                 }
                 Err(broken) => last = lost(broken, options.timeout_s),
@@ -188,7 +188,8 @@ impl AdsClient {
         let longest = 8 * places.len() + sizes;
         let request = (group::READ_TOGETHER, size_word(places.len()));
         let answer = self.read_write(request, longest, &heads)?;
-        split(&answer, places).ok_or_else(|| broken("the length of an answer differs from that of its parts"))
+        split(&answer, places)
+            .ok_or_else(|| broken("the length of an answer differs from that of its parts"))
     }
 
     fn read_singly(&mut self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
@@ -281,7 +282,10 @@ impl AdsClient {
         let answer = self.read_write(asked, longest, &request);
         let answer = answer.map_err(|error| (error, 0))?;
         if answer.len() != longest {
-            return Err((broken("the length of an answer differs from that of its parts"), 0));
+            return Err((
+                broken("the length of an answer differs from that of its parts"),
+                0,
+            ));
         }
         let codes = answer.chunks_exact(4).map(word);
         match codes.enumerate().find(|(_, code)| *code != 0) {
@@ -307,7 +311,7 @@ fn broken(what: &str) -> RequestError {
 }
 
 /// Converts a broken connection to an error for the operator.
-fn lost(broken: Broken, timeout_s: f64) -> LinkError {
+fn lost(broken: SocketError, timeout_s: f64) -> LinkError {
     broken.into_error(timeout_s, " (does it have an ADS route to this computer?)")
 }
 

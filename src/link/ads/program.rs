@@ -8,7 +8,7 @@ use super::options::AdsOptions;
 use super::symbols::{Place, Symbol, encode};
 use crate::error::LinkError;
 use crate::symbols::{
-    Failure, Slot, SymbolAccess, SymbolFound, SymbolServer, SymbolValues, Wanted, each_once,
+    Failure, RequiredSymbol, Slot, SymbolAccess, SymbolFound, SymbolServer, SymbolValues, each_once,
 };
 
 fn failure(error: RequestError, what: &str) -> Failure {
@@ -35,13 +35,13 @@ impl SymbolServer for AdsServer {
 
     fn connect(&self) -> Result<Box<dyn SymbolAccess>, LinkError> {
         let what = format!("the program at {}", self.address);
-        let told = |error| failure(error, &what).into_error();
+        let to_error = |error| failure(error, &what).into_error();
         let mut client = AdsClient::open(&self.address, &self.options)?;
-        let (running, state) = client.state().map_err(told)?;
+        let (running, state) = client.state().map_err(to_error)?;
         if !running {
             return Err(LinkError::Refused(not_running(&state)));
         }
-        let version = client.read(&[Place::VERSION]).map_err(told)?;
+        let version = client.read(&[Place::VERSION]).map_err(to_error)?;
         let version = version.into_iter().next().and_then(Result::ok);
         Ok(Box::new(Program {
             client,
@@ -63,7 +63,7 @@ pub(super) struct Program {
 }
 
 impl SymbolAccess for Program {
-    fn look_up(&mut self, wanted: &[Wanted]) -> Result<Vec<SymbolFound>, LinkError> {
+    fn look_up(&mut self, wanted: &[RequiredSymbol]) -> Result<Vec<SymbolFound>, LinkError> {
         self.symbols.clear();
         let mut all = Vec::with_capacity(wanted.len());
         for want in wanted {

@@ -1,6 +1,6 @@
 //! Symbols of a controller: addresses, types, and conversion of their bytes to numbers.
 
-use crate::symbols::{Content, Expected, ValueKind, Wanted};
+use crate::symbols::{Content, Expected, RequiredSymbol, ValueKind};
 
 /// Largest symbol (bytes), so that an invalid response cannot fill the memory.
 const LARGEST: usize = 1 << 20;
@@ -153,7 +153,7 @@ impl Symbol {
     }
 
     /// The problem with its type, to be appended to the name of the type.
-    pub fn problem(&self, wanted: &Wanted) -> Option<String> {
+    pub fn problem(&self, wanted: &RequiredSymbol) -> Option<String> {
         let found = (self.kind.value_kind(), self.count());
         let too_large = || {
             let size = self.size;
@@ -278,7 +278,7 @@ mod tests {
         let last = array.element_place(23).unwrap();
         assert_eq!((last.offset, last.size), (16 + 184, 8));
         assert_eq!(array.element_place(24), None);
-        let wanted = |expected, count| Wanted {
+        let wanted = |expected, count| RequiredSymbol {
             name: "G.x".into(),
             expected,
             count,

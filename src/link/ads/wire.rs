@@ -10,7 +10,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::time::{Duration, Instant};
 
 use super::codes::AdsCode;
-use crate::timed_socket::{Broken, TimedSocket};
+use crate::timed_socket::{SocketError, TimedSocket};
 
 /// The AMS port of this computer.
 const OWN_PORT: u16 = 58913;
@@ -81,7 +81,7 @@ impl Wire {
         target: AmsAddress,
         own: Option<[u8; 6]>,
         timeout: Duration,
-    ) -> Result<Self, Broken> {
+    ) -> Result<Self, SocketError> {
         let socket = TimedSocket::connect(place, timeout)?;
         let net_id = own.unwrap_or(match socket.own_address()? {
             IpAddr::V4(ip) => {
@@ -117,13 +117,13 @@ impl Wire {
     }
 
     /// Takes the queued notifications, the oldest first, without waiting for more.
-    pub fn take_notifications(&mut self) -> Result<VecDeque<Vec<u8>>, Broken> {
+    pub fn take_notifications(&mut self) -> Result<VecDeque<Vec<u8>>, SocketError> {
         while self.notifications.is_some() && self.socket.has_received()? {
             // Only the rest of a frame whose first byte has arrived is waited for.
             let until = Instant::now() + self.timeout;
             let (kind, frame) = self.receive(LONGEST_UNASKED, until)?;
             if is_ads(kind)? && !self.keep(&Frame::parse(&frame)?) {
-                return Err(invalid("an answer to no request".to_owned()));
+                return Err(SocketError::Invalid("an answer to no request".to_owned()));
             }
         }
         Ok(self
@@ -152,7 +152,7 @@ impl Wire {
         command: Command,
         data: &[u8],
         longest: usize,
-    ) -> Result<Reply, Broken> {
+    ) -> Result<Reply, SocketError> {
         let until = Instant::now() + self.timeout;
         self.number = self.number.wrapping_add(1);
         let frame = self.request(command, data)?;
@@ -170,7 +170,7 @@ impl Wire {
             let is_answer = frame.command == command as u16 && frame.flags & ANSWER != 0;
             if !is_answer || frame.number != self.number {
                 let text = "a frame that does not belong to the request";
-                return Err(invalid(text.to_owned()));
+                return Err(SocketError::Invalid(text.to_owned()));
             }
             return Ok(match frame.code {
                 0 => Ok(frame.data.to_vec()),
@@ -179,11 +179,11 @@ impl Wire {
         }
     }
 
-    fn request(&self, command: Command, data: &[u8]) -> Result<Vec<u8>, Broken> {
+    fn request(&self, command: Command, data: &[u8]) -> Result<Vec<u8>, SocketError> {
         let sizes = u32::try_from(data.len()).ok();
         let sizes = sizes.and_then(|size| Some((size, size.checked_add(HEADER as u32)?)));
         let (size, whole) =
-            sizes.ok_or_else(|| invalid("the request is too long".to_owned()))?;
+            sizes.ok_or_else(|| SocketError::Invalid("the request is too long".to_owned()))?;
         let mut frame = Vec::with_capacity(OUTER + HEADER + data.len());
         frame.extend_from_slice(&[0, 0]);
         frame.extend_from_slice(&whole.to_le_bytes());
@@ -199,7 +199,7 @@ impl Wire {
     }
 
     /// The next frame: its kind, and the data after the length.
-    fn receive(&mut self, limit: usize, until: Instant) -> Result<(u16, Vec<u8>), Broken> {
+    fn receive(&mut self, limit: usize, until: Instant) -> Result<(u16, Vec<u8>), SocketError> {
         let mut outer = [0; OUTER];
         self.socket.fill(&mut outer, until)?;
         let [low, high, length @ ..] = outer;
@@ -210,7 +210,7 @@ impl Wire {
         };
         let size = usize::try_from(length).ok().filter(|size| *size <= limit);
         let size = size.ok_or_else(|| {
-            invalid(format!(
+            SocketError::Invalid(format!(
                 "a frame of {length} bytes, expected at most {limit}"
             ))
         })?;
@@ -221,11 +221,13 @@ impl Wire {
 }
 
 /// Whether a frame of this kind contains ADS data; other frames of a router may arrive at any time.
-fn is_ads(kind: u16) -> Result<bool, Broken> {
+fn is_ads(kind: u16) -> Result<bool, SocketError> {
     match kind {
         0 => Ok(true),
         1 | 0x1000..=0x1002 => Ok(false),
-        _ => Err(invalid(format!("a frame of the unknown kind {kind:#x}"))),
+        _ => Err(SocketError::Invalid(format!(
+            "a frame of the unknown kind {kind:#x}"
+        ))),
     }
 }
 
@@ -241,9 +243,9 @@ struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    fn parse(frame: &'a [u8]) -> Result<Self, Broken> {
+    fn parse(frame: &'a [u8]) -> Result<Self, SocketError> {
         let short = || {
-            invalid(format!(
+            SocketError::Invalid(format!(
                 "a frame of {} bytes, shorter than its header",
                 frame.len()
             ))
@@ -255,7 +257,7 @@ impl<'a> Frame<'a> {
         };
         let length = word(20);
         if usize::try_from(length) != Ok(data.len()) {
-            return Err(invalid(format!(
+            return Err(SocketError::Invalid(format!(
                 "a frame announces {length} bytes of data and has {}",
                 data.len()
             )));
@@ -268,10 +270,6 @@ impl<'a> Frame<'a> {
             data,
         })
     }
-}
-
-fn invalid(what: String) -> Broken {
-    Broken::Invalid(what)
 }
 
 /// Words of a request in transmission format.
@@ -290,8 +288,8 @@ mod tests {
         port: 851,
     };
 
-    /// What comes of a request for the state to a server that takes it, says this and then holds its tongue.
-    fn asked(says: Vec<u8>, closes: bool, timeout_ms: u64) -> Result<Reply, Broken> {
+    /// Result of a state request to a server that accepts it, answers with `says` and then falls silent.
+    fn asked(says: Vec<u8>, closes: bool, timeout_ms: u64) -> Result<Reply, SocketError> {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let place = listener.local_addr().unwrap();
         let server = std::thread::spawn(move || {
@@ -336,7 +334,7 @@ mod tests {
 
     fn refused(says: Vec<u8>) -> String {
         match asked(says, false, 20_000) {
-            Err(Broken::Invalid(what)) => what,
+            Err(SocketError::Invalid(what)) => what,
             other => panic!("{other:?}"),
         }
     }
@@ -366,10 +364,7 @@ mod tests {
         for length in [u32::MAX, 1 << 31, 4097] {
             let mut says = vec![0, 0];
             says.extend_from_slice(&length.to_le_bytes());
-            assert!(
-                refused(says).contains("expected at most 4096"),
-                "{length}"
-            );
+            assert!(refused(says).contains("expected at most 4096"), "{length}");
         }
         let told = refused(frame(0, (4, 5, 1), 8, &[0; 4]));
         assert_eq!(told, "a frame announces 8 bytes of data and has 4");
@@ -390,10 +385,13 @@ mod tests {
 
     #[test]
     fn time_is_taken_of_the_whole_exchange() {
-        assert!(matches!(asked(Vec::new(), false, 200), Err(Broken::Late)));
+        assert!(matches!(
+            asked(Vec::new(), false, 200),
+            Err(SocketError::Late)
+        ));
         assert!(matches!(
             asked(vec![0, 0, 32], true, 20_000),
-            Err(Broken::Closed)
+            Err(SocketError::Closed)
         ));
     }
 }

@@ -21,7 +21,7 @@ use crate::error::LinkError;
 use crate::laser::LaserSource;
 use crate::limits::Limits;
 use crate::parameters::{ParameterInfo, check_finite};
-pub use restart::Seen;
+pub use restart::LastState;
 
 /// A controller guarded by limits, with the external laser and the latest sample.
 pub struct GuardedController<C: ?Sized> {
@@ -34,7 +34,7 @@ pub struct GuardedController<C: ?Sized> {
     /// Force readings that the operator accepted although a cable is overloaded.
     accepted: Vec<f64>,
     /// Last known state of the controller, possibly from an earlier connection or run.
-    seen: Option<Seen>,
+    seen: Option<LastState>,
     /// Evidence of a restart after which the robot was not homed.
     restarted: Option<String>,
     /// Whether it was armed here and its connection has not ended since, as far as observed.
@@ -60,7 +60,7 @@ impl<C: Controller + ?Sized> GuardedController<C> {
 
     /// Sets the state of the controller at the end of an earlier run, from which a restart since then is recognised.
     #[must_use]
-    pub fn seen_before(mut self, seen: Option<Seen>) -> Self {
+    pub fn seen_before(mut self, seen: Option<LastState>) -> Self {
         self.seen = seen;
         self
     }
@@ -137,7 +137,7 @@ impl<C: Controller + ?Sized> GuardedController<C> {
     /// Stores the present state of the controller; returns the evidence of a restart since the last one.
     fn note_restart(&mut self, sample: &Sample) -> Option<String> {
         let moving = self.inner.state().activity == Activity::Moving;
-        let now = Seen::of(sample, moving);
+        let now = LastState::of(sample, moving);
         let seen = self.seen.replace(now.clone())?;
         let reason = seen.restart(&now, &self.limits.robot)?;
         self.restarted = Some(reason.clone());

@@ -13,7 +13,7 @@ const SAME: f64 = 1e-6;
 
 /// Last known state of a controller.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Seen {
+pub struct LastState {
     /// Time on its clock (s), if it has its own.
     pub time_s: Option<f64>,
     /// Value that changes with every start, if it reports one.
@@ -26,7 +26,7 @@ pub struct Seen {
     pub was_away: bool,
 }
 
-impl Seen {
+impl LastState {
     pub(super) fn of(sample: &Sample, moving: bool) -> Self {
         Self {
             time_s: Some(sample.time_s),
@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn starts_clocks_and_encoders_tell_a_restart() {
         let robot = preset("mini").robot;
-        let seen = Seen {
+        let seen = LastState {
             time_s: Some(100.0),
             started: Some(7.0),
             resting: Some(Pose::identity()),
@@ -86,7 +86,7 @@ mod tests {
             was_away: true,
         };
         assert_eq!(seen.restart(&seen, &robot), None);
-        let told = |change: fn(&mut Seen)| {
+        let told = |change: fn(&mut LastState)| {
             let mut now = seen.clone();
             change(&mut now);
             seen.restart(&now, &robot)
@@ -104,7 +104,7 @@ mod tests {
         assert!(told(|now| now.revolutions[3] += 1e-4).is_none());
         // Elsewhere, or in motion, encoders may show anything.
         assert!(told(|now| (now.resting, now.revolutions[3]) = (None, 9.0)).is_none());
-        let never_away = Seen {
+        let never_away = LastState {
             was_away: false,
             ..seen.clone()
         };

@@ -24,7 +24,7 @@ use tautline_session::MeasuredPose;
 pub use checks::Warning;
 pub use options::{MeasuringOptions, Prediction, Predictor, Rates, predict_by};
 pub use precision::largest_sd_m;
-pub use settling::{Settled, SettlingWindow};
+pub use settling::{SettlingState, SettlingWindow};
 
 use crate::controller::{Activity, Controller, Sample};
 use crate::error::LinkError;
@@ -131,7 +131,7 @@ pub struct MeasuringRun {
     before: Option<Pose>,
     commanded_at_s: Option<f64>,
     /// Caller's time of the last new sample, and the controller's time in it.
-    heard: Option<(f64, f64)>,
+    last_sample: Option<(f64, f64)>,
     lost_answers: usize,
     /// Whether the run has failed because the controller was restarted.
     restarted: bool,
@@ -159,7 +159,7 @@ impl MeasuringRun {
             jumped: Vec::new(),
             before: None,
             commanded_at_s: None,
-            heard: None,
+            last_sample: None,
             lost_answers: 0,
             restarted: false,
             channels: Channels::default(),
@@ -256,7 +256,7 @@ impl MeasuringRun {
     /// Resumes. The present pose is approached again, unless it is waiting to be stored.
     pub fn resume(&mut self) {
         if std::mem::take(&mut self.paused) {
-            self.heard = None;
+            self.last_sample = None;
             self.approach_anew();
         }
     }
@@ -393,9 +393,11 @@ impl MeasuringRun {
         match controller.sample() {
             Ok(sample) => {
                 self.lost_answers = 0;
-                let seen = self.heard.filter(|(_, time_s)| *time_s == sample.time_s);
+                let seen = self
+                    .last_sample
+                    .filter(|(_, time_s)| *time_s == sample.time_s);
                 let Some((since_s, _)) = seen else {
-                    self.heard = Some((now_s, sample.time_s));
+                    self.last_sample = Some((now_s, sample.time_s));
                     return Some(sample);
                 };
                 if now_s - since_s > self.options.timeout_s {
@@ -424,11 +426,11 @@ impl MeasuringRun {
             self.pending.push(MeasuringEvent::Finished);
             return;
         };
-        let told = match label {
+        let result = match label {
             0 => controller.home(),
             _ => controller.command(&pose),
         };
-        if let Err(error) = told {
+        if let Err(error) = result {
             self.queue.push_front((label, pose));
             if error.is_disconnection() {
                 self.lose(error.to_string());

@@ -18,7 +18,7 @@ pub struct SettlingWindow {
 
 /// Rates of change, and the reading that exceeds its limit most.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Settled {
+pub struct SettlingState {
     /// Rates of change over the window.
     pub rates: Rates,
     /// Whether no rate exceeds its limit.
@@ -83,7 +83,7 @@ impl SettlingWindow {
 
     /// Compares the rates over the window with limits; `None` until it spans `span_s` with enough samples.
     #[must_use]
-    pub fn settled(&self, robot: &Robot, limits: &Rates, span_s: f64) -> Option<Settled> {
+    pub fn settled(&self, robot: &Robot, limits: &Rates, span_s: f64) -> Option<SettlingState> {
         if self.samples.len() < FEWEST || self.missing_s(span_s) > 0.0 {
             return None;
         }
@@ -120,7 +120,7 @@ impl SettlingWindow {
                 )
             });
         }
-        Some(Settled {
+        Some(SettlingState {
             rates,
             still: worst.reading.is_none(),
             restless: worst.reading,

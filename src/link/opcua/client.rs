@@ -14,7 +14,7 @@ use super::address::OpcUaAddress;
 use super::options::OpcUaOptions;
 use super::wire::{Answer, Wire, explain};
 use crate::error::LinkError;
-use crate::timed_socket::{Broken, addresses_of, timeout_of};
+use crate::timed_socket::{SocketError, addresses_of, timeout_of};
 
 /// Largest number of nodes per request; controllers allow some hundreds.
 const NODES: usize = 256;
@@ -57,12 +57,12 @@ impl OpcUaClient {
                     client.begin(&url)?;
                     return Ok(client);
                 }
-                Err(Broken::Invalid(what)) => {
+                Err(SocketError::Invalid(what)) => {
                     last = Some(LinkError::Disconnected(format!(
                         "the server at {place} does not speak OPC UA ({what})"
                     )));
                 }
-                Err(Broken::Io(error)) => {
+                Err(SocketError::Io(error)) => {
                     let text = format!("{place} cannot be reached ({error})");
                     last = Some(LinkError::Disconnected(text));
                 }
@@ -74,7 +74,7 @@ impl OpcUaClient {
     }
 
     fn begin(&mut self, url: &str) -> Result<(), LinkError> {
-        let told = |error| match error {
+        let to_error = |error| match error {
             RequestError::Lost(error) => error,
             RequestError::Refused(status) => LinkError::Refused(explain(status)),
         };
@@ -93,7 +93,7 @@ impl OpcUaClient {
             requested_session_timeout: SESSION_MS,
             ..Default::default()
         };
-        let created: CreateSessionResponse = self.ask(&request).map_err(told)?;
+        let created: CreateSessionResponse = self.ask(&request).map_err(to_error)?;
         self.token = created.authentication_token.clone();
         let policy_id = anonymous(&created).ok_or_else(|| {
             let text = "it does not take clients without encryption and without a user: allow the security policy None with anonymous users";
@@ -108,7 +108,7 @@ impl OpcUaClient {
         };
         self.ask::<ActivateSessionResponse>(&request)
             .map(drop)
-            .map_err(told)
+            .map_err(to_error)
     }
 
     fn ask<A: Answer>(

@@ -9,7 +9,7 @@ use super::values::{Shape, types_of};
 use super::wire::explain;
 use crate::error::LinkError;
 use crate::symbols::{
-    Failure, Slot, SymbolAccess, SymbolFound, SymbolServer, SymbolValues, Wanted, each_once,
+    Failure, RequiredSymbol, Slot, SymbolAccess, SymbolFound, SymbolServer, SymbolValues, each_once,
 };
 
 /// States of a server, in the order of their numbers.
@@ -88,7 +88,7 @@ impl Program {
 }
 
 impl SymbolAccess for Program {
-    fn look_up(&mut self, wanted: &[Wanted]) -> Result<Vec<SymbolFound>, LinkError> {
+    fn look_up(&mut self, wanted: &[RequiredSymbol]) -> Result<Vec<SymbolFound>, LinkError> {
         self.nodes.clear();
         let ids: Vec<Option<NodeId>> = wanted.iter().map(|w| w.name.parse().ok()).collect();
         let known: Vec<NodeId> = ids.iter().flatten().cloned().collect();

@@ -14,7 +14,7 @@ use opcua_types::{
     ServiceFault, StatusCode, UAString,
 };
 
-use crate::timed_socket::{Broken, TimedSocket};
+use crate::timed_socket::{SocketError, TimedSocket};
 
 /// Length of the header of every message (bytes): kind, continuation flag, length.
 const HEADER: usize = 8;
@@ -72,7 +72,7 @@ pub(super) struct Wire {
 
 impl Wire {
     /// Connects and opens a channel.
-    pub fn connect(place: SocketAddr, url: &str, timeout: Duration) -> Result<Self, Broken> {
+    pub fn connect(place: SocketAddr, url: &str, timeout: Duration) -> Result<Self, SocketError> {
         let mut wire = Self {
             socket: TimedSocket::connect(place, timeout)?,
             timeout,
@@ -90,7 +90,7 @@ impl Wire {
     }
 
     /// Negotiates the sizes of messages.
-    fn greet(&mut self, url: &str) -> Result<(), Broken> {
+    fn greet(&mut self, url: &str) -> Result<(), SocketError> {
         let until = Instant::now() + self.timeout;
         let mut hello = Vec::new();
         for number in [
@@ -107,7 +107,7 @@ impl Wire {
         let (kind, content) = self.receive(until)?;
         // Version, receive and send buffer, and two limits.
         if kind != *b"ACKF" || content.len() != 20 {
-            return Err(Broken::Invalid("its greeting is invalid".to_owned()));
+            return Err(SocketError::Invalid("its greeting is invalid".to_owned()));
         }
         let buffer = usize::try_from(word(&content[4..8])).unwrap_or(usize::MAX);
         self.largest = buffer.clamp(SMALLEST_BUFFER, LARGEST_CHUNK);
@@ -115,7 +115,7 @@ impl Wire {
     }
 
     /// Opens or renews the channel.
-    fn open(&mut self, request_type: SecurityTokenRequestType) -> Result<(), Broken> {
+    fn open(&mut self, request_type: SecurityTokenRequestType) -> Result<(), SocketError> {
         let until = Instant::now() + self.timeout;
         let request = OpenSecureChannelRequest {
             request_header: self.header(&NodeId::null()),
@@ -133,7 +133,7 @@ impl Wire {
         self.socket.send(&message(*b"OPNF", &content), until)?;
         let (kind, content) = self.receive(until)?;
         if kind != *b"OPNF" {
-            return Err(Broken::Invalid(
+            return Err(SocketError::Invalid(
                 "it did not answer the request to open a channel".to_owned(),
             ));
         }
@@ -148,8 +148,9 @@ impl Wire {
     }
 
     /// The body of the response to opening a channel.
-    fn opened<'c>(&self, content: &'c [u8]) -> Result<&'c [u8], Broken> {
-        let short = || Broken::Invalid("the answer to opening a channel is cut off".to_owned());
+    fn opened<'c>(&self, content: &'c [u8]) -> Result<&'c [u8], SocketError> {
+        let short =
+            || SocketError::Invalid("the answer to opening a channel is cut off".to_owned());
         let (_, mut rest) = content.split_at_checked(4).ok_or_else(short)?;
         // The policy and two certificates, each preceded by its length, which is -1 if absent.
         for _ in 0..3 {
@@ -178,7 +179,7 @@ impl Wire {
     pub fn exchange<A: Answer>(
         &mut self,
         request: &(impl BinaryEncodable + MessageInfo),
-    ) -> Result<Result<A, StatusCode>, Broken> {
+    ) -> Result<Result<A, StatusCode>, SocketError> {
         if Instant::now() > self.renew_at {
             self.open(SecurityTokenRequestType::Renew)?;
         }
@@ -225,7 +226,7 @@ impl Wire {
     }
 
     /// Sends a request in chunks that the server accepts.
-    fn send(&mut self, body: &[u8], until: Instant) -> Result<(), Broken> {
+    fn send(&mut self, body: &[u8], until: Instant) -> Result<(), SocketError> {
         self.request = self.request.wrapping_add(1);
         let parts: Vec<&[u8]> = body.chunks(self.largest - HEADER - CHUNK).collect();
         for (k, part) in parts.iter().enumerate() {
@@ -238,25 +239,27 @@ impl Wire {
     }
 
     /// The body of the response to the last request, assembled from its chunks.
-    fn answer(&mut self, until: Instant) -> Result<Vec<u8>, Broken> {
+    fn answer(&mut self, until: Instant) -> Result<Vec<u8>, SocketError> {
         let mut body = Vec::new();
         loop {
             let (kind, content) = self.receive(until)?;
             let [b'M', b'S', b'G', more @ (b'F' | b'C')] = kind else {
-                return Err(Broken::Invalid(match kind {
+                return Err(SocketError::Invalid(match kind {
                     [b'M', b'S', b'G', b'A'] => "it aborted an answer".to_owned(),
                     _ => "a message of an unexpected kind".to_owned(),
                 }));
             };
-            let (head, part) = content
-                .split_at_checked(CHUNK)
-                .ok_or_else(|| Broken::Invalid("a chunk shorter than its header".to_owned()))?;
+            let (head, part) = content.split_at_checked(CHUNK).ok_or_else(|| {
+                SocketError::Invalid("a chunk shorter than its header".to_owned())
+            })?;
             if word(&head[..4]) != self.channel {
-                return Err(Broken::Invalid("a chunk of another channel".to_owned()));
+                return Err(SocketError::Invalid(
+                    "a chunk of another channel".to_owned(),
+                ));
             }
             self.check_number(&head[12..])?;
             if body.len() + part.len() > LONGEST {
-                return Err(Broken::Invalid(format!(
+                return Err(SocketError::Invalid(format!(
                     "an answer of more than {LONGEST} bytes"
                 )));
             }
@@ -267,17 +270,17 @@ impl Wire {
         }
     }
 
-    fn check_number(&self, number: &[u8]) -> Result<(), Broken> {
+    fn check_number(&self, number: &[u8]) -> Result<(), SocketError> {
         match word(number) == self.request {
             true => Ok(()),
-            false => Err(Broken::Invalid(
+            false => Err(SocketError::Invalid(
                 "a message that does not belong to the request".to_owned(),
             )),
         }
     }
 
     /// The next message: its kind, and the data after the length.
-    fn receive(&mut self, until: Instant) -> Result<([u8; 4], Vec<u8>), Broken> {
+    fn receive(&mut self, until: Instant) -> Result<([u8; 4], Vec<u8>), SocketError> {
         let mut header = [0; HEADER];
         self.socket.fill(&mut header, until)?;
         let [a, b, c, d, length @ ..] = header;
@@ -285,7 +288,7 @@ impl Wire {
         let size = usize::try_from(length).ok();
         let size = size.filter(|size| (HEADER..=LARGEST_CHUNK).contains(size));
         let size = size.ok_or_else(|| {
-            Broken::Invalid(format!(
+            SocketError::Invalid(format!(
                 "a message of {length} bytes, expected {HEADER} to {LARGEST_CHUNK}"
             ))
         })?;
@@ -298,23 +301,23 @@ impl Wire {
     }
 
     /// The server's reason for ending the connection.
-    fn ended(&self, content: &[u8]) -> Broken {
+    fn ended(&self, content: &[u8]) -> SocketError {
         let Some((code, reason)) = content.split_at_checked(4) else {
-            return Broken::Invalid("an error without its code".to_owned());
+            return SocketError::Invalid("an error without its code".to_owned());
         };
         let text = UAString::decode(&mut Cursor::new(reason), &self.context.context());
         let text = text.map_or(String::new(), |text| text.to_string());
         let text: String = text.chars().filter(|c| !c.is_control()).take(200).collect();
         let why = explain(StatusCode::from(word(code)));
-        Broken::Ended(match text.is_empty() {
+        SocketError::Ended(match text.is_empty() {
             true => why,
             false => format!("{why}: {text}"),
         })
     }
 
-    fn decode<A: Answer>(&self, body: &[u8]) -> Result<Result<A, StatusCode>, Broken> {
+    fn decode<A: Answer>(&self, body: &[u8]) -> Result<Result<A, StatusCode>, SocketError> {
         let context = self.context.context();
-        let wrong = |_| Broken::Invalid("its content cannot be read".to_owned());
+        let wrong = |_| SocketError::Invalid("its content cannot be read".to_owned());
         let mut content = Cursor::new(body);
         let kind = NodeId::decode(&mut content, &context).map_err(wrong)?;
         let is = |id: ObjectId| kind == NodeId::new(0, id as u32);
@@ -323,11 +326,13 @@ impl Wire {
             return Ok(Err(fault.response_header.service_result));
         }
         if !is(A::ID) {
-            return Err(Broken::Invalid("an answer to another request".to_owned()));
+            return Err(SocketError::Invalid(
+                "an answer to another request".to_owned(),
+            ));
         }
         let answer = A::decode(&mut content, &context).map_err(wrong)?;
         if content.position() != body.len() as u64 {
-            return Err(Broken::Invalid(
+            return Err(SocketError::Invalid(
                 "an answer is longer than its content".to_owned(),
             ));
         }
@@ -338,8 +343,8 @@ impl Wire {
     }
 }
 
-fn refused(status: StatusCode) -> Broken {
-    Broken::Ended(explain(status))
+fn refused(status: StatusCode) -> SocketError {
+    SocketError::Ended(explain(status))
 }
 
 /// Meaning of a status in words.

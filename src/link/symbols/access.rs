@@ -1,6 +1,6 @@
 //! Interface of protocols: connections to a symbol server, for looking up, reading and writing symbols.
 
-use super::layout::{Slot, Wanted};
+use super::layout::{RequiredSymbol, Slot};
 use crate::error::LinkError;
 
 /// A symbol of a mapping, and the controller's answer about it.
@@ -82,7 +82,7 @@ pub(crate) enum Count {
     AtLeast(usize),
 }
 
-impl Wanted {
+impl RequiredSymbol {
     /// The problem with a symbol of this kind and number of elements, to be appended to the name of its type; `names`
     /// are the protocol's names for the required types.
     pub fn problem(
@@ -170,7 +170,7 @@ pub(crate) trait SymbolServer: Send {
 /// A connection to a symbol server. Each call ends, answered or not, after a bounded time.
 pub(crate) trait SymbolAccess: Send {
     /// Looks up symbols, which are then known by their index. They can be read and written only if all are good.
-    fn look_up(&mut self, wanted: &[Wanted]) -> Result<Vec<SymbolFound>, LinkError>;
+    fn look_up(&mut self, wanted: &[RequiredSymbol]) -> Result<Vec<SymbolFound>, LinkError>;
 
     /// Reason why the program does not run, if it does not.
     fn problem(&mut self) -> Result<Option<String>, Failure>;
@@ -217,7 +217,7 @@ const NAMES: usize = 4;
 /// Connects and looks up all symbols; missing ones are reported together.
 pub(super) fn connect(
     server: &dyn SymbolServer,
-    wanted: &[Wanted],
+    wanted: &[RequiredSymbol],
 ) -> Result<Box<dyn SymbolAccess>, LinkError> {
     let mut access = server.connect()?;
     let found = access.look_up(wanted)?;

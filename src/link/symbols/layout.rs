@@ -13,7 +13,7 @@ use crate::parameters::{EffectName, parameters_and_home_lengths};
 
 /// A required symbol.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Wanted {
+pub(crate) struct RequiredSymbol {
     pub name: String,
     pub expected: Expected,
     /// Number of its elements.
@@ -105,7 +105,7 @@ impl StatusSlots {
 /// All symbols that are read and written.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
-    pub wanted: Vec<Wanted>,
+    pub wanted: Vec<RequiredSymbol>,
     /// Number of symbols, starting from the first, with readings for display.
     pub shown: usize,
     /// Number of symbols, starting from the first, read with every sample.
@@ -149,14 +149,15 @@ impl Layout {
 }
 
 /// Collects the symbols.
-struct Symbols(Vec<Wanted>);
+struct Symbols(Vec<RequiredSymbol>);
 
 impl Symbols {
     /// Index of a required symbol, which is included once however often it is named.
     fn want(&mut self, name: &str, expected: Expected, count: Count) -> usize {
-        let known = |w: &Wanted| w.name == name && w.expected == expected && w.count == count;
+        let known =
+            |w: &RequiredSymbol| w.name == name && w.expected == expected && w.count == count;
         self.0.iter().position(known).unwrap_or_else(|| {
-            self.0.push(Wanted {
+            self.0.push(RequiredSymbol {
                 name: name.to_owned(),
                 expected,
                 count,
@@ -309,11 +310,11 @@ impl Symbols {
         };
         // One entry for all elements of an array, so that it is read once.
         let least = element.saturating_add(1);
-        let same = |w: &Wanted| w.name == symbol && matches!(w.count, Count::AtLeast(_));
+        let same = |w: &RequiredSymbol| w.name == symbol && matches!(w.count, Count::AtLeast(_));
         let known = self.0.iter().position(same);
         let index =
             known.unwrap_or_else(|| self.want(&symbol, Expected::Number, Count::AtLeast(least)));
-        if let Some(Wanted {
+        if let Some(RequiredSymbol {
             count: Count::AtLeast(count),
             ..
         }) = self.0.get_mut(index)

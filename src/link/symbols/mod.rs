@@ -20,7 +20,7 @@ pub(crate) use access::{
 pub use access::{SymbolCheck, SymbolFound};
 pub use controller::SymbolController;
 use layout::Layout;
-pub(crate) use layout::{Slot, Wanted};
+pub(crate) use layout::{RequiredSymbol, Slot};
 
 use crate::error::LinkError;
 

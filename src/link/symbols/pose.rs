@@ -1,6 +1,6 @@
 //! Poses in the representation of a controller.
 
-use nalgebra::{Unit, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 use tautline_core::geometry::Pose;
 use tautline_session::{SymbolPose, SymbolRotation};
 
@@ -41,9 +41,9 @@ pub(super) fn pose_of(numbers: &[f64], written: &SymbolPose) -> Option<Pose> {
             UnitQuaternion::from_scaled_axis(Vector3::new(x, y, z) * written.angle_scale)
         }
         (SymbolRotation::RollPitchYaw, &[roll, pitch, yaw]) => {
-            turn(Vector3::x_axis(), roll * written.angle_scale)
-                * turn(Vector3::y_axis(), pitch * written.angle_scale)
-                * turn(Vector3::z_axis(), yaw * written.angle_scale)
+            UnitQuaternion::from_axis_angle(&Vector3::x_axis(), roll * written.angle_scale)
+                * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), pitch * written.angle_scale)
+                * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw * written.angle_scale)
         }
         _ => return None,
     };
@@ -51,10 +51,6 @@ pub(super) fn pose_of(numbers: &[f64], written: &SymbolPose) -> Option<Pose> {
         position,
         orientation,
     })
-}
-
-fn turn(axis: Unit<Vector3<f64>>, angle_rad: f64) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_axis_angle(&axis, angle_rad)
 }
 
 /// Angles (rad) of `R = Rx(roll) Ry(pitch) Rz(yaw)`.

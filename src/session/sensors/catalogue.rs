@@ -151,7 +151,10 @@ pub(crate) fn resolve_in_robot(document: &mut Map<String, Value>) -> Result<(), 
     };
     let id = id.clone();
     if laser.contains_key("sd_m") {
-        let message = format!("found both {} and sd_m, expected only one of them", quoted(&id));
+        let message = format!(
+            "found both {} and sd_m, expected only one of them",
+            quoted(&id)
+        );
         return fail(pointer, message);
     }
     let catalogue = Catalogue::of_user().or_else(|error| fail(pointer, error.to_string()))?;
@@ -265,7 +268,10 @@ mod tests {
     fn robot_files_name_a_sensor() {
         let mut robot = robot_with(json!({"sensor": "class-1mm"}));
         let both = parse_robot(robot.to_string().as_bytes(), "r.json").expect_err("refused");
-        assert!(both.to_string().contains("and sd_m, expected only one"), "{both}");
+        assert!(
+            both.to_string().contains("and sd_m, expected only one"),
+            "{both}"
+        );
         robot["laser"]
             .as_object_mut()
             .expect("an object")

@@ -15,20 +15,20 @@ const MOST: usize = 12;
 #[must_use]
 pub fn sentences(plan: &StudyPlan, result: &StudyResult) -> Vec<String> {
     let groups = groups(plan, result);
-    let mut said: Vec<String> = Vec::new();
+    let mut sentences: Vec<String> = Vec::new();
     for group in groups.iter().take(MOST) {
-        said.extend(which_sensor(group));
-        said.extend(how_many_poses(group));
-        said.extend(
+        sentences.extend(which_sensor(group));
+        sentences.extend(how_many_poses(group));
+        sentences.extend(
             plan.study
                 .wanted_m
                 .and_then(|wanted| wanted_is_reached(group, wanted)),
         );
     }
-    said.extend(what_else(&groups));
-    said.extend(growth(&groups));
-    said.extend(faults(plan, result));
-    said
+    sentences.extend(what_else(&groups));
+    sentences.extend(growth(&groups));
+    sentences.extend(faults(plan, result));
+    sentences
 }
 
 fn position(cell: &CellResult) -> Option<f64> {
@@ -221,7 +221,7 @@ fn growth(groups: &[Group<'_>]) -> Option<String> {
 
 fn faults(plan: &StudyPlan, result: &StudyResult) -> Option<String> {
     let mut seen = [0_u64; 2];
-    let mut said = [0_u64; 3];
+    let mut verdicts = [0_u64; 3];
     for errors in result
         .cells
         .iter()
@@ -230,20 +230,20 @@ fn faults(plan: &StudyPlan, result: &StudyResult) -> Option<String> {
         seen[0] += errors.with_fault.count;
         seen[1] += errors.with_fault.of;
         let doctor = errors.doctor;
-        said[0] += doctor.right;
-        said[1] += doctor.wrong;
-        said[2] +=
+        verdicts[0] += doctor.right;
+        verdicts[1] += doctor.wrong;
+        verdicts[2] +=
             doctor.right + doctor.wrong + doctor.partly + doctor.missed + doctor.rightly_silent;
     }
     if plan.study.faults.is_empty() || seen[1] == 0 {
         return None;
     }
     let percent = |count: u64, of: u64| significant(100.0 * count as f64 / of as f64, 3);
-    let doctor = match said[2] {
+    let doctor = match verdicts[2] {
         0 => String::new(),
         of => format!(
             "; of {of} runs submitted to the diagnosis, it named all faults in {} and a wrong one in {}",
-            said[0], said[1]
+            verdicts[0], verdicts[1]
         ),
     };
     Some(format!(

@@ -7,7 +7,7 @@
 mod doubts;
 
 use tautline_link::ParameterInfo;
-use tautline_link::adjusting::{self, Difference, Holds};
+use tautline_link::adjusting::{self, ControllerValues, Difference};
 use tautline_session::{Adjustment, NamedValue, Outcome, Session, Stage, Timestamp, ValueChange};
 
 use crate::wording::count;
@@ -110,16 +110,18 @@ pub fn begun(
 
 /// The state found after an interrupted adjustment, in one sentence.
 #[must_use]
-pub fn found(open: &Adjustment, found: &Holds) -> String {
+pub fn found(open: &Adjustment, found: &ControllerValues) -> String {
     let values = count(open.changes.len(), "value");
     let was = match found {
-        Holds::Old => format!("the controller still held all {values} from before"),
-        Holds::New => format!("the controller held all {values} that were to be written"),
-        Holds::Mixed(others) => format!(
+        ControllerValues::Old => format!("the controller still held all {values} from before"),
+        ControllerValues::New => {
+            format!("the controller held all {values} that were to be written")
+        }
+        ControllerValues::Mixed(others) => format!(
             "{} of {values} in the controller differed from before",
             others.len()
         ),
-        Holds::Unknown => "the controller did not answer".to_owned(),
+        ControllerValues::Unknown => "the controller did not answer".to_owned(),
     };
     let when = open.time;
     let what = if open.restores {
@@ -134,19 +136,25 @@ pub fn found(open: &Adjustment, found: &Holds) -> String {
 #[must_use]
 pub fn settled(
     open: &Adjustment,
-    found: &Holds,
+    found: &ControllerValues,
     settled: &adjusting::Adjustment,
 ) -> (Outcome, String) {
     let now = match &settled.holds {
-        Holds::New => "It is complete: verify the values with a verification run.".to_owned(),
-        Holds::Old if *found == Holds::Old => "Nothing was written.".to_owned(),
-        Holds::Old => "The values from before were written back and verified.".to_owned(),
-        Holds::Mixed(_) | Holds::Unknown => String::new(),
+        ControllerValues::New => {
+            "It is complete: verify the values with a verification run.".to_owned()
+        }
+        ControllerValues::Old if *found == ControllerValues::Old => {
+            "Nothing was written.".to_owned()
+        }
+        ControllerValues::Old => {
+            "The values from before were written back and verified.".to_owned()
+        }
+        ControllerValues::Mixed(_) | ControllerValues::Unknown => String::new(),
     };
     // The advice names values that are not numbers.
     let advice = match &settled.holds {
-        Holds::New => "",
-        Holds::Old if *found == Holds::Old => "",
+        ControllerValues::New => "",
+        ControllerValues::Old if *found == ControllerValues::Old => "",
         _ => settled.advice.as_str(),
     };
     let parts = [self::found(open, found), now, advice.to_owned()];
@@ -156,11 +164,13 @@ pub fn settled(
         .collect::<Vec<_>>()
         .join(" ");
     let outcome = match (&settled.holds, open.restores) {
-        (Holds::New, false) => Outcome::Written,
-        (Holds::New, true) => Outcome::RolledBack,
-        (Holds::Old, false) if *found != Holds::Old => Outcome::RolledBack,
-        (Holds::Old, _) => Outcome::Failed(text.clone()),
-        (Holds::Mixed(_) | Holds::Unknown, _) => Outcome::Unsettled(text.clone()),
+        (ControllerValues::New, false) => Outcome::Written,
+        (ControllerValues::New, true) => Outcome::RolledBack,
+        (ControllerValues::Old, false) if *found != ControllerValues::Old => Outcome::RolledBack,
+        (ControllerValues::Old, _) => Outcome::Failed(text.clone()),
+        (ControllerValues::Mixed(_) | ControllerValues::Unknown, _) => {
+            Outcome::Unsettled(text.clone())
+        }
     };
     (outcome, text)
 }
@@ -169,23 +179,25 @@ pub fn settled(
 #[must_use]
 pub fn summary(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usize) -> String {
     let what = match (&adjustment.holds, purpose) {
-        (Holds::New, Purpose::Adjust) => {
+        (ControllerValues::New, Purpose::Adjust) => {
             format!(
                 "The identified values were written to the controller and verified ({values} changed)."
             )
         }
-        (Holds::New, Purpose::RollBack) => {
+        (ControllerValues::New, Purpose::RollBack) => {
             format!("The previous values were restored ({values} changed).")
         }
-        (Holds::Old, _) => "The values were not written.".to_owned(),
-        (Holds::Mixed(names), _) => {
+        (ControllerValues::Old, _) => "The values were not written.".to_owned(),
+        (ControllerValues::Mixed(names), _) => {
             format!("Warning: {} values are only partly written.", names.len())
         }
-        (Holds::Unknown, _) => "Warning: the values in the controller are not known.".to_owned(),
+        (ControllerValues::Unknown, _) => {
+            "Warning: the values in the controller are not known.".to_owned()
+        }
     };
     let problem = adjustment.problem.as_deref().unwrap_or_default();
     let advice = match purpose {
-        Purpose::RollBack if adjustment.holds == Holds::New => "",
+        Purpose::RollBack if adjustment.holds == ControllerValues::New => "",
         _ => adjustment.advice.as_str(),
     };
     let parts = [what.as_str(), problem, advice].into_iter();
@@ -195,12 +207,14 @@ pub fn summary(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usi
 
 /// The outcome for the session's record, with the summary as `text`; `holds` is `None` if nothing was written.
 #[must_use]
-pub fn outcome(holds: Option<&Holds>, purpose: Purpose, text: &str) -> Outcome {
+pub fn outcome(holds: Option<&ControllerValues>, purpose: Purpose, text: &str) -> Outcome {
     match (holds, purpose) {
-        (Some(Holds::New), Purpose::Adjust) => Outcome::Written,
-        (Some(Holds::New), Purpose::RollBack) => Outcome::RolledBack,
-        (Some(Holds::Mixed(_) | Holds::Unknown), _) => Outcome::Unsettled(text.to_owned()),
-        (Some(Holds::Old) | None, _) => Outcome::Failed(text.to_owned()),
+        (Some(ControllerValues::New), Purpose::Adjust) => Outcome::Written,
+        (Some(ControllerValues::New), Purpose::RollBack) => Outcome::RolledBack,
+        (Some(ControllerValues::Mixed(_) | ControllerValues::Unknown), _) => {
+            Outcome::Unsettled(text.to_owned())
+        }
+        (Some(ControllerValues::Old) | None, _) => Outcome::Failed(text.to_owned()),
     }
 }
 
@@ -280,7 +294,10 @@ mod tests {
 
     #[test]
     fn what_is_unknown_or_mixed_stays_open_and_keeps_everything_still() {
-        for holds in [Holds::Unknown, Holds::Mixed(vec!["a".into()])] {
+        for holds in [
+            ControllerValues::Unknown,
+            ControllerValues::Mixed(vec!["a".into()]),
+        ] {
             for purpose in [Purpose::Adjust, Purpose::RollBack] {
                 let outcome = outcome(Some(&holds), purpose, "why");
                 let session = session([record(outcome, false)]);
@@ -321,19 +338,34 @@ mod tests {
             problem: None,
             advice: "Advice.".into(),
         };
-        let mixed = Holds::Mixed(vec!["a".into()]);
+        let mixed = ControllerValues::Mixed(vec!["a".into()]);
         for (restores, found, holds, expected) in [
-            (false, Holds::New, Holds::New, Outcome::Written),
-            (true, Holds::New, Holds::New, Outcome::RolledBack),
-            (false, mixed.clone(), Holds::Old, Outcome::RolledBack),
+            (
+                false,
+                ControllerValues::New,
+                ControllerValues::New,
+                Outcome::Written,
+            ),
+            (
+                true,
+                ControllerValues::New,
+                ControllerValues::New,
+                Outcome::RolledBack,
+            ),
+            (
+                false,
+                mixed.clone(),
+                ControllerValues::Old,
+                Outcome::RolledBack,
+            ),
         ] {
             let (outcome, _) = settled(&record(Outcome::Begun, restores), &found, &attempt(holds));
             assert_eq!(outcome, expected);
         }
         let (outcome, text) = settled(
             &record(Outcome::Begun, false),
-            &Holds::Old,
-            &attempt(Holds::Old),
+            &ControllerValues::Old,
+            &attempt(ControllerValues::Old),
         );
         assert!(matches!(outcome, Outcome::Failed(_)));
         assert!(

@@ -69,7 +69,9 @@ pub fn unexplained(compared: &Comparison, names: [&str; 2]) -> Vec<String> {
     let fits = compared.fits.iter().zip(names);
     fits.filter(|(fit, _)| fit.p_value.is_some_and(|p| p < BAD_FIT))
         .map(|(_, name)| {
-            format!("The model does not explain {name}: differences may come from unmodelled effects.")
+            format!(
+                "The model does not explain {name}: differences may come from unmodelled effects."
+            )
         })
         .collect()
 }

@@ -88,10 +88,10 @@ impl FromStr for ControllerChoice {
                 folder => Ok(Self::Replay(folder.into())),
             };
         }
-        let told = |error: LinkError| ControllerChoiceError(error.to_string());
+        let to_error = |error: LinkError| ControllerChoiceError(error.to_string());
         match text.strip_prefix(ADS) {
-            Some(address) => address.parse().map(Self::Ads).map_err(told),
-            None if text.starts_with(OPC_UA) => text.parse().map(Self::OpcUa).map_err(told),
+            Some(address) => address.parse().map(Self::Ads).map_err(to_error),
+            None if text.starts_with(OPC_UA) => text.parse().map(Self::OpcUa).map_err(to_error),
             None => refuse(KNOWN),
         }
     }

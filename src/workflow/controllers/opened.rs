@@ -141,7 +141,9 @@ fn check_robot(place: &str, recorded: &Robot, expected: &Robot) -> Result<(), Li
         ));
     }
     if names(recorded) != names(expected) {
-        return refuse("found cables with other names than those of the session's robot".to_owned());
+        return refuse(
+            "found cables with other names than those of the session's robot".to_owned(),
+        );
     }
     Ok(())
 }

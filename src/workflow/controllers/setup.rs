@@ -8,7 +8,7 @@ use tautline_core::simulation::{TensionRange, Workspace};
 use tautline_link::ads::{AdsAddress, AdsOptions};
 use tautline_link::opcua::{OpcUaAddress, OpcUaOptions};
 use tautline_link::simulated::SimulatedSetup;
-use tautline_link::{Limits, Seen};
+use tautline_link::{LastState, Limits};
 use tautline_session::{Connection, ControllerKind, LaserSettings, Session, SymbolMapping};
 
 use super::choice::ControllerChoice;
@@ -56,7 +56,7 @@ pub struct ConnectionSetup {
     pub(super) values_file: Option<PathBuf>,
     pub(super) limits: Limits,
     /// State of the controller when the last pose of the session was measured.
-    pub(super) seen: Option<Seen>,
+    pub(super) seen: Option<LastState>,
     pub(super) laser: LaserSettings,
     /// Number of home pose measurements in the session, so that a simulated one continues with other noise.
     pub(super) home_measurements: usize,
@@ -203,13 +203,13 @@ impl ConnectionSetup {
 
 /// The state of the controller according to the last measured pose of a session. A simulated one is created anew for every
 /// connection, at home and with its clock at 0.
-fn seen(session: &Session, mapping: &SymbolMapping) -> Option<Seen> {
+fn seen(session: &Session, mapping: &SymbolMapping) -> Option<LastState> {
     let measured = &session.measurements;
     let row = measured.len().checked_sub(1)?;
     // A controller without a clock uses the time of the connection.
     let has_clock = mapping.readings.time.is_some();
     let time_s = measured.time_s.get(row).copied();
-    Some(Seen {
+    Some(LastState {
         time_s: time_s.filter(|time_s| has_clock && time_s.is_finite()),
         started: session.controller_started,
         resting: measured.commanded.get(row).copied().flatten(),

@@ -171,14 +171,14 @@ fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) 
 
 /// The points of a figure that are painted in a view; computed once per view, not per frame.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Seen {
+pub struct VisiblePoints {
     /// Points of each series.
     pub thinned: Vec<Thinned>,
     /// Points of the selected pose: series and index.
     pub selected: Vec<(usize, usize)>,
 }
 
-impl Seen {
+impl VisiblePoints {
     /// Computes the points to paint at a resolution.
     #[must_use]
     pub fn new(
@@ -217,7 +217,7 @@ pub struct Plot<'a> {
     /// Its layout.
     pub layout: &'a Layout,
     /// The points to paint.
-    pub seen: &'a Seen,
+    pub seen: &'a VisiblePoints,
     /// The highlighted cable and pose.
     pub selection: Selection,
     /// Colours.
@@ -241,7 +241,7 @@ pub fn drawing(
     let plot = Plot {
         figure,
         layout: &layout,
-        seen: &Seen::new(figure, &layout.scale, selection, 1.0),
+        seen: &VisiblePoints::new(figure, &layout.scale, selection, 1.0),
         selection,
         colours,
     };

@@ -253,7 +253,7 @@ pub struct Columns {
 
 /// Colour scale of a heat map.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shades {
+pub enum ColourScale {
     /// Diverging: symmetric about 0, saturated at this value.
     Diverging(f64),
     /// Sequential: from the smallest to the largest value.
@@ -262,7 +262,7 @@ pub enum Shades {
 
 /// A heat map.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Heat {
+pub struct HeatMap {
     /// Edges along x, one more than columns.
     pub x: Vec<f64>,
     /// Edges along y, one more than rows.
@@ -270,7 +270,7 @@ pub struct Heat {
     /// Values, row by row from the first edge of y.
     pub values: Vec<f64>,
     /// Colour scale.
-    pub shades: Shades,
+    pub shades: ColourScale,
     /// Quantity and unit of the values.
     pub axis: Axis,
     /// Names of columns and rows for the label at the pointer, if they have names.
@@ -279,7 +279,7 @@ pub struct Heat {
     pub cables: Vec<Option<usize>>,
 }
 
-impl Heat {
+impl HeatMap {
     /// Column, row and value of the cell at a point.
     #[must_use]
     pub fn cell(&self, x: f64, y: f64) -> Option<(usize, usize, f64)> {
@@ -311,7 +311,7 @@ pub struct Figure {
     /// y axis.
     pub y: Axis,
     /// Heat map, behind everything.
-    pub heat: Option<Heat>,
+    pub heat: Option<HeatMap>,
     /// Marked ranges of x, behind everything but a heat map, such as the used parts of a recording.
     pub spans: Vec<[f64; 2]>,
     /// Horizontal bands, behind the points.
@@ -427,11 +427,11 @@ mod tests {
 
     #[test]
     fn cells_are_found_by_place() {
-        let heat = Heat {
+        let heat = HeatMap {
             x: vec![0.0, 1.0, 2.0],
             y: vec![0.0, 1.0],
             values: vec![5.0, 7.0],
-            shades: Shades::Diverging(1.0),
+            shades: ColourScale::Diverging(1.0),
             axis: Axis::default(),
             names: Default::default(),
             cables: Vec::new(),

@@ -6,14 +6,14 @@ use emath::{Align2, Pos2, Rect, lerp, vec2};
 use super::canvas::Canvas;
 use super::colours::Colours;
 use super::draw::{GRID, TEXT};
-use super::figure::{Heat, Shades};
+use super::figure::{ColourScale, HeatMap};
 use super::scale::{Scale, fixed};
 
 /// Width of the colour scale of a heat map.
 pub const SCALE_WIDTH: f32 = 12.0;
 
 /// Draws the cells.
-pub fn cells(canvas: &mut dyn Canvas, heat: &Heat, scale: &Scale, colours: &Colours) {
+pub fn cells(canvas: &mut dyn Canvas, heat: &HeatMap, scale: &Scale, colours: &Colours) {
     let columns = heat.x.len().saturating_sub(1).max(1);
     for (index, value) in heat.values.iter().enumerate() {
         let (row, column) = (index / columns, index % columns);
@@ -26,15 +26,15 @@ pub fn cells(canvas: &mut dyn Canvas, heat: &Heat, scale: &Scale, colours: &Colo
 }
 
 /// Colour of a value of a heat map.
-fn shade(shades: Shades, value: f64, colours: &Colours) -> Color32 {
+fn shade(shades: ColourScale, value: f64, colours: &Colours) -> Color32 {
     match shades {
         // Zero has the background colour, so that large values stand out.
-        Shades::Diverging(most) => {
+        ColourScale::Diverging(most) => {
             let t = (value / most).clamp(-1.0, 1.0) as f32;
             let end = colours.diverging[usize::from(t >= 0.0)];
             colours.ground.lerp_to_gamma(end, t.abs())
         }
-        Shades::Rising(low, high) => {
+        ColourScale::Rising(low, high) => {
             let t = ((value - low) / (high - low)).clamp(0.0, 1.0) as f32;
             colours.ground.lerp_to_gamma(colours.accent, 0.08 + 0.8 * t)
         }
@@ -43,15 +43,15 @@ fn shade(shades: Shades, value: f64, colours: &Colours) -> Color32 {
 
 /// Values at the ends of the colour scale.
 #[must_use]
-pub fn limits(shades: Shades) -> [f64; 2] {
+pub fn limits(shades: ColourScale) -> [f64; 2] {
     match shades {
-        Shades::Diverging(most) => [-most, most],
-        Shades::Rising(low, high) => [low, high],
+        ColourScale::Diverging(most) => [-most, most],
+        ColourScale::Rising(low, high) => [low, high],
     }
 }
 
 /// Draws the colour scale with its values beside the data.
-pub fn colour_scale(canvas: &mut dyn Canvas, heat: &Heat, plot: Rect, colours: &Colours) {
+pub fn colour_scale(canvas: &mut dyn Canvas, heat: &HeatMap, plot: Rect, colours: &Colours) {
     const STEPS: usize = 64;
     let bar = Rect::from_min_max(
         Pos2::new(plot.max.x + 3.0 * GRID, plot.min.y + TEXT + 2.0 * GRID),

@@ -1,7 +1,7 @@
 //! Plots: a [`Figure`] is data, a [`Plot`] paints it on any [`Canvas`], so that the window, exported files and reports
 //! look alike.
 //!
-//! [`Layout`] places axes, ticks and legend; [`Seen`] holds the points worth painting in a view. `emath` and
+//! [`Layout`] places axes, ticks and legend; [`VisiblePoints`] holds the points worth painting in a view. `emath` and
 //! `ecolor` are the geometry and the colours of egui without its widgets, so that the window needs no conversion.
 
 pub mod canvas;
@@ -20,7 +20,7 @@ pub mod thin;
 
 pub use canvas::{Canvas, Stroke};
 pub use colours::Colours;
-pub use draw::{Layout, Plot, Seen};
+pub use draw::{Layout, Plot, VisiblePoints};
 pub use drawing::Drawing;
 pub use figure::Figure;
 pub use heat::limits;

@@ -2,7 +2,7 @@
 
 use tautline_session::csv_row;
 
-use super::figure::{Figure, Heat, Point};
+use super::figure::{Figure, HeatMap, Point};
 
 /// All values in the view, including those that share a pixel: one row per point, point of a curve, bin or cell.
 #[must_use]
@@ -60,7 +60,7 @@ fn values(figure: &Figure) -> Vec<(&str, Point)> {
     values
 }
 
-fn cells(figure: &Figure, heat: &Heat, is_seen: &dyn Fn(f64, f64) -> bool) -> String {
+fn cells(figure: &Figure, heat: &HeatMap, is_seen: &dyn Fn(f64, f64) -> bool) -> String {
     let mut table = csv_row(&[&figure.x.title(), &figure.y.title(), &heat.axis.title()]);
     let columns = heat.x.len().saturating_sub(1).max(1);
     let [names_x, names_y] = &heat.names;

@@ -68,7 +68,8 @@ pub fn fit_force_sensor(
 pub fn fit_home(robot: &Robot, rows: &[HomeReading]) -> Result<HomeMeasurement, String> {
     let Some(platform) = &robot.home_platform else {
         return Err(
-            "robot.json has no home_platform, expected one to compute a pose from the readings".into(),
+            "robot.json has no home_platform, expected one to compute a pose from the readings"
+                .into(),
         );
     };
     let mut readings = vec![Vec::new(); platform.sensors.len()];

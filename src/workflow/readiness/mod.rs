@@ -199,7 +199,11 @@ fn faults(isolability: Option<&IsolabilityDocument>) -> CheckItem {
     if unseen.is_empty() {
         return item(CheckOutcome::Pass, table.summary());
     }
-    let said = format!("{} Not reliably detectable: {}.", table.summary(), list(&unseen));
+    let sentence = format!(
+        "{} Not reliably detectable: {}.",
+        table.summary(),
+        list(&unseen)
+    );
     let advice = "Poses planned with `tautline plan --for both` reveal more; the rest needs another instrument or a check in \
                   the workshop.";
     // Some faults are below the noise at any poses; the poses are poor if that holds for more than half of the faults.
@@ -208,5 +212,5 @@ fn faults(isolability: Option<&IsolabilityDocument>) -> CheckItem {
     } else {
         CheckOutcome::Pass
     };
-    item(outcome, said).with(advice)
+    item(outcome, sentence).with(advice)
 }

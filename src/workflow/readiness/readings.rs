@@ -176,12 +176,14 @@ pub(super) fn plausible(dataset: &Dataset) -> CheckItem {
     }
     if compared.is_none() {
         let why = "Lengths were not compared: fewer than 4 poses have a commanded pose.";
-        return item(CheckOutcome::NotEvaluated, why.to_owned())
-            .with("Record the commanded poses (columns x_m, y_m, z_m, qw, qx, qy, qz of poses.csv).");
+        return item(CheckOutcome::NotEvaluated, why.to_owned()).with(
+            "Record the commanded poses (columns x_m, y_m, z_m, qw, qx, qy, qz of poses.csv).",
+        );
     }
     item(
         CheckOutcome::Pass,
-        "Changes of length match the commanded poses, and tensions and distances are plausible.".to_owned(),
+        "Changes of length match the commanded poses, and tensions and distances are plausible."
+            .to_owned(),
     )
 }
 

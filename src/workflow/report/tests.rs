@@ -443,7 +443,9 @@ fn the_name_of_the_file_says_the_format() {
     }
     let error = write_report(&folder.path().join("a.doc"), &sample.input()).expect_err("no format");
     assert!(
-        error.to_string().ends_with("expected a name that ends with .html or .pdf"),
+        error
+            .to_string()
+            .ends_with("expected a name that ends with .html or .pdf"),
         "{error}"
     );
 }

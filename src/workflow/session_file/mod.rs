@@ -24,7 +24,7 @@ use crate::clock;
 use crate::controllers::{beside, is_held_values};
 use crate::wording::{count, sentence};
 pub use lock::{FileLock, LockError, unsaved_folder};
-pub use space::KeptSpace;
+pub use space::ReservedSpace;
 
 /// Suffix of the file that contains a simulated controller's values while they are being written.
 const CONTROLLER: &str = ".controller";
@@ -227,8 +227,8 @@ impl SessionFile {
     ///
     /// # Errors
     /// If there is not enough space.
-    pub fn keep_space(&self) -> Result<KeptSpace, SessionFileError> {
-        KeptSpace::beside(&self.path, self.lock.folder())
+    pub fn keep_space(&self) -> Result<ReservedSpace, SessionFileError> {
+        ReservedSpace::beside(&self.path, self.lock.folder())
     }
 
     /// Adds an entry to the session's log.

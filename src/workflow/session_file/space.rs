@@ -15,9 +15,9 @@ static BLOCK: [u8; 1 << 16] = [0; 1 << 16];
 
 /// Reserved space, which is released when this is dropped.
 #[derive(Debug)]
-pub struct KeptSpace(PathBuf);
+pub struct ReservedSpace(PathBuf);
 
-impl KeptSpace {
+impl ReservedSpace {
     /// Reserves space for the session file and one record, as a file is written anew before the old one is replaced.
     pub(super) fn beside(session: &Path, folder: &Path) -> Result<Self, SessionFileError> {
         let kept = Self(folder.join(NAME));
@@ -59,7 +59,7 @@ pub(super) fn free_left(folder: &Path) -> io::Result<()> {
     remove_left(&folder.join(NAME))
 }
 
-impl Drop for KeptSpace {
+impl Drop for ReservedSpace {
     fn drop(&mut self) {
         // If it cannot be removed, the next program that opens the session removes it.
         let _ = fs::remove_file(&self.0);
@@ -75,14 +75,14 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let session = folder.path().join("s.json");
         fs::write(&session, "{}").expect("written");
-        let kept = KeptSpace::beside(&session, folder.path()).expect("space");
+        let kept = ReservedSpace::beside(&session, folder.path()).expect("space");
         let size = fs::metadata(folder.path().join(NAME))
             .expect("a file")
             .len();
         assert_eq!(size, 2 + RECORD);
         drop(kept);
         assert!(!folder.path().join(NAME).exists());
-        let gone = KeptSpace::beside(&session, &folder.path().join("nowhere"));
+        let gone = ReservedSpace::beside(&session, &folder.path().join("nowhere"));
         let told = gone.expect_err("no folder").to_string();
         assert!(told.contains("no space for the record"), "{told}");
     }

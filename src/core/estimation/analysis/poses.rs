@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::{Collector, NEVER_SUSPECT, is_tension_read, sd_of};
 use crate::estimation::evaluator::{Elimination, Equations, Evaluator, Layout, NoiseEstimate};
-use crate::estimation::observation::{Observation, ObservationKind, Pull};
+use crate::estimation::observation::{EntryPointSensitivity, Observation, ObservationKind};
 use crate::real::{Kernel, Packet};
 
 pub(super) struct AnalysePoses<'e, 'a, 'c, T: Packet> {
@@ -251,7 +251,7 @@ impl<T: Packet> AnalysePoses<'_, '_, '_, T> {
                     standardised: standardised[at(index)],
                     sd: sd_of(problem, self.evaluator, one.kind, *row),
                     redundancy: known.then(|| redundancy[at(index)]),
-                    pull: (known && square > 0.0).then(|| Pull {
+                    pull: (known && square > 0.0).then(|| EntryPointSensitivity {
                         cable: pulled[at(index)] as usize,
                         per_sd_m: square.sqrt(),
                     }),

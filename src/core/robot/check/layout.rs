@@ -112,7 +112,8 @@ impl Robot {
     pub fn check_reach(&self, pose: &Pose) -> Result<(), FieldError> {
         for (i, cable) in self.cables.iter().enumerate() {
             if let Err(error) = check_path_at(cable, pose) {
-                let message = format!("found that {error}, expected the anchor clear of the pulley");
+                let message =
+                    format!("found that {error}, expected the anchor clear of the pulley");
                 return fail(format!("/cables/{i}/platform_anchor_m"), message);
             }
         }

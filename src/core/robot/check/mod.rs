@@ -163,7 +163,8 @@ fn check_covariance(object: &Object, rows: &[[f64; 6]; 6]) -> Checked {
     if is_symmetric && least > LEAST_PIVOT {
         return Ok(());
     }
-    let message = "found a matrix that is not a covariance, expected a symmetric and positive definite one";
+    let message =
+        "found a matrix that is not a covariance, expected a symmetric and positive definite one";
     object.fail("covariance", message)
 }
 

@@ -172,7 +172,9 @@ impl Frames {
         }
         let scale = one("SCALE").unwrap_or(header.scale);
         if header.points > 0 && (scale == 0.0 || !scale.is_finite()) {
-            return Err(format!("found {scale} as POINT:SCALE, expected a finite factor"));
+            return Err(format!(
+                "found {scale} as POINT:SCALE, expected a finite factor"
+            ));
         }
         let data_block = match header.data_block {
             0 => one("DATA_START").map_or(0, |block| block as u64),
@@ -331,8 +333,8 @@ fn first_frame(header: &Header, parameters: &Parameters) -> f64 {
     long.unwrap_or(header.frames[0].into()).max(1.0)
 }
 
-/// How many frames there should be. Longer captures have their number in other places, and in the older ones what fits there:
-/// of all that the file can hold the largest is right.
+/// The stated number of frames. Long captures store it in additional fields while the older ones are truncated: the largest
+/// number that the file can hold is correct.
 fn frame_count(header: &Header, parameters: &Parameters, held: u64) -> u64 {
     let [first, last] = header.frames.map(f64::from);
     let begin = long_number(&parameters.counts("TRIAL", "ACTUAL_START_FIELD"));
@@ -384,7 +386,7 @@ fn unit_of(text: Option<&String>) -> Option<String> {
     unit.filter(|unit| !unit.is_empty())
 }
 
-/// The labels of a group, `point_7` where there is none.
+/// The labels of a group; `point_7` for a missing one.
 fn names(
     parameters: &Parameters,
     group: &str,
@@ -461,7 +463,7 @@ impl Analog {
     }
 }
 
-/// What the file has beside markers and analog channels, and what it says of its axes.
+/// Notices about content other than markers and analog channels, and about the axes.
 fn left_out(header: &Header, parameters: &Parameters) -> Vec<String> {
     let used = |group: &str| {
         let used = parameters.counts(group, "USED").first().copied();

@@ -217,7 +217,8 @@ fn part(input: &mut impl Read, length: u32, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What is compressed, at most one byte more than so many, and whether it is intact: asking for that byte checks the sum.
+/// Decompresses at most `most` bytes plus one, and returns whether they are intact: reading the extra byte verifies the
+/// checksum.
 fn decompressed(reader: impl Read, most: u64) -> (Cow<'static, [u8]>, bool) {
     let mut bytes = Vec::new();
     let mut reader = reader.take(most + 1);

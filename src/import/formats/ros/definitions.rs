@@ -188,7 +188,7 @@ fn kind_of(version: Version, base: &str, owner: &str, names: &[&str]) -> Option<
     Some(Kind::Number(number))
 }
 
-/// A type by its name, in the package of its owner where it has none of its own.
+/// A type by its name, in the package of its owner if it states none.
 fn nested(base: &str, owner: &str, names: &[&str]) -> Option<Kind> {
     let package = owner.split('/').next().unwrap_or_default();
     let candidates = match base.contains('/') {

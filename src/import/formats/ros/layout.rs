@@ -243,8 +243,8 @@ struct Walk<'w, 'a> {
 }
 
 impl<'a> Walk<'_, 'a> {
-    /// A part of a message; `node` says where it goes, and `path` is its name in the first message. `labels` are the names
-    /// that a list beside it gives.
+    /// Reads a part of a message; `node` is its destination, and `path` its name in the first message. `labels` are element names
+    /// from a sibling list.
     fn part(
         &mut self,
         kind: Kind,

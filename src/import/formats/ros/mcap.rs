@@ -124,7 +124,10 @@ fn decoder(schemas: &HashMap<u16, Schema>, connection: &Connection) -> Result<De
             let definitions = Definitions::parse(Version::Ros2, &schema.name, &schema.text)?;
             Decoder::typed(|data| Wire::cdr(data), definitions)
         }
-        ("cdr", encoding, _) => Err(format!("messages whose type is described in {}", named(encoding))),
+        ("cdr", encoding, _) => Err(format!(
+            "messages whose type is described in {}",
+            named(encoding)
+        )),
         (encoding, _, _) => Err(format!("messages in {}", named(encoding))),
     }
 }

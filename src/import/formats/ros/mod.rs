@@ -1,6 +1,6 @@
 //! ROS recordings: every topic is a series, its messages are decoded with the definitions in the recording.
 //!
-//! The files are read from their beginning, record by record, so that a recording without its end is read as far as it goes.
+//! The files are read sequentially, record by record, so that a truncated recording is read as far as possible.
 
 pub(super) mod bag;
 mod definitions;
@@ -19,8 +19,8 @@ use self::wire::Wire;
 use crate::source::{Channel, FillingTexts, Format, Series, Source};
 use crate::values::{Filling, Storage};
 
-/// Bytes of the longest record, as a multiple of those of the file: a compressed one is larger than what is stored, and a
-/// damaged length must not take memory that nothing fills.
+/// Maximum record length as a multiple of the file size: a compressed record expands, but a damaged length must not
+/// allocate memory without data to fill it.
 const RECORD_PER_FILE: u64 = 64;
 /// Lower and upper bound of that limit (bytes).
 const RECORD: [u64; 2] = [1 << 20, 256 << 20];

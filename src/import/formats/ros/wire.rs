@@ -112,7 +112,7 @@ impl<'a> Wire<'a> {
         usize::try_from(u32::from_le_bytes(self.take()?)).ok()
     }
 
-    /// A time (s) in seconds and nanoseconds; 0 is none that was set.
+    /// A time (s) stored as seconds and nanoseconds; `None` if it is 0, i.e. not set.
     pub fn time_s(&mut self, [seconds, nanoseconds]: [Number; 2]) -> Option<f64> {
         let seconds = self.number(seconds)?;
         let nanoseconds = self.number(nanoseconds)?;

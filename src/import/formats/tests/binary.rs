@@ -355,10 +355,7 @@ fn numpy_files_that_are_broken() {
             npy("'|O'", false, "(2,)", &data),
             "expected real numbers or text",
         ),
-        (
-            npy("'<f8'", false, "(x,)", &data),
-            "found an invalid shape",
-        ),
+        (npy("'<f8'", false, "(x,)", &data), "found an invalid shape"),
         (
             b"\x93NUMPY\x09\x00".to_vec(),
             "found format version 9, expected 1 to 3",

@@ -57,10 +57,10 @@ impl Shared {
     }
 
     /// Stores the content of a line. An invalid line also removes the latest reading, as the sensor may be at fault.
-    fn receive(&self, said: LineContent) {
+    fn receive(&self, content: LineContent) {
         let mut received = self.received();
         let now_s = self.clock.now_s();
-        match said {
+        match content {
             LineContent::Distance(distance_m) => received.reading = Some((now_s, Some(distance_m))),
             LineContent::NoReturn => received.reading = Some((now_s, None)),
             LineContent::Invalid(why) => {
@@ -244,8 +244,8 @@ impl LineReader {
                     lines.take(bytes, |line| {
                         any = true;
                         self.shared.received().line = line.map(printable);
-                        if let Some(said) = self.parser.parse(line) {
-                            self.shared.receive(said);
+                        if let Some(content) = self.parser.parse(line) {
+                            self.shared.receive(content);
                             asks = true;
                         }
                     });

@@ -35,10 +35,10 @@ impl SymbolController {
     }
 
     /// Disarms also if a command of another client had the same number, which shows in the commanded pose.
-    pub(super) fn check_told(&mut self, last: Option<&Pose>) {
+    pub(super) fn check_last_commanded(&mut self, last: Option<&Pose>) {
         // An unreachable target is also accepted, and becomes a fault.
         let taken = self.armed && self.pending.is_none() && self.status.fault.is_none();
-        let ours = self.told.filter(|_| taken);
+        let ours = self.last_commanded.filter(|_| taken);
         let Some((ours, last)) = ours.zip(last) else {
             return;
         };

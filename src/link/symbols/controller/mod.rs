@@ -49,7 +49,7 @@ pub struct SymbolController {
     status: Status,
     number: u32,
     /// The last commanded target; `None` after homing or a stop.
-    told: Option<Pose>,
+    last_commanded: Option<Pose>,
     pending: Option<Pending>,
     /// A fault detected by Tautline, shown until it is armed again.
     own_fault: Option<String>,
@@ -79,7 +79,7 @@ impl SymbolController {
             armed: false,
             status: Status::default(),
             number: 0,
-            told: None,
+            last_commanded: None,
             pending: None,
             own_fault: None,
             watchdog: 0,
@@ -109,7 +109,7 @@ impl SymbolController {
         self.program = None;
         self.armed = false;
         self.pending = None;
-        self.told = None;
+        self.last_commanded = None;
         self.status = Status::default();
     }
 
@@ -131,7 +131,7 @@ impl SymbolController {
             ))
         })?;
         self.take(status);
-        self.check_told(sample.commanded.as_ref());
+        self.check_last_commanded(sample.commanded.as_ref());
         Ok(Sample {
             time_s: if self.layout.readings.time.is_some() {
                 sample.time_s
@@ -178,7 +178,7 @@ impl SymbolController {
             program.write(&[(command.number, f64::from(number))])
         })?;
         self.number = number;
-        self.told = target.copied();
+        self.last_commanded = target.copied();
         self.pending = Some(Pending {
             number,
             since_s: self.clock.now_s(),
@@ -291,7 +291,7 @@ impl Controller for SymbolController {
         }
         self.number = self.last_number()?;
         self.pending = None;
-        self.told = None;
+        self.last_commanded = None;
         self.release(true)?;
         self.armed = true;
         Ok(())

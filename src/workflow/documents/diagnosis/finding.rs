@@ -48,13 +48,13 @@ impl Diagnosed {
             return None;
         }
         let others = finding.alternatives.iter().map(|other| &other.cause);
-        let mut said: Vec<String> = Vec::new();
-        said.extend(finding.separation.iter().map(|s| s.advice.clone()));
+        let mut advice: Vec<String> = Vec::new();
+        advice.extend(finding.separation.iter().map(|s| s.advice.clone()));
         for cause in [&finding.cause].into_iter().chain(others) {
-            said.extend(cause.effect().check().map(str::to_owned));
+            advice.extend(cause.effect().check().map(str::to_owned));
         }
         let mut different: Vec<String> = Vec::new();
-        for text in said {
+        for text in advice {
             if !different.contains(&text) {
                 different.push(text);
             }

@@ -15,7 +15,7 @@ struct Group<'a> {
 
 /// Effects that the data cannot reveal.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Hidden {
+pub struct Undetectable {
     /// Effects with their smallest detectable size.
     pub sized: Vec<String>,
     /// Effects that are not detectable at any size.
@@ -28,13 +28,13 @@ pub const HIDDEN: &str = "These poses cannot reveal the following faults at thei
 impl Diagnosed {
     /// Effects that the data cannot reveal.
     #[must_use]
-    pub fn hidden_effects(&self) -> Hidden {
+    pub fn hidden_effects(&self) -> Undetectable {
         let groups = groups(&self.diagnosis.invisible);
         let has_size = |group: &&Group<'_>| group.sizes().next().is_some();
         let (sized, never): (Vec<_>, Vec<_>) = groups.iter().partition(has_size);
         let mut never: Vec<_> = never.iter().map(|group| group.title()).collect();
         never.dedup();
-        Hidden {
+        Undetectable {
             sized: sized.iter().map(|group| self.line(group)).collect(),
             never,
         }

@@ -18,7 +18,7 @@ use tautline_core::robot::Robot;
 
 pub use document::DiagnosisDocument;
 pub use finding::gain;
-pub use invisible::{HIDDEN, Hidden};
+pub use invisible::{HIDDEN, Undetectable};
 pub use stage::stage;
 pub use verdict::{adequacy, residual_ratio};
 

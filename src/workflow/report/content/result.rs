@@ -63,10 +63,8 @@ pub fn section(input: &ReportInput<'_>) -> Section {
 
 fn nothing(session: &Session) -> String {
     match session.measurements.len() {
-        0 => {
-            "No pose has been measured yet: this report describes the robot and the preparations."
-                .to_owned()
-        }
+        0 => "No pose has been measured yet: this report describes the robot and the preparations."
+            .to_owned(),
         poses => format!("{} measured, nothing identified yet.", count(poses, "pose")),
     }
 }

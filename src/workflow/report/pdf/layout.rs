@@ -31,7 +31,7 @@ const SIGNATURE: f64 = 44.0;
 const BELOW_HEADING: f64 = 72.0;
 
 /// A picture on a page.
-pub struct Placed {
+pub struct PlacedPicture {
     /// PNG.
     pub png: Vec<u8>,
     /// Upper left corner (pt).
@@ -46,11 +46,11 @@ pub struct Page {
     /// Shapes, the lowest first.
     pub shapes: Vec<Shape>,
     /// Pictures.
-    pub pictures: Vec<Placed>,
+    pub pictures: Vec<PlacedPicture>,
 }
 
 /// A heading with its position, for the outline.
-pub struct Mark {
+pub struct OutlineEntry {
     /// The heading.
     pub title: String,
     /// Page, from 0.
@@ -98,7 +98,7 @@ pub struct Layout<'a> {
     /// The pages so far.
     pub pages: Vec<Page>,
     /// Headings so far.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<OutlineEntry>,
     /// Upper edge of the next block (pt).
     pub y: f64,
 }
@@ -158,7 +158,7 @@ impl<'a> Layout<'a> {
     fn section(&mut self, section: &Section) {
         self.space(20.0);
         self.reserve(SECTION.leading + BELOW_HEADING);
-        self.marks.push(Mark {
+        self.marks.push(OutlineEntry {
             title: section.title.clone(),
             page: self.pages.len() - 1,
             y: self.y,
@@ -317,7 +317,7 @@ impl<'a> Layout<'a> {
         self.space(8.0);
         self.reserve(size[1] + SMALL.leading);
         let at = [LEFT, self.y];
-        self.page().pictures.push(Placed {
+        self.page().pictures.push(PlacedPicture {
             png: png.to_vec(),
             at,
             size,

@@ -10,7 +10,7 @@ use krilla::surface::Surface;
 
 use super::PdfError;
 use super::faces::Faces;
-use super::layout::Placed;
+use super::layout::PlacedPicture;
 use crate::plot::drawing::{Anchor, Shape};
 
 /// Control point distance of a cubic Bezier curve for a quarter circle.
@@ -154,7 +154,7 @@ pub fn shape(surface: &mut Surface<'_>, shape: &Shape, faces: &Faces) {
 }
 
 /// Draws a picture.
-pub fn picture(surface: &mut Surface<'_>, placed: &Placed) -> Result<(), PdfError> {
+pub fn picture(surface: &mut Surface<'_>, placed: &PlacedPicture) -> Result<(), PdfError> {
     let image = Image::from_png(placed.png.clone().into(), true).map_err(PdfError::Picture)?;
     let [width, height] = placed.size.map(|v| v as f32);
     if let Some(size) = Size::from_wh(width, height) {
