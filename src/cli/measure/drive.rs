@@ -178,7 +178,7 @@ impl Drive {
         appended.map_err(|error| anyhow!("pose {label} cannot be used: {error}"))?;
         self.ended.measured.push(label);
         note!(
-            "pose {label} is saved ({} of {})",
+            "pose {label} is on disk ({} of {})",
             session.measurements.len(),
             self.poses
         );

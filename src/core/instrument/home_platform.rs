@@ -426,6 +426,6 @@ pub(super) mod tests {
             "sensor 3: plane 5 does not exist"
         );
         let error = locate_platform(&arrangement(), &[0.1; 5], &[2e-4; 5], &Pose::identity());
-        assert!(error.unwrap_err().to_string().contains("5 are given"));
+        assert!(error.unwrap_err().to_string().contains("found 5"));
     }
 }

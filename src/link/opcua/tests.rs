@@ -157,7 +157,7 @@ fn messages_of_others_are_refused() {
     for (says, why) in [
         (chunk(b"MSGF", 3, &[]), "does not belong to the request"),
         (chunk(b"MSGA", 2, &[]), "aborted an answer"),
-        (chunk(b"OPNF", 2, &[]), "nobody asked for"),
+        (chunk(b"OPNF", 2, &[]), "of an unexpected kind"),
         (message(b"MSGF", &[0; 3]), "shorter than its header"),
         (chunk(b"MSGF", 2, &read(2)[24..40]), "cannot be read"),
         (

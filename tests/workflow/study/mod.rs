@@ -183,7 +183,7 @@ fn strange_cuts_are_refused() {
             .refused(&["--chunk: found", part]);
     }
     tautline(&["study", "run", &study.path, "--chunk", "1/241"])
-        .refused(&["at most the 240 calibrations"]);
+        .refused(&["at most 240, the number of calibrations"]);
     let nowhere = study.folder.join("nowhere");
     tautline(&["study", "run", &nowhere]).refused(&["plan.json: not found"]);
     tautline(&["study", "report", &study.path, "--out", "a.txt"])

@@ -166,19 +166,19 @@ const ABOUT_CABLES: &[(&str, &[usize], &[f64], &str)] = &[
         "winch_scale",
         &[2],
         &[0.0031],
-        "Winch 3 pays out 0.31 % more cable per revolution than its drum diameter says.",
+        "Winch 3 pays out 0.31 % more cable per revolution than its drum diameter implies.",
     ),
     (
         "winch_scale",
         &[0, 3],
         &[-0.0031],
-        "Winches 1 and 4 pay out 0.31 % less cable per revolution than their drum diameters say.",
+        "Winches 1 and 4 pay out 0.31 % less cable per revolution than their drum diameters imply.",
     ),
     (
         "winch_scale_common",
         ALL,
         &[-0.0031],
-        "All winches pay out 0.31 % less cable per revolution than their drum diameters say.",
+        "All winches pay out 0.31 % less cable per revolution than their drum diameters imply.",
     ),
     (
         "winch_offset",
@@ -190,7 +190,7 @@ const ABOUT_CABLES: &[(&str, &[usize], &[f64], &str)] = &[
         "encoder_drift",
         &[4],
         &[0.0034],
-        "The length reading of cable 5 drifts: the cable gets longer than the reading says, by 3.4 mm/h.",
+        "The length reading of cable 5 drifts: the cable gets longer than the reading says by 3.4 mm/h.",
     ),
     (
         "cable_slip",

@@ -212,7 +212,7 @@ fn quantities_are_proposed_by_names_and_topics() {
             "laser_m is range ",
         ]
     );
-    assert!(notices[0].contains("usage of ROS"), "{notices:?}");
+    assert!(notices[0].contains("conventions of ROS"), "{notices:?}");
     let (said, _) = proposed("lz4.mcap");
     assert_eq!(
         said,
