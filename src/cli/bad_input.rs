@@ -1,8 +1,8 @@
-//! Input that the user has to correct.
+//! Invalid input that the user must correct.
 
 use std::fmt::{self, Display};
 
-/// Input that the user has to correct; ends the program with exit code 2.
+/// Invalid input that the user must correct; ends the program with exit code 2.
 #[derive(Debug)]
 pub struct BadInput(String);
 
@@ -11,7 +11,7 @@ impl BadInput {
         clippy::new_ret_no_self,
         reason = "commands only return it, as the error of their result"
     )]
-    /// The error with a message that names file, place, what was found and what was expected.
+    /// An error whose message names the file, the position in it, what was found and what was expected.
     pub fn new(message: impl Display) -> anyhow::Error {
         Self(message.to_string()).into()
     }

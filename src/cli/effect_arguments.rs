@@ -1,4 +1,4 @@
-//! `--effect`: effects that are hidden in simulated data or freed in an identification.
+//! `--effect`: effects to hide in simulated data or to estimate in an identification.
 
 use crate::BadInput;
 use anyhow::Result;
@@ -6,7 +6,7 @@ use tautline_core::effect::{BoundEffect, EffectRequest, EffectSetting};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 
-/// Effects to hide.
+/// Effects to simulate.
 #[derive(Debug, Default, clap::Args)]
 pub struct HiddenEffects {
     /// Simulate a fault: give the robot this effect, on all cables unless one is named; may be repeated
@@ -20,8 +20,8 @@ pub struct HiddenEffects {
 
 /// Effects to estimate.
 #[derive(Debug, Default, clap::Args)]
-pub struct FreedEffects {
-    /// Estimate this effect, too, on each cable unless one is named; a parameter that cannot be estimated is given, such
+pub struct EstimatedEffects {
+    /// Also estimate this effect, on each cable unless one is named; parameters that cannot be estimated must be given, such
     /// as the pose of a slip: cable_slip:cable-3:pose=12; may be repeated, or several effects separated by commas
     #[arg(
         long = "effect",
@@ -36,7 +36,7 @@ impl HiddenEffects {
         self.texts.is_empty()
     }
 
-    /// The effects; parameters that are not given have no influence.
+    /// The effects; parameters that are not given are neutral.
     pub fn settings(&self, robot: &Robot) -> Result<Vec<EffectSetting>> {
         let mut settings = Vec::new();
         for one in self.texts.iter().flat_map(|text| split(text)) {
@@ -53,9 +53,9 @@ impl HiddenEffects {
     }
 }
 
-impl FreedEffects {
-    /// The effects at the values at which estimation starts, one for each cable where the effect is per cable and none
-    /// is named. Poses that they name must be in `data`, where there are data.
+impl EstimatedEffects {
+    /// The effects at their start values, one for each cable if the effect is per cable and no cable is
+    /// named. Poses that they refer to must be in `data`, if there are data.
     pub fn settings(
         &self,
         robot: &Robot,
@@ -69,7 +69,7 @@ impl FreedEffects {
         Ok(bound.iter().map(|effect| effect.setting(robot)).collect())
     }
 
-    /// The same as they act on the robot.
+    /// The effects attached to the robot.
     pub fn bind(&self, robot: &Robot) -> Result<Vec<BoundEffect>> {
         let mut bound = Vec::new();
         for one in self.texts.iter().flat_map(|text| split(text)) {
@@ -82,7 +82,7 @@ impl FreedEffects {
             };
             if let Some(other) = setting.targets.pop() {
                 return Err(bad(format!(
-                    "found the cable \"{other}\" too, expected one cable"
+                    "found a second cable \"{other}\", expected one cable"
                 )));
             }
             bound.extend(
@@ -95,7 +95,7 @@ impl FreedEffects {
     }
 }
 
-/// The effects of one argument: a comma begins another one unless a parameter `NAME=NUMBER` follows it.
+/// Splits an argument into effects: a comma starts another effect unless a parameter `NAME=NUMBER` follows it.
 fn split(text: &str) -> Vec<String> {
     let mut effects: Vec<String> = Vec::new();
     for part in text.split(',') {
@@ -111,7 +111,7 @@ fn split(text: &str) -> Vec<String> {
     effects
 }
 
-/// Reads `ID[:CABLE]..[:NAME=NUMBER,..]`; a colon may stand for the comma as well.
+/// Parses `ID[:CABLE]..[:NAME=NUMBER,..]`; a colon may stand for the comma as well.
 fn parse(text: &str) -> Result<EffectSetting, String> {
     let mut parts = text.split(':');
     let mut setting = EffectSetting {
@@ -147,7 +147,7 @@ mod tests {
     #[derive(Debug, Parser)]
     struct Freed {
         #[command(flatten)]
-        effects: FreedEffects,
+        effects: EstimatedEffects,
     }
 
     #[derive(Debug, Parser)]

@@ -8,14 +8,14 @@ use tautline_core::measurement::Variable;
 use super::output::say;
 use super::table;
 
-/// Lists the effects that `simulate` can hide, says which of them `identify` can free, and how `diagnose` looks for them.
+/// Lists the effects that `simulate` can hide, whether `identify` can estimate them, and how `diagnose` searches for them.
 pub fn run() {
     let mut rows = table::texts(&[
         "Effect",
         "title",
         "on",
-        "can be freed",
-        "diagnose tries it",
+        "can be estimated",
+        "diagnose tests it",
         "parameters (typical size)",
     ]);
     for effect in every_effect().chain([&UNKNOWN]) {
@@ -80,7 +80,7 @@ fn numbered(names: impl Iterator<Item = &'static str>) -> String {
     words.join(", ")
 }
 
-/// A typical size without digits that say nothing.
+/// A typical size without insignificant digits.
 fn short(size: f64) -> String {
     if size.abs() < 1.0 {
         size.to_string()

@@ -22,7 +22,7 @@ pub struct Arguments {
     /// Model file or robot.json whose geometry and effects are kept fixed
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
-    /// Also keep the poses fixed, at the positions that the external instrument measured
+    /// Also keep the poses fixed at the positions measured by the external instrument
     #[arg(long)]
     poses_held: bool,
     #[command(flatten)]

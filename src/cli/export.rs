@@ -13,7 +13,7 @@ use tautline_workflow::identification::{
 };
 
 use crate::BadInput;
-use crate::effect_arguments::FreedEffects;
+use crate::effect_arguments::EstimatedEffects;
 use crate::input;
 use crate::output::say;
 
@@ -22,14 +22,14 @@ pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// File to write: .csv or .parquet with one table, or .mat (MATLAB version 5) with a struct for each
+    /// File to write: .csv or .parquet with one table, or .mat (MATLAB version 5) with one struct per table
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
     /// What to write: the measured poses, identified values with their standard deviations, or readings with their residuals; may be repeated
     #[arg(long, value_enum, default_value = "poses")]
     table: Vec<Content>,
     #[command(flatten)]
-    effects: FreedEffects,
+    effects: EstimatedEffects,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -66,7 +66,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         _ => poses_table(&dataset.measurements),
     };
     let tables: Vec<Table> = contents.iter().map(table).collect();
-    let bytes = encode(format, &tables).map_err(|why| anyhow!("{out}: cannot be made ({why})"))?;
+    let bytes =
+        encode(format, &tables).map_err(|why| anyhow!("{out}: cannot be created ({why})"))?;
     write_bytes(&arguments.out, &bytes)?;
     for table in &tables {
         let (rows, columns) = (table.rows(), table.columns.len());

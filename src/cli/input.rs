@@ -1,4 +1,4 @@
-//! What commands read; notices about it go to standard error.
+//! Reading of input files; notices about them go to standard error.
 
 use crate::output::note;
 use std::path::Path;
@@ -12,7 +12,7 @@ use tautline_session::{Loaded, Session, import, read_dataset, read_robot};
 use tautline_workflow::clock;
 use tautline_workflow::comparison::as_session;
 
-/// What was read, its notices printed.
+/// Prints the notices and returns what was read.
 pub fn noticed<T>(read: Loaded<T>) -> T {
     for notice in &read.notices {
         note!("{notice}");
@@ -20,7 +20,7 @@ pub fn noticed<T>(read: Loaded<T>) -> T {
     read.value
 }
 
-/// Reads a session, or begins one with a robot or a dataset folder.
+/// Reads a session, or creates one from a robot or a dataset folder.
 pub fn session(path: &Path) -> Result<Session> {
     let imported = noticed(import(path, None)?);
     let (session, notices) = as_session(path, imported, clock::now()).map_err(BadInput::new)?;
@@ -39,15 +39,15 @@ pub fn dataset(folder: &Path) -> Result<Dataset> {
     Ok(read.dataset)
 }
 
-/// A robot that an argument names.
+/// A robot named by an argument.
 pub struct RobotSource {
     /// The robot.
     pub robot: Robot,
-    /// The preset that it is, if it is none of a file.
+    /// The preset, if it does not come from a file.
     pub preset: Option<Preset>,
 }
 
-/// The preset of this name, or the robot of this file.
+/// The preset with this name, or the robot of this file.
 pub fn robot(name: &str) -> Result<RobotSource> {
     if let Some(preset) = presets::find(name) {
         return Ok(RobotSource {

@@ -1,4 +1,4 @@
-//! Which faults poses show, on the terminal.
+//! Table of the faults that poses reveal.
 
 use tautline_workflow::documents::isolability::{
     CONFUSED, IsolabilityDocument, IsolabilityTable, percent,
@@ -7,10 +7,10 @@ use tautline_workflow::documents::isolability::{
 use crate::output::say;
 use crate::table;
 
-/// Faults with which one could be confused that are listed.
+/// Largest number of confusable faults listed for each.
 const MOST_RIVALS: usize = 3;
 
-/// Prints the probability of detection of every fault and those with which it could be confused.
+/// Prints the probability of detection of every fault and the faults it could be confused with.
 pub fn print(document: &IsolabilityDocument) {
     let table = IsolabilityTable::of(document);
     say!("{}", table.summary());

@@ -1,4 +1,4 @@
-//! Headless commands: arguments, exit codes, output.
+//! The command line: arguments, exit codes, output.
 
 mod accuracy;
 mod adjust;
@@ -63,10 +63,10 @@ struct Arguments {
     /// Session, robot.json or dataset folder to open in the workbench
     #[arg(value_name = "PATH")]
     path: Option<PathBuf>,
-    /// File that describes what the window shows after every frame, for programs that drive it
+    /// File that describes the contents of the window after every frame, for programs that drive it
     #[arg(long, value_name = "FILE", hide = true)]
     observed: Option<PathBuf>,
-    /// How many times faster than real time the simulated robot moves, for programs that measure the window
+    /// Speed of the simulated robot as a multiple of real time, for programs that measure the window
     #[arg(long, value_name = "TIMES", hide = true)]
     robot_speed: Option<f64>,
     #[command(subcommand)]
@@ -75,25 +75,25 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Write the robot.json of a common machine, to correct its numbers
+    /// Write the robot.json of a common machine, to be completed with your numbers
     New(new::Arguments),
-    /// Simulate a calibration run: make a dataset of a virtual robot
+    /// Simulate a calibration run: create a dataset of a virtual robot
     Simulate(simulate::Arguments),
-    /// Choose the poses to measure and predict the standard deviations
+    /// Plan the poses to measure and predict the standard deviations
     Plan(plan::Arguments),
-    /// Drive a robot to the planned poses and measure; continues an interrupted run
+    /// Move a robot to the planned poses and measure; continues an interrupted run
     Measure(measure::Arguments),
-    /// Make a dataset of foreign files: logs, motion capture, point lists, spreadsheets
+    /// Create a dataset from files of other programs: logs, motion capture, point lists, spreadsheets
     Import(import::Arguments),
-    /// Check a dataset before identification: readings, geometry, which faults it would show
+    /// Check a dataset before identification: readings, geometry, and the faults it would reveal
     Check(check::Arguments),
     /// Identify the pulleys from a dataset
     Identify(identify::Arguments),
-    /// Diagnose the model: does it explain a dataset, what does it lack and what to do about it
+    /// Diagnose the model: whether it explains a dataset, what is wrong and what to do about it
     Diagnose(diagnose::Arguments),
     /// Estimate poses only, with the geometry and effects of a model kept fixed
     Evaluate(evaluate::Arguments),
-    /// Write a dataset or its results as a table for other programs: CSV, MATLAB
+    /// Export a dataset or its results as a table for other programs: CSV, Parquet, MATLAB
     Export(export::Arguments),
     /// Compare two runs: which pulleys moved, which differences are noise
     Compare(compare::Arguments),
@@ -107,9 +107,9 @@ enum Command {
     Report(report::Arguments),
     /// Identify and write the values to the controller, or restore the old ones
     Adjust(adjust::Arguments),
-    /// Drive to test poses and paths and compute the accuracy figures of ISO 9283
+    /// Move to test poses and paths and compute the accuracy figures of ISO 9283
     Verify(verify::Arguments),
-    /// Studies of many simulated calibrations: which sensor, how many poses, how exact
+    /// Studies of many simulated calibrations: which sensor, how many poses, what accuracy
     #[command(subcommand)]
     Study(study::Command),
     /// Write the default symbol names of a controller, for --symbols
@@ -124,20 +124,20 @@ enum Command {
     },
 }
 
-/// How the window is to be opened.
+/// Options for opening the window.
 #[derive(Debug, Clone, Default)]
 pub struct WindowOptions {
     /// Session, robot.json or dataset folder to open.
     pub path: Option<PathBuf>,
-    /// File that describes what the window shows after every frame.
+    /// File that describes the contents of the window after every frame.
     pub observed: Option<PathBuf>,
-    /// How many times faster than real the simulated robot moves.
+    /// Speed of the simulated robot as a multiple of real time.
     pub robot_speed: Option<f64>,
 }
 
-/// Functions of the window's crate, which this one does not depend on.
+/// Functions of the window's crate, on which this crate does not depend.
 pub struct Window {
-    /// Opens the window and returns once it is closed.
+    /// Opens the window; returns once it is closed.
     pub open: fn(WindowOptions) -> anyhow::Result<()>,
     /// Draws the robot for a report (PNG).
     pub picture: fn(&Session, Option<&Identification>) -> Result<Vec<u8>, String>,
@@ -187,7 +187,7 @@ pub fn run(window: &Window) -> ExitCode {
 fn open(window: &Window, options: WindowOptions) -> anyhow::Result<()> {
     if let Some(missing) = options.path.as_deref().filter(|path| !path.exists()) {
         let message = format!(
-            "{}: neither a command nor a file or folder",
+            "{}: neither a command nor an existing file or folder",
             missing.display()
         );
         return Err(BadInput::new(message));
@@ -195,7 +195,7 @@ fn open(window: &Window, options: WindowOptions) -> anyhow::Result<()> {
     (window.open)(options)
 }
 
-/// Prints an error in one line; returns the exit code.
+/// Prints an error on one line and returns the exit code.
 fn finish(result: anyhow::Result<()>) -> ExitCode {
     let Err(error) = result else {
         return ExitCode::SUCCESS;

@@ -2,7 +2,7 @@
 
 use tautline_session::Method;
 
-/// A method of identification by its name on the command line.
+/// Name of an identification method on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum MethodName {
     Joint,

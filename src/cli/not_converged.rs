@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Exit code of a command whose fit did not converge; its results are written, and say so.
+/// Exit code of a command whose fit did not converge; its results are written and say so.
 pub const EXIT_CODE: u8 = 3;
 
 /// The fit of a command did not converge.
@@ -10,7 +10,7 @@ pub const EXIT_CODE: u8 = 3;
 pub struct NotConverged;
 
 impl NotConverged {
-    /// The error unless the fit has converged.
+    /// Fails unless the fit has converged.
     pub fn check(converged: bool) -> anyhow::Result<()> {
         if converged { Ok(()) } else { Err(Self.into()) }
     }

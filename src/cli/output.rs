@@ -1,4 +1,4 @@
-//! Where results go: a file written atomically, or standard output.
+//! Output of results: to a file, written atomically, or to standard output.
 
 use std::borrow::Cow;
 use std::io::Write;
@@ -8,18 +8,18 @@ use anyhow::Result;
 use serde::Serialize;
 use tautline_session::VersionedFile;
 
-/// A line on standard output. A reader may stop reading (`tautline ... | head`), which is no error.
+/// Prints a line on standard output. A reader that stops reading (`tautline ... | head`) is not an error.
 pub fn line(text: &str) {
     let _ = writeln!(std::io::stdout(), "{}", printable(text));
 }
 
-/// A line on standard error, beside the result.
+/// Prints a line on standard error.
 pub fn notice(text: impl AsRef<str>) {
     let _ = writeln!(std::io::stderr(), "{}", printable(text.as_ref()));
 }
 
-/// Text whose control characters are shown and not obeyed: names of files and controllers are anybody's, and an escape
-/// sequence in one could rewrite what the terminal shows. Line ends and tabs stay.
+/// Text with its control characters made visible: names of files and controllers can contain anything, and an escape
+/// sequence in them could rewrite the terminal. Line ends and tabs stay.
 fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(is_obeyed) {
         return text.into();
@@ -34,8 +34,8 @@ fn printable(text: &str) -> Cow<'_, str> {
     shown.into()
 }
 
-/// Whether a terminal may do something else with a character than show it; marks that turn the direction of writing
-/// included.
+/// Whether a terminal may interpret a character instead of showing it, including marks that change the direction of
+/// writing.
 fn is_obeyed(letter: char) -> bool {
     let turns = matches!(letter, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     turns || letter.is_control() && !matches!(letter, '\n' | '\t')
@@ -66,12 +66,12 @@ pub struct JsonOutput {
 }
 
 impl JsonOutput {
-    /// Whether readable text goes to standard output, and not JSON.
+    /// Whether standard output is for human-readable text, not JSON.
     pub fn is_text(&self) -> bool {
         self.file.as_deref() != Some(Path::new("-"))
     }
 
-    /// Writes a document as JSON where it was asked for, and prints the readable form.
+    /// Writes a document as JSON if requested, and prints the human-readable form.
     pub fn deliver<D: VersionedFile>(&self, document: &D, print: impl FnOnce()) -> Result<()> {
         if let Some(path) = &self.file {
             write_json(path, &tautline_session::versioned(document))?;
@@ -94,7 +94,7 @@ pub fn write_json<T: Serialize>(target: &Path, value: &T) -> Result<()> {
     Ok(tautline_session::write_text(target, &text)?)
 }
 
-/// JSON that means the same, without the characters that a terminal would obey: all of them are in strings.
+/// Equivalent JSON with escapes for the characters that a terminal would interpret; all of them are in strings.
 fn json_printable(text: &str) -> Cow<'_, str> {
     if !text.contains(is_obeyed) {
         return text.into();

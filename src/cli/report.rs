@@ -21,7 +21,7 @@ pub struct Arguments {
     /// Session, robot.json or dataset folder
     #[arg(value_name = "SESSION|DATASET")]
     subject: PathBuf,
-    /// File to write; its name ends with .html or .pdf
+    /// File to write; its name must end with .html or .pdf
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Parts to include, separated by commas; all by default
@@ -39,24 +39,24 @@ pub struct Arguments {
     /// Title instead of the name of the session
     #[arg(long, default_value = "")]
     title: String,
-    /// A line above the title
+    /// Line above the title
     #[arg(long, default_value = "")]
     header: String,
     /// Who made the measurements
     #[arg(long, default_value = "")]
     operator: String,
-    /// How far a pulley may be from the drawing (mm); the report judges by it
+    /// Largest acceptable deviation of a pulley from the drawing (mm), by which the report judges
     #[arg(long, value_name = "MM")]
     tolerance: Option<f64>,
-    /// Company that the report is for
+    /// Company for which the report is made
     #[arg(long, default_value = "")]
     company: String,
 }
 
-/// Reads the name of a part.
+/// Parses the name of a part.
 fn part() -> impl TypedValueParser<Value = Part> {
     let parts = Part::ALL.map(|part| PossibleValue::new(part.name()).help(part.title()));
-    // The parser lets only these names pass.
+    // The parser accepts only these names.
     PossibleValuesParser::new(parts).map(|name| Part::named(&name).unwrap_or(Part::Result))
 }
 

@@ -1,11 +1,11 @@
-//! The exit code of a command that settled an earlier attempt instead of doing what it was asked for.
+//! The exit code of `adjust` after it settled an earlier attempt instead of doing what was requested.
 
 use std::fmt;
 
-/// Exit code of `adjust` where it settled an earlier, interrupted attempt and wrote nothing else.
+/// Exit code of `adjust` if it settled an earlier, interrupted attempt and wrote nothing else.
 pub const EXIT_CODE: u8 = 4;
 
-/// An earlier attempt was settled; what the controller holds is said in the result.
+/// An earlier attempt was settled; the result states the values in the controller.
 #[derive(Debug)]
 pub struct Settled;
 

@@ -13,7 +13,7 @@ pub struct Arguments {
     /// A preset (mini, hall, suspended, planar) or a robot.json
     #[arg(value_name = "PRESET|FILE")]
     robot: String,
-    /// The nodes of a controller that speaks OPC UA, in place of the symbols of ADS
+    /// Write the nodes of an OPC UA controller instead of the symbols of an ADS controller
     #[arg(long)]
     opcua: bool,
     /// File to write; - is standard output

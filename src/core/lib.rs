@@ -1,5 +1,5 @@
-//! The maths of Tautline: kinematics of cable-driven parallel robots, models of their cables and
-//! instruments, estimation of their geometry and its uncertainty, diagnosis of what a model lacks.
+//! The numerical core of Tautline: kinematics of cable-driven parallel robots, models of their cables and
+//! instruments, estimation of their geometry and its uncertainty, and diagnosis of model errors.
 //!
 //! This crate opens no file, reads no clock, draws nothing and starts no thread that outlives
 //! the call. SI units throughout; frames are in the names (`base_from_platform`, `anchor_in_base`).

@@ -7,7 +7,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use pulp::{Simd, WithSimd};
 
-/// Arithmetic that the prediction needs.
+/// Arithmetic used by the prediction.
 pub trait Real:
     Copy
     + Add<Output = Self>
@@ -16,7 +16,7 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// A constant of the same kind as `self`.
+    /// The constant as a value of the type of `self`.
     #[must_use]
     fn lift(self, constant: f64) -> Self;
     /// Square root.
@@ -37,7 +37,7 @@ pub trait Real:
     /// `if_positive` where `self > 0`, else `otherwise`.
     #[must_use]
     fn select_positive(self, if_positive: Self, otherwise: Self) -> Self;
-    /// `self` where it is a number, 0 where it is NaN; and 1 or 0 accordingly.
+    /// `self` and 1 where it is a number; 0 and 0 where it is NaN.
     #[must_use]
     fn present(self) -> (Self, Self);
     /// Angle of the point `(x, self)`, in `(-pi, pi]`.
@@ -89,8 +89,8 @@ impl Real for f64 {
     }
 }
 
-/// A SIMD vector of reals, one pose per lane; aligned to cache lines, as a load across two costs
-/// twice.
+/// A SIMD vector of reals, one pose per lane; aligned to cache lines, as a load across two of them takes
+/// twice as long.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct Lanes<S: Simd> {
@@ -99,16 +99,16 @@ pub struct Lanes<S: Simd> {
 }
 
 impl<S: Simd> Lanes<S> {
-    /// The same instruction set with another value.
+    /// A value of the same instruction set.
     #[inline(always)]
     fn with(self, value: S::f64s) -> Self {
         Self { value, ..self }
     }
 }
 
-/// A [`Real`] that holds one or more poses and moves between memory and registers.
+/// A [`Real`] that holds one or more poses and can be loaded from and stored to memory.
 pub trait Packet: Real + Send + Sync {
-    /// What is needed to make a value: the instruction set.
+    /// Instruction set, which is needed to make a value.
     type Token: Copy + Send + Sync + std::fmt::Debug;
     /// Number of poses in a packet.
     const LANES: usize;
@@ -127,9 +127,9 @@ pub trait Packet: Real + Send + Sync {
 /// A hot piece of code that [`Packet::run`] compiles once per instruction set; its `call` and all
 /// it calls must be `#[inline(always)]`.
 pub trait Kernel {
-    /// What it returns.
+    /// Result of the kernel.
     type Output;
-    /// Runs it.
+    /// Runs the kernel.
     fn call(self) -> Self::Output;
 }
 
@@ -299,7 +299,7 @@ fn atan2_lanes<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
     let beyond = small - large * y.lift(0.414_213_562_373_095);
     let numerator = beyond.select_positive(small - large, small);
     let denominator = beyond.select_positive(small + large, large);
-    // Keep 0/0 at the angle 0.
+    // Avoids 0/0: the angle is then 0.
     let t = numerator / denominator.max(y.lift(f64::MIN_POSITIVE));
     let z = t * t;
     let mut p = y.lift(ATAN_NUMERATOR[0]);
@@ -314,7 +314,7 @@ fn atan2_lanes<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
     (-y).select_positive(-upper, upper)
 }
 
-/// Scalar product.
+/// Dot product.
 #[inline(always)]
 pub fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
     a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
@@ -330,7 +330,7 @@ pub fn square_norm<T: Real, const N: usize>(a: [T; N]) -> T {
     sum
 }
 
-/// Vector product.
+/// Cross product.
 #[inline(always)]
 pub fn cross<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [
@@ -341,7 +341,7 @@ pub fn cross<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
 }
 
 // Closures over lanes are compiled for the baseline processor, not for the instruction set chosen at
-// run time; hot code has loops where `map` and `fold` would read better.
+// run time; hot code therefore uses loops where `map` and `fold` would be more readable.
 
 /// `scale * a`.
 #[inline(always)]
@@ -361,7 +361,7 @@ pub fn negated<T: Real, const N: usize>(mut a: [T; N]) -> [T; N] {
     a
 }
 
-/// Constants of the same kind as `like`.
+/// Constants as values of the type of `like`.
 #[inline(always)]
 pub fn constants<T: Real, const N: usize>(like: T, values: [f64; N]) -> [T; N] {
     let mut result = [like; N];

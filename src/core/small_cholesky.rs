@@ -1,22 +1,22 @@
 //! Cholesky factorisation of symmetric 6 x 6 matrices, over plain numbers or SIMD lanes.
 //!
-//! A matrix or factor is its lower triangle row by row, see [`entry`]. A factor `L` of `A = L L^T` holds the
-//! reciprocals of its diagonal: the kernels multiply where they would divide.
+//! Matrices and factors are stored as their lower triangle row by row, see [`entry`]. A factor `L` of `A = L L^T` holds the
+//! reciprocals of its diagonal, so that the kernels multiply instead of dividing.
 
 use crate::real::Real;
 use crate::tolerances::SINGULAR_PIVOT;
 
-/// Entries of the lower triangle.
+/// Number of entries of the lower triangle.
 pub(crate) const TRIANGLE: usize = 21;
 
-/// Place of entry `(row, column)`, `column <= row`, in a lower triangle of any size.
+/// Index of entry `(row, column)`, `column <= row`, in a lower triangle of any size.
 #[inline(always)]
 pub(crate) const fn entry(row: usize, column: usize) -> usize {
     row * (row + 1) / 2 + column
 }
 
-/// Replaces `A` by its factor. The diagonal grows by the factor `1 + damping` before. A pivot that is zero but for
-/// rounding, or not a number, gives the reciprocal 0, so that nothing moves along it.
+/// Replaces `A`, whose diagonal is first multiplied by `1 + damping`, by its factor. A pivot that is NaN, or zero to working
+/// precision, gets the reciprocal 0, so that nothing moves along it.
 #[inline(always)]
 pub(crate) fn factorise<T: Real>(a: &mut [T; TRIANGLE], damping: f64) {
     let zero = a[0].lift(0.0);

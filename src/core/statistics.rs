@@ -1,4 +1,4 @@
-//! Probability distributions that tests and intervals need.
+//! Probability distributions for tests and intervals.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
@@ -9,7 +9,7 @@ pub fn chi_square_survival(value: f64, degrees_of_freedom: f64) -> Option<f64> {
     Some(distribution.sf(value.max(0.0)))
 }
 
-/// Twice the probability of the nearer tail of a chi-square variable at `value`, at most 1; `None` without
+/// Twice the smaller tail probability of a chi-square variable at `value`, at most 1; `None` without
 /// degrees of freedom.
 #[must_use]
 pub fn chi_square_two_sided(value: f64, degrees_of_freedom: f64) -> Option<f64> {
@@ -19,7 +19,7 @@ pub fn chi_square_two_sided(value: f64, degrees_of_freedom: f64) -> Option<f64> 
     Some((2.0 * tail).min(1.0))
 }
 
-/// The chi-square quantile: value that is exceeded with probability `1 - probability`, which is from 0 to 1;
+/// Chi-square quantile: the value that is exceeded with probability `1 - probability`, for `probability` from 0 to 1;
 /// `None` without degrees of freedom.
 #[must_use]
 pub fn chi_square_quantile(probability: f64, degrees_of_freedom: f64) -> Option<f64> {
@@ -28,7 +28,7 @@ pub fn chi_square_quantile(probability: f64, degrees_of_freedom: f64) -> Option<
 }
 
 /// Probability that the ratio of two independent mean squares exceeds `value`, with `[numerator, denominator]`
-/// degrees of freedom (Fisher's F); `None` where one has none.
+/// degrees of freedom (Fisher's F); `None` if either has none.
 #[must_use]
 pub fn f_survival(value: f64, degrees_of_freedom: [f64; 2]) -> Option<f64> {
     let [numerator, denominator] = degrees_of_freedom;
@@ -36,25 +36,25 @@ pub fn f_survival(value: f64, degrees_of_freedom: [f64; 2]) -> Option<f64> {
     Some(distribution.sf(value.max(0.0)))
 }
 
-/// Two-sided probability of a standard normal variable at least `size` away from zero.
+/// Two-sided probability that a standard normal variable is at least `size` away from zero.
 #[must_use]
 pub fn normal_two_sided(size: f64) -> f64 {
     2.0 * Normal::standard().sf(size.abs())
 }
 
-/// Logarithm of the probability that a standard normal variable is below `value`, also where that is too small
-/// for a number.
+/// Logarithm of the probability that a standard normal variable is below `value`, also where the probability
+/// itself underflows.
 #[must_use]
 pub fn log_normal_cdf(value: f64) -> f64 {
     if value > -30.0 {
         Normal::standard().cdf(value).ln()
     } else {
-        // The tail of the density over its distance: Abramowitz and Stegun 26.2.12.
+        // Asymptotic tail, density over distance: Abramowitz and Stegun 26.2.12.
         -0.5 * (value * value + std::f64::consts::TAU.ln()) - (-value).ln()
     }
 }
 
-/// The standard normal quantile: value that is exceeded with probability `1 - probability`.
+/// Standard normal quantile: the value that is exceeded with probability `1 - probability`.
 #[must_use]
 pub fn normal_quantile(probability: f64) -> f64 {
     Normal::standard().inverse_cdf(probability)

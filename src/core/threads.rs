@@ -1,24 +1,24 @@
-//! Work on many items, on the threads that the processor has.
+//! Parallel work on the threads that the processor has.
 //!
-//! This is the only place where the core starts threads, and they end before it returns. Who works on an item is left to
-//! chance, what is done with it is not: results do not depend on the number of threads.
+//! This is the only place where the core starts threads, and they end before it returns. Which thread processes an item is
+//! arbitrary, but the results do not depend on it, nor on the number of threads.
 
 use std::sync::{Mutex, PoisonError};
 
-/// As many threads as the processor runs at once.
+/// Number of threads that the processor runs at once.
 #[must_use]
 pub fn available() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
-/// Calls `work` once with each item, on at most so many threads; a single item is worked on without starting any.
+/// Calls `work` once with each item, on at most `threads` threads; a single item needs none.
 pub fn for_each<I: Send>(items: &mut [I], threads: usize, work: impl Fn(&mut I) + Sync) {
     let threads = threads.min(items.len());
     if threads <= 1 {
         return items.iter_mut().for_each(work);
     }
     let items = Mutex::new(items.iter_mut());
-    // Nothing that holds the lock can panic, so that a poisoned one is whole.
+    // Nothing that holds the lock can panic, so a poisoned lock is consistent.
     let next = || items.lock().unwrap_or_else(PoisonError::into_inner).next();
     let work_on_rest = || {
         while let Some(item) = next() {
@@ -33,7 +33,7 @@ pub fn for_each<I: Send>(items: &mut [I], threads: usize, work: impl Fn(&mut I) 
     });
 }
 
-/// What `make` returns for each number below `count`, in their order, made on at most so many threads.
+/// Results of `make` for each number below `count`, in order, computed on at most `threads` threads.
 pub fn map<R: Send>(count: usize, threads: usize, make: impl Fn(usize) -> R + Sync) -> Vec<R> {
     if count <= 1 {
         return (0..count).map(make).collect();

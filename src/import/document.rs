@@ -1,4 +1,4 @@
-//! What `tautline import` did, for other programs.
+//! The result of `tautline import` as JSON.
 
 use std::collections::BTreeMap;
 
@@ -10,22 +10,22 @@ use crate::check::Suggestion;
 use crate::recipe::Recipe;
 use crate::source::{Series, Source};
 
-/// An import, or what was found in the sources.
+/// Result of an import, or of listing the sources.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ImportDocument {
     /// The files and their channels.
     pub sources: Vec<SourceReport>,
-    /// The recipe that was used, or is proposed.
+    /// The recipe that was used or is proposed.
     pub recipe: Recipe,
     /// Whether the recipe was proposed from names, units and ranges.
     pub proposed: bool,
-    /// The poses; empty if channels were only listed.
+    /// The poses; empty if the channels were only listed.
     pub poses: Vec<PoseReport>,
-    /// Mistakes that the readings seem to have.
+    /// Suspected mistakes in the readings.
     pub suggestions: Vec<Suggestion>,
-    /// Suggestions that the recipe has taken up.
+    /// Suggestions applied to the recipe.
     pub applied: Vec<Suggestion>,
-    /// What was not understood or left out, assumptions, gaps and jumps of clocks.
+    /// Notices: what was not understood or left out, assumptions, gaps and clock jumps.
     pub notices: Vec<String>,
 }
 
@@ -38,7 +38,7 @@ impl VersionedFile for ImportDocument {
 /// A file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SourceReport {
-    /// The file as it was named.
+    /// Path of the file as given.
     pub file: String,
     /// Its format.
     pub format: String,
@@ -49,34 +49,34 @@ pub struct SourceReport {
 /// Channels that were sampled together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SeriesReport {
-    /// Its name, by which recipes know it.
+    /// Name, to which recipes refer.
     pub name: String,
     /// Number of rows.
     pub rows: usize,
-    /// Its channels; those of text have no range.
+    /// Channels; text channels have no range.
     pub channels: Vec<ChannelReport>,
 }
 
 /// A channel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ChannelReport {
-    /// Its name, by which recipes know it.
+    /// Name, to which recipes refer.
     pub name: String,
-    /// Its unit as the file states it.
+    /// Unit as stated in the file.
     pub unit: Option<String>,
     /// Number of rows with a value.
     pub values: usize,
-    /// Number of rows without one.
+    /// Number of rows without a value.
     pub gaps: usize,
     /// Runs of rows without a value between rows with one: lost frames.
     pub lost: usize,
     /// Smallest and largest value, in the unit of the file.
     pub range: Option<[f64; 2]>,
-    /// Column of poses.csv that the recipe makes of it.
+    /// Column of `poses.csv` to which the recipe assigns it.
     pub used_as: Option<String>,
 }
 
-/// A pose and what was read there.
+/// A pose with its mean readings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PoseReport {
     /// Its label.
@@ -98,14 +98,14 @@ pub struct PoseReport {
 pub struct Reading {
     /// Mean.
     pub mean: f64,
-    /// Standard deviation of one value; null for a single one.
+    /// Standard deviation of a single value; null if there is only one.
     pub sd: Option<f64>,
     /// Number of values.
     pub number: usize,
 }
 
 impl SourceReport {
-    /// The report of a source; `used_as` says which column is made of a channel of a series.
+    /// The report of a source; `used_as` maps series and channel to a column of `poses.csv`.
     #[must_use]
     pub fn of(source: &Source, used_as: &dyn Fn(&str, &str) -> Option<String>) -> Self {
         Self {

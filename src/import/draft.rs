@@ -1,4 +1,4 @@
-//! Sources with a recipe in the making: what a window shows, with every change to be undone.
+//! Sources with a recipe being edited, with undo.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,17 +11,17 @@ use crate::recipe::{Recipe, is_series, resolve};
 use crate::source::Source;
 use crate::sources::make_names_unique;
 
-/// Most changes that can be undone.
+/// Maximum number of changes that can be undone.
 const MOST: usize = 200;
 
-/// Sources and their recipe.
+/// Sources with a recipe being edited, and its undo history.
 #[derive(Debug, Clone)]
 pub struct Draft {
     sources: Arc<Vec<Source>>,
     recipe: Recipe,
-    /// Where the recipe comes from, as a sentence.
+    /// Origin of the recipe, as a sentence.
     origin: String,
-    /// What was assumed to propose it.
+    /// Assumptions behind the proposal.
     assumptions: Vec<String>,
     undo: Vec<(String, Recipe)>,
     redo: Vec<(String, Recipe)>,
@@ -59,7 +59,7 @@ impl Draft {
         self.revision += 1;
     }
 
-    /// Adds sources; what they give in addition is proposed.
+    /// Adds sources and proposes entries for their channels.
     pub fn add(&mut self, more: Vec<Source>, robot: &Robot) {
         let sources = Arc::make_mut(&mut self.sources);
         sources.extend(more);
@@ -83,7 +83,7 @@ impl Draft {
         self.revision += 1;
     }
 
-    /// Takes a source out; without one of its channels the recipe is proposed again.
+    /// Removes a source; if the recipe used one of its channels, it is proposed anew.
     pub fn remove(&mut self, source: usize, robot: &Robot) {
         let sources = Arc::make_mut(&mut self.sources);
         if source < sources.len() {
@@ -102,32 +102,32 @@ impl Draft {
         &self.sources
     }
 
-    /// The recipe as it is now.
+    /// The current recipe.
     #[must_use]
     pub fn recipe(&self) -> &Recipe {
         &self.recipe
     }
 
-    /// Where the recipe comes from, as a sentence.
+    /// Origin of the recipe, as a sentence.
     #[must_use]
     pub fn origin(&self) -> &str {
         &self.origin
     }
 
-    /// What was assumed to propose the recipe.
+    /// Assumptions behind the proposed recipe.
     #[must_use]
     pub fn assumptions(&self) -> &[String] {
         &self.assumptions
     }
 
-    /// Counts every change of sources and recipe.
+    /// Counter of changes to sources and recipe.
     #[must_use]
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Takes a recipe; `what` names the change for undoing it. A change that goes on, as that of a slider that is
-    /// dragged, is one with those before it. Says whether anything changed.
+    /// Replaces the recipe; `what` names the change in the undo history. A continued change, such as dragging a slider, is
+    /// merged with the previous one. Returns whether anything changed.
     pub fn change(&mut self, what: impl Into<String>, recipe: Recipe, goes_on: bool) -> bool {
         if recipe == self.recipe {
             return false;
@@ -146,7 +146,7 @@ impl Draft {
         true
     }
 
-    /// Undoes the last change and gives its name.
+    /// Undoes the last change and returns its name.
     pub fn undo(&mut self) -> Option<String> {
         let (what, recipe) = self.undo.pop()?;
         let after = std::mem::replace(&mut self.recipe, recipe);
@@ -155,7 +155,7 @@ impl Draft {
         Some(what)
     }
 
-    /// Does the last undone change again and gives its name.
+    /// Redoes the last undone change and returns its name.
     pub fn redo(&mut self) -> Option<String> {
         let (what, recipe) = self.redo.pop()?;
         let before = std::mem::replace(&mut self.recipe, recipe);
@@ -164,20 +164,20 @@ impl Draft {
         Some(what)
     }
 
-    /// Name of the change that undo would undo.
+    /// Name of the change that would be undone next.
     #[must_use]
     pub fn next_undo(&self) -> Option<&str> {
         self.undo.last().map(|(what, _)| what.as_str())
     }
 
-    /// Name of the change that redo would do again.
+    /// Name of the change that would be redone next.
     #[must_use]
     pub fn next_redo(&self) -> Option<&str> {
         self.redo.last().map(|(what, _)| what.as_str())
     }
 }
 
-/// Columns of poses.csv that a recipe makes of channels, by the index of the series and the name of the channel.
+/// Columns of `poses.csv` to which a recipe assigns channels, by index of the series and name of the channel.
 #[must_use]
 pub fn uses(
     sources: &[Source],
@@ -196,7 +196,7 @@ pub fn uses(
                         || series.text(&one.channel).is_some())
             });
             for (k, _) in found {
-                // Every series has a clock of its own.
+                // Every series has its own clock.
                 let clock = (one.quantity == "time_s").then_some(k);
                 let key = (one.quantity.clone(), clock);
                 channels.insert(key, (k, one.channel.clone()));

@@ -1,4 +1,4 @@
-//! Sources and a recipe to a table of poses.
+//! Applies a recipe to sources, yielding a table of poses.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
@@ -13,24 +13,24 @@ use crate::external::place;
 use crate::recipe::{Cutting, Kind, Mapping, Quantity, Recipe, is_series, resolve};
 use crate::source::Source;
 
-/// Most suggestions that are taken up.
+/// Maximum number of suggestions applied.
 const MOST_CHANGES: usize = 64;
 
-/// Poses made of foreign files.
+/// Poses imported from foreign files.
 #[derive(Debug, Clone)]
 pub struct Imported {
-    /// The table of poses.
+    /// Content of `poses.csv`.
     pub poses_csv: String,
-    /// The same, as it is read.
+    /// The same table, parsed.
     pub measurements: Measurements,
-    /// What was done.
+    /// Record of the import.
     pub document: ImportDocument,
 }
 
-/// Makes poses of sources; `recipe_file` is the recipe's name for messages.
+/// Converts sources to poses with a recipe, which messages call `recipe_file`.
 ///
 /// # Errors
-/// If a channel of the recipe is not there, no pose is found, or the readings cannot be those of this robot.
+/// If a channel of the recipe is missing, no pose is found, or the readings are impossible for this robot.
 pub fn import(
     sources: &[Source],
     recipe: &Recipe,
@@ -74,7 +74,7 @@ pub fn import(
                 document,
             })
         }
-        // What is impossible may be a mistake that has a name.
+        // Impossible readings may stem from a known kind of mistake.
         Err(error) => Err(ImportError {
             error,
             suggestions: document.suggestions,
@@ -83,20 +83,20 @@ pub fn import(
     }
 }
 
-/// Refuses poses that are cut from values which could not be read again.
+/// Fails if stored values could not be read back.
 fn check_storage(mapping: &Mapping<'_>, file: &str) -> Result<(), ReadError> {
     let channels = mapping.series.iter().flat_map(|series| &series.channels);
     if channels.clone().all(|channel| channel.values.is_intact()) {
         return Ok(());
     }
-    let message = "the temporary file of a long recording cannot be read again, expected room for it and no other program that changes it";
+    let message = "the temporary file of a long recording cannot be read back, expected enough disk space and no other program that changes it";
     Err(ReadError::new(file, Place::File, message))
 }
 
-/// Imports, takes up what the check suggests, and imports again until it suggests nothing.
+/// Imports, applies the suggestions of the check, and repeats until there are no new ones.
 ///
 /// # Errors
-/// As [`import`], for what no suggestion makes good.
+/// As [`import`], for errors that no suggestion corrects.
 pub fn import_corrected(
     sources: &[Source],
     recipe: &Recipe,
@@ -111,7 +111,7 @@ pub fn import_corrected(
             Ok(imported) => &imported.document.suggestions,
             Err(error) => &error.suggestions,
         };
-        // A suggestion that comes back did not help.
+        // A suggestion that recurs did not help.
         let new: Vec<Suggestion> = suggestions
             .iter()
             .filter(|one| !applied.contains(one))
@@ -129,7 +129,7 @@ pub fn import_corrected(
     }
 }
 
-/// What the check of the data finds, and jumps of clocks that are not closed.
+/// Suggestions from the check of the data, and for clock jumps that are not closed.
 fn suggestions(
     mapping: &Mapping<'_>,
     poses: &[CutPose],
@@ -172,7 +172,7 @@ fn suggestions(
             .any(|clock| clock.close_jumps && is_series(series, &clock.series));
         if let Some((row, step)) = times.jumps.first().filter(|_| !is_closed) {
             let sentence = format!(
-                "the clock of {} jumps by {step:.3} s at row {}: it was set in between; close the jump",
+                "the clock of {} jumps by {step:.3} s at row {}: it was adjusted during the recording; close the jump",
                 series.name,
                 row + 1
             );
@@ -185,14 +185,14 @@ fn suggestions(
     found
 }
 
-/// Why an import failed, and what may be wrong with the data.
+/// An import error with suspected mistakes in the data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportError {
-    /// Why.
+    /// The error.
     pub error: ReadError,
-    /// Mistakes that the readings seem to have.
+    /// Suspected mistakes in the readings.
     pub suggestions: Vec<Suggestion>,
-    /// The poses that were cut, if it came so far.
+    /// The poses, if cutting succeeded.
     pub poses: Box<[PoseReport]>,
 }
 
@@ -220,10 +220,10 @@ impl std::fmt::Display for ImportError {
             .or(self.suggestions.first());
         match (first, self.suggestions.len()) {
             (None, _) => Ok(()),
-            (Some(first), 1) => write!(f, " ({}; --apply-suggestions corrects it)", first.sentence),
+            (Some(first), 1) => write!(f, " ({}; --apply-suggestions applies it)", first.sentence),
             (Some(first), count) => write!(
                 f,
-                " ({}; {} more; --apply-suggestions corrects them)",
+                " ({}; {} more; --apply-suggestions applies them)",
                 first.sentence,
                 count - 1
             ),
@@ -233,10 +233,10 @@ impl std::fmt::Display for ImportError {
 
 impl std::error::Error for ImportError {}
 
-/// What is in the sources, and what a recipe would make of it.
+/// Lists the sources and the assignments of a recipe.
 ///
 /// # Errors
-/// If a channel of the recipe is not there.
+/// If a channel of the recipe is missing.
 pub fn found(
     sources: &[Source],
     recipe: &Recipe,
@@ -255,7 +255,7 @@ pub fn found(
     })
 }
 
-/// What is made of each channel.
+/// Assignment of each channel.
 fn reports(sources: &[Source], mapping: &Mapping<'_>) -> Vec<SourceReport> {
     let mut used: BTreeMap<(String, String), String> = BTreeMap::new();
     let mut add = |mapped: &crate::recipe::Mapped, column: String| {
@@ -284,13 +284,13 @@ fn reports(sources: &[Source], mapping: &Mapping<'_>) -> Vec<SourceReport> {
         .collect()
 }
 
-/// What is to be said of sources: what was not understood, and what their instruments lost.
+/// Notices about the sources, and about lost frames.
 fn notices(sources: &[Source], mapping: &Mapping<'_>) -> Vec<String> {
     let known = sources.iter().flat_map(|source| source.notices.clone());
     known.chain(lost_frames(mapping)).collect()
 }
 
-/// Runs of rows that an instrument lost.
+/// Notices about runs of rows without a value.
 fn lost_frames(mapping: &Mapping<'_>) -> Vec<String> {
     let mut seen = BTreeSet::new();
     let mut notices = Vec::new();
@@ -336,7 +336,7 @@ fn drop_empty(poses: &mut Vec<CutPose>, notices: &mut Vec<String>) {
     }
 }
 
-/// Labels of the poses: those of the files, the numbers in their names, or their order.
+/// Labels of the poses: those of the files, the numbers in their names, or consecutive numbers.
 fn labels(poses: &[CutPose], recipe: &Recipe, notices: &mut Vec<String>) -> Vec<i64> {
     let first = i64::from(!recipe.first_pose_is_home);
     let in_order = || (0..poses.len() as i64).map(|k| k + first).collect();
@@ -356,7 +356,7 @@ fn labels(poses: &[CutPose], recipe: &Recipe, notices: &mut Vec<String>) -> Vec<
         Some(numbers) if numbers.iter().collect::<HashSet<_>>().len() == numbers.len() => numbers,
         _ => {
             let name = names.first().copied().unwrap_or_default();
-            notices.push(format!("names of poses such as \"{name}\" have no number of their own: numbered from {first} in the order of the file"));
+            notices.push(format!("pose names such as \"{name}\" contain no unique number: poses are numbered from {first} in the order of the file"));
             in_order()
         }
     }
@@ -379,7 +379,7 @@ fn apply_steps(poses: &mut [CutPose], labels: &[i64], recipe: &Recipe) {
     }
 }
 
-/// The columns of numbers, in the order of the table: those of the recipe, and measured poses that were made of markers.
+/// The numeric columns in the order of the table: those of the recipe, and measured poses computed from markers.
 fn columns(mapping: &Mapping<'_>, poses: &[CutPose], recipe: &Recipe) -> Vec<Quantity> {
     let made = poses.iter().flat_map(|pose| pose.readings.keys());
     let made = made.filter(|quantity| quantity.kind == Kind::Tracked);
@@ -457,7 +457,7 @@ fn report(pose: &CutPose, label: i64, recipe: &Recipe) -> PoseReport {
             .filter(|time| time.is_finite()),
         first_row: pose.first_row,
         rows: pose.rows,
-        // Of single rows the table says it all.
+        // For poses of single rows the table is complete.
         readings: if matches!(recipe.cutting, Cutting::Rows | Cutting::Motion) {
             BTreeMap::new()
         } else {

@@ -1,28 +1,28 @@
-//! A file that is read, with how far reading is.
+//! Input files with progress and cancellation.
 
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{Error, Read, Result, Seek, SeekFrom};
 
-/// Bytes after which the reader is asked whether to go on.
+/// Interval between progress callbacks (bytes).
 const STEP: u64 = 1 << 20;
 
-/// Follows how far reading is, and may end it.
+/// Tracks progress of reading and may stop it.
 pub(crate) struct Watch<'a> {
-    /// Bytes of all files.
+    /// Total size of all files (bytes).
     whole: u64,
-    /// Bytes that were read.
+    /// Bytes read.
     read: Cell<u64>,
-    /// Bytes at which it is asked next.
+    /// Position of the next callback (bytes).
     next: Cell<u64>,
     /// Whether reading was ended.
     stopped: Cell<bool>,
-    /// Takes the part that is done, and says whether to go on.
+    /// Receives the fraction done and returns whether to continue.
     goes_on: &'a dyn Fn(f64) -> bool,
 }
 
 impl<'a> Watch<'a> {
-    /// Asks `goes_on` from time to time while `whole` bytes are read, with the part that was.
+    /// Calls `goes_on` with the fraction done while `whole` bytes are read.
     pub fn new(whole: u64, goes_on: &'a dyn Fn(f64) -> bool) -> Self {
         Self {
             whole,
@@ -38,7 +38,7 @@ impl<'a> Watch<'a> {
         self.stopped.get()
     }
 
-    /// Counts bytes; fails where reading is to end.
+    /// Counts bytes; fails once reading was stopped.
     fn count(&self, bytes: u64) -> Result<()> {
         let read = self.read.get() + bytes;
         self.read.set(read);
@@ -55,7 +55,7 @@ impl<'a> Watch<'a> {
     }
 }
 
-/// A file that is watched.
+/// A file whose reading is tracked.
 pub(crate) struct Input<'a> {
     file: File,
     watch: &'a Watch<'a>,
@@ -66,12 +66,12 @@ impl<'a> Input<'a> {
         Self { file, watch }
     }
 
-    /// The file, for a reader that goes to and fro in it and tells by [`Self::advance`] what it has read.
+    /// The file, for a reader that seeks in it and reports what it reads by [`Self::advance`].
     pub fn file(&self) -> Result<File> {
         self.file.try_clone()
     }
 
-    /// Counts bytes that were read otherwise.
+    /// Counts bytes that were read by other means.
     pub fn advance(&mut self, bytes: u64) -> Result<()> {
         self.watch.count(bytes)
     }

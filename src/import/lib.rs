@@ -1,8 +1,8 @@
-//! Foreign files: logs, motion capture, point lists and spreadsheets become datasets; descriptions of robots become ours.
+//! Import of foreign files: logs, motion capture, point lists and spreadsheets as datasets, and robot descriptions.
 //!
 //! A **source** is a file, recognised by its content. It has **series** of **channels**: name, unit, values. A **recipe**
-//! says which channel is which quantity of the robot, with unit, factor, offset and sign. **Cutting** makes poses of rows:
-//! every row, rows of one label, or rests. What was not understood is told in notices, and nothing is dropped silently.
+//! assigns channels to quantities of the robot, with unit, factor, offset and sign. **Cutting** turns rows into poses: every
+//! row, rows of one label, or standstills. Notices report what was not understood; nothing is dropped silently.
 
 mod alignment;
 mod check;

@@ -1,6 +1,6 @@
 //! The median.
 
-/// The middle value, the upper of two; none of no values.
+/// The median, the upper one of two; `None` without values.
 pub(crate) fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.collect();
     let middle = values.len() / 2;

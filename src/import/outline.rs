@@ -1,9 +1,9 @@
-//! The course of a channel, with as many points as a plot can show.
+//! The course of a channel, reduced to the resolution of a plot.
 
 use crate::values::Values;
 
-/// Rows and values of a channel, at most two for each of `columns` parts of the rows: the least and the largest value, so
-/// that no peak is lost. Where values are missing there is one row that is NaN.
+/// Rows and values of a channel for plotting: the minimum and the maximum in each of `columns` parts of the rows, so that no
+/// peak is lost. Missing values yield one row with NaN.
 #[must_use]
 pub fn outline(values: &Values, columns: usize) -> Vec<(usize, f64)> {
     let columns = columns.clamp(1, values.len().max(1));

@@ -1,14 +1,14 @@
-//! What a foreign file contains, before anything is made of it.
+//! Content of a foreign file before any conversion.
 
 use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::values::Values;
 
-/// The formats that are recognised.
+/// Recognised file formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// A table as text: CSV and its relatives.
+    /// Delimited text: CSV and similar.
     Table,
     /// Points with their names, without a header row.
     PointList,
@@ -20,7 +20,7 @@ pub enum Format {
     Nexus,
     /// Motion capture in C3D.
     C3d,
-    /// HDF5 of any program but MATLAB.
+    /// HDF5 of programs other than MATLAB.
     Hdf5,
     /// MATLAB 5 to 7.3.
     Matlab,
@@ -37,7 +37,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Its name in sentences.
+    /// Name for use in sentences.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -61,13 +61,13 @@ impl Format {
 /// A foreign file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
-    /// The file as the operator named it.
+    /// Path of the file as given.
     pub file: String,
-    /// What it is.
+    /// Kind.
     pub format: Format,
-    /// Its channels, those that were sampled together in one series.
+    /// Series, each with the channels that were sampled together.
     pub series: Vec<Series>,
-    /// What the operator should know: what was not understood, and what was left out.
+    /// Notices: what was not understood or left out.
     pub notices: Vec<String>,
 }
 
@@ -78,7 +78,7 @@ pub struct Series {
     pub name: String,
     /// Number of rows.
     pub rows: usize,
-    /// When each row was sampled (s), where the format says it by itself.
+    /// Time of each row (s), if the format defines it.
     pub time_s: Option<Values>,
     /// Columns of numbers.
     pub channels: Vec<Channel>,
@@ -89,22 +89,22 @@ pub struct Series {
 /// A recorded quantity.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Channel {
-    /// Its name in the file.
+    /// Name in the file.
     pub name: String,
-    /// Its unit as the file states it.
+    /// Unit as stated in the file.
     pub unit: Option<String>,
-    /// Its values; NaN where there is none.
+    /// Values; NaN for missing ones.
     pub values: Values,
 }
 
 /// A column of text: names of points, states.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TextChannel {
-    /// Its name in the file.
+    /// Name in the file.
     pub name: String,
-    /// The different texts.
+    /// The distinct texts.
     pub distinct: Vec<String>,
-    /// Which of them each row has.
+    /// Index into `distinct` for each row.
     pub codes: Vec<u32>,
 }
 
@@ -131,7 +131,7 @@ impl TextChannel {
     }
 }
 
-/// Most different texts that a column may have to be kept: names of points and states have few.
+/// Maximum number of distinct texts in a column: names of points and states have few.
 const MAX_DISTINCT: usize = 100_000;
 
 /// A column of text that is being filled.
@@ -155,11 +155,11 @@ impl FillingTexts {
         }
     }
 
-    /// The column; or why it is not kept.
+    /// The column; the error states why it is not kept.
     pub fn finish(self, name: &str) -> Result<TextChannel, String> {
         if self.distinct.len() > MAX_DISTINCT {
             return Err(format!(
-                "text, more than {MAX_DISTINCT} different ones, not kept"
+                "text with more than {MAX_DISTINCT} distinct values, not kept"
             ));
         }
         if self.distinct.iter().all(String::is_empty) {
@@ -173,7 +173,7 @@ impl FillingTexts {
     }
 }
 
-/// What a channel's values are like.
+/// Statistics of a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summary {
     /// Number of values.
@@ -185,7 +185,7 @@ pub struct Summary {
 }
 
 impl Channel {
-    /// What its values are like.
+    /// Statistics of its values.
     #[must_use]
     pub fn summary(&self) -> Summary {
         let mut summary = Summary {
@@ -204,7 +204,7 @@ impl Channel {
         summary
     }
 
-    /// Runs of rows without a value that have values before and after them.
+    /// Runs of missing values between valid ones.
     #[must_use]
     pub fn lost(&self) -> Vec<Range<usize>> {
         let mut runs = Vec::new();

@@ -10,11 +10,11 @@ use crate::formats::read_watched;
 use crate::input::Watch;
 use crate::source::Source;
 
-/// Reads files, and those of folders that are read as tables of some kind; others in a folder are named in a notice.
-/// Meanwhile `goes_on` is told which part is read, and says whether to read on.
+/// Reads files, and all supported files in folders; others in a folder are reported in a notice.
+/// `goes_on` receives the fraction read and returns whether to continue.
 ///
 /// # Errors
-/// If a file that was named is not read, a folder has none that is, or reading was stopped.
+/// If a given file cannot be read, a folder contains no readable file, or reading was stopped.
 pub fn read_sources(
     paths: &[PathBuf],
     goes_on: &dyn Fn(f64) -> bool,
@@ -52,7 +52,7 @@ fn read_folder(
     let before = sources.len();
     for path in paths {
         if path.is_dir() {
-            notices.push(format!("{}: folder in a folder, not read", path.display()));
+            notices.push(format!("{}: nested folder, not read", path.display()));
             continue;
         }
         match read_watched(&path, watch) {
@@ -71,7 +71,7 @@ fn read_folder(
     Ok(())
 }
 
-/// Size of files, and of those in folders.
+/// Total size of files and of those in folders (bytes).
 fn bytes(paths: &[PathBuf]) -> u64 {
     let of_file = |path: &Path| fs::metadata(path).map_or(0, |data| data.len());
     let of_folder = |folder: &Path| {
@@ -87,7 +87,7 @@ fn bytes(paths: &[PathBuf]) -> u64 {
         .sum()
 }
 
-/// Recipes name series, so that no two may have one name.
+/// Makes the names of series unique, since recipes refer to them.
 pub(crate) fn make_names_unique(sources: &mut [Source]) {
     let mut seen = HashSet::new();
     for series in sources.iter_mut().flat_map(|source| &mut source.series) {

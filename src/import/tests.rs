@@ -506,7 +506,7 @@ fn rests_of_a_recording_give_the_same_identification() {
         .document
         .notices
         .iter()
-        .any(|notice| notice.starts_with("21 rests with"));
+        .any(|notice| notice.starts_with("21 standstills with"));
     assert!(said, "{:?}", imported.document.notices);
 }
 
@@ -745,7 +745,7 @@ fn a_recipe_is_used_as_it_is_written() {
         ),
         (
             r#"{"channel": "a{i}", "quantity": "laser_m"}"#,
-            "expected one {i} in both or in none",
+            "expected {i} once in both or in neither",
         ),
         (
             r#"{"channel": "a", "quantity": "laser_m", "factor": 0}"#,

@@ -1,8 +1,8 @@
-//! Units as people write them.
+//! Units and their usual spellings.
 
 use std::f64::consts::{PI, TAU};
 
-/// What a unit measures.
+/// Dimension of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// Lengths; in metres.
@@ -22,11 +22,11 @@ pub enum Dimension {
 /// A unit: `value in the base unit = factor value + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// What it measures.
+    /// Dimension.
     pub dimension: Dimension,
     /// Base units per unit.
     pub factor: f64,
-    /// Value of its zero in the base unit.
+    /// Its zero point in the base unit.
     pub offset: f64,
 }
 
@@ -152,11 +152,11 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     ),
 ];
 
-/// The unit that a text names.
+/// Parses the name of a unit.
 #[must_use]
 pub fn parse_unit(text: &str) -> Option<Unit> {
     let text = text.trim();
-    // The only ones whose case matters: millinewton is as unlikely as meganewton, so `MN` is refused.
+    // The only spelling whose case matters: it could mean meganewton or millinewton, so it is rejected.
     if text == "MN" {
         return None;
     }
@@ -189,8 +189,8 @@ pub fn parse_unit(text: &str) -> Option<Unit> {
     })
 }
 
-/// The unit in the heading of a column, and the heading without it: `Pos [mm]`, `Pos (mm)`, `Pos / mm`, `Pos in mm`. From
-/// `pos_mm` the unit is taken, but not off the name.
+/// Splits the heading of a column into name and unit: `Pos [mm]`, `Pos (mm)`, `Pos / mm`, `Pos in mm`. For `pos_mm` the name
+/// keeps its suffix.
 #[must_use]
 pub fn split_heading(heading: &str) -> (String, Option<String>) {
     let heading = heading.trim();
@@ -213,7 +213,7 @@ pub fn split_heading(heading: &str) -> (String, Option<String>) {
         }
     }
     let unit = heading.rsplit_once(['_', '.']).map(|(_, unit)| unit);
-    // One letter after an underscore is more often a part of the name than a unit, but for the SI ones.
+    // A single letter after an underscore is more often part of the name than a unit, except for SI units.
     let is_unit = |unit: &&str| {
         matches!(*unit, "m" | "s" | "n" | "N") || (unit.len() > 1 && parse_unit(unit).is_some())
     };

@@ -1,4 +1,4 @@
-//! Values of a channel: in memory, or, of long recordings, in a temporary file that is read block by block.
+//! Values of a channel: in memory or, for long recordings, in a temporary file read block by block.
 //!
 //! A log of a gigabyte has as much as a gigabyte of numbers. Those of all channels of a source that do not fit into
 //! [`HELD`] go to one file without a name, which the system deletes with the program; each channel keeps one block of it.
@@ -13,29 +13,29 @@ use tautline_session::temporary_file;
 
 use crate::source::Channel;
 
-/// Values that the channels of one source hold in memory (32 MB).
+/// Maximum number of values that the channels of one source hold in memory (32 MB).
 const HELD: usize = 4 << 20;
 /// Values of a block (64 kB).
 const BLOCK: usize = 8 << 10;
 
-/// The values of a channel; NaN where there is none. Copies share what is in a file.
+/// The values of a channel; NaN for missing ones. Clones share the file.
 #[derive(Clone, Default)]
 pub struct Values {
     stored: Option<Stored>,
-    /// What is not in the file: all of it, or less than a block.
+    /// Values not in the file: all of them, or less than a block.
     held: Vec<f64>,
 }
 
 /// Number and values of a block.
 type Block = (usize, Arc<[f64]>);
 
-/// Whole blocks in a file.
+/// Complete blocks in a file.
 #[derive(Clone)]
 struct Stored {
     file: Arc<BlockFile>,
-    /// Where each block begins (bytes).
+    /// Offset of each block (bytes).
     places: Arc<Vec<u64>>,
-    /// The block that was read last.
+    /// The block read last.
     last: Arc<Mutex<Option<Block>>>,
 }
 
@@ -78,7 +78,7 @@ impl BlockFile {
 }
 
 impl Stored {
-    /// A block; NaN where the file cannot be read, which [`Values::is_intact`] then says.
+    /// A block; NaN if the file cannot be read, which [`Values::is_intact`] reports.
     fn block(&self, number: usize) -> Arc<[f64]> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((known, values)) = &*last
@@ -101,7 +101,7 @@ impl Stored {
 }
 
 impl Values {
-    /// Their number.
+    /// Number of values.
     #[must_use]
     pub fn len(&self) -> usize {
         self.stored.as_ref().map_or(0, Stored::len) + self.held.len()
@@ -134,7 +134,7 @@ impl Values {
         self.range(0..self.len())
     }
 
-    /// The values of some rows; rows that there are not are left out.
+    /// The values of a range of rows, clipped to the existing ones.
     pub fn range(&self, rows: Range<usize>) -> impl Iterator<Item = f64> + '_ {
         let stored = self.stored.as_ref().map_or(0, Stored::len);
         let in_file = rows.start.min(stored)..rows.end.min(stored);
@@ -150,7 +150,7 @@ impl Values {
         blocks.flat_map(of_block).chain(held)
     }
 
-    /// Whether all values that were asked for could be read.
+    /// Whether all requested values could be read.
     #[must_use]
     pub fn is_intact(&self) -> bool {
         let failed = |stored: &Stored| stored.file.failed.load(Ordering::Relaxed);
@@ -211,7 +211,7 @@ impl Storage {
         Ok(())
     }
 
-    /// Moves the whole blocks of a channel to the file.
+    /// Moves the complete blocks of a channel to the file.
     fn store(&mut self, channel: &mut Filling) -> Result<()> {
         let file = match &mut self.file {
             Some(file) => file,
@@ -226,7 +226,7 @@ impl Storage {
         Ok(())
     }
 
-    /// The values of a channel that has all of them.
+    /// The values of a completed channel.
     pub fn finish(&self, channel: Filling) -> Values {
         let file = self.file.as_ref().filter(|_| !channel.places.is_empty());
         Values {
@@ -240,7 +240,7 @@ impl Storage {
     }
 }
 
-/// The channels of a reader whose rows have a number for each.
+/// Numeric channels that are filled row by row.
 pub(crate) struct Table {
     storage: Storage,
     columns: Vec<Filling>,

@@ -1,16 +1,16 @@
-//! Time as callers give it, so that a test need not wait.
+//! Time supplied by the caller, so that tests need not wait.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-/// Where time comes from.
+/// A source of time.
 pub trait Clock: Send + Sync {
-    /// Seconds since any fixed moment; never goes back.
+    /// Seconds since an arbitrary fixed instant; never decreases.
     fn now_s(&self) -> f64;
 }
 
-/// The clock of the machine, from 0 at its start.
+/// The clock of the computer, from 0 at its start.
 #[derive(Debug, Clone, Copy)]
 pub struct SystemClock {
     start: Instant,
@@ -32,7 +32,7 @@ impl Clock for SystemClock {
     }
 }
 
-/// A clock that is set by hand; clones show the same time.
+/// A clock set by hand; clones show the same time.
 #[derive(Debug, Clone, Default)]
 pub struct ManualClock {
     /// The bits of the time (s).

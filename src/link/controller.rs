@@ -6,34 +6,34 @@ use tautline_session::CheckPose;
 use crate::error::LinkError;
 use crate::parameters::ParameterInfo;
 
-/// What a controller is doing.
+/// Activity of a controller.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Activity {
     /// No connection.
     Disconnected,
-    /// Connected; it does not report whether it moves.
+    /// Connected, without a report whether it moves.
     Connected,
     /// The platform moves.
     Moving,
     /// The drives have reached the commanded pose. The platform may still swing.
     Still,
-    /// It stopped on its own; the text says why.
+    /// It stopped on its own; the text states the reason.
     Fault(String),
 }
 
 /// State of a controller.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ControllerState {
-    /// What it is doing.
+    /// Present activity.
     pub activity: Activity,
-    /// Whether it may move and change values, until the connection ends.
+    /// Whether it may move and change values; ends with the connection.
     pub armed: bool,
 }
 
-/// All readings of one moment.
+/// All readings of one instant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
-    /// Time by the controller's clock (s).
+    /// Time on the controller's clock (s).
     pub time_s: f64,
     /// Motor revolutions since home, per cable, positive pays out.
     pub revolutions: Vec<f64>,
@@ -47,23 +47,23 @@ pub struct Sample {
     pub swivel_rad: Option<Vec<f64>>,
     /// Roll, pitch and yaw (rad).
     pub inclination_rad: Option<[f64; 3]>,
-    /// The pose that was commanded last; the nominal home pose after homing.
+    /// The last commanded pose; the nominal home pose after homing.
     pub commanded: Option<Pose>,
-    /// What changes with every start of the controller: a number of starts or the time of the last one.
+    /// Value that changes with every start of the controller: a start counter or the time of the last start.
     pub started: Option<f64>,
 }
 
-/// A robot's controller. No call waits for a motion to end.
+/// A robot's controller. No call waits for the end of a motion.
 ///
-/// Nothing moves and nothing is written unless the controller is armed. Arming holds for the present connection only.
+/// Nothing moves and nothing is written unless the controller is armed. Arming lasts for the present connection only.
 pub trait Controller: Send {
     /// Name shown to the operator.
     fn identity(&self) -> String;
 
-    /// Connects, unless it is connected. The controller is disarmed after that.
+    /// Connects if not connected. The controller is then disarmed.
     ///
     /// # Errors
-    /// If the controller cannot be connected.
+    /// If the connection fails.
     fn connect(&mut self) -> Result<(), LinkError>;
 
     /// Disarms and ends the connection.
@@ -72,13 +72,13 @@ pub trait Controller: Send {
     /// State as last known.
     fn state(&self) -> ControllerState;
 
-    /// Allows motion and writing.
+    /// Permits motion and writing.
     ///
     /// # Errors
     /// If there is no connection or a fault.
     fn arm(&mut self) -> Result<(), LinkError>;
 
-    /// Forbids motion and writing; a motion under way is stopped.
+    /// Forbids motion and writing; a motion in progress is stopped.
     fn disarm(&mut self);
 
     /// The latest readings.
@@ -87,17 +87,17 @@ pub trait Controller: Send {
     /// If the connection is lost or the controller does not answer.
     fn sample(&mut self) -> Result<Sample, LinkError>;
 
-    /// Asks the controller to send its readings every so many seconds, until the connection ends. They are for display:
-    /// whatever decides is read by [`Controller::sample`].
+    /// Asks the controller to send its readings every `every_s` seconds until the connection ends. They are for display only:
+    /// readings on which decisions depend come from [`Controller::sample`].
     ///
     /// # Errors
-    /// If it cannot do that or the connection is lost.
+    /// If it cannot send readings, or the connection is lost.
     fn subscribe(&mut self, _every_s: f64) -> Result<(), LinkError> {
-        let text = "it sends nothing of its own accord";
+        let text = "it does not send readings on its own";
         Err(LinkError::Refused(text.to_owned()))
     }
 
-    /// The readings that it has sent since this was last asked, the oldest first. Does not wait.
+    /// The readings sent since the last call, the oldest first. Does not wait.
     ///
     /// # Errors
     /// If the connection is lost.
@@ -105,16 +105,16 @@ pub trait Controller: Send {
         Ok(Vec::new())
     }
 
-    /// Starts to move to the home reference platform, where the encoders are zeroed.
+    /// Starts a motion to the home reference platform, where the encoders are zeroed.
     ///
     /// # Errors
-    /// If not armed, the connection is lost or the controller refuses.
+    /// If not armed, the connection is lost, or the controller refuses.
     fn home(&mut self) -> Result<(), LinkError>;
 
-    /// Starts to move to a pose.
+    /// Starts a motion to a pose.
     ///
     /// # Errors
-    /// If not armed, the connection is lost or the controller refuses the pose.
+    /// If not armed, the connection is lost, or the controller refuses the pose.
     fn command(&mut self, pose: &Pose) -> Result<(), LinkError>;
 
     /// Stops the platform where it is. Always allowed.
@@ -123,7 +123,7 @@ pub trait Controller: Send {
     /// If the connection is lost.
     fn stop(&mut self) -> Result<(), LinkError>;
 
-    /// All parameters that can be read and written, with their values. Their names are those of
+    /// All readable and writable parameters with their values. Their names are those of
     /// [`crate::parameters`].
     ///
     /// # Errors
@@ -136,28 +136,28 @@ pub trait Controller: Send {
     /// If the connection is lost or there is no such parameter.
     fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError>;
 
-    /// Sets parameters, in the given order; after an error those before it may have been set.
+    /// Sets parameters in the given order; after an error, those before it may have been set.
     ///
     /// # Errors
-    /// If not armed, moving, the connection is lost, there is no such parameter or it cannot have the value.
+    /// If not armed, moving, the connection is lost, there is no such parameter, or the value is not possible.
     fn write(&mut self, values: &[(String, f64)]) -> Result<(), LinkError>;
 
-    /// The operator has decided to go on although a cable is overloaded; it may not get worse. By default nothing, for
-    /// controllers without limits of our own.
+    /// Accepts an overloaded cable by decision of the operator; the overload must not increase. By default nothing, for
+    /// controllers without limits of Tautline.
     fn accept_overload(&mut self) {}
 
-    /// Why there is no laser distance at present, where the reason is known.
+    /// Reason why there is no laser distance at present, if known.
     fn laser_problem(&self) -> Option<String> {
         None
     }
 }
 
-/// An external instrument that measures where the platform is, in the base frame.
+/// An external instrument that measures the pose of the platform, in the base frame.
 pub trait Instrument: Send {
     /// Name shown to the operator.
     fn identity(&self) -> String;
 
-    /// Pose of the platform, its orientation where the instrument measures it.
+    /// Pose of the platform, with its orientation if the instrument measures it.
     ///
     /// # Errors
     /// If it does not see the platform or does not answer.

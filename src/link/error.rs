@@ -1,12 +1,12 @@
 //! Errors of controllers and instruments.
 
-/// Why a controller or instrument did not do what was asked, as one sentence for the operator.
+/// An error of a controller or instrument, as one sentence for the operator.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LinkError {
     /// There is no connection, or it broke.
     #[error("the connection to the controller is lost: {0}")]
     Disconnected(String),
-    /// No answer in time.
+    /// No response in time.
     #[error("the controller did not answer within {0:.1} s")]
     Timeout(f64),
     /// The controller is not armed.
@@ -18,28 +18,28 @@ pub enum LinkError {
     /// The controller reports a fault.
     #[error("the controller reports a fault: {0}")]
     Fault(String),
-    /// The controller was restarted, so that its encoders have lost their zero; by what this is known.
+    /// The controller was restarted, so that its encoders have lost their zero; states the evidence.
     #[error(
-        "the controller was restarted ({0}): its encoders have lost their zero. Poses measured before and after belong to separate series, each with its own way home"
+        "the controller was restarted ({0}): its encoders have lost their zero. Poses measured before and after belong to separate series, each with its own homing"
     )]
     Restarted(String),
-    /// A pose or tension outside the limits.
+    /// A pose or tension is outside the limits.
     #[error("outside the limits: {0}")]
     Limit(String),
-    /// No parameter of this name.
+    /// There is no parameter with this name.
     #[error("the controller has no parameter \"{0}\"")]
     UnknownParameter(String),
-    /// A value that no parameter can have.
+    /// The parameter cannot have this value.
     #[error("parameter \"{name}\" cannot be {value}: {reason}")]
     InvalidValue {
         /// Name of the parameter.
         name: String,
         /// The value.
         value: f64,
-        /// Why not.
+        /// Reason.
         reason: String,
     },
-    /// A laser distance sensor of its own cannot be used.
+    /// The external laser distance sensor cannot be used.
     #[error("the laser distance sensor: {0}")]
     Laser(String),
     /// A controller or run cannot be set up.
@@ -48,7 +48,7 @@ pub enum LinkError {
 }
 
 impl LinkError {
-    /// Whether the connection has to be established again.
+    /// Whether the connection must be re-established.
     #[must_use]
     pub fn is_disconnection(&self) -> bool {
         matches!(self, Self::Disconnected(_))

@@ -1,4 +1,4 @@
-//! Parameters as text for those who enter them at a controller by other means.
+//! Parameters as text, for entering them into a controller by other means.
 
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -8,7 +8,7 @@ use tautline_session::csv_row;
 use crate::adjusting::Difference;
 use crate::parameters::ParameterInfo;
 
-/// The table `name,unit,controller,identified,difference,sd`; cells are empty where nothing is known.
+/// The table `name,unit,controller,identified,difference,sd`; unknown values are empty cells.
 #[must_use]
 pub fn differences_csv(differences: &[Difference]) -> String {
     let mut text = "name,unit,controller,identified,difference,sd\n".to_owned();
@@ -26,7 +26,7 @@ pub fn differences_csv(differences: &[Difference]) -> String {
     text
 }
 
-/// A block of constants in Structured Text (IEC 61131-3), as TwinCAT reads it; `title` goes into its first comment.
+/// A block of constants in Structured Text (IEC 61131-3), in TwinCAT's syntax; `title` is in its first comment.
 #[must_use]
 pub fn structured_text(title: &str, parameters: &[ParameterInfo]) -> String {
     let mut text = format!("(* {} *)\nVAR_GLOBAL CONSTANT\n", comment(title));
@@ -55,13 +55,13 @@ fn unit(unit: &str) -> &str {
     if unit == "1" { "ratio" } else { unit }
 }
 
-/// Text that neither ends a comment nor begins one in it, which some compilers count, on one line.
+/// Text for a comment: on one line, without the start or end of a (possibly nested) comment.
 fn comment(text: &str) -> String {
     let one_line = text.replace(char::is_control, " ");
     one_line.replace("*)", "* )").replace("(*", "( *")
 }
 
-/// A name of letters, digits and single underscores that begins with a letter.
+/// A name of letters, digits and single underscores that starts with a letter.
 fn identifier(name: &str) -> String {
     let mut result = String::new();
     for letter in name.chars() {

@@ -1,8 +1,8 @@
 //! Controllers and instruments: commands to a robot and readings from it.
 //!
-//! Everything here is driven by its caller. Nothing draws, and the only thing that blocks is the wait for the answer of
+//! Everything here is driven by its caller. Nothing draws, and the only blocking calls wait for the response of
 //! a real controller, for a bounded time. Time comes from the samples of a controller and from the caller. A device that
-//! sends unasked is read by a thread of its own, which a connection starts and ends.
+//! sends on its own is read by a thread, which a connection starts and ends.
 
 pub mod adjusting;
 pub mod ads;
@@ -28,7 +28,7 @@ pub mod verifying;
 pub use clock::{Clock, ManualClock, SystemClock};
 pub use controller::{Activity, Controller, ControllerState, Instrument, Sample};
 pub use error::LinkError;
-pub use guarded::{GuardedController, Seen};
+pub use guarded::{GuardedController, LastState};
 pub use laser::LaserSource;
 pub use limits::Limits;
 pub use parameters::ParameterInfo;

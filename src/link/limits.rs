@@ -1,4 +1,4 @@
-//! Our own limits: whatever a controller allows, no pose outside the workspace is commanded and no cable pulls too hard.
+//! Limits enforced by this program: whatever a controller allows, no pose outside the workspace is commanded and no cable pulls too hard.
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
@@ -6,24 +6,24 @@ use tautline_core::simulation::{TensionRange, Workspace};
 
 use crate::error::LinkError;
 
-/// A reading may exceed the limit of the tension by this many of its standard deviations: that is noise.
+/// Standard deviations by which a reading may exceed the tension limit, as noise.
 const NOISE: f64 = 6.0;
-/// By how much the length of an orientation's quaternion may differ from 1.
+/// Largest deviation of an orientation quaternion's norm from 1.
 const UNIT: f64 = 1e-6;
 
-/// Where a robot may move and how hard its cables may pull.
+/// Workspace and tension limits of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limits {
-    /// The robot by which tensions are predicted and read.
+    /// The robot for predicting and reading tensions.
     pub robot: Robot,
-    /// Where the platform may be commanded.
+    /// Workspace of commanded poses.
     pub workspace: Workspace,
-    /// Tensions that the distribution may use; a reading above the upper one stops the motion.
+    /// Tension limits of the distribution; a reading above the upper one stops the motion.
     pub tension: TensionRange,
 }
 
 impl Limits {
-    /// Limits that suit a robot.
+    /// Default limits for a robot.
     #[must_use]
     pub fn of(robot: &Robot) -> Self {
         Self {
@@ -33,13 +33,13 @@ impl Limits {
         }
     }
 
-    /// Whether the pose is inside the workspace and tensions within the limits hold the platform there.
+    /// Checks that the pose is inside the workspace and that tensions within the limits balance the platform there.
     ///
     /// # Errors
-    /// [`LinkError::Limit`] if not.
+    /// [`LinkError::Limit`] otherwise.
     pub fn check_pose(&self, pose: &Pose) -> Result<(), LinkError> {
         if !is_pose(pose) {
-            let text = "the commanded pose is not made of finite numbers";
+            let text = "the commanded pose contains a number that is not finite";
             return Err(LinkError::Limit(text.to_owned()));
         }
         let at = || {
@@ -65,11 +65,11 @@ impl Limits {
         })
     }
 
-    /// Whether no cable pulls harder than the limit, beyond the noise of its sensor, or than in readings that were
+    /// Checks that no cable pulls harder than the limit, beyond the noise of its sensor, or than in the readings
     /// `accepted` (raw, N; empty: none).
     ///
     /// # Errors
-    /// [`LinkError::Limit`] that names the cable.
+    /// [`LinkError::Limit`], naming the cable.
     pub fn check_forces(&self, force_n: &[f64], accepted: &[f64]) -> Result<(), LinkError> {
         for (index, (cable, reading)) in self.robot.cables.iter().zip(force_n).enumerate() {
             let Some(sensor) = cable.force_sensor else {
@@ -79,7 +79,7 @@ impl Limits {
             let accepted_n = accepted
                 .get(index)
                 .map(|reading| sensor.tension_n(*reading));
-            // A reading that is no number accepts nothing.
+            // A reading of NaN accepts nothing.
             let limit_n = self.tension.upper_n.max(accepted_n.unwrap_or(f64::NAN));
             if tension > limit_n + NOISE * sensor.tension_sd_n {
                 return Err(LinkError::Limit(format!(
@@ -92,11 +92,11 @@ impl Limits {
     }
 }
 
-/// Whether all numbers of a pose are finite and its orientation is one.
+/// Whether all numbers of a pose are finite and its quaternion has norm one.
 fn is_pose(pose: &Pose) -> bool {
     let wxyz = pose.orientation_wxyz();
     let length = wxyz.iter().map(|q| q * q).sum::<f64>().sqrt();
-    // A length that is not a number fails, too.
+    // The comparison is false for NaN.
     pose.position.iter().all(|value| value.is_finite()) && (length - 1.0).abs() < UNIT
 }
 
@@ -117,7 +117,7 @@ mod tests {
         let mut nowhere = centre;
         nowhere.position.x = f64::NAN;
         let told = limits.check_pose(&nowhere).unwrap_err().to_string();
-        assert!(told.contains("not made of finite numbers"), "{told}");
+        assert!(told.contains("a number that is not finite"), "{told}");
         let mut turned = centre;
         let unknown = nalgebra::Quaternion::new(f64::NAN, 0.0, 0.0, 0.0);
         turned.orientation = nalgebra::UnitQuaternion::new_unchecked(unknown);

@@ -1,4 +1,4 @@
-//! Names, units and values of the parameters that a controller has of its robot.
+//! Names, units and values of the robot parameters in a controller.
 //!
 //! | name | what |
 //! |---|---|
@@ -11,9 +11,9 @@
 //! | `laser.target_plane.offset_m` | offset of the laser's target plane |
 //! | `effect.ID.PARAMETER`, `effect.ID.CABLE.PARAMETER` | an effect that the controller corrects; two cables joined by `+` |
 //!
-//! `CABLE` is the cable's name. A controller has those it offers: home, laser and effects only where its
-//! robot has them. Lengths at home follow from the pose and the geometry, so that a robot description does not have them; a
-//! controller that counts lengths from values of its own may.
+//! `CABLE` is the cable's name. A controller has the parameters it offers: home, laser and effects only if its
+//! robot has them. Lengths at home follow from pose and geometry, so a robot description does not contain them; a
+//! controller that stores them separately may have them.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use tautline_core::effect::{self, EffectSetting};
@@ -25,7 +25,7 @@ use crate::error::LinkError;
 /// One parameter and its value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterInfo {
-    /// Name; see the module.
+    /// Name, see the module documentation.
     pub name: String,
     /// SI unit; "1" for a ratio.
     pub unit: &'static str,
@@ -35,7 +35,7 @@ pub struct ParameterInfo {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// All parameters of a robot with its values.
+/// All parameters of a robot with their values.
 #[must_use]
 pub fn parameters_of(robot: &Robot) -> Vec<ParameterInfo> {
     let mut list = Vec::new();
@@ -115,7 +115,7 @@ pub(crate) fn effect_name(setting: &EffectSetting, parameter: &str) -> String {
     format!("effect.{}{dot}{targets}.{parameter}", setting.effect)
 }
 
-/// Values of named parameters from a list.
+/// Values of named parameters in a list.
 pub(crate) fn values_of(
     parameters: &[ParameterInfo],
     names: &[String],
@@ -128,12 +128,12 @@ pub(crate) fn values_of(
     names.iter().map(value).collect()
 }
 
-/// The parts of the name of an effect's parameter.
+/// Parts of the name of an effect's parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EffectName<'a> {
     /// Identifier of the effect.
     pub effect: &'a str,
-    /// The cable's name, those of two joined by `+`; empty for an effect without target.
+    /// Name of the cable, or of two cables joined by `+`; empty for an effect without target.
     pub targets: &'a str,
     /// Name of the parameter.
     pub parameter: &'a str,
@@ -143,7 +143,7 @@ impl<'a> EffectName<'a> {
     /// Parses a name; `None` if it is not that of an effect's parameter.
     #[must_use]
     pub fn read(name: &'a str) -> Option<Self> {
-        // A cable's name may contain dots, an identifier and a parameter's name do not.
+        // A cable's name may contain dots; identifiers and names of parameters do not.
         let (effect, rest) = name.strip_prefix("effect.")?.split_once('.')?;
         let (targets, parameter) = rest.rsplit_once('.').unwrap_or(("", rest));
         Some(Self {
@@ -154,7 +154,7 @@ impl<'a> EffectName<'a> {
     }
 }
 
-/// Refuses values that are no finite numbers: they are never written.
+/// Rejects values that are not finite, which must never be written.
 pub(crate) fn check_finite(values: &[(String, f64)]) -> Result<(), LinkError> {
     match values.iter().find(|(_, value)| !value.is_finite()) {
         None => Ok(()),
@@ -171,7 +171,7 @@ const NOT_FINITE: &str = "it is not a finite number";
 /// Sets one parameter of a robot.
 ///
 /// # Errors
-/// If the robot has no such parameter or it cannot have this value.
+/// If the robot has no such parameter, or it cannot have this value.
 pub fn set_parameter(robot: &mut Robot, name: &str, value: f64) -> Result<(), LinkError> {
     let invalid = |reason: &str| {
         Err(LinkError::InvalidValue {
@@ -206,7 +206,7 @@ pub fn set_parameter(robot: &mut Robot, name: &str, value: f64) -> Result<(), Li
     Ok(())
 }
 
-/// The value of a parameter in a robot.
+/// Reference to the value of a parameter in a robot.
 enum Place<'r> {
     Number(&'r mut f64),
     NotNegative(&'r mut f64),
@@ -231,7 +231,7 @@ fn place_of<'r>(robot: &'r mut Robot, name: &str) -> Option<Place<'r>> {
         let laser = robot.laser.as_mut()?;
         return Some(Place::Number(&mut laser.target_plane.offset_m));
     }
-    // A cable's name may contain dots, so the longest name that fits is the one.
+    // A cable's name may contain dots, so the longest matching name is used.
     let fitting = robot.cables.iter_mut().filter(|cable| {
         let rest = name.strip_prefix(cable.name.as_str());
         rest.is_some_and(|rest| rest.starts_with('.'))

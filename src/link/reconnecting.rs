@@ -6,9 +6,9 @@ use crate::error::LinkError;
 /// Pauses between attempts to connect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BackOff {
-    /// Before the second attempt (s).
+    /// Pause before the second attempt (s).
     pub first_s: f64,
-    /// Ratio of each pause to the one before.
+    /// Ratio of consecutive pauses.
     pub factor: f64,
     /// Longest pause (s).
     pub longest_s: f64,
@@ -25,7 +25,7 @@ impl Default for BackOff {
 }
 
 impl BackOff {
-    /// The pause after `failed` failed attempts (s); none before the first.
+    /// The pause after `failed` failed attempts (s); zero before the first.
     #[must_use]
     pub fn pause_s(&self, failed: u32) -> f64 {
         if failed == 0 {
@@ -41,12 +41,12 @@ impl BackOff {
     }
 }
 
-/// What a tick of [`Reconnect`] did.
+/// Result of a tick of [`Reconnect`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reconnected {
-    /// The controller is connected, disarmed if the connection is new.
+    /// The controller is connected; a new connection is disarmed.
     Connected,
-    /// The next attempt is due at this time of the caller's clock (s).
+    /// The next attempt is due at this time (s) of the caller's clock.
     Waiting(f64),
     /// An attempt failed; the next is due at this time (s).
     Failed(LinkError, f64),
@@ -61,7 +61,7 @@ pub struct Reconnect {
 }
 
 impl Reconnect {
-    /// The first attempt is due at once.
+    /// The first attempt is due immediately.
     #[must_use]
     pub fn new(back_off: BackOff) -> Self {
         Self {
@@ -96,15 +96,15 @@ impl Reconnect {
     }
 }
 
-/// How a caller restores a lost connection while values are being written.
+/// Restores a lost connection while values are being written.
 pub trait ReconnectPolicy {
-    /// Connects the controller again. It is not armed: only the operator does that.
+    /// Reconnects the controller. It is not armed, as only the operator may do that.
     ///
     /// # Errors
-    /// If it was given up.
+    /// If it gave up.
     fn restore(&mut self, controller: &mut dyn Controller) -> Result<(), LinkError>;
 
-    /// Waits until nothing that was sent over the lost connection can still arrive.
+    /// Waits until nothing sent over the lost connection can still arrive.
     fn pause(&mut self);
 }
 
@@ -113,13 +113,13 @@ pub trait ReconnectPolicy {
 pub struct Attempts<W, G = fn() -> bool> {
     /// Pauses.
     pub back_off: BackOff,
-    /// Most attempts to connect.
+    /// Largest number of attempts to connect.
     pub attempts: u32,
-    /// Time after which nothing that was sent over a lost connection can arrive (s).
+    /// Time after which nothing sent over a lost connection can arrive (s).
     pub late_s: f64,
-    /// Waits so many seconds.
+    /// Waits for a number of seconds.
     pub wait: W,
-    /// Whether no further attempt is wanted.
+    /// Whether to give up.
     pub gives_up: G,
 }
 

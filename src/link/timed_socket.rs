@@ -1,6 +1,6 @@
-//! A socket on which every exchange has a deadline, whatever arrives meanwhile.
+//! A socket with a deadline for every exchange, whatever arrives meanwhile.
 //!
-//! Time is taken of the whole exchange, not of its parts: a server that sends one byte every half second is late as well.
+//! The deadline applies to the whole exchange, not to its parts: a server that sends one byte every half second is also late.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{IpAddr, SocketAddr, TcpStream, ToSocketAddrs};
@@ -8,23 +8,23 @@ use std::time::{Duration, Instant};
 
 use crate::error::LinkError;
 
-/// Why a connection cannot be used any more.
+/// Reasons why a connection can no longer be used.
 #[derive(Debug)]
-pub(crate) enum Broken {
-    /// It cannot be made, or the system says that it failed.
+pub(crate) enum SocketError {
+    /// It could not be made, or the operating system reports a failure.
     Io(std::io::Error),
-    /// The answer was not there in time.
+    /// The response did not arrive in time.
     Late,
     /// The other side closed it.
     Closed,
-    /// The other side ended it and said why.
+    /// The other side ended it and stated why.
     Ended(String),
-    /// What arrived is not what the protocol allows; what.
+    /// The received data violate the protocol; states how.
     Invalid(String),
 }
 
-impl Broken {
-    /// What it means to the operator; `closed` says why the other side may have closed it.
+impl SocketError {
+    /// Converts to an error for the operator; `closed` suggests why the other side may have closed it.
     pub fn into_error(self, timeout_s: f64, closed: &str) -> LinkError {
         match self {
             Self::Late => LinkError::Timeout(timeout_s),
@@ -65,41 +65,43 @@ pub(crate) struct TimedSocket(TcpStream);
 
 impl TimedSocket {
     /// Connects within a time.
-    pub fn connect(place: SocketAddr, timeout: Duration) -> Result<Self, Broken> {
+    pub fn connect(place: SocketAddr, timeout: Duration) -> Result<Self, SocketError> {
         let socket =
             TcpStream::connect_timeout(&place, timeout).map_err(|error| match error.kind() {
-                ErrorKind::WouldBlock | ErrorKind::TimedOut => Broken::Late,
-                _ => Broken::Io(error),
+                ErrorKind::WouldBlock | ErrorKind::TimedOut => SocketError::Late,
+                _ => SocketError::Io(error),
             })?;
-        socket.set_nodelay(true).map_err(Broken::Io)?;
+        socket.set_nodelay(true).map_err(SocketError::Io)?;
         Ok(Self(socket))
     }
 
     /// The address of this computer on the connection.
-    pub fn own_address(&self) -> Result<IpAddr, Broken> {
-        Ok(self.0.local_addr().map_err(Broken::Io)?.ip())
+    pub fn own_address(&self) -> Result<IpAddr, SocketError> {
+        Ok(self.0.local_addr().map_err(SocketError::Io)?.ip())
     }
 
     /// Whether something has arrived that was not received yet.
-    pub fn has_received(&self) -> Result<bool, Broken> {
-        self.0.set_nonblocking(true).map_err(Broken::Io)?;
+    pub fn has_received(&self) -> Result<bool, SocketError> {
+        self.0.set_nonblocking(true).map_err(SocketError::Io)?;
         let peeked = self.0.peek(&mut [0]);
-        self.0.set_nonblocking(false).map_err(Broken::Io)?;
+        self.0.set_nonblocking(false).map_err(SocketError::Io)?;
         match peeked {
-            Ok(0) => Err(Broken::Closed),
+            Ok(0) => Err(SocketError::Closed),
             Ok(_) => Ok(true),
             Err(error) => passing(error).map(|()| false),
         }
     }
 
-    /// Receives as many bytes as the buffer has.
-    pub fn fill(&mut self, buffer: &mut [u8], until: Instant) -> Result<(), Broken> {
+    /// Fills the buffer.
+    pub fn fill(&mut self, buffer: &mut [u8], until: Instant) -> Result<(), SocketError> {
         let mut done = 0;
         while done < buffer.len() {
             let left = remaining(until)?;
-            self.0.set_read_timeout(Some(left)).map_err(Broken::Io)?;
+            self.0
+                .set_read_timeout(Some(left))
+                .map_err(SocketError::Io)?;
             match self.0.read(&mut buffer[done..]) {
-                Ok(0) => return Err(Broken::Closed),
+                Ok(0) => return Err(SocketError::Closed),
                 Ok(count) => done += count,
                 Err(error) => passing(error)?,
             }
@@ -108,13 +110,15 @@ impl TimedSocket {
     }
 
     /// Sends all bytes.
-    pub fn send(&mut self, bytes: &[u8], until: Instant) -> Result<(), Broken> {
+    pub fn send(&mut self, bytes: &[u8], until: Instant) -> Result<(), SocketError> {
         let mut done = 0;
         while done < bytes.len() {
             let left = remaining(until)?;
-            self.0.set_write_timeout(Some(left)).map_err(Broken::Io)?;
+            self.0
+                .set_write_timeout(Some(left))
+                .map_err(SocketError::Io)?;
             match self.0.write(&bytes[done..]) {
-                Ok(0) => return Err(Broken::Closed),
+                Ok(0) => return Err(SocketError::Closed),
                 Ok(count) => done += count,
                 Err(error) => passing(error)?,
             }
@@ -123,23 +127,23 @@ impl TimedSocket {
     }
 }
 
-/// The time that is left.
-fn remaining(until: Instant) -> Result<Duration, Broken> {
+/// Time remaining.
+fn remaining(until: Instant) -> Result<Duration, SocketError> {
     let left = until.saturating_duration_since(Instant::now());
     match left.is_zero() {
-        true => Err(Broken::Late),
+        true => Err(SocketError::Late),
         false => Ok(left),
     }
 }
 
-/// An error of a socket after which it can be tried again, until the time is over.
-fn passing(error: std::io::Error) -> Result<(), Broken> {
+/// Ignores errors after which a socket can be tried again, until the deadline.
+fn passing(error: std::io::Error) -> Result<(), SocketError> {
     match error.kind() {
         ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut => Ok(()),
         ErrorKind::UnexpectedEof
         | ErrorKind::ConnectionReset
         | ErrorKind::ConnectionAborted
-        | ErrorKind::BrokenPipe => Err(Broken::Closed),
-        _ => Err(Broken::Io(error)),
+        | ErrorKind::BrokenPipe => Err(SocketError::Closed),
+        _ => Err(SocketError::Io(error)),
     }
 }

@@ -1,4 +1,4 @@
-//! Files that are either completely written or not at all.
+//! Atomic writing: files are written completely or not at all.
 
 use std::fs;
 use std::io::{BufWriter, Write};
@@ -11,9 +11,9 @@ use crate::error::WriteError;
 const PREFIX: &str = ".tautline-";
 /// Number of random letters and digits after the prefix.
 const LETTERS: usize = 6;
-/// Age from which a temporary file belongs to a killed program: nothing takes so long to write.
+/// Age from which a temporary file belongs to a killed program, as no write takes that long.
 const STALE: Duration = Duration::from_secs(24 * 60 * 60);
-/// Where large temporary files belong on Unix: /tmp is often in memory.
+/// Folder for large temporary files on Unix, where /tmp is often in memory.
 const LARGE_FILES: &str = "/var/tmp";
 
 /// Writes a temporary file in the same folder and renames it: a reader sees either the old content or the new, also
@@ -41,10 +41,10 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     write_atomically(path, |out| out.write_all(bytes))
 }
 
-/// A file without a name for what does not fit into memory; the system deletes it with the program.
+/// A file without a name for data that do not fit into memory; the system deletes it when the program ends.
 ///
 /// # Errors
-/// If it cannot be made.
+/// If it cannot be created.
 pub fn temporary_file() -> std::io::Result<fs::File> {
     let large = Path::new(LARGE_FILES);
     match large.is_dir() && std::env::var_os("TMPDIR").is_none() {
@@ -59,7 +59,7 @@ fn replace(
 ) -> std::io::Result<()> {
     let path = &link_target(path);
     if fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
-        // A device or a pipe takes what is written; a file renamed over it would take its place.
+        // A device or a pipe is written to directly; renaming a file over it would replace it.
         let mut out = BufWriter::new(fs::File::options().write(true).open(path)?);
         fill(&mut out)?;
         return out.flush();
@@ -83,10 +83,10 @@ fn replace(
     Ok(())
 }
 
-/// Most links from one to the next that are followed, as operating systems do.
+/// Largest number of links that are followed, the limit of operating systems.
 const MAX_LINKS: usize = 40;
 
-/// The file itself where `path` is a link to it: written through a link, a file stays one file.
+/// The target if `path` is a link, else `path` itself: writing through a link must not replace the link by a file.
 #[must_use]
 pub fn link_target(path: &Path) -> PathBuf {
     let mut target = path.to_owned();
@@ -94,13 +94,13 @@ pub fn link_target(path: &Path) -> PathBuf {
         let Ok(next) = fs::read_link(&target) else {
             break;
         };
-        // A relative target counts from the folder of its link.
+        // A relative target is relative to the folder of its link.
         target = target.parent().unwrap_or(Path::new("")).join(next);
     }
     target
 }
 
-/// Removes temporary files of programs that were killed while they wrote. Failures are ignored, because nothing depends
+/// Removes temporary files of programs that were killed while writing. Failures are ignored, because nothing depends
 /// on it.
 fn remove_stale(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -111,7 +111,7 @@ fn remove_stale(folder: &Path) {
     }
 }
 
-/// Whether a name is one that [`replace`] gives to temporary files.
+/// Whether a name has the form that [`replace`] gives to temporary files.
 pub(crate) fn is_temporary(name: &str) -> bool {
     let letters = name.strip_prefix(PREFIX);
     letters.is_some_and(|l| l.len() == LETTERS && l.bytes().all(|b| b.is_ascii_alphanumeric()))
@@ -134,7 +134,7 @@ pub(crate) fn sync_folder(folder: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// The permissions of the file that is replaced, else those of any new file.
+/// Permissions of the file to be replaced, else those of any new file.
 #[cfg(unix)]
 fn permissions(path: &Path) -> fs::Permissions {
     use std::os::unix::fs::PermissionsExt;

@@ -1,4 +1,4 @@
-//! Readers of other people that panic where a file is damaged.
+//! Third-party readers that panic on damaged files.
 
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
@@ -9,7 +9,7 @@ thread_local! {
 }
 static HOOK: Once = Once::new();
 
-/// Runs a reader that may panic on damaged input; then nothing is printed and nothing returned.
+/// Runs a reader that may panic on damaged input; a panic prints nothing and returns `None`.
 pub fn read_damaged<T>(read: impl FnOnce() -> T) -> Option<T> {
     HOOK.call_once(|| {
         let usual = panic::take_hook();

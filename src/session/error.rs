@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tautline_core::robot::FieldError;
 
-/// Why a file could not be read, and where in it.
+/// An error of reading a file, with the place in it.
 ///
 /// Displays as one sentence on one line:
 /// `poses.csv, line 12, column "rev_3": found "abc", expected a number`.
@@ -15,7 +15,7 @@ use tautline_core::robot::FieldError;
 pub struct ReadError {
     /// The file as the operator named it.
     pub file: String,
-    /// Where in the file.
+    /// Place in the file.
     pub place: Place,
     /// What was found and what was expected.
     pub message: String,
@@ -50,7 +50,7 @@ impl fmt::Display for Place {
 }
 
 impl ReadError {
-    /// The error at a place of `file`, the name that the operator knows.
+    /// An error at a place of `file`, under the name that the operator knows.
     #[must_use]
     pub fn new(file: &str, place: Place, message: impl Into<String>) -> Self {
         Self {
@@ -64,7 +64,7 @@ impl ReadError {
         Self::new(file, Place::Pointer(error.pointer), error.message)
     }
 
-    /// What the operating system said, in words.
+    /// An error of the operating system, in words.
     #[must_use]
     pub fn io(file: &str, place: Place, error: &std::io::Error) -> Self {
         use std::io::ErrorKind;
@@ -72,25 +72,25 @@ impl ReadError {
             ErrorKind::NotFound => "not found".into(),
             ErrorKind::IsADirectory => "is a folder, expected a file".into(),
             ErrorKind::NotADirectory => "not found, a part of its path is a file".into(),
-            ErrorKind::PermissionDenied => "may not be read (permission denied)".into(),
+            ErrorKind::PermissionDenied => "cannot be read (permission denied)".into(),
             _ => format!("cannot be read ({})", OneLine(&error.to_string())),
         };
         Self::new(file, place, message)
     }
 }
 
-/// Why a file could not be written.
+/// Errors of writing a file.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error("{}: cannot be written ({error})", .path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the operating system said; not a source, because the message has it already.
+        /// Error of the operating system; not a source, because the message already contains it.
         error: std::io::Error,
     },
-    /// The file exists and holds something else that must not be lost.
+    /// The file exists and contains something else that must not be lost.
     #[error("{}: belongs to another dataset, expected an empty folder", .path.display())]
     OtherDataset {
         /// The file.
@@ -115,7 +115,7 @@ impl WriteError {
     }
 }
 
-/// The error that a field has a wrong value.
+/// An error about a field with an invalid value.
 pub(crate) fn fail<T>(
     pointer: impl Into<String>,
     message: impl Into<String>,
@@ -126,7 +126,7 @@ pub(crate) fn fail<T>(
     })
 }
 
-/// The error of a field of a part, as one of the whole that has the part at `parent`.
+/// Converts an error in a part to an error in the whole that contains the part at `parent`.
 pub(crate) fn below(parent: &str, error: FieldError) -> FieldError {
     FieldError {
         pointer: format!("{parent}{}", error.pointer),
@@ -134,11 +134,11 @@ pub(crate) fn below(parent: &str, error: FieldError) -> FieldError {
     }
 }
 
-/// Longest piece of a file that a message repeats (characters).
+/// Length limit of a quotation from a file in a message (characters).
 const QUOTED: usize = 40;
-/// Longest message (characters); only a text from the file can make it longer.
+/// Length limit of a message (characters); only a quotation could make it longer.
 const MESSAGE: usize = 500;
-/// Longest JSON pointer that a message repeats (characters).
+/// Length limit of a JSON pointer in a message (characters).
 const POINTER: usize = 200;
 
 /// Text from a file for use in a message: quoted, shortened, on one line.
@@ -159,7 +159,7 @@ fn shortened(text: &str, limit: usize) -> Cow<'_, str> {
     }
 }
 
-/// Shows control characters escaped, so that a message stays on one line.
+/// Displays control characters escaped, so that a message stays on one line.
 struct OneLine<'a>(&'a str);
 
 impl fmt::Display for OneLine<'_> {
@@ -175,17 +175,17 @@ impl fmt::Display for OneLine<'_> {
     }
 }
 
-/// What was read, and what the operator should know about it.
+/// A value read from a file, with notices for the operator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loaded<T> {
-    /// What was read.
+    /// The value.
     pub value: T,
     /// One sentence each: unknown keys and columns, readings that no instrument explains.
     pub notices: Vec<String>,
 }
 
 impl<T> Loaded<T> {
-    /// The same notices with another value.
+    /// Converts the value and keeps the notices.
     #[must_use]
     pub fn map<U>(self, change: impl FnOnce(T) -> U) -> Loaded<U> {
         Loaded {

@@ -1,4 +1,4 @@
-//! Fingerprints that stay the same from one version of the program to the next.
+//! Fingerprints that are the same in every version of the program.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Result as IoResult};
@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-/// FNV-1a of 64 bits (Fowler, Noll and Vo): recognises accidents, not forgeries.
+/// FNV-1a hash of 64 bits (Fowler, Noll and Vo), which detects accidental changes, not forgeries.
 #[derive(Debug, Clone, Copy)]
 pub struct Fingerprint(u64);
 
@@ -17,7 +17,7 @@ impl Default for Fingerprint {
 }
 
 impl Fingerprint {
-    /// The fingerprint of nothing.
+    /// The fingerprint of empty input.
     #[must_use]
     pub fn new() -> Self {
         Self(0xcbf2_9ce4_8422_2325)
@@ -29,7 +29,7 @@ impl Fingerprint {
         Self::new().and(bytes)
     }
 
-    /// The fingerprint of what is in a file.
+    /// The fingerprint of the content of a file.
     pub(crate) fn of_file(path: &Path) -> IoResult<Self> {
         let mut reader = BufReader::with_capacity(1 << 16, File::open(path)?);
         let mut hash = Self::new();
@@ -44,15 +44,15 @@ impl Fingerprint {
         }
     }
 
-    /// Takes more bytes in.
+    /// Adds bytes.
     #[must_use]
     pub fn and(self, bytes: &[u8]) -> Self {
         let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3);
         Self(bytes.iter().fold(self.0, step))
     }
 
-    /// Takes a JSON value in. Neither the order of keys nor the way in which a number is written
-    /// matters, and a key without a value counts as absent.
+    /// Adds a JSON value. The order of keys and the notation of numbers do not
+    /// matter, and a key with the value null counts as absent.
     #[must_use]
     pub(crate) fn and_value(self, value: &Value) -> Self {
         let length = |count: usize| (count as u64).to_le_bytes();
@@ -60,7 +60,7 @@ impl Fingerprint {
             Value::Null => self.and(b"n"),
             Value::Bool(value) => self.and(if *value { b"t" } else { b"f" }),
             Value::Number(number) => {
-                // The sum makes -0 to 0.
+                // Adding 0 turns -0 into 0.
                 let number = number.as_f64().unwrap_or(f64::NAN) + 0.0;
                 self.and(b"d").and(&number.to_bits().to_le_bytes())
             }

@@ -8,7 +8,7 @@ use etcetera::BaseStrategy;
 
 use crate::error::{Place, ReadError};
 
-/// Environment variable with one folder for everything, instead of those of the operating system.
+/// Environment variable with one folder for everything, in place of those of the operating system.
 const OVERRIDE: &str = "TAUTLINE_HOME";
 const NAME: &str = "tautline";
 
@@ -30,7 +30,7 @@ impl Folders {
         Self::chosen(env::var_os(OVERRIDE)).unwrap_or_else(Self::of_system)
     }
 
-    /// All in one folder.
+    /// Uses one folder for everything.
     #[must_use]
     pub fn below(folder: &Path) -> Self {
         Self {
@@ -45,7 +45,7 @@ impl Folders {
         self.config.join("preferences.json")
     }
 
-    /// The folder with sensors of the user's own, see [`Catalogue`](crate::Catalogue).
+    /// The folder with the user's own sensors, see [`Catalogue`](crate::Catalogue).
     #[must_use]
     pub fn sensors(&self) -> PathBuf {
         self.config.join("sensors")

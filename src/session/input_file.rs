@@ -1,15 +1,15 @@
-//! Opening what is read.
+//! Opening of input files.
 
 use std::fs::{self, File};
 use std::path::Path;
 
 use crate::error::{Place, ReadError};
 
-/// Opens a file for reading; `file` is its name for messages. A pipe or a device is refused: whoever reads one may wait
-/// forever, and what comes out of it cannot be read twice.
+/// Opens a file for reading; `file` is its name for messages. Pipes and devices are rejected, because reading one may block
+/// forever, and their content cannot be read twice.
 ///
 /// # Errors
-/// If it cannot be opened or is no file.
+/// If it cannot be opened or is not a file.
 pub fn open_input(path: &Path, file: &str) -> Result<File, ReadError> {
     let failed = |error| ReadError::io(file, Place::File, &error);
     let kind = fs::metadata(path).map_err(failed)?.file_type();

@@ -1,8 +1,8 @@
 //! Files of Tautline: dataset folders, session files, model files.
 //!
 //! Every reader accepts bytes from any source and returns a valid value or a [`ReadError`] of one sentence; none panics,
-//! and the memory that it needs is bounded by a fixed multiple of the size of its input. Every writer replaces its file
-//! completely or not at all.
+//! and the memory it needs is bounded by a fixed multiple of the size of its input. Every writer replaces its file
+//! atomically.
 
 mod atomic;
 mod damaged;
@@ -67,7 +67,7 @@ pub use session::{
 pub use symbols_file::{read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};
 
-/// The schemas of all files that are read.
+/// The JSON Schemas of all files that are read.
 #[must_use]
 pub fn schemas() -> Vec<Schema> {
     vec![

@@ -14,11 +14,11 @@ use crate::table::{Table, TableWriter};
 
 const POSE: [&str; 7] = ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"];
 
-/// Reads a plan of poses for a robot; `file` is the name for messages. Where the platform does not
-/// rotate the orientation may be left out; it is that of the home pose then.
+/// Reads a plan of poses for a robot; `file` is the name for messages. If the platform does not
+/// rotate, the orientation may be omitted and is that of the home pose.
 ///
 /// # Errors
-/// The first row that is no pose of this robot, with its line and column.
+/// The first row that is not a pose of this robot, with its line and column.
 pub fn read_plan(
     reader: impl BufRead,
     file: &str,

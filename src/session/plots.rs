@@ -1,4 +1,4 @@
-//! How the plots are arranged, as preferences keep it.
+//! Arrangement of the plots, as stored in the preferences.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -12,40 +12,40 @@ use crate::json::Migration;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Plots {
-    /// The area of the plots in the window; that of a new installation if it is not given.
+    /// The plot area of the window; that of a new installation if absent.
     pub area: Option<PlotArea>,
-    /// Names of the plots that have windows of their own.
+    /// Names of the plots in separate windows.
     pub detached: Vec<String>,
 }
 
-/// An area with plots. Names that are not known are ignored.
+/// An area with plots. Unknown names are ignored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlotArea {
-    /// Plots in the same place, each with a tab.
+    /// Plots on tabs in the same place.
     Tabs {
-        /// Their names.
+        /// Names of the plots.
         plots: Vec<String>,
-        /// The one that is seen.
+        /// The active tab.
         shown: Option<String>,
     },
-    /// Areas beside each other.
+    /// Areas side by side.
     Row(Vec<PlotShare>),
-    /// Areas above each other.
+    /// Areas one above the other.
     Column(Vec<PlotShare>),
 }
 
 /// An area among others.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PlotShare {
-    /// Its size relative to the others.
+    /// Size relative to the others.
     pub share: f64,
     /// The area.
     pub area: PlotArea,
 }
 
 impl Plots {
-    /// Version 1 knew one, two or four plots of the same size.
+    /// Version 1 had one, two or four plots of the same size.
     pub(crate) const MIGRATION: Migration = Migration {
         from: 1,
         apply: |preferences: &mut Map<String, Value>| {

@@ -11,18 +11,18 @@ use crate::json::{Migration, VersionedFile, read_versioned, write_versioned};
 use crate::plots::Plots;
 use crate::session::{AdsPlace, LaserSettings, OpcUaPlace, Timestamp};
 
-/// Number of recent sessions in the list.
+/// Largest number of recent sessions.
 const MAX_RECENT: usize = 12;
 /// Smallest and largest scale of the interface.
 const SCALES: [f64; 2] = [0.5, 4.0];
 
-/// Choices that belong to the user rather than to a session.
+/// Settings that belong to the user rather than to a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Preferences {
     /// Colours of the interface.
     pub theme: Theme,
-    /// Size of text and controls, 1 for that of the screen.
+    /// Size of text and controls relative to the default of the screen.
     pub interface_scale: f64,
     /// Width and height of the window when it was last closed, in points.
     pub window_size: Option<[f64; 2]>,
@@ -44,7 +44,7 @@ pub struct Preferences {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Theme {
-    /// That of the operating system.
+    /// Theme of the operating system.
     #[default]
     System,
     /// Dark.
@@ -53,11 +53,11 @@ pub enum Theme {
     Light,
 }
 
-/// Sizes of the parts of the window, where they were chosen.
+/// Sizes of the parts of the window, if changed by the user.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Layout {
-    /// Width of the panel of the phases (points).
+    /// Width of the phase panel (points).
     pub panel_width: Option<f64>,
     /// Height of the plots (points).
     pub plots_height: Option<f64>,
@@ -69,16 +69,16 @@ pub struct Layout {
 pub struct Report {
     /// The customer.
     pub company: String,
-    /// A line above the title.
+    /// Line above the title.
     pub header: String,
-    /// Names of parts that are left out; one that is not known is ignored.
+    /// Names of the parts to leave out; unknown names are ignored.
     pub without: Vec<String>,
-    /// How far a pulley may be from the drawing (m).
+    /// Largest acceptable deviation of a pulley from the drawing (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_m: Option<f64>,
 }
 
-/// Settings of the last connection, proposed for sessions that have none of their own.
+/// Settings of the last connection, proposed for sessions without settings of their own.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct LastConnection {
@@ -91,21 +91,21 @@ pub struct LastConnection {
 }
 
 impl LastConnection {
-    /// Whether nothing is remembered.
+    /// Whether nothing is stored.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 }
 
-/// A session that was open.
+/// A recently opened session.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct RecentSession {
     /// Its file.
     path: String,
     /// Its name.
     pub name: String,
-    /// When it was last open.
+    /// Time when it was last open.
     pub when: Timestamp,
 }
 
@@ -116,7 +116,7 @@ impl RecentSession {
         Path::new(&self.path)
     }
 
-    /// Whether the file is there now.
+    /// Whether the file exists.
     #[must_use]
     pub fn exists(&self) -> bool {
         self.path().is_file()
@@ -180,8 +180,8 @@ impl VersionedFile for Preferences {
 }
 
 impl Preferences {
-    /// Reads the preferences. A file that is not there gives the defaults, one that cannot be read
-    /// gives them with a notice.
+    /// Reads the preferences. If the file does not exist, they are the defaults; if it cannot be read,
+    /// they are the defaults with a notice.
     #[must_use]
     pub fn load(path: &Path) -> Loaded<Self> {
         let defaults = |notices| Loaded {
@@ -196,16 +196,14 @@ impl Preferences {
                 loaded.value.recent.truncate(MAX_RECENT);
                 loaded
             }
-            Err(error) => defaults(vec![format!(
-                "{error}; the preferences are those of a new installation"
-            )]),
+            Err(error) => defaults(vec![format!("{error}; the default preferences are used")]),
         }
     }
 
-    /// Writes the preferences, atomically; the folder is made if necessary.
+    /// Writes the preferences atomically; the folder is created if necessary.
     ///
     /// # Errors
-    /// If a number makes no sense or the file cannot be written.
+    /// If a number is invalid or the file cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), WriteError> {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(|error| WriteError::io(folder, error))?;
@@ -213,13 +211,13 @@ impl Preferences {
         write_versioned(path, self)
     }
 
-    /// The sessions that were open, the latest first; their files need not be there any more.
+    /// Recently opened sessions, the latest first; their files may no longer exist.
     #[must_use]
     pub fn recent(&self) -> &[RecentSession] {
         &self.recent
     }
 
-    /// Puts a session first among the recent ones. A path that is no text is not remembered.
+    /// Adds a session as the latest. A path that is not valid Unicode is not stored.
     pub fn remember(&mut self, path: &Path, name: &str, when: Timestamp) {
         self.forget(path);
         if let Some(path) = absolute(path) {
@@ -229,7 +227,7 @@ impl Preferences {
         }
     }
 
-    /// Takes a session out of the recent ones.
+    /// Removes a session from the recent ones.
     pub fn forget(&mut self, path: &Path) {
         let path = absolute(path);
         self.recent

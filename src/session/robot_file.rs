@@ -1,4 +1,4 @@
-//! `robot.json` and model files: one document, a model has effects. The laser may be named by its sensor in the catalogue.
+//! `robot.json` and model files: the same format; a model has effects. The laser may refer to a sensor of the catalogue.
 
 use std::path::Path;
 
@@ -55,7 +55,7 @@ pub fn parse_robot(bytes: &[u8], file: &str) -> Result<Loaded<Robot>, ReadError>
 /// Writes a `robot.json` or model file, atomically.
 ///
 /// # Errors
-/// If the robot is not a possible one or the file cannot be written.
+/// If the robot is not possible or the file cannot be written.
 pub fn write_robot(path: &Path, robot: &Robot) -> Result<(), WriteError> {
     write_versioned(path, robot)
 }

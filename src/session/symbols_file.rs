@@ -1,4 +1,4 @@
-//! Files with the names of a controller's symbols.
+//! Files with the symbol names of a controller.
 
 use std::path::Path;
 
@@ -8,10 +8,10 @@ use crate::error::{Loaded, ReadError, WriteError};
 use crate::json::{read_versioned, write_versioned};
 use crate::session::SymbolMapping;
 
-/// Reads the symbols of a controller that speaks ADS, and checks that they fit a robot.
+/// Reads the symbols of an ADS controller, and checks that they fit a robot.
 ///
 /// # Errors
-/// If the file cannot be read, or its symbols cannot be those of this robot's controller.
+/// If the file cannot be read, or its symbols do not fit this robot.
 pub fn read_symbols(path: &Path, robot: &Robot) -> Result<Loaded<SymbolMapping>, ReadError> {
     let read = read_versioned::<SymbolMapping>(path)?;
     let checked = read.value.check(robot);
@@ -19,7 +19,7 @@ pub fn read_symbols(path: &Path, robot: &Robot) -> Result<Loaded<SymbolMapping>,
     Ok(read)
 }
 
-/// Writes them, atomically.
+/// Writes symbols atomically.
 ///
 /// # Errors
 /// If the file cannot be written.

@@ -1,4 +1,4 @@
-//! One simulated calibration: its own random numbers, its run, its identification, its errors.
+//! One simulated calibration: random stream, simulated run, identification, errors.
 
 use nalgebra::DVector;
 use rand::{Rng, RngExt};
@@ -15,40 +15,40 @@ use crate::cell::Cell;
 use crate::design::stream;
 use crate::file::{Fault, StudyFile};
 
-/// What came of a calibration.
+/// Outcome of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Outcome {
     /// The solver converged.
     Converged = 0,
-    /// It did not.
+    /// The solver did not converge.
     NotConverged = 1,
     /// The faults broke the robot: it could not be simulated.
     NotSimulated = 2,
 }
 
-/// What the doctor said of a calibration.
+/// Verdict of the diagnosis on a calibration, compared with the hidden faults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Opinion {
-    /// It was not asked.
+    /// No diagnosis was made.
     NotAsked = 0,
     /// Nothing.
     Silent = 1,
-    /// It named every fault that is there, alone or among alternatives, and no other.
+    /// It named every hidden fault, alone or among alternatives, and no other.
     Right = 2,
-    /// It named something that is not there.
+    /// It named a fault that is not present.
     Wrong = 3,
-    /// It said that something is there, and named a part of it or nothing.
+    /// It detected faults but named only some of them, or none.
     Partly = 4,
 }
 
-/// One calibration.
+/// Result of one simulated calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Calibration {
-    /// What came of it.
+    /// Outcome.
     pub outcome: Outcome,
-    /// Root mean square error of the entry points' coordinates (m).
+    /// Root mean square error of the entry point coordinates (m).
     pub entry_m: f64,
     /// Root mean square position error over the workspace (m); NaN without home pose.
     pub position_m: f64,
@@ -58,13 +58,13 @@ pub struct Calibration {
     pub chi2: f64,
     /// Its degrees of freedom.
     pub degrees_of_freedom: f64,
-    /// The faults that it has, one bit each.
+    /// Bit set of the hidden faults, by index in the study.
     pub faults: u8,
-    /// What the doctor said.
+    /// Verdict of the diagnosis.
     pub opinion: Opinion,
 }
 
-/// A cell with what its calibrations have in common.
+/// Simulator of the calibrations of one cell.
 pub struct Simulator<'a> {
     study: &'a StudyFile,
     cell: &'a Cell,
@@ -73,7 +73,7 @@ pub struct Simulator<'a> {
 }
 
 impl<'a> Simulator<'a> {
-    /// Prepares the calibrations of a cell.
+    /// Prepares what the calibrations of a cell share.
     ///
     /// # Errors
     /// If the robot cannot be held at one of its poses.
@@ -90,8 +90,8 @@ impl<'a> Simulator<'a> {
         })
     }
 
-    /// The calibration with the number `index` of the study, of which it is number `within` of its cell. Its random numbers
-    /// are the stream of that number, so that it is the same wherever and after whatever it is done.
+    /// Calibration number `index` of the study, which is number `within` of its cell. Its random numbers
+    /// are the stream of that number, so that the result depends on neither machine nor order.
     #[must_use]
     pub fn calibrate(&self, index: u64, within: u64) -> Calibration {
         let mut rng = stream(self.study.seed, index);
@@ -122,7 +122,7 @@ impl<'a> Simulator<'a> {
         calibration
     }
 
-    /// The solver alone, as the command `identify` times it: data in memory to result in memory.
+    /// Runs the solver alone, as timed by the command `identify`: from data in memory to the result in memory.
     ///
     /// # Errors
     /// If the data cannot be used.
@@ -134,7 +134,7 @@ impl<'a> Simulator<'a> {
         solve(&problem, &Options::default(), &mut |_| Control::Continue)
     }
 
-    /// A run without faults.
+    /// Simulates a run without faults.
     ///
     /// # Errors
     /// If the true robot cannot be held.
@@ -171,7 +171,7 @@ impl<'a> Simulator<'a> {
         }
     }
 
-    /// The faults of a calibration by their number in the study, each with its rate.
+    /// Draws the faults of a calibration, each with its rate; returned with their index in the study.
     fn draw_faults(&self, rng: &mut ChaCha8Rng) -> Vec<(usize, EffectSetting)> {
         let mut drawn = Vec::new();
         for (number, fault) in self.study.faults.iter().enumerate() {
@@ -236,7 +236,7 @@ impl Calibration {
     }
 }
 
-/// Errors of all parameters, in their order; those of effects, planes and tensions count as none: they move no platform.
+/// Errors of all parameters, in order; zero for effects, planes and tensions, which do not move the platform.
 fn errors(solution: &Solution, truth: &Robot) -> DVector<f64> {
     let home = truth
         .home
@@ -253,7 +253,7 @@ fn errors(solution: &Solution, truth: &Robot) -> DVector<f64> {
     DVector::from_vec(errors)
 }
 
-/// A fault with a cable and sizes drawn; `None` if it concerns two cables or the robot has none to draw.
+/// A fault with cable and sizes drawn at random; `None` if it concerns two cables or the robot has no candidate.
 fn setting(fault: &Fault, robot: &Robot, rng: &mut ChaCha8Rng) -> Option<EffectSetting> {
     let effect = effect::find(&fault.effect)?;
     let cable = rng.random_range(0..robot.cable_count().max(1));
@@ -264,7 +264,7 @@ fn setting(fault: &Fault, robot: &Robot, rng: &mut ChaCha8Rng) -> Option<EffectS
     };
     let mut parameters = fault.parameters.clone();
     for parameter in effect.parameters() {
-        // Drawn always, so that what is given does not shift the numbers that follow.
+        // Always drawn, so that a given value does not shift the subsequent random numbers.
         let [low, high] = parameter.typical;
         let size = rng.random_range(0.0..1.0_f64);
         let turned = rng.random_range(0..2) == 1;

@@ -1,4 +1,4 @@
-//! One cell: the robot as its combination describes it, its poses, and what they promise.
+//! One cell of a study: robot, poses and expected accuracy of a combination.
 
 use nalgebra::{DMatrix, DVector};
 use tautline_core::estimation::{Parameter, ParameterId};
@@ -16,8 +16,8 @@ use crate::scaling::{scaled, size_m};
 /// Thermal expansion of a steel frame (1/K), for the error per kelvin.
 const STEEL_PER_K: f64 = 12e-6;
 
-/// Options of plans and expectations of a study: no frame is in the way, the laser reaches everywhere, since robots of any
-/// size are asked about.
+/// Planning options of a study: without clearance to the frame and limits of the laser range, since robots may have any
+/// size.
 #[must_use]
 pub fn options(poses: usize, seed: u64, size_m: f64) -> PlanOptions<'static> {
     PlanOptions {
@@ -27,10 +27,10 @@ pub fn options(poses: usize, seed: u64, size_m: f64) -> PlanOptions<'static> {
     }
 }
 
-/// The robot of a cell: scaled, with the instruments of the combination.
+/// The robot of a cell: scaled, with the instruments of its combination.
 ///
 /// # Errors
-/// One sentence, if a sensor is unknown, the robot lacks what is varied, or is none any more.
+/// If a sensor is unknown, or the robot lacks what is varied or becomes invalid.
 pub fn robot_of(base: &Robot, cell: &Combination, catalogue: &Catalogue) -> Result<Robot, String> {
     let mut robot = match cell.size_m {
         Some(size) => scaled(base, size / size_m(base)),
@@ -72,7 +72,7 @@ pub fn robot_of(base: &Robot, cell: &Combination, catalogue: &Catalogue) -> Resu
 
 fn lacks(robot: &Robot, what: &str, axis: &str) -> String {
     format!(
-        "/design/{axis}: the robot \"{}\" has no {what}, expected robots that do",
+        "/design/{axis}: the robot \"{}\" has no {what}, expected robots that have them",
         robot.name
     )
 }
@@ -92,13 +92,13 @@ fn set_laser(robot: &mut Robot, name: &str, catalogue: &Catalogue) -> Result<(),
     Ok(())
 }
 
-/// Standard deviation of the readings of a sensor on a robot: over the distances to the target plane in its workspace.
+/// Standard deviation (m) of the readings of a sensor over the distances to the target plane in the workspace.
 #[must_use]
 pub fn reading_sd_m(robot: &Robot, sensor: &Sensor) -> f64 {
     sensor.reading_sd_m(laser_distances_m(robot))
 }
 
-/// Least and largest distance to the target plane over the workspace, at the orientation of its centre (m).
+/// Minimum and maximum distance (m) to the target plane over the workspace, at the orientation of its centre.
 #[must_use]
 pub fn laser_distances_m(robot: &Robot) -> [f64; 2] {
     let Some(laser) = &robot.laser else {
@@ -117,12 +117,12 @@ pub fn laser_distances_m(robot: &Robot) -> [f64; 2] {
     [(middle - half).max(0.0), middle + half]
 }
 
-/// A cell ready to be answered and simulated.
+/// A cell, ready for prediction and simulation.
 #[derive(Debug, Clone)]
 pub struct Cell {
     /// The robot.
     pub robot: Robot,
-    /// Its poses, home not counted.
+    /// The poses, without home.
     pub poses: Vec<Pose>,
     set: PoseSet,
     targets: Vec<DMatrix<f64>>,
@@ -153,34 +153,34 @@ impl Cell {
         })
     }
 
-    /// The parameters that are estimated.
+    /// The estimated parameters.
     #[must_use]
     pub fn parameters(&self) -> &[Parameter] {
         self.set.parameters()
     }
 
-    /// What all poses together promise.
+    /// Expected accuracy after all poses.
     #[must_use]
     pub fn expected(&self) -> Expectation {
         self.set.after(self.poses.len())
     }
 
-    /// Root mean square position error over the workspace (m) that errors of the parameters lead to.
+    /// Root mean square position error over the workspace (m) caused by errors of the parameters.
     #[must_use]
     pub fn position_m(&self, errors: &DVector<f64>) -> Option<f64> {
         let weights = self.set.position_weights()?;
         Some(errors.dot(&(weights * errors)).max(0.0).sqrt())
     }
 
-    /// Mean distance (m) from five poses of ISO 9283 at which the platform arrives with errors of the parameters: AP, the
-    /// repeatability of the robot left out.
+    /// Mean distance (m) between the five commanded poses of ISO 9283 and those attained with errors of the parameters: AP
+    /// without the repeatability of the robot.
     #[must_use]
     pub fn accuracy_of_poses_m(&self, errors: &DVector<f64>) -> Option<f64> {
         let distances = self.targets.iter().map(|target| (target * errors).norm());
         (!self.targets.is_empty()).then(|| distances.sum::<f64>() / self.targets.len() as f64)
     }
 
-    /// Root mean square position error (m) for each kelvin by which a steel frame is warmer than at its calibration; it
+    /// Root mean square position error per kelvin (m/K) by which a steel frame is warmer than at calibration; the frame
     /// expands about the origin of the base frame.
     #[must_use]
     pub fn position_m_per_kelvin(&self) -> Option<f64> {

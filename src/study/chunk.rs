@@ -1,4 +1,4 @@
-//! A chunk: the calibrations of a part of a study as columns of one file, with what they belong to.
+//! A chunk: the calibrations of a part of a study as columns of one file, with their origin.
 //!
 //! The file is Parquet, `pandas.read_parquet("chunk-3-of-7.parquet")`: one row for each calibration.
 
@@ -17,20 +17,20 @@ use crate::calibration::{Calibration, Outcome};
 use crate::plan::StudyPlan;
 use crate::{StudyError, VERSION};
 
-/// A part of a study: number `number` of `of`, from 1.
+/// Part `number` of `of` of a study, counted from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Part {
-    /// Which one, from 1.
+    /// Number of the part, from 1.
     pub number: u64,
-    /// Of how many.
+    /// Number of parts.
     pub of: u64,
 }
 
 impl Part {
-    /// Reads `3/7`.
+    /// Parses text such as `3/7`.
     ///
     /// # Errors
-    /// What was found and what was expected.
+    /// If the text is malformed.
     pub fn parse(text: &str) -> Result<Self, String> {
         let parsed = text.split_once('/').and_then(|(number, of)| {
             Some(Self {
@@ -45,7 +45,7 @@ impl Part {
             })
     }
 
-    /// Its first calibration and the one after its last, of `all`; no part is larger than another by more than one.
+    /// Its half-open range among `all` calibrations; the sizes of parts differ by at most one.
     #[must_use]
     pub fn range(self, all: u64) -> [u64; 2] {
         let before =
@@ -53,7 +53,7 @@ impl Part {
         [before(self.number - 1), before(self.number)]
     }
 
-    /// Its file.
+    /// Name of its file.
     #[must_use]
     pub fn file_name(self) -> String {
         let digits = self.of.to_string().len();
@@ -61,7 +61,7 @@ impl Part {
     }
 }
 
-/// What a chunk belongs to.
+/// Origin of a chunk, stored with it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Origin {
     /// Fingerprint of the plan.
@@ -70,16 +70,16 @@ pub struct Origin {
     pub version: String,
     /// Seed of the study.
     pub seed: u64,
-    /// Which part it is.
+    /// Part of the study.
     pub part: Part,
-    /// Its first calibration and the one after its last.
+    /// Half-open range of its calibrations.
     pub range: [u64; 2],
     /// Fingerprint of its columns.
     pub content: String,
 }
 
 impl Origin {
-    /// Of a part of a plan with this fingerprint, which this program has done.
+    /// The origin of a part of a plan with this fingerprint, computed by this version of the program.
     #[must_use]
     pub fn of((plan, fingerprint): (&StudyPlan, &str), part: Part, rows: &Rows) -> Self {
         Self {
@@ -93,13 +93,13 @@ impl Origin {
     }
 }
 
-/// Key of the text in a chunk that says what it belongs to.
+/// Metadata key of the origin in the Parquet file.
 const ORIGIN: &str = "tautline.origin";
 
-/// The columns of calibrations.
+/// Calibrations as columns.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Rows {
-    /// Cell of each.
+    /// Index of the cell.
     pub cell: Vec<u32>,
     /// As [`crate::calibration::Outcome`].
     pub outcome: Vec<u8>,
@@ -140,7 +140,7 @@ impl Rows {
         self.cell.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no calibrations.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.cell.is_empty()
@@ -169,7 +169,7 @@ impl Rows {
         ]
     }
 
-    /// The rows of a group; `None` if its columns are others.
+    /// The rows of a row group; `None` if its columns differ.
     fn of(group: &dyn RowGroupReader) -> Result<Option<Self>, ParquetError> {
         let columns = group.metadata().columns();
         let expected = Self::default();
@@ -204,7 +204,7 @@ impl Rows {
         }))
     }
 
-    /// Adds all rows of others.
+    /// Appends the rows of another set.
     pub fn append(&mut self, mut other: Self) {
         self.cell.append(&mut other.cell);
         self.outcome.append(&mut other.outcome);
@@ -218,7 +218,7 @@ impl Rows {
             .append(&mut other.degrees_of_freedom);
     }
 
-    /// Whether all columns have as many rows.
+    /// Whether all columns have the same number of rows.
     fn is_whole(&self) -> bool {
         let lengths = [
             self.outcome.len(),
@@ -252,10 +252,10 @@ impl Rows {
     }
 }
 
-/// Writes a chunk, completely or not at all.
+/// Writes a chunk atomically.
 ///
 /// # Errors
-/// If it cannot be written, as on a full disk.
+/// If it cannot be written, for example on a full disk.
 pub fn write_chunk(folder: &Path, origin: &Origin, rows: &Rows) -> Result<PathBuf, StudyError> {
     let text = serde_json::to_string_pretty(origin)
         .map_err(|error| StudyError::Input(error.to_string()))?;
@@ -266,33 +266,35 @@ pub fn write_chunk(folder: &Path, origin: &Origin, rows: &Rows) -> Result<PathBu
     Ok(path)
 }
 
-/// Reads a chunk and checks that it is whole.
+/// Reads a chunk and checks its integrity.
 ///
 /// # Errors
-/// One sentence that names the file, if it is damaged.
+/// If the file is damaged; the message names it.
 pub fn read_chunk(path: &Path) -> Result<(Origin, Rows), StudyError> {
     let fail = |message: &str| StudyError::Input(format!("{}: {message}", path.display()));
     let file = File::open(path).map_err(|error| fail(&format!("cannot be read ({error})")))?;
     let read = read_damaged(|| read_columns(file)).ok_or_else(|| fail("the file is damaged"))?;
     let (text, rows) = read.map_err(|error| fail(&format!("the file is damaged ({error})")))?;
     let text =
-        text.ok_or_else(|| fail("does not say what study it belongs to, expected a chunk"))?;
+        text.ok_or_else(|| fail("does not state to which study it belongs, expected a chunk"))?;
     let origin: Origin = serde_json::from_str(&text)
-        .map_err(|_| fail("does not say what study it belongs to, expected a chunk"))?;
+        .map_err(|_| fail("does not state to which study it belongs, expected a chunk"))?;
     let rows = rows.filter(Rows::is_whole);
-    let rows = rows.ok_or_else(|| fail("found other columns, expected those of a chunk"))?;
+    let rows = rows.ok_or_else(|| fail("found unexpected columns, expected those of a chunk"))?;
     if rows.fingerprint() != origin.content {
         return Err(fail(
-            "the file is damaged: its columns are not those that were written",
+            "the file is damaged: its columns differ from what was written",
         ));
     }
     if rows.len() as u64 != origin.range[1].saturating_sub(origin.range[0]) {
-        return Err(fail("found another number of calibrations than it says"));
+        return Err(fail(
+            "the number of calibrations differs from the stated range",
+        ));
     }
     Ok((origin, rows))
 }
 
-/// What a file says of its origin, and its rows if it has the columns of a chunk.
+/// The origin stored in a file, and its rows if it has the columns of a chunk.
 fn read_columns(file: File) -> Result<(Option<String>, Option<Rows>), ParquetError> {
     let reader = SerializedFileReader::new(file)?;
     let about = reader.metadata().file_metadata().key_value_metadata();

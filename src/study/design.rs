@@ -1,4 +1,4 @@
-//! Cells of a design: all combinations, or some at random.
+//! Cells of a design: all combinations, or a random sample.
 
 use rand::seq::index::sample;
 use rand::{RngExt, SeedableRng};
@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 use crate::StudyError;
 use crate::file::{Axis, Choice, Design, Method, StudyFile};
 
-/// Streams of random numbers that belong to no calibration.
+/// Random streams that belong to no calibration.
 const DESIGN_STREAM: u64 = u64::MAX;
 const CHECK_STREAM: u64 = u64::MAX - 1;
-/// Most cells of a study.
+/// Maximum number of cells of a study.
 const MOST_CELLS: usize = 200_000;
 
-/// One combination; what is `None` is as the robot's file states it.
+/// One combination of the design; `None` means as stated in the file of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Combination {
     /// Index among the robots of the design.
@@ -26,7 +26,7 @@ pub struct Combination {
     pub laser: String,
     /// Number of poses.
     pub poses: usize,
-    /// How they are chosen.
+    /// Selection of the poses.
     pub choice: Choice,
     /// Standard deviation of the home position (m).
     pub home_sd_m: Option<f64>,
@@ -38,11 +38,11 @@ pub struct Combination {
     pub tension_sd_n: Option<f64>,
     /// Method of identification.
     pub method: Method,
-    /// Whether it is simulated, too.
+    /// Whether it is also simulated.
     pub is_simulated: bool,
 }
 
-/// Number of values of each axis, slowest first.
+/// Number of values of each axis, slowest-varying first.
 fn counts(design: &Design) -> [usize; 10] {
     let of = |axis: &Axis| match axis {
         Axis::Values(values) => values.len().max(1),
@@ -62,7 +62,7 @@ fn counts(design: &Design) -> [usize; 10] {
     ]
 }
 
-/// The cells of a study, in their order.
+/// The cells of a study, in order.
 ///
 /// # Errors
 /// If there are too many.
@@ -79,7 +79,7 @@ pub fn combinations(study: &StudyFile) -> Result<Vec<Combination>, StudyError> {
         .filter(|cells| *cells <= MOST_CELLS);
     let (Some(all), Some(wanted)) = (all, wanted) else {
         let message = format!(
-            "/design: found more than {MOST_CELLS} cells, expected fewer, or a number of random_cells"
+            "/design: found more than {MOST_CELLS} cells, expected fewer, or a value for random_cells"
         );
         return Err(StudyError::Input(message));
     };
@@ -95,7 +95,7 @@ pub fn combinations(study: &StudyFile) -> Result<Vec<Combination>, StudyError> {
     .any(|axis| matches!(axis, Axis::Range { .. }));
     let places: Vec<usize> = match design.random_cells {
         None => (0..all).collect(),
-        // With ranges a combination may come again: its values differ.
+        // With ranges a combination may recur, since its values differ.
         Some(_) if has_ranges => (0..wanted).map(|_| rng.random_range(0..all)).collect(),
         Some(_) => {
             let mut places = sample(&mut rng, all, wanted.min(all)).into_vec();
@@ -141,7 +141,7 @@ fn combination(
     }
 }
 
-/// Marks the cells that are simulated: with faults all of them, else a random part.
+/// Marks the cells to simulate: all of them if there are faults, otherwise a random sample.
 fn choose_simulated(study: &StudyFile, cells: &mut [Combination]) {
     let share = if study.faults.is_empty() {
         study.simulation.share
@@ -155,7 +155,7 @@ fn choose_simulated(study: &StudyFile, cells: &mut [Combination]) {
     }
 }
 
-/// Random numbers of a study that no other stream has.
+/// An independent random stream of a study.
 #[must_use]
 pub fn stream(seed: u64, stream: u64) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);

@@ -1,8 +1,8 @@
-//! Studies: how exact calibrations become, over robots, sensors, poses, noise and faults.
+//! Studies: accuracy of calibration as a function of robot, sensors, poses, noise and faults.
 //!
-//! A study file describes cells. Most are answered by the expected covariance alone; a part is checked by simulated
-//! calibrations, which are done in chunks on any number of machines and merged. The result does not depend on how it was
-//! cut nor on where it ran: every calibration has random numbers of its own, and statistics are exact sums and counts.
+//! A study file describes cells. Most are predicted by the expected covariance alone; some are checked by simulated
+//! calibrations, which run in chunks on any number of machines and are merged. The result depends neither on the division
+//! into chunks nor on the machines: every calibration has its own random stream, and statistics are exact sums and counts.
 
 pub mod calibration;
 pub mod cell;
@@ -24,27 +24,27 @@ pub use merging::{RESULT, calibrations, merge, read_result};
 pub use plan::{StudyPlan, read_plan};
 pub use result::StudyResult;
 
-/// Version of the program, which chunks carry: those of different versions are not merged.
+/// Version of the program, stored in chunks: those of different versions are not merged.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Why a study goes no further.
+/// Error of a study.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// A file is not what it should be.
+    /// A file cannot be read or is invalid.
     #[error(transparent)]
     Read(#[from] tautline_session::ReadError),
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] tautline_session::WriteError),
-    /// What was asked for is impossible; one sentence with place, what was found and what was expected.
+    /// Invalid input; one sentence with the place, what was found and what was expected.
     #[error("{0}")]
     Input(String),
-    /// It was cancelled; what is finished is kept.
-    #[error("cancelled: finished chunks are kept, the rest is simulated when it is started again")]
+    /// Cancelled; finished chunks are kept.
+    #[error("cancelled: finished chunks are kept; start again to simulate the rest")]
     Cancelled,
 }
 
-/// The folder of a study, if it is not there yet.
+/// Creates the folder of a study if it does not exist.
 fn create_folder(folder: &std::path::Path) -> Result<(), StudyError> {
     std::fs::create_dir_all(folder).map_err(|error| {
         StudyError::Input(format!("{}: cannot be created ({error})", folder.display()))

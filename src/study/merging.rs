@@ -1,4 +1,4 @@
-//! Joining chunks: only a whole study of one version, cut in one way, is merged.
+//! Merging of chunks: only a complete study, of one version and one division into chunks, is merged.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ pub const RESULT: &str = "result.json";
 /// Merges the chunks in the folder of a study and writes the result beside them. One chunk is in memory at a time.
 ///
 /// # Errors
-/// One sentence that names the file, if a chunk is missing, damaged, of another study, version or cut.
+/// If a chunk is missing, damaged, or of another study, version or division; the message names the file.
 pub fn merge(plan: &StudyPlan, folder: &Path) -> Result<StudyResult, StudyError> {
     let chunks = chunks(folder, plan.calibrations())?;
     let fingerprint = plan.fingerprint();
@@ -33,10 +33,10 @@ pub fn merge(plan: &StudyPlan, folder: &Path) -> Result<StudyResult, StudyError>
     Ok(result)
 }
 
-/// Every calibration of the chunks in a folder, in the order of the study, as many as are there.
+/// All calibrations of the chunks present in a folder, in the order of the study.
 ///
 /// # Errors
-/// One sentence that names the file, if a chunk is damaged.
+/// If a chunk is damaged; the message names the file.
 pub fn calibrations(folder: &Path) -> Result<Rows, StudyError> {
     let mut all = Rows::default();
     for (_, path) in present(folder)? {
@@ -45,10 +45,10 @@ pub fn calibrations(folder: &Path) -> Result<Rows, StudyError> {
     Ok(all)
 }
 
-/// Reads the result that [`merge`] has written.
+/// Reads the result written by [`merge`].
 ///
 /// # Errors
-/// One sentence that names the file, if there is none, it is not valid, or belongs to another study.
+/// If there is none, or it is invalid or belongs to another study; the message names the file.
 pub fn read_result(plan: &StudyPlan, folder: &Path) -> Result<StudyResult, StudyError> {
     let path = folder.join(RESULT);
     let fail = |message: &str| StudyError::Input(format!("{}: {message}", path.display()));
@@ -60,13 +60,13 @@ pub fn read_result(plan: &StudyPlan, folder: &Path) -> Result<StudyResult, Study
     let result = read_versioned::<StudyResult>(&path)?.value;
     if result.study != plan.fingerprint() || result.cells.len() != plan.cells.len() {
         return Err(fail(&format!(
-            "found the result of another study than {PLAN}, expected to merge it again"
+            "found the result of a study other than {PLAN}: merge again"
         )));
     }
     Ok(result)
 }
 
-/// The chunks in a folder in their order.
+/// The chunks in a folder, in order.
 fn present(folder: &Path) -> Result<Vec<(Part, PathBuf)>, StudyError> {
     let fail = |message: String| StudyError::Input(format!("{}: {message}", folder.display()));
     let entries =
@@ -83,14 +83,14 @@ fn present(folder: &Path) -> Result<Vec<(Part, PathBuf)>, StudyError> {
         let part = Part::parse(&middle.replace("-of-", "/"));
         let part = part.ok().filter(|part| part.file_name() == name);
         let part =
-            part.ok_or_else(|| fail(format!("found {name}, which is the name of no chunk")))?;
+            part.ok_or_else(|| fail(format!("found {name}, which is not the name of a chunk")))?;
         found.push((part, entry.path()));
     }
     found.sort_by_key(|(part, _)| (part.of, part.number));
     Ok(found)
 }
 
-/// The chunks in a folder in their order: all parts of one cut.
+/// The chunks in a folder, in order, if they are all parts of one division.
 fn chunks(folder: &Path, calibrations: u64) -> Result<Vec<(Part, PathBuf)>, StudyError> {
     let fail = |message: String| StudyError::Input(format!("{}: {message}", folder.display()));
     let found = present(folder)?;
@@ -105,7 +105,7 @@ fn chunks(folder: &Path, calibrations: u64) -> Result<Vec<(Part, PathBuf)>, Stud
     let of = first.of;
     if let Some((other, _)) = found.iter().find(|(part, _)| part.of != of) {
         return Err(fail(format!(
-            "found chunks of a cut into {of} and of one into {}, expected one cut",
+            "found chunks of a division into {of} and of one into {}, expected one division",
             other.of
         )));
     }
@@ -116,7 +116,7 @@ fn chunks(folder: &Path, calibrations: u64) -> Result<Vec<(Part, PathBuf)>, Stud
     });
     match missing {
         Some(number) => Err(fail(format!(
-            "found {} of {of} chunks, number {number} is missing",
+            "found {} of {of} chunks; number {number} is missing",
             found.len()
         ))),
         None => Ok(found),

@@ -1,4 +1,4 @@
-//! The plan of a study: everything that its chunks need, and what the expected covariance answers without them.
+//! The plan of a study: everything that its chunks need, and the predictions of the expected covariance.
 
 use std::path::{Path, PathBuf};
 
@@ -21,46 +21,46 @@ use crate::{StudyError, create_folder};
 
 /// File of the plan in the folder of a study.
 pub const PLAN: &str = "plan.json";
-/// Feasible poses among which planned ones are chosen.
+/// Number of feasible candidates from which poses are planned.
 const CANDIDATES: usize = 600;
 
-/// A study ready to run.
+/// A study, ready to run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StudyPlan {
     /// The study.
     pub study: StudyFile,
-    /// Its robots, in the order of the design.
+    /// The robots, in the order of the design.
     pub robots: Vec<Robot>,
-    /// Sequences of poses, home not counted, that cells share.
+    /// Sequences of poses, without home, shared by cells.
     pub poses: Vec<Vec<FrameTransform>>,
-    /// Its cells.
+    /// The cells.
     pub cells: Vec<PlannedCell>,
 }
 
-/// A cell and what it promises.
+/// A cell with its expected accuracy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PlannedCell {
-    /// What it is.
+    /// Its combination.
     pub combination: Combination,
     /// Standard deviation of the laser's readings (m); null without a laser.
     pub laser_sd_m: Option<f64>,
-    /// Price of its sensor, where the catalogue has one.
+    /// Price of its sensor, if the catalogue states one.
     #[serde(default)]
     pub cost: Option<f64>,
-    /// Which sequence its poses begin.
+    /// Index of the sequence from which it takes the first poses.
     pub sequence: usize,
-    /// What the expected covariance says.
+    /// Errors predicted by the expected covariance.
     pub expected: ExpectedErrors,
 }
 
-/// Errors that the expected covariance predicts.
+/// Errors predicted by the expected covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ExpectedErrors {
-    /// Root mean square error of the entry points' coordinates (m); null where the poses leave something open.
+    /// Root mean square error of the entry point coordinates (m); null if the poses leave parameters undetermined.
     pub entry_m: Option<f64>,
-    /// Root mean square position error over the workspace (m); null also without home pose.
+    /// Root mean square position error over the workspace (m); also null without home pose.
     pub position_m: Option<f64>,
-    /// Root mean square position error for each kelvin by which a steel frame has warmed since (m/K).
+    /// Root mean square position error per kelvin of warming of a steel frame since calibration (m/K).
     pub position_m_per_kelvin: Option<f64>,
 }
 
@@ -71,10 +71,10 @@ impl VersionedFile for StudyPlan {
 }
 
 impl StudyPlan {
-    /// Plans a study; files of robots are looked for in `folder`. The observer hears how many cells are done of how many.
+    /// Plans a study with robot files from `folder`. The observer receives the numbers of finished and of all cells.
     ///
     /// # Errors
-    /// One sentence with the field, if a robot or sensor cannot be used or a cell cannot be answered; or cancelled.
+    /// If a robot or sensor cannot be used, a cell cannot be predicted, or it was cancelled; the message names the field.
     pub fn new(
         study: StudyFile,
         folder: &Path,
@@ -121,18 +121,18 @@ impl StudyPlan {
     /// The robot and the poses of a cell.
     ///
     /// # Errors
-    /// If the plan was changed by hand so that they do not exist.
+    /// If they do not exist, as in a plan edited by hand.
     pub fn cell(&self, index: usize) -> Result<Cell, StudyError> {
         let planned = self.cells.get(index);
         let damaged = || {
             StudyError::Input(format!(
-                "{PLAN}: cell {index} is damaged, expected a plan as this program writes it"
+                "{PLAN}: cell {index} is damaged, expected a plan written by this program"
             ))
         };
         let planned = planned.ok_or_else(damaged)?;
         let combination = &planned.combination;
         let base = self.robots.get(combination.robot).ok_or_else(damaged)?;
-        // The catalogue of another machine may differ: the plan has the standard deviation.
+        // The catalogue of another machine may differ, so the standard deviation of the plan is used.
         let known = Combination {
             laser: if combination.laser == "none" {
                 "none"
@@ -173,16 +173,16 @@ impl StudyPlan {
         self.simulated().len() as u64 * self.study.simulation.calibrations
     }
 
-    /// Chunks into which the study cuts itself.
+    /// Default number of chunks.
     #[must_use]
     pub fn chunks(&self) -> u64 {
         self.calibrations().div_ceil(self.study.simulation.chunk)
     }
 
-    /// The parts that are to be done: the one that `chunk` names, as `3/7`, or all into which the study cuts itself.
+    /// The parts to run: the one named by `chunk`, such as `3/7`, or all of the default division.
     ///
     /// # Errors
-    /// What was found and what was expected.
+    /// If the text is malformed.
     pub fn parts(&self, chunk: Option<&str>) -> Result<Vec<Part>, String> {
         let of = self.chunks();
         match chunk {
@@ -191,7 +191,7 @@ impl StudyPlan {
         }
     }
 
-    /// Fingerprint of all that results depend on.
+    /// Fingerprint of everything on which results depend.
     #[must_use]
     pub fn fingerprint(&self) -> String {
         let text = serde_json::to_string(&versioned(self)).unwrap_or_default();
@@ -201,7 +201,7 @@ impl StudyPlan {
     /// Writes the plan into the folder of the study.
     ///
     /// # Errors
-    /// If it cannot be written, or there is one of another study.
+    /// If it cannot be written, or the folder holds that of another study.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, StudyError> {
         let path = folder.join(PLAN);
         if path.exists() && read_plan(folder)?.fingerprint() != self.fingerprint() {
@@ -219,7 +219,7 @@ impl StudyPlan {
 /// Reads the plan of a study from its folder.
 ///
 /// # Errors
-/// If there is none or it is not valid.
+/// If it is missing or invalid.
 pub fn read_plan(folder: &Path) -> Result<StudyPlan, StudyError> {
     Ok(read_versioned::<StudyPlan>(&folder.join(PLAN))?.value)
 }
@@ -238,14 +238,14 @@ fn robot(name: &str, folder: &Path, index: usize) -> Result<Robot, StudyError> {
     let robot = read_robot(&path)?.value;
     if !robot.effects.is_empty() {
         return Err(StudyError::Input(format!(
-            "{}: found a model with effects, expected a robot without any; faults say what is hidden",
+            "{}: found a model with effects, expected a robot without effects; list hidden effects as faults",
             path.display()
         )));
     }
     Ok(robot)
 }
 
-/// Sequences of poses with what they were made for.
+/// Cache of pose sequences, by robot, selection and number.
 #[derive(Default)]
 struct Sequences {
     poses: Vec<Vec<Pose>>,
@@ -253,8 +253,8 @@ struct Sequences {
 }
 
 impl Sequences {
-    /// The sequence that a cell's poses begin: planned ones are chosen once for a robot with its own instruments, so that
-    /// cells differ in nothing but what they name; random ones for all numbers of poses together.
+    /// Index of the sequence of a cell: planned poses are chosen once per robot with its own instruments, so that
+    /// cells differ only in their combination; random poses are drawn once for all numbers of poses.
     fn of(
         &mut self,
         study: &StudyFile,

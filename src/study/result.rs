@@ -1,4 +1,4 @@
-//! The merged result of a study: for each cell what the expected covariance says and what simulation found.
+//! The merged result of a study: for each cell the predicted and the simulated errors.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -32,74 +32,74 @@ pub struct StudyResult {
 /// The result of a cell.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CellResult {
-    /// What it is and what the expected covariance says.
+    /// The planned cell with its predicted errors.
     #[serde(flatten)]
     pub planned: PlannedCell,
-    /// What simulation found; null where it was not asked.
+    /// Simulated errors; null if the cell was not simulated.
     pub simulated: Option<SimulatedErrors>,
 }
 
-/// What simulation found in a cell.
+/// Simulated errors of a cell.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SimulatedErrors {
-    /// Calibrations.
+    /// Number of calibrations.
     pub calibrations: u64,
-    /// Those that did not converge.
+    /// Number of those that did not converge.
     pub not_converged: u64,
-    /// Those whose faults broke the robot, so that they could not be simulated.
+    /// Number of those that could not be simulated because of their faults.
     pub not_simulated: u64,
-    /// Error of the entry points, of calibrations without faults.
+    /// Error of the entry points in calibrations without faults.
     pub entry: Option<ErrorRange>,
-    /// Position error over the workspace, of calibrations without faults.
+    /// Position error over the workspace in calibrations without faults.
     pub position: Option<ErrorRange>,
-    /// Accuracy of poses AP (ISO 9283), of calibrations without faults.
+    /// Pose accuracy AP (ISO 9283) in calibrations without faults.
     pub accuracy: Option<ErrorRange>,
-    /// Position error over the workspace of calibrations with a fault.
+    /// Position error over the workspace in calibrations with a fault.
     pub position_with_fault: Option<ErrorRange>,
-    /// Simulated over expected position error, with its 95 % interval.
+    /// Ratio of simulated to expected position error, with its 95 % interval.
     pub over_expected: Option<[f64; 3]>,
-    /// Whether that differs from 1 by more than 5 %.
+    /// Whether this ratio differs from 1 by more than 5 %.
     pub is_marked: bool,
-    /// Calibrations without a fault, and those of them that the global test refused.
+    /// Calibrations without a fault, and how many of them the global test rejected: false alarms.
     pub without_fault: Share,
-    /// Calibrations with a fault, and those of them that the global test refused: the fault is seen.
+    /// Calibrations with a fault, and how many of them the global test rejected: detections.
     pub with_fault: Share,
-    /// What the doctor said where it was asked.
+    /// Verdicts of the diagnosis.
     pub doctor: Opinions,
 }
 
-/// An error over many calibrations.
+/// Distribution of an error over many calibrations.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ErrorRange {
     /// Root mean square (m).
     pub rms_m: f64,
-    /// Relative standard error of it.
+    /// Relative standard error of the root mean square.
     pub relative_standard_error: f64,
-    /// 5 %, 50 % and 95 % of all are below (m).
+    /// Quantiles of 5, 50 and 95 % (m).
     pub quantiles_m: [f64; 3],
 }
 
-/// A part of a number.
+/// A share, `count` of `of`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Share {
-    /// Of so many.
+    /// Total number.
     pub of: u64,
-    /// So many.
+    /// Number counted.
     pub count: u64,
 }
 
-/// What the doctor said, how often.
+/// Numbers of verdicts of the diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Opinions {
-    /// Nothing although there is a fault.
+    /// No fault named although there is one.
     pub missed: u64,
-    /// Nothing, and there is none.
+    /// No fault named, and there is none.
     pub rightly_silent: u64,
-    /// All faults that are there and no other.
+    /// All faults named and no other.
     pub right: u64,
-    /// Something that is not there.
+    /// A fault named that is not present.
     pub wrong: u64,
-    /// That there is something, with a part of the names or none.
+    /// Faults detected, but only some of them named, or none.
     pub partly: u64,
 }
 
@@ -109,7 +109,7 @@ impl VersionedFile for StudyResult {
     const MAX_BYTES: u64 = 1 << 30;
 }
 
-/// Statistics of all cells while chunks are added.
+/// Accumulated statistics of all cells.
 pub struct Tallies {
     cells: Vec<Tally>,
     simulated: Vec<usize>,
@@ -130,7 +130,7 @@ struct Tally {
 }
 
 impl Tallies {
-    /// Nothing yet.
+    /// Empty statistics for the cells of a plan.
     #[must_use]
     pub fn new(plan: &StudyPlan) -> Self {
         Self {
@@ -139,10 +139,10 @@ impl Tallies {
         }
     }
 
-    /// Adds the calibrations of a chunk, whose first has the number `from` of the study.
+    /// Adds the calibrations of a chunk, the first of which is number `from` of the study.
     ///
     /// # Errors
-    /// If a calibration is in another cell than its number says.
+    /// If the cell of a calibration contradicts its number.
     pub fn add(&mut self, plan: &StudyPlan, from: u64, rows: &Rows) -> Result<(), String> {
         let simulated = &self.simulated;
         let each = plan.study.simulation.calibrations;
@@ -152,7 +152,7 @@ impl Tallies {
             let cell = rows.cell[row] as usize;
             if place != Some(&cell) {
                 return Err(format!(
-                    "found calibration {} in cell {cell}, where it does not belong",
+                    "found calibration {} in cell {cell}, to which it does not belong",
                     from + row as u64
                 ));
             }
@@ -161,7 +161,7 @@ impl Tallies {
         Ok(())
     }
 
-    /// The result of the study with this fingerprint.
+    /// The result of the study with the given fingerprint.
     #[must_use]
     pub fn result(self, plan: &StudyPlan, fingerprint: String) -> StudyResult {
         let cells = self.cells.into_iter().zip(&plan.cells);
@@ -221,11 +221,11 @@ impl Tally {
         share.count += u64::from(p.is_some_and(|p| p < alpha));
         let doctor = &mut self.doctor;
         let counted = match rows.opinion[row] {
-            said if said == Opinion::Silent as u8 && has_fault => &mut doctor.missed,
-            said if said == Opinion::Silent as u8 => &mut doctor.rightly_silent,
-            said if said == Opinion::Right as u8 => &mut doctor.right,
-            said if said == Opinion::Wrong as u8 => &mut doctor.wrong,
-            said if said == Opinion::Partly as u8 => &mut doctor.partly,
+            verdict if verdict == Opinion::Silent as u8 && has_fault => &mut doctor.missed,
+            verdict if verdict == Opinion::Silent as u8 => &mut doctor.rightly_silent,
+            verdict if verdict == Opinion::Right as u8 => &mut doctor.right,
+            verdict if verdict == Opinion::Wrong as u8 => &mut doctor.wrong,
+            verdict if verdict == Opinion::Partly as u8 => &mut doctor.partly,
             _ => return,
         };
         *counted += 1;

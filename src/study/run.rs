@@ -1,4 +1,4 @@
-//! Doing the chunks of a study: on threads of this process, each chunk a file; what is there is not done again.
+//! Running the chunks of a study on threads of this process, one file per chunk; existing chunks are kept.
 
 use std::path::Path;
 use std::sync::Mutex;
@@ -13,35 +13,35 @@ use crate::chunk::{Origin, Part, Rows, read_chunk, write_chunk};
 use crate::plan::{PLAN, StudyPlan};
 use crate::{StudyError, VERSION, create_folder};
 
-/// Calibrations between two looks at whether it was cancelled.
+/// Number of calibrations between two checks for cancellation.
 const BETWEEN_LOOKS: u64 = 16;
 
-/// Between two questions to the observer.
+/// Interval between two calls of the observer.
 const BETWEEN_QUESTIONS: Duration = Duration::from_millis(20);
 
-/// What running threads tell and are told.
+/// State shared with the worker threads.
 #[derive(Debug, Default)]
 struct Shared {
-    /// Calibrations done.
+    /// Number of calibrations done.
     done: AtomicU64,
-    /// Set to end early: chunks that are not finished are lost.
+    /// Set to stop early: unfinished chunks are lost.
     cancelled: AtomicBool,
 }
 
-/// What a run did.
+/// Summary of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Summary {
-    /// Chunks done.
+    /// Number of chunks computed.
     pub done: u64,
-    /// Chunks that were there.
+    /// Number of chunks that already existed.
     pub found: u64,
 }
 
-/// Does these parts of a study with so many threads. The observer is asked on the calling thread; it hears how many
-/// calibrations are done, and chunks that are not finished when it cancels are lost.
+/// Runs parts of a study on several threads. The observer is called on the calling thread with the number of
+/// finished calibrations; unfinished chunks are lost when it cancels.
 ///
 /// # Errors
-/// If a part is not one of the study, a chunk that is there belongs to something else, one cannot be written, or it was
+/// If a part does not belong to the study, an existing chunk has another origin, a chunk cannot be written, or it was
 /// cancelled.
 pub fn run(
     plan: &StudyPlan,
@@ -75,7 +75,7 @@ fn work(
     let all = plan.calibrations();
     if let Some(part) = parts.iter().find(|part| part.of > all.max(1)) {
         return Err(StudyError::Input(format!(
-            "found a cut into {} chunks, expected at most the {all} calibrations of the study",
+            "found a division into {} chunks, expected at most {all}, the number of calibrations of the study",
             part.of
         )));
     }
@@ -117,13 +117,13 @@ fn work(
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    // A thread that panicked left a value that is whole: counts and errors are set at once.
+    // A panicked thread leaves a consistent value, because counts and errors are set in one step.
     mutex
         .lock()
         .unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
-/// Does one part; whether there was anything to do.
+/// Runs one part; returns whether there was anything to do.
 fn chunk(
     (plan, fingerprint): (&StudyPlan, &str),
     folder: &Path,
@@ -156,7 +156,7 @@ fn chunk(
     Ok(true)
 }
 
-/// Calibrations of one cell, from a number of the study to another.
+/// Calibrations of one cell within a range of numbers of the study.
 fn calibrate(
     plan: &StudyPlan,
     (place, cell): (usize, &Cell),
@@ -178,7 +178,7 @@ fn calibrate(
     Ok(())
 }
 
-/// Whether a chunk is this part of this study, by this version of the program; else why not.
+/// Checks that a chunk is this part of this study, by this version of the program.
 pub(crate) fn belongs(
     origin: &Origin,
     (plan, fingerprint): (&StudyPlan, &str),

@@ -1,4 +1,4 @@
-//! Robots of another size.
+//! Scaling of robots.
 //!
 //! Geometry grows with the factor `s`: frame, platform, pulleys, drums, workspace, home pose. Cables get `s` times as
 //! thick, so that stiffness `EA`, weight per metre and permitted tension grow as `s^2`, and with them the payload: stress
@@ -48,7 +48,7 @@ pub fn scaled(robot: &Robot, s: f64) -> Robot {
             .axial_stiffness_n
             .map(|stiffness| stiffness * area);
         cable.cable.weight_n_per_m *= area;
-        // A measured elongation is that of one cable.
+        // A measured elongation curve applies to one cable only.
         cable.cable.elongation_surface = None;
         if let Some(sensor) = &mut cable.force_sensor {
             sensor.tension_sd_n *= area;

@@ -1,4 +1,4 @@
-//! The question of the sliders as a study of its own: other lasers and numbers of poses beside it, all simulated.
+//! The question of the sliders as a simulated study, with other lasers and numbers of poses for comparison.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ const ROBOT: &str = "robot.json";
 const STUDY: &str = "study.toml";
 const REPORT: &str = "report.html";
 
-/// The study as a file that `tautline study plan` reads, too.
+/// The study as a file that `tautline study plan` also reads.
 fn study_file(robot: &Robot, question: &Question) -> String {
     let lasers = match (robot.laser, question.laser_sd_m) {
         (None, _) => "\"none\"",
@@ -40,12 +40,12 @@ fn study_file(robot: &Robot, question: &Question) -> String {
     )
 }
 
-/// Simulates what the expected covariance answers, in a folder that is empty or that of the same question; the observer hears
-/// how many calibrations are done of how many. The report that it writes comes back.
+/// Checks the prediction for a question by simulation, in an empty folder or that of the same question; the observer receives
+/// the numbers of finished and of all calibrations. Returns the path of the report.
 ///
 /// # Errors
-/// One sentence, if the folder holds something else, a cell cannot be answered or a file cannot be written; or cancelled, which
-/// keeps what is finished.
+/// If the folder holds something else, a cell cannot be predicted, a file cannot be written, or it was cancelled, which
+/// keeps finished chunks.
 pub fn simulate(
     (robot, question): (&Robot, &Question),
     folder: &Path,

@@ -1,4 +1,4 @@
-//! Statistics that are the same bit for bit in whatever order values come and parts are merged.
+//! Statistics that are bit-for-bit independent of the order of values and of merging.
 //!
 //! Sums are whole numbers: a value in millimetres squared is rounded to a multiple of 2^-60 and added in 128 bits. Quantiles
 //! come from counts by the leading bits of a value, as in DDSketch (Masson, Rim, Lee, VLDB 2019) with the bits of the
@@ -6,9 +6,9 @@
 
 use std::collections::BTreeMap;
 
-/// Resolution of sums.
+/// Number of fractional bits of sums.
 const FRACTION_BITS: i32 = 60;
-/// Bits of the significand that a bin of the sketch keeps.
+/// Bits of the significand that define a bin of the sketch.
 const SKETCH_BITS: u32 = 6;
 
 /// A sum of values that does not depend on their order.
@@ -16,7 +16,7 @@ const SKETCH_BITS: u32 = 6;
 pub struct ExactSum(i128);
 
 impl ExactSum {
-    /// Adds a value, rounded to a multiple of 2^-60; what is too large saturates.
+    /// Adds a value, rounded to a multiple of 2^-60; saturates on overflow.
     pub fn add(&mut self, value: f64) {
         // Scaling by a power of two is exact, and so is the conversion of what is left below 2^127.
         let scaled = (value * f64::from(FRACTION_BITS).exp2()).round();
@@ -40,7 +40,7 @@ impl ExactSum {
 pub struct Sketch(BTreeMap<u64, u64>);
 
 impl Sketch {
-    /// Counts a value; zero and what is negative counts as the smallest.
+    /// Counts a value; zero and negative values count as the smallest.
     pub fn add(&mut self, value: f64) {
         *self
             .0
@@ -55,7 +55,7 @@ impl Sketch {
         }
     }
 
-    /// The value below which a part of all lies, the middle of its bin; `None` without values.
+    /// The quantile of a fraction, as the middle of its bin; `None` without values.
     #[must_use]
     pub fn quantile(&self, part: f64) -> Option<f64> {
         let all: u64 = self.0.values().sum();
@@ -70,7 +70,7 @@ impl Sketch {
     }
 }
 
-/// The distribution of an error: mean square with its interval, quantiles.
+/// Distribution of an error: mean square with its standard error, and quantiles.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ErrorStatistics {
     count: u64,
@@ -79,9 +79,9 @@ pub struct ErrorStatistics {
     sketch: Sketch,
 }
 
-/// Millimetres of a metre: sums are in them so that typical values are about 1.
+/// Millimetres per metre: sums are in mm², so that typical values are about 1.
 const MM: f64 = 1e3;
-/// Errors above this (mm) have diverged; they count as this.
+/// Errors above this limit (mm) have diverged and are clipped to it.
 const LARGEST_MM: f64 = 1e4;
 
 impl ErrorStatistics {
@@ -95,7 +95,7 @@ impl ErrorStatistics {
         self.sketch.add(error);
     }
 
-    /// Adds those of another part.
+    /// Merges the statistics of another part.
     pub fn merge(&mut self, other: &Self) {
         self.count += other.count;
         self.squares.merge(other.squares);
@@ -118,7 +118,7 @@ impl ErrorStatistics {
         Some(0.5 * (variance / count).sqrt() / mean)
     }
 
-    /// The error (m) below which a part of all lies.
+    /// The quantile (m) of a fraction.
     #[must_use]
     pub fn quantile_m(&self, part: f64) -> Option<f64> {
         self.sketch.quantile(part).map(|error| error / MM)

@@ -1,4 +1,4 @@
-//! Which sensor, how many poses: answers from the expected covariance alone, fast enough to follow a slider.
+//! Choice of sensor and number of poses: predictions from the expected covariance alone, fast enough to follow a slider.
 
 use tautline_core::planning::{Accuracy, PoseSet, expect, random_poses};
 use tautline_core::robot::{Inclinometer, Robot};
@@ -7,20 +7,20 @@ use tautline_workflow::wording::units::significant;
 use crate::cell::options;
 use crate::scaling::size_m;
 
-/// Most poses that can be asked about.
+/// Maximum number of poses.
 pub const MOST_POSES: usize = 100;
-/// Numbers of poses of the curve.
+/// Numbers of poses on the curve.
 const POSES: [usize; 9] = [5, 8, 12, 18, 25, 35, 50, 70, 100];
-/// Standard deviations of lasers of the curve (m).
+/// Standard deviations of lasers on the curve (m).
 pub const LASERS_M: [f64; 7] = [0.05e-3, 0.1e-3, 0.2e-3, 0.5e-3, 1e-3, 2e-3, 5e-3];
-/// Standard deviation of the inclinometer that is proposed (rad).
+/// Standard deviation of the proposed inclinometer (rad).
 const INCLINOMETER_RAD: f64 = 0.5e-3;
-/// Gain that is worth a sentence.
+/// Minimum relative gain that is mentioned.
 const WORTH: f64 = 0.05;
 /// Seed of the poses.
 const SEED: u64 = 1;
 
-/// What is asked.
+/// Instruments and number of poses to be assessed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Question {
     /// Standard deviation of the laser (m); `None`: no laser.
@@ -33,34 +33,34 @@ pub struct Question {
     pub inclinometer_sd_rad: Option<f64>,
 }
 
-/// The answer.
+/// Predicted accuracy for a [`Question`], and the gain by changes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
-    /// Root mean square position error over the workspace (m); `None` where something is left open.
+    /// Root mean square position error over the workspace (m); `None` if parameters are undetermined.
     pub position_m: Option<f64>,
     /// Root mean square standard deviation of the entry points (m).
     pub entry_m: Option<f64>,
-    /// Position error (m) with other lasers: their standard deviations (m).
+    /// Standard deviation of other lasers (m), and the position error with each (m).
     pub over_laser: Vec<(f64, Option<f64>)>,
-    /// Position error (m) with other numbers of poses.
+    /// Other numbers of poses, and the position error with each (m).
     pub over_poses: Vec<(usize, Option<f64>)>,
-    /// What one change would gain: what, and the position error with it (m).
+    /// Single improvements, and the position error with each (m).
     pub changes: Vec<(&'static str, Option<f64>)>,
 }
 
-/// A robot with poses to ask about.
+/// Predicts the accuracy of a robot over a fixed sequence of poses.
 #[derive(Debug, Clone)]
 pub struct Advisor {
     robot: Robot,
-    /// What no instrument changes: the poses with their tensions, and what the geometry is worth.
+    /// The part that does not depend on instruments: poses with tensions, and the prior of the geometry.
     set: PoseSet,
 }
 
 impl Advisor {
-    /// Draws the poses, of which each question takes the first ones.
+    /// Draws the poses; each question uses the first ones.
     ///
     /// # Errors
-    /// One sentence, if the robot cannot be held at enough poses or there is nothing to identify.
+    /// If the robot can hold too few poses or there is nothing to identify.
     pub fn new(robot: &Robot) -> Result<Self, String> {
         let options = options(MOST_POSES, SEED, size_m(robot));
         let set = random_poses(robot, &options).and_then(|poses| expect(robot, &poses, &options));
@@ -70,7 +70,7 @@ impl Advisor {
         })
     }
 
-    /// The question as the robot's description answers it.
+    /// The question for the instruments in the description of the robot.
     #[must_use]
     pub fn question(&self) -> Question {
         Question {
@@ -84,7 +84,7 @@ impl Advisor {
     /// Answers a question.
     ///
     /// # Errors
-    /// One sentence, if there is nothing to identify or a pose cannot be held.
+    /// If there is nothing to identify or a pose cannot be held.
     pub fn answer(&self, question: &Question) -> Result<Answer, String> {
         let more = (2 * question.poses).min(MOST_POSES);
         let mut counts = POSES.to_vec();
@@ -124,7 +124,7 @@ impl Advisor {
         })
     }
 
-    /// Accuracy after these numbers of poses, which rise.
+    /// Accuracy after each of these ascending numbers of poses.
     fn accuracy(&self, question: &Question, counts: &[usize]) -> Result<Vec<Accuracy>, String> {
         let robot = self.asked(question);
         let most = counts.last().copied().unwrap_or(0);
@@ -155,7 +155,7 @@ impl Advisor {
     }
 }
 
-/// The question with one instrument better or more, each with its name.
+/// Variants of the question with one instrument improved or added, each with its name.
 fn improved(question: &Question) -> Vec<(&'static str, Question)> {
     let mut improved = Vec::new();
     if let Some(sd_m) = question.laser_sd_m {
@@ -163,7 +163,7 @@ fn improved(question: &Question) -> Vec<(&'static str, Question)> {
             laser_sd_m: Some(0.5 * sd_m),
             ..*question
         };
-        improved.push(("a laser twice as exact", better));
+        improved.push(("a laser twice as accurate", better));
     }
     if question.home_sd_m > 0.0 {
         let better = Question {
@@ -183,11 +183,11 @@ fn improved(question: &Question) -> Vec<(&'static str, Question)> {
 }
 
 impl Answer {
-    /// The answer in a sentence or two.
+    /// The answer in one or two sentences.
     #[must_use]
     pub fn sentence(&self, question: &Question) -> String {
         let Some(now) = self.position_m else {
-            return "These poses and instruments leave something open: more poses or another instrument are needed.".to_owned();
+            return "These poses and instruments leave parameters undetermined: add poses or another instrument.".to_owned();
         };
         let mm = |metres: f64| format!("{} mm", significant(1e3 * metres, 2));
         let laser = question.laser_sd_m.map_or_else(
@@ -195,7 +195,7 @@ impl Answer {
             |sd| format!("a laser of {} (1 sd)", mm(sd)),
         );
         let begin = format!(
-            "With {} poses and {laser}, the platform is off by {} in the root mean square.",
+            "With {} poses and {laser}, the position error of the platform is {} rms.",
             question.poses,
             mm(now)
         );
@@ -206,7 +206,7 @@ impl Answer {
             .max_by(|a, b| gains(&a.1).total_cmp(&gains(&b.1)));
         match best {
             Some((what, Some(to))) if 1.0 - to / now >= WORTH => {
-                format!("{begin} What gains most is {what}: {}.", mm(*to))
+                format!("{begin} The largest gain comes from {what}: {}.", mm(*to))
             }
             _ => format!("{begin} None of the changes below gains 5 %."),
         }

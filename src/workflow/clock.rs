@@ -1,10 +1,10 @@
-//! The clock of the wall.
+//! Wall-clock time.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use tautline_session::Timestamp;
 
-/// Now, to the second.
+/// The present time, to the second.
 #[must_use]
 pub fn now() -> Timestamp {
     let since = SystemTime::now()

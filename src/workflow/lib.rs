@@ -1,6 +1,6 @@
-//! Everything that is done with a session, without a user interface: identification, diagnosis, planning, adjusting,
-//! comparing, verifying, the tables of the first phases, reports, result documents and their wording. Commands and window
-//! are built on these.
+//! All operations on a session, without a user interface: identification, diagnosis, planning, adjustment,
+//! comparison, verification, the tables of the first phases, reports, result documents and their wording. Commands and window
+//! build on these.
 
 pub mod accuracy;
 pub mod adjusting;

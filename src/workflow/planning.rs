@@ -1,4 +1,4 @@
-//! Poses to measure and the precision to expect of them, for window and commands.
+//! Planning of poses and their expected precision, for window and commands.
 
 use std::collections::HashSet;
 
@@ -12,45 +12,45 @@ use crate::documents::isolability::{IsolabilityDocument, IsolabilityTable};
 use crate::identification::IdentificationRequest;
 use crate::wording::{count, units};
 
-/// Seed of the poses among which is chosen.
+/// Seed of the candidate poses.
 pub const SEED: u64 = 1;
 
-/// A plan with the precision to expect of it.
+/// A plan with its expected precision.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanSummary {
-    /// The poses in their order; the home pose comes first where it is still to be measured.
+    /// The poses in order; the home pose comes first if it is still to be measured.
     pub poses: Vec<PlannedPose>,
-    /// Precision to expect from all poses together.
+    /// Expected precision of all poses together.
     pub expected: DesignCriteria,
-    /// Precision to expect from as many random poses.
+    /// Expected precision of as many random poses.
     pub random: DesignCriteria,
-    /// Standard deviation of the entry points after so many of the poses, home not counted (m).
+    /// Standard deviation of the entry points after 0, 1, 2, .. of the poses, home not counted (m).
     pub after_m: Vec<Option<f64>>,
     /// Travel distance (m).
     pub travel_m: f64,
-    /// What measuring the home pose more often gains.
+    /// Gain by more measurements of the home pose.
     pub home: HomeGain,
-    /// Which faults all poses together show; none where that could not be computed.
+    /// Faults that all poses together reveal; `None` if that could not be computed.
     pub isolability: Option<IsolabilityTable>,
 }
 
-/// How often the home pose might be measured, in multiples of what its standard deviations stand for.
+/// Numbers of home pose measurements to evaluate, as multiples of the present ones.
 const HOME_TIMES: [usize; 2] = [4, 16];
 
-/// Root mean square position error of the platform after an adjustment (m), by how often the home pose is measured; all
+/// Root mean square position error of the platform after an adjustment (m), by the number of home pose measurements, as all
 /// lengths refer to that pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HomeGain {
-    /// With the home pose as well known as it is.
+    /// With the present uncertainty of the home pose.
     pub now_m: Option<f64>,
-    /// With so many times as many measurements.
+    /// With these multiples of the present number of measurements.
     pub times: Vec<(usize, Option<f64>)>,
-    /// With the home pose known exactly: the bound.
+    /// With an exactly known home pose: the lower bound.
     pub bound_m: Option<f64>,
 }
 
 impl HomeGain {
-    /// Of a plan.
+    /// The gain for a plan.
     #[must_use]
     pub fn of(plan: &Plan) -> Self {
         Self {
@@ -62,7 +62,7 @@ impl HomeGain {
         }
     }
 
-    /// In one sentence; `None` where it gains nothing worth saying.
+    /// The gain in one sentence; `None` if it is insignificant.
     #[must_use]
     pub fn sentence(&self) -> Option<String> {
         let (now_m, bound_m) = (self.now_m?, self.bound_m?);
@@ -86,10 +86,10 @@ impl HomeGain {
     }
 }
 
-/// Part of the position error below which more measurements of the home pose are not worth a sentence.
+/// Fraction of the position error below which the gain is insignificant.
 const WORTH_SAYING: f64 = 0.05;
 
-/// Options of a plan for what is to be identified, on top of the raw measurements `existing`.
+/// Options of a plan for a request, in addition to the raw measurements `existing`.
 fn options<'a>(
     request: &'a IdentificationRequest,
     existing: &'a Measurements,
@@ -97,7 +97,7 @@ fn options<'a>(
 ) -> PlanOptions<'a> {
     PlanOptions {
         effects: &request.effects,
-        // Before more poses than the home pose are measured there is nothing to build on.
+        // With only the home pose measured there is nothing to build on.
         existing: (existing.len() > 1).then_some(existing),
         method: request.method,
         ..PlanOptions::new(poses, seed)
@@ -108,10 +108,10 @@ fn request(session: &Session) -> Result<IdentificationRequest, String> {
     IdentificationRequest::of_session(session).map_err(|error| error.to_string())
 }
 
-/// Chooses so many poses with a seed, after those that are measured already; what to expect of them takes longer.
+/// Selects poses in addition to those already measured, without their expected precision, which takes longer.
 ///
 /// # Errors
-/// One sentence, if there is no such plan or the observer cancelled it.
+/// One sentence, if no such plan exists or the observer cancelled it.
 pub fn choose_poses(
     session: &Session,
     wanted: (usize, u64),
@@ -121,10 +121,10 @@ pub fn choose_poses(
     Ok(with_home(session, &planned))
 }
 
-/// Chooses poses as [`choose_poses`] does, and says what to expect of them.
+/// Selects poses as [`choose_poses`] does, with their expected precision.
 ///
 /// # Errors
-/// One sentence, if there is no such plan or the observer cancelled it.
+/// One sentence, if no such plan exists or the observer cancelled it.
 pub fn plan_poses(
     session: &Session,
     wanted: (usize, u64),
@@ -164,10 +164,10 @@ impl PlanSummary {
     }
 }
 
-/// Precision to expect from the plan of a session, on top of what was measured outside of it.
+/// Expected precision of the plan of a session, in addition to measurements outside the plan.
 ///
 /// # Errors
-/// One sentence, if nothing can be said or the observer cancelled it.
+/// One sentence, if it cannot be evaluated or the observer cancelled it.
 pub fn evaluate_plan(
     session: &Session,
     observe: &mut dyn FnMut(&PlanProgress) -> Control,
@@ -189,7 +189,7 @@ pub fn evaluate_plan(
     Ok(PlanSummary::of(session.plan.clone(), &planned))
 }
 
-/// The poses with labels of their own, after the home pose where that is not measured yet.
+/// The poses with new labels, preceded by the home pose if that is not measured yet.
 fn with_home(session: &Session, planned: &Plan) -> Vec<PlannedPose> {
     let measured = &session.measurements.labels;
     let first = measured.iter().copied().fold(0, i64::max).saturating_add(1);
@@ -201,7 +201,7 @@ fn with_home(session: &Session, planned: &Plan) -> Vec<PlannedPose> {
         .collect()
 }
 
-/// Poses in words, the home pose, of label 0, counted apart: `25 poses and the home pose`.
+/// A number of poses in words, with the home pose (label 0) counted separately: `25 poses and the home pose`.
 #[must_use]
 pub fn poses_in_words(labels: impl IntoIterator<Item = i64>) -> String {
     let (mut poses, mut has_home) = (0, false);
@@ -220,7 +220,7 @@ pub fn poses_in_words(labels: impl IntoIterator<Item = i64>) -> String {
 
 /// Labels of the plan that are not measured yet.
 pub fn missing_labels(session: &Session) -> impl Iterator<Item = i64> + '_ {
-    // Plans are short, measurements may be very many.
+    // Plans are short, but there may be very many measurements.
     let mut planned: Vec<i64> = session.plan.iter().map(|pose| pose.label).collect();
     planned.sort_unstable();
     let measured = session.measurements.labels.iter();

@@ -1,4 +1,4 @@
-//! Robots to begin with: common machines of any size, whose numbers are then corrected one by one.
+//! Template robots: common machines of any size, whose numbers are then corrected individually.
 
 use tautline_core::geometry::Coordinate;
 use tautline_core::robot::{
@@ -20,14 +20,14 @@ pub enum Template {
     Planar,
     /// Four lines to a point: three from the floor, one from above.
     Hangprinter,
-    /// Eight cables in two layers before a wall.
+    /// Eight cables in two layers in front of a wall.
     Facade,
 }
 
 /// Entry point, swivel axis and platform anchor of a cable.
 type Placed = ([f64; 3], [f64; 3], [f64; 3]);
 
-/// What a template says of a machine of its size.
+/// Parts of a template at a given size.
 struct Parts {
     /// Entry points, swivel axes and platform anchors (m), cable by cable.
     cables: Vec<Placed>,
@@ -36,14 +36,14 @@ struct Parts {
     /// Half the extent of the workspace (m).
     half_extent_m: [f64; 3],
     half_rotation_rad: f64,
-    /// Smallest, reference and largest tension in weights of the platform.
+    /// Smallest, reference and largest tension, relative to the weight of the platform.
     tension: [f64; 3],
     /// Distance from the platform's origin to its lower side (m).
     bottom_m: f64,
 }
 
 impl Template {
-    /// All of them.
+    /// All templates.
     pub const ALL: [Self; 5] = [
         Self::Spatial,
         Self::Suspended,
@@ -64,7 +64,7 @@ impl Template {
         }
     }
 
-    /// What the operator reads.
+    /// Title to display.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
@@ -76,7 +76,7 @@ impl Template {
         }
     }
 
-    /// One line for a reader.
+    /// Summary in one line.
     #[must_use]
     pub fn summary(self) -> &'static str {
         match self {
@@ -86,7 +86,7 @@ impl Template {
             Self::Hangprinter => {
                 "three lines from the floor, one from above, a point without rotation"
             }
-            Self::Facade => "eight cables in two layers before a wall",
+            Self::Facade => "eight cables in two layers in front of a wall",
         }
     }
 
@@ -102,7 +102,7 @@ impl Template {
         }
     }
 
-    /// A machine between pulleys that are so wide, deep and high apart (m); what else is not known is typical of its size.
+    /// A machine with the given width, depth and height between its pulleys (m); everything else is typical of its size.
     #[must_use]
     pub fn robot(self, size_m: [f64; 3]) -> Robot {
         let parts = match self {
@@ -148,7 +148,7 @@ impl Template {
     }
 }
 
-/// A number with two digits, as people write what they assume.
+/// A number with two significant digits, as is usual for assumptions.
 fn tidy(value: f64) -> f64 {
     format!("{value:.1e}").parse().unwrap_or(value)
 }
@@ -158,15 +158,15 @@ fn millimetres(point: [f64; 3]) -> [f64; 3] {
     point.map(|value| (1e3 * value).round() / 1e3)
 }
 
-/// Corners of a rectangle, one after the other.
+/// Corners of a rectangle in order.
 const CORNERS: [[f64; 2]; 4] = [[1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
 
 fn spatial([width, depth, height]: [f64; 3]) -> Parts {
     let mut cables = Vec::new();
     for (level, vertical) in [(0.0, -1.0), (height, 1.0)] {
         for [x, y] in CORNERS {
-            // Upper cables cross over: all anchors on the lines to their pulleys would leave the rotation about z without
-            // hold.
+            // The upper cables cross: with all anchors on the lines to their pulleys, nothing would constrain the rotation
+            // about z.
             cables.push((
                 [0.5 * width * x, 0.5 * depth * y, level],
                 [0.0, 0.0, vertical],
@@ -192,7 +192,7 @@ fn spatial([width, depth, height]: [f64; 3]) -> Parts {
 fn suspended([width, depth, height]: [f64; 3]) -> Parts {
     let mut cables = Vec::new();
     for [x, y] in CORNERS {
-        // Two cables of a corner, crossed so that they hold the orientation too.
+        // Two cables per corner, crossed so that they also constrain the orientation.
         cables.push((
             [0.5 * width * x, 0.47 * depth * y, height],
             [0.0, 0.0, 1.0],
@@ -260,7 +260,7 @@ fn facade([width, depth, height]: [f64; 3]) -> Parts {
     let mut cables = Vec::new();
     for layer in [-1.0, 1.0] {
         for [x, z] in CORNERS {
-            // Each layer crosses over from top to bottom, which holds the rotation in the plane of the wall.
+            // Each layer crosses from top to bottom, which constrains the rotation in the plane of the wall.
             cables.push((
                 [
                     0.5 * width * x,
@@ -302,7 +302,7 @@ fn limits(parts: &Parts, weight_n: f64) -> Limits {
     }
 }
 
-/// Cables, pulleys and winches that are typical of the size (m) and weight.
+/// Cables, pulleys and winches typical of the size (m) and weight.
 fn cables(parts: &Parts, size: f64, weight_n: f64) -> Vec<Cable> {
     let winch = Winch {
         drum_diameter_m: tidy(0.03 + 0.012 * size),
@@ -339,7 +339,7 @@ fn cables(parts: &Parts, size: f64, weight_n: f64) -> Vec<Cable> {
     parts.cables.iter().enumerate().map(cable).collect()
 }
 
-/// A laser below the platform that looks at the floor.
+/// A laser below the platform that points to the floor.
 fn downward(bottom_m: f64, size: f64) -> Laser {
     Laser {
         origin_m: millimetres([0.0, 0.0, -bottom_m]),
@@ -353,7 +353,7 @@ fn downward(bottom_m: f64, size: f64) -> Laser {
     }
 }
 
-/// In a vertical plane y points up, and nothing is known to be off across the plane.
+/// In a vertical plane y points up, and coordinates normal to the plane are known.
 fn lay_in_plane(robot: &mut Robot, [_, _, height]: [f64; 3]) {
     robot.gravity_m_s2 = [0.0, -GRAVITY, 0.0];
     if let Some(laser) = &mut robot.laser {
@@ -368,7 +368,7 @@ fn lay_in_plane(robot: &mut Robot, [_, _, height]: [f64; 3]) {
     }
 }
 
-/// A Hangprinter has eyelets, no force sensors and no laser; a camera sees where it is.
+/// A Hangprinter has eyelets, no force sensors and no laser; a camera measures its position.
 fn measured_by_camera(robot: &mut Robot) {
     robot.laser = None;
     robot.tracker = Some(Tracker {

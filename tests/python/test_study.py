@@ -83,7 +83,7 @@ def test_mistakes_are_the_sentences_of_the_command(study: tautline.Study, tmp_pa
     for call, sentence in [
         (lambda: tautline.Study.plan(wrong, tmp_path / "x"), "/design/poses/0: found 0, expected a number from 1 to 1000"),
         (lambda: planned.run(chunk=(4, 3)), "chunk: found 4/3, expected the number of a chunk"),
-        (lambda: planned.merge(), "found 1 of 3 chunks, number 2 is missing"),
+        (lambda: planned.merge(), "found 1 of 3 chunks; number 2 is missing"),
         (lambda: planned.report(tmp_path / "a.html"), "result.json: not found, expected the result"),
         (lambda: tautline.Study.open(tmp_path / "y"), "plan.json: not found"),
     ]:

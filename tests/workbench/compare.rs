@@ -217,7 +217,7 @@ fn the_open_session_is_compared_first_and_again_after_a_change() {
     give(&mut harness, FileCommand::Open(open));
     give(&mut harness, CompareCommand::Show);
     take(&mut harness, "B", &other);
-    let same = "No pulley has moved: all agrees within the noise.";
+    let same = "No pulley has moved: all values agree within the noise.";
     harness.get_by_label(same);
     assert!(harness.query_by_label("Compare again").is_none());
     give(

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use tautline_core::robot::presets;
-use tautline_link::adjusting::{Adjustment as Attempt, Holds};
+use tautline_link::adjusting::{Adjustment as Attempt, ControllerValues};
 use tautline_session::{AdsPlace, ControllerKind, Outcome, PlannedPose, Session, Timestamp};
 use tautline_validation::ads::symbols::global;
 use tautline_validation::ads::unruly::{Action, Kind, Unruly};
@@ -98,7 +98,7 @@ fn a_half_written_adjustment_is_settled_when_the_operator_arms_again() {
     plant.server.up();
     bench.give(RobotCommand::TryNow);
     bench.wait("the connection", |state| state.model.link.is_connected());
-    let mixed = Holds::Mixed(vec![new[0].0.clone()]);
+    let mixed = ControllerValues::Mixed(vec![new[0].0.clone()]);
     let found = adjusting::found(&open, &mixed);
     bench.wait("what was found", |state| told(state, &found));
     // Nothing moves and nothing is written meanwhile.
@@ -126,7 +126,7 @@ fn a_half_written_adjustment_is_settled_when_the_operator_arms_again() {
         &open,
         &mixed,
         &Attempt {
-            holds: Holds::Old,
+            holds: ControllerValues::Old,
             old: Vec::new(),
             problem: None,
             advice: "The controller holds its old values: look for the cause, then write again."

@@ -18,7 +18,7 @@ fn the_answer_follows_the_sliders() {
     give(&mut harness, ViewCommand::Go(Screen::WhichSensor));
     settle(&mut harness);
     let answer = |harness: &Harness<'_, App>| {
-        let said = harness.get_by_label_contains("the platform is off by");
+        let said = harness.get_by_label_contains("the position error of the platform is");
         said.accesskit_node().value().expect("a text")
     };
     let before = answer(&harness);

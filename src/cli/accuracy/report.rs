@@ -4,10 +4,10 @@ use crate::output::say;
 use crate::table;
 use tautline_workflow::accuracy::{Accuracy, Figures, PathAccuracy, PoseAccuracy};
 
-/// Cycles of a pose that ISO 9283:1998 asks for.
+/// Cycles per pose required by ISO 9283:1998.
 const STANDARD_CYCLES: usize = 30;
 
-/// Prints everything.
+/// Prints all figures.
 pub fn print(accuracy: &Accuracy) {
     if let Some(poses) = &accuracy.poses {
         print_poses(poses);
@@ -81,7 +81,7 @@ fn print_paths(paths: &[PathAccuracy]) {
     say!("{rows}");
 }
 
-/// Accuracy and repeatability about each axis in degrees, or a dash.
+/// Accuracy and repeatability about each axis in degrees; a dash without figures.
 fn angles(accuracy: Option<[f64; 3]>, repeatability: Option<[f64; 3]>) -> [String; 3] {
     std::array::from_fn(|k| match (accuracy, repeatability) {
         (Some(accuracy), Some(repeatability)) => format!(

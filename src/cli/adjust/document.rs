@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_link::adjusting::{Difference, Holds};
+use tautline_link::adjusting::{ControllerValues, Difference};
 use tautline_session::{Outcome, VersionedFile};
 
 use crate::output::say;
@@ -12,44 +12,44 @@ use tautline_workflow::wording::units::display_unit;
 /// An attempt to write identified values to a controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AdjustmentDocument {
-    /// Which controller.
+    /// Name of the controller.
     pub controller: String,
-    /// How the values were identified; null where none were.
+    /// Method of identification; null if nothing was identified.
     pub method: Option<String>,
-    /// Chi-square of the identification; null where there was none.
+    /// Chi-square of the identification; null if nothing was identified.
     #[serde(default)]
     pub chi2: Option<f64>,
-    /// What was found after an interrupted adjustment: old, new or mixed values; null if there was none.
+    /// State found after an interrupted adjustment: old, new or mixed values; null if there was none.
     pub interrupted: Option<String>,
-    /// Controller and identified values.
+    /// Values of the controller and identified values.
     pub differences: Vec<DifferenceRow>,
     /// written, rolled_back, failed (the controller holds its old values), unsettled (it may hold both old and new ones),
     /// not_written (--dry-run) or nothing_to_write.
     pub outcome: String,
-    /// What the controller holds after an attempt to write: all new values, all old ones, mixed or unknown; null
-    /// where nothing was written.
+    /// Values in the controller after an attempt to write: all new, all old, mixed or unknown; null
+    /// if nothing was written.
     pub holds: Option<String>,
     /// Summary of the outcome, and what to do next.
     pub text: Option<String>,
 }
 
-/// One parameter.
+/// One parameter of the controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DifferenceRow {
-    /// Its name in the controller.
+    /// Name in the controller.
     pub name: String,
     /// SI unit; "1" for a ratio.
     pub unit: String,
-    /// What the controller held; null if it has no such parameter, or holds what is no number.
+    /// Previous value in the controller; null if it has no such parameter, or its value is not a number.
     pub controller: Option<f64>,
-    /// What the controller held where that was no number: NaN, inf or -inf; else null.
+    /// Previous value in the controller if that is not a number: NaN, inf or -inf; otherwise null.
     #[serde(default)]
     pub not_a_number: Option<String>,
-    /// What was identified.
+    /// Identified value.
     pub identified: f64,
     /// Identified less controller.
     pub difference: Option<f64>,
-    /// Standard deviation of the identified value, where it was estimated.
+    /// Standard deviation of the identified value, if it was estimated.
     pub sd: Option<f64>,
     /// Whether it is written.
     pub changes: bool,
@@ -62,7 +62,7 @@ impl VersionedFile for AdjustmentDocument {
 }
 
 impl AdjustmentDocument {
-    /// Nothing done yet.
+    /// A document before anything was done.
     pub fn new(controller: String) -> Self {
         Self {
             controller,
@@ -76,7 +76,7 @@ impl AdjustmentDocument {
         }
     }
 
-    /// What is to be written.
+    /// Sets the values to be written.
     pub fn set_differences(&mut self, differences: &[Difference]) {
         let rows = differences.iter().map(|line| DifferenceRow {
             name: line.name.clone(),
@@ -91,13 +91,13 @@ impl AdjustmentDocument {
         self.differences = rows.collect();
     }
 
-    /// Sets the state that an interrupted adjustment was found in.
-    pub fn set_interrupted(&mut self, found: &Holds) {
+    /// Sets the state found after an interrupted adjustment.
+    pub fn set_interrupted(&mut self, found: &ControllerValues) {
         self.interrupted = Some(word(found).to_owned());
     }
 
-    /// Sets the outcome; `holds`: what the controller holds after an attempt to write.
-    pub fn set_outcome(&mut self, outcome: &Outcome, holds: Option<&Holds>, text: &str) {
+    /// Sets the outcome; `holds` is the state of the controller after an attempt to write.
+    pub fn set_outcome(&mut self, outcome: &Outcome, holds: Option<&ControllerValues>, text: &str) {
         self.outcome = match outcome {
             Outcome::Written => "written",
             Outcome::RolledBack => "rolled_back",
@@ -110,22 +110,22 @@ impl AdjustmentDocument {
     }
 }
 
-fn word(holds: &Holds) -> &'static str {
+fn word(holds: &ControllerValues) -> &'static str {
     match holds {
-        Holds::New => "new",
-        Holds::Old => "old",
-        Holds::Mixed(_) => "mixed",
-        Holds::Unknown => "unknown",
+        ControllerValues::New => "new",
+        ControllerValues::Old => "old",
+        ControllerValues::Mixed(_) => "mixed",
+        ControllerValues::Unknown => "unknown",
     }
 }
 
-/// What a controller holds where that is no number.
+/// The value of a controller in words, if it is not a number.
 fn not_a_number(held: Option<f64>) -> Option<String> {
     let odd = held.filter(|held| !held.is_finite())?;
     Some(odd.to_string())
 }
 
-/// Prints it.
+/// Prints the document.
 pub fn print(document: &AdjustmentDocument) {
     let is_shown = |row: &&DifferenceRow| row.changes || row.sd.is_some();
     let rows: Vec<&DifferenceRow> = document.differences.iter().filter(is_shown).collect();

@@ -1,4 +1,4 @@
-//! Files with the identified values, for controllers without a link.
+//! Files with the identified values, for controllers without a connection.
 
 use anyhow::Result;
 use tautline_core::robot::Robot;
@@ -9,7 +9,7 @@ use tautline_session::write_text;
 
 use super::Arguments;
 
-/// Writes the files that are asked for.
+/// Writes the requested files.
 pub fn write(arguments: &Arguments, model: &Robot, differences: &[Difference]) -> Result<()> {
     if let Some(path) = &arguments.csv {
         write_text(path, &differences_csv(differences))?;

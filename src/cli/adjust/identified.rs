@@ -1,4 +1,4 @@
-//! The identification whose values are to be written.
+//! The identification whose values are written.
 
 use std::sync::Arc;
 
@@ -20,20 +20,20 @@ use tautline_workflow::identification::{
 
 use crate::method::MethodName;
 
-/// An identification that can be written.
+/// An identification whose values can be written.
 pub struct Identified {
     /// The robot with the identified values.
     pub model: Robot,
-    /// Why its values should not be written.
+    /// Reasons against writing its values.
     pub doubts: Vec<Doubt>,
-    /// Machine form.
+    /// Machine-readable form.
     pub document: IdentificationDocument,
-    /// Of the joint and simple methods; the published one has no standard deviations.
+    /// `None` for the published method, which has no standard deviations.
     identification: Option<Identification>,
 }
 
 impl Identified {
-    /// Identifies a session, by the method that its settings name unless another one is asked for.
+    /// Identifies a session by the given method, or by the one in its settings.
     pub fn of(session: &Session, method: Option<MethodName>) -> Result<Self> {
         let mut session = session.clone();
         let settings = &mut session.settings.identification;
@@ -62,7 +62,7 @@ impl Identified {
         let published = identify_published(&request.dataset).map_err(|error| place(&error))?;
         let unconverged: Option<String> = match published.result.stop {
             PublishedStop::SmallStep | PublishedStop::SmallError => None,
-            // As in the publication, whose steps are counted, not awaited.
+            // As in the publication, which prescribes the number of steps rather than convergence.
             PublishedStop::IterationLimit => Some(format!(
                 "The published method had not converged after its {} steps",
                 published.result.iterations
@@ -89,19 +89,19 @@ impl Identified {
         })
     }
 
-    /// The solution, for standard deviations.
+    /// The solution, which provides the standard deviations.
     pub fn solution(&self) -> Option<&Solution> {
         self.identification.as_ref().map(|found| &found.solution)
     }
 
-    /// The result as the session keeps it.
+    /// The result in the form that the session records.
     pub fn record(&self, session: &Session) -> ResultRecord {
         record(session, "Identification", &self.document, clock::now())
     }
 }
 
-/// The reasons against writing an identification. Where the model hardly explains the readings, what it lacks is looked
-/// for, unless the session has that already.
+/// The reasons against writing an identification. Where the model explains the readings poorly, a diagnosis is made, unless
+/// the session already contains one.
 fn doubts_with_diagnosis(session: &Session, fit: &Identification) -> Result<Vec<Doubt>> {
     let mut doubts = adjusting::doubts(session, fit);
     let hardly = FitVerdict::of(fit.solution.p_value()) == FitVerdict::Doubtful;

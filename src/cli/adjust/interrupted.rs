@@ -1,7 +1,7 @@
-//! Settling an adjustment that was interrupted: the program was killed, or the connection was lost and stayed so.
+//! Settling an interrupted adjustment: the program was killed, or the connection was lost for good.
 
 use anyhow::{Result, anyhow};
-use tautline_link::adjusting::{Holds, holds, settle_adjustment};
+use tautline_link::adjusting::{ControllerValues, check_values, settle_adjustment};
 use tautline_session::{Adjustment, Outcome};
 use tautline_workflow::adjusting;
 
@@ -11,19 +11,19 @@ use super::writing::{WriteOutcome, conclude};
 use crate::live::{Connection, SessionFile, interrupt, link_error};
 use crate::settled::Settled;
 
-/// What is left to do.
+/// What remains to be done after settling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Next {
-    /// Nothing.
+    /// Nothing remains to be done.
     Done,
-    /// What is there now is still to be rolled back.
+    /// The values in the controller must still be rolled back.
     RollBack,
 }
 
-/// Reports what the controller holds, and restores the old values unless all are new or all are old.
+/// Reports the state of the controller, and restores the old values unless all are new or all are old.
 ///
 /// # Errors
-/// [`Settled`] where that is all that was done; or if the controller cannot be read or still holds a mixture.
+/// [`Settled`] if nothing else was requested; or if the controller cannot be read or still holds a mixture.
 pub fn settle(
     arguments: &Arguments,
     file: &mut SessionFile,
@@ -31,7 +31,7 @@ pub fn settle(
     open: &Adjustment,
 ) -> Result<Next> {
     let [old, new] = adjusting::old_and_new(open);
-    let found = holds(&mut *connection.controller, &old, &new).map_err(link_error)?;
+    let found = check_values(&mut *connection.controller, &old, &new).map_err(link_error)?;
     let mut document = AdjustmentDocument::new(connection.controller.identity());
     document.set_interrupted(&found);
     if arguments.dry_run {
@@ -39,7 +39,7 @@ pub fn settle(
         document.text = Some(adjusting::found(open, &found));
         return arguments.deliver(&document).map(|()| Next::Done);
     }
-    if matches!(found, Holds::Mixed(_)) {
+    if matches!(found, ControllerValues::Mixed(_)) {
         let robot = &arguments.robot_arguments;
         robot.require_arm("The old values were not restored")?;
         interrupt::finish_first()?;
@@ -65,7 +65,7 @@ pub fn settle(
     arguments.deliver(&document)?;
     match written.outcome {
         Outcome::Unsettled(text) => Err(anyhow!("{text}")),
-        // Asked for, and so it is.
+        // The old values were requested, and they are in the controller.
         _ if arguments.roll_back => Ok(Next::Done),
         _ => Err(Settled.into()),
     }

@@ -46,7 +46,7 @@ pub struct Arguments {
     /// Write the values even if a parameter lies far outside its prior
     #[arg(long)]
     allow_implausible: bool,
-    /// Write the values even if the diagnosis has a finding that the model does not have
+    /// Write the values even if the diagnosis has a finding that is not in the model
     #[arg(long)]
     allow_finding: bool,
     /// Show what would be written, and write nothing
@@ -55,7 +55,7 @@ pub struct Arguments {
     /// Restore the values from before the last adjustment
     #[arg(long, conflicts_with_all = ["method", "dry_run"])]
     roll_back: bool,
-    /// Write the values of the controller and the identified ones as a CSV table
+    /// Write the values of the controller and the identified values as a CSV table
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Write the identified values as constants in Structured Text
@@ -79,8 +79,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let symbols = &arguments.robot_arguments.symbols;
     let renamed = symbols.take(&mut file.session, &choice)?;
     if let Some(open) = adjusting::open(&file.session).cloned() {
-        let rig = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
-        let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+        let setup = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
+        let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
         return match interrupted::settle(arguments, &mut file, &mut connection, &open)? {
             Next::Done => Ok(()),
             Next::RollBack => {
@@ -95,22 +95,22 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         robot.require_arm("Nothing was written to the controller")?;
     }
     if arguments.roll_back {
-        let rig = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
-        let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+        let setup = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
+        let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
         return roll_back(arguments, &mut file, &mut connection);
     }
     let identified = Identified::of(&file.session, arguments.method)?;
     check_doubts(arguments, &identified)?;
     let effects = &identified.model.effects;
-    let rig = ConnectionSetup::chosen(&file.session, effects, &choice, Some(&file.controller()));
-    let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+    let setup = ConnectionSetup::chosen(&file.session, effects, &choice, Some(&file.controller()));
+    let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
     if renamed && !arguments.dry_run {
         file.save()?;
     }
     adjust(arguments, &mut file, &mut connection, &identified)
 }
 
-/// Values that there is reason to doubt are written only on request.
+/// Rejects values that there is reason to doubt, unless the user allowed them.
 fn check_doubts(arguments: &Arguments, identified: &Identified) -> Result<()> {
     for doubt in &identified.doubts {
         let (flag, allowed) = match doubt.kind {
@@ -191,7 +191,7 @@ fn parameters(connection: &mut Connection) -> Result<Vec<ParameterInfo>> {
     connection.controller.parameters().map_err(link_error)
 }
 
-/// Prints a message that is not part of the document, on standard error where that goes to standard output.
+/// Prints a message that is not part of the document, on standard error if the document goes to standard output.
 fn message(arguments: &Arguments, text: &str) {
     if arguments.json.is_text() {
         say!("{text}");

@@ -1,4 +1,4 @@
-//! Writing with a record that is on disk before the first value is written.
+//! Writes values, with a record that is on disk before the first value is written.
 
 use std::thread;
 use std::time::Duration;
@@ -14,31 +14,31 @@ use tautline_workflow::clock;
 use super::document::AdjustmentDocument;
 use crate::live::{Connection, SessionFile, interrupt, link_error};
 
-/// Attempts to restore a lost connection.
+/// Number of attempts to restore a lost connection.
 const ATTEMPTS: u32 = 8;
-/// Time after which nothing sent over a lost connection can still arrive (s): longer than the timeout of any answer.
+/// Time after which nothing sent over a lost connection can still arrive (s): longer than any response timeout.
 const LATE_S: f64 = 1.5;
 
 /// Outcome of writing values.
 pub struct WriteOutcome {
-    /// The attempt; `None` where nothing was written.
+    /// The attempt; `None` if nothing was written.
     pub attempt: Option<Attempt>,
-    /// For the record.
+    /// Outcome for the record.
     pub outcome: Outcome,
-    /// For the operator.
+    /// Outcome in words for the operator.
     pub text: String,
 }
 
 impl WriteOutcome {
-    /// Sets the outcome in a document.
+    /// Copies the outcome to a document.
     pub fn tell(&self, document: &mut AdjustmentDocument) {
         let holds = self.attempt.as_ref().map(|attempt| &attempt.holds);
         document.set_outcome(&self.outcome, holds, &self.text);
     }
 }
 
-/// Writes values, and records in the session the previous values, the operator and the outcome. Space on the disk for the
-/// outcome is kept free before anything is written.
+/// Writes values, and records the previous values, the operator and the outcome in the session. Disk space for the
+/// outcome is reserved before anything is written.
 pub fn write(
     file: &mut SessionFile,
     connection: &mut Connection,
@@ -80,7 +80,7 @@ fn unwritten(text: String) -> WriteOutcome {
     }
 }
 
-/// Writes values, reconnecting where the connection is lost. An interrupt waits until they are written or taken back, and
+/// Writes values, and reconnects if the connection is lost. An interrupt takes effect once they are written or rolled back, and
 /// ends the attempts to reconnect.
 fn attempt(
     connection: &mut Connection,
@@ -123,10 +123,10 @@ fn wait_unless_interrupted(seconds: f64) {
     }
 }
 
-/// Records in the session the outcome of the open adjustment, and the values of the controller.
+/// Records the outcome of the open adjustment in the session, and the values of the controller.
 ///
 /// # Errors
-/// If the record cannot be saved: the message says first what the controller holds.
+/// If the record cannot be saved; the message starts with the state of the controller.
 pub fn conclude(
     file: &mut SessionFile,
     connection: &mut Connection,
@@ -140,7 +140,7 @@ pub fn conclude(
     file.log(Phase::Accuracy, written.text.clone());
     file.save().map_err(|error| {
         anyhow!(
-            "{} The record of this is missing in {}, which says that the adjustment was begun: {error}. Run the same command again once it can be written.",
+            "{} {} does not record this outcome, only that the adjustment was begun: {error}. Run the same command again once it can be written.",
             written.text,
             file.path.display()
         )

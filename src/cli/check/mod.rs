@@ -18,7 +18,7 @@ pub struct Arguments {
     dataset: PathBuf,
     #[command(flatten)]
     json: JsonOutput,
-    /// Also print which faults the poses show and which of them could be confused
+    /// Also print which faults the poses would reveal and which of them could be confused
     #[arg(long)]
     explain: bool,
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Exit code where a part of the check failed; its results are written, and say which.
+/// Exit code if a part of the check failed; its results are written and name that part.
 pub const EXIT_CODE: u8 = 5;
 
 /// A part of the check failed.

@@ -1,4 +1,4 @@
-//! Machine form of a comparison: a public format.
+//! Machine-readable form of a comparison: a public format.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -12,11 +12,11 @@ use tautline_session::VersionedFile;
 pub struct ComparisonDocument {
     /// Whether a pulley, the target plane or an effect differs.
     pub different: bool,
-    /// Probability of calling two runs of the same robot different.
+    /// Significance level: the probability of finding a difference between two runs of an unchanged robot.
     pub level: f64,
     /// Every pulley, in the robot's order.
     pub pulleys: Vec<PulleyDocument>,
-    /// Common motion of all pulleys, due to different home poses rather than to the robot. Null where none is possible.
+    /// Common motion of all pulleys, due to different home poses rather than to the robot; null if none is possible.
     pub common_motion: Option<MotionDocument>,
     /// Offset of the laser's target plane (m), common motion removed.
     pub target_plane: Option<ScalarDifference>,
@@ -37,59 +37,59 @@ pub struct DisplacementDocument {
     pub vector_m: [f64; 3],
     /// Standard deviation along x, y, z (m).
     pub sd_m: [f64; 3],
-    /// Length (m).
+    /// Length of the displacement (m).
     pub length_m: f64,
     /// Standard deviation of the length (m).
     pub length_sd_m: f64,
 }
 
-/// A pulley.
+/// Displacement of a pulley.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PulleyDocument {
     /// Name of the cable.
     pub cable: String,
-    /// As the runs have it, each from its own home pose.
+    /// Difference of the estimates, each run relative to its own home pose.
     pub raw: DisplacementDocument,
-    /// Relative to the pulleys that did not move; null where too few others are left to compare with.
+    /// Difference relative to the pulleys that did not move; null if too few others are left.
     pub relative: Option<DisplacementDocument>,
     /// Test of the relative difference.
     pub test: Option<Test>,
-    /// Whether it has moved.
+    /// Whether the pulley has moved.
     pub moved: bool,
 }
 
-/// The common motion.
+/// Common motion of all pulleys.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MotionDocument {
-    /// Shift of the middle of the pulleys (m).
+    /// Translation of the centroid of the pulleys (m).
     pub shift_m: [f64; 3],
-    /// Its standard deviations (m).
+    /// Standard deviations of the translation (m).
     pub shift_sd_m: [f64; 3],
-    /// Rotation vector about the middle (rad).
+    /// Rotation vector about the centroid (rad).
     pub rotation_rad: [f64; 3],
-    /// Its standard deviations (rad).
+    /// Standard deviations of the rotation (rad).
     pub rotation_sd_rad: [f64; 3],
-    /// Whether it is more than the uncertainty of both home poses.
+    /// Test whether it exceeds the uncertainty of both home poses.
     pub test: Option<Test>,
 }
 
-/// The home pose.
+/// Difference of the home pose.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HomeDocument {
-    /// Its coordinates.
+    /// Estimated coordinates.
     pub coordinates: Vec<CoordinateDocument>,
-    /// All of them together.
+    /// Test of all coordinates together.
     pub test: Option<Test>,
 }
 
-/// A coordinate of the home pose.
+/// Difference of a coordinate of the home pose.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CoordinateDocument {
-    /// In words.
+    /// Name of the coordinate.
     pub coordinate: String,
     /// Difference (m or rad).
     pub difference: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the difference.
     pub sd: f64,
 }
 

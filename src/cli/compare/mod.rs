@@ -26,12 +26,12 @@ pub struct Arguments {
     /// Session file or dataset folder of the second run
     #[arg(value_name = "SESSION_B")]
     second: PathBuf,
-    /// Probability of calling two runs of the same robot different
+    /// Significance level: probability of finding a difference between two runs of an unchanged robot
     #[arg(long, value_name = "P", default_value_t = LEVEL)]
     level: f64,
     #[command(flatten)]
     json: JsonOutput,
-    /// Write a report of the comparison; its name ends with .html or .pdf
+    /// Write a report of the comparison; its name must end with .html or .pdf
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
 }
@@ -71,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .deliver(&document, || report::print(&compared, &document))
 }
 
-/// The name of a session with its identification.
+/// Name of a session, and its identification.
 fn identified(path: &Path) -> Result<(String, Identification)> {
     let session = input::session(path)?;
     if session.settings.identification.method == Method::Published {

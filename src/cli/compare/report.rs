@@ -1,4 +1,4 @@
-//! Readable form of a comparison.
+//! Human-readable form of a comparison.
 
 use tautline_core::comparison::{Comparison, ScalarDifference};
 
@@ -8,7 +8,7 @@ use crate::table::{self, mm};
 use tautline_workflow::comparison::{unexplained, verdict};
 use tautline_workflow::wording::units::{quantity, significant, with_sd};
 
-/// Prints what differs.
+/// Prints the differences.
 pub fn print(comparison: &Comparison, compared: &ComparisonDocument) {
     let mut rows = table::numbers(&[
         "Pulley",
@@ -67,7 +67,7 @@ fn cells(pulley: &PulleyDocument) -> [String; 8] {
     ]
 }
 
-/// A probability as short as it makes sense.
+/// Formats a probability.
 fn probability(p: f64) -> String {
     if p < 1e-4 {
         "< 0.0001".to_owned()

@@ -25,7 +25,7 @@ pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// Probability of a false finding where the model is right
+    /// Probability of a false finding if the model is right
     #[arg(long, value_name = "PROBABILITY", default_value_t = DiagnosisOptions::default().alpha)]
     alpha: f64,
     /// Time after which it ends with the best answer so far

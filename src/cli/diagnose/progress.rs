@@ -1,4 +1,4 @@
-//! One line on the terminal that says how far a long diagnosis is.
+//! Progress of a long diagnosis, on one line of the terminal.
 
 use std::io::{IsTerminal, Write};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -9,16 +9,16 @@ use tautline_core::diagnosis::DiagnosisProgress;
 use tautline_core::estimation::Control;
 use tautline_workflow::documents::diagnosis::stage;
 
-/// Time after which the line appears, so that a short diagnosis shows none.
+/// Time after which the line appears, so that a short diagnosis does not show it.
 const QUIET: Duration = Duration::from_secs(1);
-/// How long to wait for the next message once the latest is shown.
+/// Time to wait for the next message once the latest is shown.
 const PATIENCE: Duration = Duration::from_secs(3600);
 
-/// The line, as long as this value lives; there is none where standard error is no terminal.
+/// Progress line that exists as long as this value; there is none if standard error is not a terminal.
 pub struct ProgressLine(Option<(Sender<DiagnosisProgress>, JoinHandle<()>)>);
 
 impl ProgressLine {
-    /// Starts the line, which appears when the diagnosis takes long.
+    /// Starts the line, which appears if the diagnosis takes long.
     pub fn start() -> Self {
         if !std::io::stderr().is_terminal() {
             return Self(None);
@@ -28,10 +28,10 @@ impl ProgressLine {
         Self(Some((sender, thread)))
     }
 
-    /// Shows how far the diagnosis is.
+    /// Shows the progress of the diagnosis.
     pub fn update(&mut self, progress: DiagnosisProgress) -> Control {
         if let Some((sender, _)) = &self.0 {
-            // The thread is gone only if standard error is; the diagnosis goes on without its line.
+            // The thread ends early only if standard error is closed; the diagnosis continues without its line.
             let _ = sender.send(progress);
         }
         Control::Continue
@@ -47,7 +47,7 @@ impl Drop for ProgressLine {
     }
 }
 
-/// Shows the latest progress until the sender is gone, then clears the line.
+/// Shows the latest progress until the sender is dropped, then clears the line.
 fn show(progress: &Receiver<DiagnosisProgress>, out: &mut impl Write, quiet: Duration) {
     let started = Instant::now();
     let mut latest = None;

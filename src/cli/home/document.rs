@@ -8,15 +8,15 @@ use tautline_workflow::wording::{count, units};
 
 use crate::output::say;
 
-/// Measurements from which on a spread as unlikely as this is said (probability).
+/// Probability below which the scatter of the measurements is reported as doubtful.
 const DOUBTFUL: f64 = 0.01;
 
-/// The home pose by all its measurements.
+/// The mean of all measurements of the home pose.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HomeDocument {
-    /// Measurements made now.
+    /// Number of measurements made now.
     pub measured_now: usize,
-    /// Measurements in all; repeats on the home platform count as one.
+    /// Total number of measurements; repeats on the home platform count as one.
     pub measurements: usize,
     /// Mean position (m).
     pub position_m: [f64; 3],
@@ -26,7 +26,7 @@ pub struct HomeDocument {
     pub position_sd_m: [f64; 3],
     /// Standard deviations of the rotation vector (rad).
     pub orientation_sd_rad: [f64; 3],
-    /// Probability that measurements with these standard deviations differ as much as they do; null for a single one.
+    /// Probability of differences at least as large as those of the measurements; null for a single one.
     pub p_value: Option<f64>,
 }
 
@@ -51,7 +51,7 @@ impl HomeDocument {
     }
 }
 
-/// Prints it.
+/// Prints the document.
 pub fn print(document: &HomeDocument) {
     let position = document.position_m.map(|v| units::mm(v, 3)).join(", ");
     let sds = document.position_sd_m.map(|v| units::mm(v, 3)).join(", ");

@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Session file
     #[arg(value_name = "SESSION")]
     session: PathBuf,
-    /// Return home before each measurement: sim, replay:DIR, ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT]; without it the platform is home
+    /// Return home before each measurement: sim, replay:DIR, ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT]; without it the platform must be at home
     #[arg(long, value_name = "CONTROLLER", requires = "arm")]
     controller: Option<String>,
     /// Allow the robot to move
@@ -32,7 +32,7 @@ pub struct Arguments {
     arm: bool,
     #[command(flatten)]
     symbols: SymbolsArgument,
-    /// How often the home pose is measured; the poses are typed unless the robot is simulated
+    /// Number of measurements of the home pose; poses are typed unless the robot is simulated
     #[arg(long, value_name = "N", default_value_t = 1)]
     repeats: usize,
     /// Standard deviation of one measured position (mm); by default that of the last measurement, else of the robot
@@ -86,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .deliver(&document, || document::print(&document))
 }
 
-/// Standard deviations of one measurement (m, rad).
+/// Standard deviations of one measurement: position (m), rotation (rad).
 fn sds(arguments: &Arguments, session: &Session) -> Result<(f64, f64)> {
     let Some(home) = &session.robot.home else {
         let place = arguments.session.display();
@@ -113,7 +113,7 @@ fn sds(arguments: &Arguments, session: &Session) -> Result<(f64, f64)> {
     Ok(chosen)
 }
 
-/// Returns home before each measurement; the instrument of a simulated robot measures, else the operator.
+/// Returns home before each measurement, which a simulated robot's instrument or the operator makes.
 fn returned(
     arguments: &Arguments,
     file: &mut SessionFile,
@@ -125,18 +125,20 @@ fn returned(
         &arguments.session.display().to_string(),
     )?;
     arguments.symbols.take(&mut file.session, choice)?;
-    let rig = ConnectionSetup::chosen(&file.session, &[], choice, Some(&file.controller()));
-    if !rig.has_instrument() {
+    let setup = ConnectionSetup::chosen(&file.session, &[], choice, Some(&file.controller()));
+    if !setup.has_instrument() {
         typed::require("The robot was not moved: the poses have to be typed")?;
     }
-    let mut connection = Connection::open(&rig, None)?;
+    let mut connection = Connection::open(&setup, None)?;
     interrupt::listen()?;
     connection.controller.arm().map_err(link_error)?;
     let mut instrument = connection.home_instrument.take();
     let mut poses = Vec::new();
     for number in 1..=arguments.repeats {
         if !connection.go_home()? {
-            return Err(anyhow!("Stopped by the operator: nothing of this is kept"));
+            return Err(anyhow!(
+                "Stopped by the operator: these measurements are discarded"
+            ));
         }
         poses.push(match &mut instrument {
             Some(instrument) => seen(instrument.as_mut())?,
@@ -145,7 +147,7 @@ fn returned(
         note!("home, measurement {number} of {}", arguments.repeats);
     }
     if *choice == ControllerChoice::Simulated {
-        // What it takes for its home pose stays what it was, whatever the session finds.
+        // The controller keeps the home pose it assumes, whatever the session finds.
         let parameters = connection.controller.parameters().map_err(link_error)?;
         file.session.controller = held(&parameters);
     }
@@ -166,7 +168,7 @@ fn asked(arguments: &Arguments, number: usize) -> Result<Pose> {
     );
     let expected = "six numbers: x y z in mm, roll pitch yaw in degrees";
     typed::answer(&question, expected, pose_of)
-        .ok_or_else(|| BadInput::new("no pose was typed: nothing of this is kept"))
+        .ok_or_else(|| BadInput::new("no pose was typed: these measurements are discarded"))
 }
 
 fn pose_of(line: &str) -> Option<Pose> {

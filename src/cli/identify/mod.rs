@@ -16,7 +16,7 @@ use tautline_workflow::identification::{
 };
 use tautline_workflow::wording::sampling_sentence;
 
-use crate::effect_arguments::FreedEffects;
+use crate::effect_arguments::EstimatedEffects;
 use crate::input;
 use crate::method::MethodName;
 use crate::not_converged::NotConverged;
@@ -28,13 +28,13 @@ pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// joint: tensions are unknowns, tied by static equilibrium; simple: measured tensions are taken as exact;
+    /// joint: tensions are unknowns constrained by static equilibrium; simple: measured tensions are taken as exact;
     /// published: the method of Jin et al. 2018
     #[arg(long, value_enum, default_value_t = MethodName::Joint)]
     method: MethodName,
     #[command(flatten)]
-    effects: FreedEffects,
-    /// Use Huber's loss, in which residuals beyond this many standard deviations weigh less; 1.5 without a number
+    effects: EstimatedEffects,
+    /// Use a Huber loss, which downweights residuals beyond this many standard deviations; 1.5 without a number
     #[arg(long, value_name = "LIMIT", num_args = 0..=1, default_missing_value = "1.5")]
     robust: Option<f64>,
     /// Solve N times and report the shortest time
@@ -67,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 |p: &PublishedIdentification| p.seconds,
                 || identify_published(&request.dataset).map_err(BadInput::new),
             )?;
-            // As published, the method ends after a given number of steps whether it has converged or not.
+            // The published method ends after a given number of steps, converged or not.
             let is_usable = published.result.stop != PublishedStop::Diverged;
             (
                 published.poses.model.clone(),
@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     NotConverged::check(is_usable)
 }
 
-/// Runs `work` `repeat` times, at least once; the result whose `seconds` are least.
+/// Runs `work` `repeat` times, at least once, and returns the result with the smallest `seconds`.
 fn fastest<T>(
     repeat: usize,
     seconds: impl Fn(&T) -> f64,
@@ -121,7 +121,7 @@ fn fastest<T>(
 }
 
 fn request(arguments: &Arguments, mut dataset: Dataset) -> Result<IdentificationRequest> {
-    // Identification never looks at the true values of simulated data, which take a third of the memory.
+    // Identification never uses the true values of simulated data, which take a third of the memory.
     dataset.measurements.truth = Truth::default();
     let effects = arguments
         .effects

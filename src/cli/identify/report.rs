@@ -1,4 +1,4 @@
-//! The readable report of an identification.
+//! The human-readable report of an identification.
 
 use tautline_core::robot::Robot;
 use tautline_workflow::identification::{FitVerdict, IdentificationDocument};
@@ -6,10 +6,10 @@ use tautline_workflow::identification::{FitVerdict, IdentificationDocument};
 use crate::output::say;
 use crate::table;
 
-/// Most suspect readings that a report lists.
+/// Largest number of suspect readings listed.
 const SUSPECTS_SHOWN: usize = 10;
 
-/// Prints an identification, its entry points compared with those of a drawing.
+/// Prints an identification, with its entry points compared with those of a drawing.
 pub fn print(identification: &IdentificationDocument, drawing: &Robot) {
     say!("{}", identification.summary(&drawing.name));
     say!("{}", adequacy(identification));
@@ -24,7 +24,7 @@ pub fn print(identification: &IdentificationDocument, drawing: &Robot) {
     print_suspects(&identification.suspect_readings);
 }
 
-/// Shown in place of a standard deviation that the data do not determine.
+/// Placeholder for a standard deviation that the data do not determine.
 fn no_sd() -> String {
     "-".to_owned()
 }

@@ -18,7 +18,7 @@ use crate::input::{self, noticed};
 use crate::output::{JsonOutput, note, say};
 use progress::Progress;
 
-/// Name of the recipe that is kept beside the poses.
+/// Name of the recipe that is stored beside the poses.
 const RECIPE: &str = "recipe.json";
 const ROBOT: &str = "robot.json";
 const POSES: &str = "poses.csv";
@@ -26,16 +26,16 @@ const POSES: &str = "poses.csv";
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .c3d, .mat, .h5, .npy, .npz, .parquet, .mcap, .bag,
-    /// .xlsx; or the description of a robot: cables and bodies of CASPR, a model of WireX
+    /// .xlsx; or a robot description: cables and bodies of CASPR, a model of WireX
     #[arg(value_name = "SOURCE", required = true)]
     sources: Vec<PathBuf>,
-    /// Which channel is which quantity; without it a recipe is proposed from names, units and ranges
+    /// Recipe that assigns channels to quantities; without it, one is proposed from names, units and ranges
     #[arg(long, value_name = "FILE")]
     recipe: Option<PathBuf>,
-    /// The robot: a preset or a robot.json; without it robot.json of the folder
+    /// The robot: a preset or a robot.json; by default the robot.json in the folder
     #[arg(long, value_name = "PRESET|FILE")]
     robot: Option<String>,
-    /// Dataset folder to write; for the description of a robot the robot.json
+    /// Dataset folder to write, or the robot.json if the sources describe a robot
     #[arg(
         short,
         long,
@@ -46,16 +46,16 @@ pub struct Arguments {
     /// Only list the channels and the proposed recipe
     #[arg(long)]
     channels: bool,
-    /// Write the recipe that was used or is proposed
+    /// Write the recipe that was used or proposed
     #[arg(long, value_name = "FILE")]
     recipe_out: Option<PathBuf>,
-    /// Change the recipe as the check of the data suggests: units, signs, exchanged channels, steps, jumps, dead channels
+    /// Apply the suggestions of the data check to the recipe: units, signs, swapped channels, steps, jumps, dead channels
     #[arg(long)]
     apply_suggestions: bool,
-    /// Find offset and drift of the clocks of further recorders from the motion that both have recorded
+    /// Estimate offset and drift of the clocks of further recorders from the motion that both recorded
     #[arg(long)]
     align_clocks: bool,
-    /// Replace poses that are in the folder already
+    /// Replace existing poses in the folder
     #[arg(long)]
     replace: bool,
     #[command(flatten)]
@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if describes_robot(&arguments.sources)? {
         return robot_description(arguments);
     }
-    // Asked for before a long log is read.
+    // Checked before a long log is read.
     let robot = robot(arguments)?;
     let sources = noticed(read(&arguments.sources)?);
     let (mut recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     deliver(arguments, document, assumptions)
 }
 
-/// Reads the sources; meanwhile a terminal shows how far it is, and an interrupt ends it with the program.
+/// Reads the sources with progress on the terminal; an interrupt ends the program.
 fn read(sources: &[PathBuf]) -> Result<Loaded<Vec<Source>>, ReadError> {
     let progress = Progress::new();
     read_sources(sources, &|part| {
@@ -104,7 +104,7 @@ fn read(sources: &[PathBuf]) -> Result<Loaded<Vec<Source>>, ReadError> {
     })
 }
 
-/// Whether all sources describe a robot. A mixture is refused by the reader of readings.
+/// Whether all sources describe a robot. The reader of readings rejects a mixture.
 fn describes_robot(sources: &[PathBuf]) -> Result<bool> {
     for source in sources {
         if source.is_dir() || !is_robot_description(source)? {
@@ -127,7 +127,7 @@ fn robot_description(arguments: &Arguments) -> Result<()> {
     };
     if out.exists() && !arguments.replace {
         let message = format!(
-            "{}: is there already, expected --replace or another name",
+            "{}: already exists, expected --replace or another name",
             out.display()
         );
         return Err(BadInput::new(message));
@@ -143,7 +143,7 @@ fn robot_description(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The robot, and the file that it is to be copied from.
+/// The robot, and the file to copy it from.
 struct RobotToUse {
     robot: Robot,
     is_in_folder: bool,
@@ -162,7 +162,7 @@ fn robot(arguments: &Arguments) -> Result<RobotToUse> {
                 && noticed(read_robot(path)?) != robot
             {
                 let message = format!(
-                    "{}: is another robot than --robot {name}, expected the same or an empty folder",
+                    "{}: differs from --robot {name}, expected the same robot or an empty folder",
                     path.display()
                 );
                 return Err(BadInput::new(message));
@@ -183,7 +183,7 @@ fn robot(arguments: &Arguments) -> Result<RobotToUse> {
     }
 }
 
-/// The recipe, its name for messages, and what was assumed to propose it.
+/// The recipe, its name for messages, and the assumptions of a proposed one.
 fn recipe(
     arguments: &Arguments,
     sources: &[Source],
@@ -212,13 +212,13 @@ fn write(
     let poses = folder.join(POSES);
     if poses.exists() && !arguments.replace {
         let message = format!(
-            "{}: is there already, expected --replace or another folder",
+            "{}: already exists, expected --replace or another folder",
             poses.display()
         );
         return Err(BadInput::new(message));
     }
     std::fs::create_dir_all(folder).map_err(|error| {
-        BadInput::new(format!("{}: cannot be made ({error})", folder.display()))
+        BadInput::new(format!("{}: cannot be created ({error})", folder.display()))
     })?;
     if !robot.is_in_folder {
         write_robot(&folder.join(ROBOT), &robot.robot)?;

@@ -1,13 +1,13 @@
-//! How far reading is, on a terminal.
+//! Progress of reading, on the terminal.
 
 use std::cell::Cell;
 use std::io::{IsTerminal, Write, stderr};
 use std::time::{Duration, Instant};
 
-/// Time between two figures; what takes less shows none.
+/// Time between two updates; shorter work shows none.
 const EVERY: Duration = Duration::from_millis(250);
 
-/// A line on the terminal that goes away with it.
+/// Progress line on the terminal that is cleared when it is dropped.
 pub struct Progress {
     last: Cell<Instant>,
     is_shown: Cell<bool>,
@@ -21,7 +21,7 @@ impl Progress {
         }
     }
 
-    /// Shows the part that is read.
+    /// Shows the fraction read so far.
     pub fn show(&self, part: f64) {
         if self.last.get().elapsed() < EVERY || !stderr().is_terminal() {
             return;

@@ -1,11 +1,11 @@
-//! Channels, recipe and poses in words.
+//! Human-readable form of an import: channels, recipe and poses.
 
 use tautline_import::{ChannelReport, Cutting, ImportDocument, Recipe};
 
 use crate::output::say;
 use crate::table;
 
-/// Prints what an import did; the channels one by one where they are what was asked for.
+/// Prints the result of an import, with every channel if they were requested.
 pub fn print(document: &ImportDocument, list_channels: bool) {
     for source in &document.sources {
         say!("{}: {}", source.file, source.format);
@@ -77,7 +77,7 @@ fn cells(channel: &ChannelReport) -> [String; 7] {
     ]
 }
 
-/// A number with six digits, as short as they allow.
+/// A number with at most six significant digits.
 fn number(value: f64) -> String {
     let text = format!("{value:.5e}");
     let rounded: f64 = text.parse().unwrap_or(value);
@@ -87,7 +87,7 @@ fn number(value: f64) -> String {
 fn cutting(recipe: &Recipe) -> String {
     match &recipe.cutting {
         Cutting::Rows => "every row is a pose".into(),
-        Cutting::Labels => "rows that follow each other with one label are a pose".into(),
+        Cutting::Labels => "consecutive rows with the same label are a pose".into(),
         Cutting::Motion => "every row is a sample of a recording in motion".into(),
         Cutting::Rest(rest) => format!("rests of {} s and more are poses", rest.minimum_s),
     }

@@ -1,4 +1,4 @@
-//! A connected controller and how its time passes.
+//! A connected controller and its clock.
 
 use crate::output::note;
 use std::thread;
@@ -11,51 +11,51 @@ use tautline_link::{Activity, Clock, Controller, Instrument, LinkError};
 use crate::BadInput;
 use tautline_workflow::controllers::{ConnectionSetup, OpenError, SimulationClock};
 
-/// Between two samples at the speed of real time.
+/// Sampling interval in real time.
 const TICK: Duration = Duration::from_millis(20);
-/// Shortest time between two samples of a robot whose time runs faster.
+/// Shortest sampling interval of a robot that runs faster than real time.
 const SHORTEST_TICK: Duration = Duration::from_millis(1);
-/// Between two samples of a robot whose time runs as fast as it computes (s).
+/// Sampling interval of a robot that runs as fast as it can be computed (s).
 const STEP_S: f64 = 0.05;
-/// Longest step of a simulated robot's time (s).
+/// Longest time step of a simulated robot (s).
 const LONGEST_STEP_S: f64 = 0.2;
-/// Timeout of homing (s), by the clock.
+/// Timeout of homing (s) on the controller's clock.
 const HOMING_S: f64 = 120.0;
 
-/// How time passes.
+/// Passage of time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Pace {
-    /// In equal steps, without waiting.
+    /// Equal steps without waiting.
     Computed,
-    /// By the wall's clock, faster for a simulated robot.
+    /// Wall-clock time times this factor, for a simulated robot.
     Faster(f64),
-    /// By the wall's clock.
+    /// Wall-clock time.
     Real,
 }
 
 /// A connected controller.
 pub struct Connection {
-    /// The controller, behind its limits.
+    /// The controller, guarded by its limits.
     pub controller: Box<dyn Controller>,
     /// The external instrument of a simulated robot.
     pub instrument: Option<Box<dyn Instrument>>,
-    /// What measures the home pose of a simulated robot.
+    /// The instrument that measures the home pose of a simulated robot.
     pub home_instrument: Option<Box<dyn Instrument>>,
-    /// The laser whose distances the operator types.
+    /// The laser whose distances are typed by the operator.
     pub manual_laser: Option<ManualLaser>,
     clock: SimulationClock,
     pace: Pace,
 }
 
 impl Connection {
-    /// Opens and connects; without a `speed` the time of a robot that is not real runs as fast as it computes.
-    pub fn open(rig: &ConnectionSetup, speed: Option<f64>) -> Result<Self> {
+    /// Opens the connection; without a `speed`, a robot that is not real runs as fast as it can be computed.
+    pub fn open(setup: &ConnectionSetup, speed: Option<f64>) -> Result<Self> {
         let pace = match speed {
-            _ if rig.runs_in_real_time() => Pace::Real,
+            _ if setup.runs_in_real_time() => Pace::Real,
             Some(speed) => Pace::Faster(speed),
             None => Pace::Computed,
         };
-        let opened = rig.open(speed.unwrap_or(1.0));
+        let opened = setup.open(speed.unwrap_or(1.0));
         let opened = opened.map_err(|error| match error {
             OpenError::Read(error) => error.into(),
             OpenError::Link(error) => link_error(error),
@@ -72,12 +72,12 @@ impl Connection {
         })
     }
 
-    /// Time (s) by the clock that drives it.
+    /// Time (s) on the controller's clock.
     pub fn now_s(&self) -> f64 {
         self.clock.now_s()
     }
 
-    /// Lets time pass until the next sample.
+    /// Waits for the next sample.
     pub fn step(&self) {
         match self.pace {
             Pace::Computed => self.clock.advance(STEP_S),
@@ -92,13 +92,13 @@ impl Connection {
         }
     }
 
-    /// Drives home and waits until the platform is there; `false` where the operator interrupted it.
+    /// Moves home and waits until the platform is there; `false` if the operator interrupted it.
     pub fn go_home(&mut self) -> Result<bool> {
         let begun_s = self.now_s();
         self.controller.home().map_err(link_error)?;
         loop {
             self.step();
-            // A controller reports its state with its readings, and stops unless they are requested.
+            // A controller reports its state together with its readings, and stops if they are not requested.
             self.controller.sample().map_err(link_error)?;
             match self.controller.state().activity {
                 Activity::Moving => {}
@@ -135,7 +135,7 @@ impl Drop for Connection {
     }
 }
 
-/// Setup errors are bad input, which the user can correct.
+/// Converts errors; those of the setup are bad input, which the user can correct.
 pub fn link_error(error: LinkError) -> anyhow::Error {
     match error {
         LinkError::Setup(text) => BadInput::new(text),

@@ -1,4 +1,4 @@
-//! The operator's interrupt, Ctrl-C, or the request of the system to end, which ends a run in an orderly way.
+//! Interrupts by the operator (Ctrl-C) or the system, which end a run in an orderly way.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -6,16 +6,16 @@ use tautline_core::estimation::Control;
 
 static LISTENS: AtomicBool = AtomicBool::new(false);
 static REQUESTED: AtomicBool = AtomicBool::new(false);
-/// Whether what goes on is finished, however often it is interrupted: it takes a bounded time.
+/// Whether the current work runs to its end despite interrupts, because it takes a bounded time.
 static FINISHES: AtomicBool = AtomicBool::new(false);
 
 /// Exit code of a program that was interrupted twice.
 const INTERRUPTED: i32 = 130;
 
-/// From now on notes an interrupt instead of ending the program; the second one ends it.
+/// From now on, the first interrupt is only noted; a second one ends the program.
 ///
 /// # Errors
-/// If the operating system does not allow it: then a robot must not move.
+/// If the operating system does not allow it; a robot must not move then.
 pub fn listen() -> anyhow::Result<()> {
     if LISTENS.swap(true, Ordering::SeqCst) {
         return Ok(());
@@ -28,22 +28,22 @@ pub fn listen() -> anyhow::Result<()> {
     ctrlc::set_handler(note).map_err(|error| anyhow::anyhow!("Ctrl-C cannot be handled: {error}"))
 }
 
-/// From now on only notes interrupts: values of a controller are written, or taken back, before the program ends.
+/// From now on, interrupts are only noted: values of a controller are written or rolled back before the program ends.
 ///
 /// # Errors
-/// If the operating system does not allow it: then nothing must be written.
+/// If the operating system does not allow it; nothing must be written then.
 pub fn finish_first() -> anyhow::Result<()> {
     FINISHES.store(true, Ordering::SeqCst);
     listen()
 }
 
-/// Whether there was an interrupt.
+/// Whether an interrupt was noted.
 #[must_use]
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::SeqCst)
 }
 
-/// What an interrupt asks of work that can be cancelled.
+/// The decision for work that can be cancelled.
 #[must_use]
 pub fn control() -> Control {
     if requested() {

@@ -1,4 +1,4 @@
-//! Shared by the commands that work with a robot: session file, connection, interrupt.
+//! Common parts of the commands that work with a robot: session file, connection, interrupt.
 
 mod connection;
 pub mod interrupt;
@@ -19,10 +19,10 @@ use tautline_workflow::controllers::ControllerChoice;
 /// Arguments that choose a controller and allow it to act.
 #[derive(Debug, clap::Args)]
 pub struct RobotArguments {
-    /// sim (the session's simulated robot), replay:DIR (a recorded dataset) ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT]
+    /// sim (the session's simulated robot), replay:DIR (a recorded dataset), ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT]
     #[arg(long, value_name = "CONTROLLER")]
     pub controller: String,
-    /// Allow the robot to move and its values to be changed
+    /// Allow moving the robot and changing its parameters
     #[arg(long)]
     pub arm: bool,
     /// Run a simulated or recorded robot X times faster than real time; by default as fast as it can be computed
@@ -32,16 +32,16 @@ pub struct RobotArguments {
     pub symbols: SymbolsArgument,
 }
 
-/// The argument for the controller's symbol names.
+/// Argument for the symbol names of the controller.
 #[derive(Debug, clap::Args)]
 pub struct SymbolsArgument {
-    /// Names of the symbols of an ads: or opc.tcp: controller, as `tautline symbols` writes the default ones; kept in the session
+    /// Symbol names of an ads: or opc.tcp: controller, in the format written by `tautline symbols`; stored in the session
     #[arg(long = "symbols", value_name = "FILE.json")]
     file: Option<PathBuf>,
 }
 
 impl SymbolsArgument {
-    /// Sets the session's symbols from the file, if one was named; returns whether they have changed.
+    /// Sets the session's symbols from the file, if one was given; returns whether they have changed.
     pub fn take(&self, session: &mut Session, choice: &ControllerChoice) -> Result<bool> {
         let Some(path) = &self.file else {
             return Ok(false);
@@ -68,7 +68,7 @@ impl SymbolsArgument {
 }
 
 impl RobotArguments {
-    /// The controller that is asked for.
+    /// The requested controller.
     pub fn choice(&self) -> Result<ControllerChoice> {
         if let Some(speed) = self.speed
             && !(speed.is_finite() && speed > 0.0)

@@ -1,4 +1,4 @@
-//! Questions at the terminal.
+//! Prompts at the terminal.
 
 use crate::output::note;
 use std::io::{BufRead, IsTerminal, stdin};
@@ -7,20 +7,20 @@ use anyhow::Result;
 
 use crate::BadInput;
 
-/// Attempts at an answer that can be read.
+/// Number of attempts to type a valid answer.
 const TRIES: usize = 3;
 
-/// Refuses to start where no answers can be typed: standard input is neither a terminal nor a file or pipe.
+/// Fails if no answers can be typed: standard input is neither a terminal nor a file or pipe.
 pub fn require(what: &str) -> Result<()> {
     if stdin().is_terminal() || !is_null_device() {
         return Ok(());
     }
     Err(BadInput::new(format!(
-        "{what}, and standard input is no terminal: start the command in one"
+        "{what}, and standard input is not a terminal: run the command in one"
     )))
 }
 
-/// Whether standard input is a device such as `/dev/null`; a terminal was ruled out before.
+/// Whether standard input is a device such as `/dev/null`; a terminal has been ruled out before.
 #[cfg(unix)]
 fn is_null_device() -> bool {
     use std::fs::File;
@@ -31,13 +31,13 @@ fn is_null_device() -> bool {
     metadata.map_or(true, |metadata| metadata.file_type().is_char_device())
 }
 
-/// Elsewhere the first question finds out.
+/// On other systems, the first prompt fails.
 #[cfg(not(unix))]
 fn is_null_device() -> bool {
     false
 }
 
-/// So many finite numbers with spaces, semicolons or tabs between them.
+/// Parses `N` finite numbers separated by spaces, semicolons or tabs.
 pub fn numbers<const N: usize>(line: &str) -> Option<[f64; N]> {
     let parts = line.split(|c: char| c.is_whitespace() || c == ';');
     let numbers = parts.filter(|part| !part.is_empty());
@@ -49,7 +49,7 @@ pub fn numbers<const N: usize>(line: &str) -> Option<[f64; N]> {
         .then_some(numbers)
 }
 
-/// Asks a question and reads lines from standard input until one is an answer; `None` where there is none.
+/// Asks a question and reads lines from standard input until one is valid; `None` if there is none.
 pub fn answer<T>(question: &str, expected: &str, read: impl Fn(&str) -> Option<T>) -> Option<T> {
     note!("{question}");
     for _ in 0..TRIES {

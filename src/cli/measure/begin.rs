@@ -1,4 +1,4 @@
-//! A new session.
+//! Creation of a new session.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use tautline_workflow::controllers::ControllerChoice;
 use super::Arguments;
 use crate::input;
 
-/// A session of the robot that is asked for, nothing measured yet.
+/// A session of the requested robot, without measurements.
 pub fn session(arguments: &Arguments, choice: &ControllerChoice) -> Result<Session> {
     if let Some(path) = &arguments.series_of {
         return another_series(path, arguments);
@@ -23,7 +23,7 @@ pub fn session(arguments: &Arguments, choice: &ControllerChoice) -> Result<Sessi
         (None, ControllerChoice::Replay(folder)) => input::dataset(folder)?.robot,
         (None, _) => {
             let place = arguments.session.display();
-            let message = format!("{place}: not found, expected --robot to begin a new session");
+            let message = format!("{place}: not found, expected --robot to create a new session");
             return Err(BadInput::new(message));
         }
     };
@@ -49,7 +49,7 @@ pub fn session(arguments: &Arguments, choice: &ControllerChoice) -> Result<Sessi
     Ok(session)
 }
 
-/// A session like another one, nothing measured yet.
+/// A session with the same robot, plan and settings as another one, without measurements.
 fn another_series(path: &Path, arguments: &Arguments) -> Result<Session> {
     let read = read_session(path)?;
     let stem = arguments.session.file_stem();
@@ -65,7 +65,7 @@ fn another_series(path: &Path, arguments: &Arguments) -> Result<Session> {
     Ok(session)
 }
 
-/// The robot as it really is: the measured one of a preset, else drawn from the priors.
+/// The true robot: the measured one of a preset, otherwise drawn from the priors.
 fn truth(robot: &Robot, arguments: &Arguments) -> Result<Robot> {
     let preset = arguments.robot.as_deref().and_then(presets::find);
     let measured = preset

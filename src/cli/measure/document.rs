@@ -1,4 +1,4 @@
-//! The result of `measure`: as a document, and as readable text.
+//! The result of `measure`: as a document and as human-readable text.
 
 use std::path::Path;
 
@@ -10,32 +10,32 @@ use super::drive::{RunEnd, RunOutcome};
 use crate::output::say;
 use tautline_workflow::wording::{count, count_are, units};
 
-/// A measuring run.
+/// Result of a measuring run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuringDocument {
     /// How it ended: finished, good_enough, stopped (by the operator) or failed.
     pub end: String,
-    /// Labels of all poses that are measured, in the order of measurement.
+    /// Labels of all measured poses, in the order of measurement.
     pub measured: Vec<i64>,
-    /// Labels of those that were measured in this run.
+    /// Labels of the poses measured in this run.
     pub measured_now: Vec<i64>,
-    /// Poses that were left out in this run.
+    /// Poses skipped in this run.
     pub skipped: Vec<Skipped>,
-    /// Labels of the poses of the plan that are not measured.
+    /// Labels of the planned poses that are not measured.
     pub missing: Vec<i64>,
-    /// Whether the poses measured determine the robot.
+    /// Whether the measured poses determine the robot.
     pub enough: bool,
-    /// Largest standard deviation of a coordinate of an entry point to which the readings lead (m); null unless
-    /// --stop-at asks for it.
+    /// Largest standard deviation of a coordinate of an entry point that results from the readings (m); null without
+    /// --stop-at.
     pub largest_sd_m: Option<f64>,
 }
 
-/// A pose that was left out.
+/// A pose that was skipped.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Skipped {
-    /// Its label.
+    /// Label of the pose.
     pub pose: i64,
-    /// Why.
+    /// Reason.
     pub reason: String,
 }
 
@@ -46,7 +46,7 @@ impl VersionedFile for MeasuringDocument {
 }
 
 impl MeasuringDocument {
-    /// Of a run and the session that it left.
+    /// The document of a run and its session.
     pub fn of(session: &Session, ended: &RunOutcome, enough: bool) -> Self {
         let measured = session.measurements.labels.clone();
         let planned = session.plan.iter().map(|pose| pose.label);
@@ -74,10 +74,10 @@ impl MeasuringDocument {
     }
 }
 
-/// Prints it.
+/// Prints the document.
 pub fn print(document: &MeasuringDocument, session: &Path) {
     say!(
-        "{}: {} measured now, {} in all",
+        "{}: {} measured now, {} in total",
         session.display(),
         count(document.measured_now.len(), "pose"),
         document.measured.len()
@@ -93,6 +93,6 @@ pub fn print(document: &MeasuringDocument, session: &Path) {
     }
     if document.end == "good_enough" {
         let rest = count_are(document.missing.len(), "planned pose");
-        say!("the precision is reached: {rest} not needed");
+        say!("the requested precision is reached: {rest} not needed");
     }
 }

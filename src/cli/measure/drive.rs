@@ -18,36 +18,36 @@ use tautline_workflow::wording::sentence;
 
 use crate::live::{Connection, SessionFile, interrupt, typed};
 
-/// Fewest poses, home included, after which the precision is checked.
+/// Smallest number of poses, home included, at which the precision is checked.
 const LEAST: usize = 6;
 
-/// How a run ended.
+/// Reason why a run ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RunEnd {
-    /// Every pose is measured or left out.
+    /// Every pose is measured or skipped.
     Finished,
-    /// The precision that was asked for is reached.
+    /// The requested precision is reached.
     GoodEnough,
     /// The operator interrupted it.
     Interrupted,
     /// The run failed; one sentence.
     Failed(String),
-    /// An answer that was asked for was not typed; one sentence.
+    /// A required answer was not typed; one sentence.
     NotTyped(String),
 }
 
-/// What a run did.
+/// Result of a run.
 #[derive(Debug, Clone)]
 pub struct RunOutcome {
-    /// How it ended.
+    /// Reason why it ended.
     pub end: RunEnd,
-    /// Labels of the poses that were measured in it.
+    /// Labels of the poses measured in this run.
     pub measured: Vec<i64>,
-    /// Poses that were left out, and why.
+    /// Poses that were skipped, with the reasons.
     pub skipped: Vec<(i64, String)>,
-    /// Largest standard deviation of a coordinate that the readings lead to (m), where it was asked for.
+    /// Largest standard deviation of a coordinate that results from the readings (m), if it was requested.
     pub largest_sd_m: Option<f64>,
-    /// Whether the controller was restarted, so that no other run can continue this one.
+    /// Whether the controller was restarted, so that this series cannot be continued.
     pub restarted: bool,
 }
 
@@ -62,20 +62,20 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The poses of the session's plan that are not measured yet.
+    /// A run over the planned poses that are not measured yet.
     pub fn new(
         session: &Session,
-        rig: &ConnectionSetup,
+        setup: &ConnectionSetup,
         stop_at_m: Option<f64>,
         retries: usize,
     ) -> Self {
         let planned = session.plan.iter();
         let plan: Vec<(i64, Pose)> = planned.map(|pose| (pose.label, pose.pose())).collect();
-        let mut options = MeasuringOptions::of(rig.robot());
-        options.tension = rig.tension();
+        let mut options = MeasuringOptions::of(setup.robot());
+        options.tension = setup.tension();
         let poses = plan.len();
-        let run = MeasuringRun::new(plan, rig.robot(), options)
-            .predicting(predict_by(rig.robot(), rig.tension()))
+        let run = MeasuringRun::new(plan, setup.robot(), options)
+            .predicting(predict_by(setup.robot(), setup.tension()))
             .continuing(&session.measurements.labels);
         Self {
             run,
@@ -93,7 +93,7 @@ impl Drive {
         }
     }
 
-    /// Drives until the end; then everything is in the session's file and nothing is left beside it.
+    /// Measures until the end; then everything is in the session file and no autosave is left beside it.
     pub fn run(
         mut self,
         file: &mut SessionFile,
@@ -165,7 +165,7 @@ impl Drive {
         }
     }
 
-    /// A pose is on disk before it is reported, and reported before the next one is commanded.
+    /// Saves a pose to disk before it is reported, and reports it before the next one is commanded.
     fn store(
         &mut self,
         pose: &MeasuredPose,

@@ -33,7 +33,7 @@ pub struct Arguments {
     /// Robot of a new session: a preset (mini, hall, suspended, planar) or a robot.json
     #[arg(long, value_name = "PRESET|FILE")]
     robot: Option<String>,
-    /// Session whose robot, plan and settings a new session takes over, to measure a series of its own: after the controller
+    /// Session whose robot, plan and settings a new session adopts to measure a separate series, after the controller
     /// was restarted
     #[arg(long, value_name = "SESSION", conflicts_with = "robot")]
     series_of: Option<PathBuf>,
@@ -48,14 +48,14 @@ pub struct Arguments {
     seed: u64,
     #[command(flatten)]
     effects: HiddenEffects,
-    /// Stop as soon as every coordinate of an entry point has a standard deviation below this (mm)
+    /// Stop as soon as all coordinates of all entry points have standard deviations below this (mm)
     #[arg(long, value_name = "MM")]
     stop_at: Option<f64>,
-    /// Where laser distances come from: controller, manual (typed at each pose), tcp:HOST:PORT or serial:PORT[:BAUD],
-    /// both with ?pattern=..&unit=mm; kept in the session
+    /// Source of laser distances: controller, manual (typed at each pose), tcp:HOST:PORT or serial:PORT[:BAUD],
+    /// both with ?pattern=..&unit=mm; stored in the session
     #[arg(long, value_name = "SOURCE")]
     laser: Option<LaserSettings>,
-    /// How often a pose that cannot be measured is retried before it is skipped
+    /// Number of retries at a pose that cannot be measured before it is skipped
     #[arg(long, value_name = "N", default_value_t = 1)]
     retries: usize,
     #[command(flatten)]
@@ -63,7 +63,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// The precision at which to stop (m).
+    /// The precision at which the run stops (m).
     fn stop_at_m(&self) -> Result<Option<f64>> {
         match self.stop_at {
             Some(mm) if !(mm.is_finite() && mm > 0.0) => Err(BadInput::new(format!(
@@ -107,12 +107,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(laser) = &arguments.laser {
         file.session.laser_source = laser.clone();
     }
-    let rig = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
-    let mut connection = Connection::open(&rig, arguments.robot_arguments.speed)?;
+    let setup = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
+    let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
     interrupt::listen()?;
     file.save()?;
     connection.controller.arm().map_err(link_error)?;
-    let drive = Drive::new(&file.session, &rig, stop_at_m, arguments.retries);
+    let drive = Drive::new(&file.session, &setup, stop_at_m, arguments.retries);
     let ended = drive.run(&mut file, &mut connection)?;
     let enough = is_enough(&file.session);
     let document = MeasuringDocument::of(&file.session, &ended, enough);
@@ -122,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     result(&document, &ended, arguments)
 }
 
-/// Refuses a session that this command cannot continue.
+/// Rejects a session that this command cannot continue.
 fn check(file: &SessionFile, arguments: &Arguments, choice: &ControllerChoice) -> Result<()> {
     let place = file.path.display();
     refuse_unsettled(&file.session, &place.to_string())?;
@@ -132,14 +132,14 @@ fn check(file: &SessionFile, arguments: &Arguments, choice: &ControllerChoice) -
         let known = &file.session.robot.name;
         if asked != *known {
             return Err(BadInput::new(format!(
-                "{place}: is a session of the robot \"{known}\", found \"{asked}\" in --robot"
+                "{place}: is a session of the robot \"{known}\", but --robot is \"{asked}\""
             )));
         }
     }
     Ok(())
 }
 
-/// Refuses to simulate a session without a simulated robot: the readings would say nothing about its real one.
+/// Rejects --controller sim for a session of a real robot, about which simulated readings would say nothing.
 pub fn require_simulated(session: &Session, choice: &ControllerChoice, place: &str) -> Result<()> {
     if *choice == ControllerChoice::Simulated && session.simulator.is_none() {
         return Err(BadInput::new(format!(
@@ -149,7 +149,7 @@ pub fn require_simulated(session: &Session, choice: &ControllerChoice, place: &s
     Ok(())
 }
 
-/// Refuses to move while the controller may hold a mixture of old and new values.
+/// Refuses to move the robot while the controller may hold a mixture of old and new values.
 pub fn refuse_unsettled(session: &Session, place: &str) -> Result<()> {
     match adjusting::unsettled(session) {
         None => Ok(()),
@@ -159,8 +159,8 @@ pub fn refuse_unsettled(session: &Session, place: &str) -> Result<()> {
     }
 }
 
-/// Whether the poses measured so far determine the robot: without the drawings, each of which counts as one reading of
-/// one parameter, there are still more readings than unknowns, and they leave nothing open.
+/// Whether the poses measured so far determine the robot: even without the drawing, which counts as one reading
+/// per parameter, there are more readings than unknowns, and they leave nothing undetermined.
 fn is_enough(session: &Session) -> bool {
     let quiet = &mut |_: &_| tautline_core::estimation::Control::Continue;
     identify_session(session, quiet).is_ok_and(|Identification { solution, open, .. }| {
@@ -203,7 +203,7 @@ fn ensure_full_stop(text: &str) -> String {
     format!("{}.", text.trim_end_matches('.'))
 }
 
-/// Adds a run to the session's log.
+/// Adds an entry on the run to the session's log.
 fn log(file: &mut SessionFile, ended: &drive::RunOutcome) {
     let text = format!(
         "Measured {} by command{}.",

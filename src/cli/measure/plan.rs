@@ -1,4 +1,4 @@
-//! The plan of a run.
+//! The plan of a measuring run.
 
 use crate::output::note;
 use anyhow::Result;
@@ -11,10 +11,10 @@ use tautline_workflow::controllers::ControllerChoice;
 use tautline_workflow::planning::choose_poses;
 use tautline_workflow::wording::count;
 
-/// Poses that are closer than this are the same one (m and rad).
+/// Poses closer than this are identical (m and rad).
 const SAME: f64 = 1e-9;
 
-/// Gives the session a plan: that of the file, else the one it has, else that of the recording, else a new one.
+/// Ensures that the session has a plan: that of the file, else its own, else that of the recording, else a new one.
 pub fn complete(
     session: &mut Session,
     arguments: &Arguments,
@@ -49,7 +49,7 @@ pub fn complete(
     Ok(())
 }
 
-/// Adopts the poses of a table, after the home pose; measured poses stay.
+/// Adopts the poses of a table after the home pose; measured poses stay.
 fn take(session: &mut Session, poses: Vec<PlannedPose>, place: &str) -> Result<()> {
     let labels = &session.measurements.labels;
     for pose in &poses {
@@ -75,7 +75,7 @@ fn take(session: &mut Session, poses: Vec<PlannedPose>, place: &str) -> Result<(
     {
         plan.push(PlannedPose::new(0, &home.pose()));
     }
-    // Lengths are relative to home, so a run begins there.
+    // Lengths are relative to home, so a run starts there.
     let (home, others): (Vec<PlannedPose>, Vec<PlannedPose>) =
         poses.into_iter().partition(|pose| pose.label == 0);
     plan.extend(home.into_iter().chain(others));

@@ -12,7 +12,7 @@ use crate::output::say;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Common machine to begin with
+    /// Common machine to start from
     #[arg(value_name = "TEMPLATE", value_parser = PossibleValuesParser::new(Template::ALL.map(Template::name)))]
     template: String,
     /// Width between the pulleys, along x (m)
@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let out = &arguments.out;
     if out.exists() && !arguments.replace {
         let message = format!(
-            "{}: is there already, expected --replace or another name",
+            "{}: already exists, expected --replace or another name",
             out.display()
         );
         return Err(BadInput::new(message));
@@ -63,13 +63,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let robot = template.robot(size_m);
     if let Err(error) = robot.check() {
         return Err(BadInput::new(format!(
-            "a robot of this size is none: {error}"
+            "a robot of this size is not possible: {error}"
         )));
     }
     write_robot(out, &robot)?;
     let [width, depth, height] = size_m;
     say!(
-        "{}: {}, {width} m x {depth} m x {height} m, {} cables; what else is in it is typical of this size: correct it",
+        "{}: {}, {width} m x {depth} m x {height} m, {} cables; everything else in it is typical of this size: correct it",
         out.display(),
         template.summary(),
         robot.cable_count()

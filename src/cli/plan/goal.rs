@@ -5,20 +5,20 @@ use anyhow::Result;
 use clap::ValueEnum;
 use tautline_core::planning::{Goal, Volume};
 
-/// What poses are for, as the command line names it.
+/// Goal of a plan by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum GoalName {
-    /// The standard deviations of the geometry.
+    /// Small standard deviations of the geometry.
     Geometry,
-    /// Faults are seen and told apart.
+    /// Faults that can be detected and separated.
     Faults,
     /// Both of these.
     Both,
-    /// The position of the platform in a volume.
+    /// Accurate positions of the platform in a volume.
     Accuracy,
 }
 
-/// The goal that two arguments name.
+/// The goal that the two arguments state.
 pub fn goal(name: GoalName, volume: Option<&str>) -> Result<Goal> {
     match (name, volume) {
         (GoalName::Accuracy, Some(text)) => Ok(Goal::Accuracy(parse(text)?)),

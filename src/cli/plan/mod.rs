@@ -11,7 +11,7 @@ use tautline_core::estimation::Control;
 use tautline_core::planning::{Plan, PlanError, PlanOptions, plan};
 use tautline_workflow::planning::HomeGain;
 
-use crate::effect_arguments::FreedEffects;
+use crate::effect_arguments::EstimatedEffects;
 use crate::input;
 use crate::output::{JsonOutput, say};
 use goal::GoalName;
@@ -26,24 +26,24 @@ pub struct Arguments {
     /// Number of poses, without the home pose
     #[arg(long, value_name = "N", default_value_t = 25)]
     poses: usize,
-    /// Number of feasible poses from which to choose
+    /// Number of feasible poses to choose from
     #[arg(long, value_name = "N", default_value_t = 3000)]
     candidates: usize,
-    /// Seed of the poses drawn
+    /// Seed of the random poses
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// What the poses are for: standard deviations of the geometry, faults that are seen and told apart, both, or the
+    /// Goal of the poses: standard deviations of the geometry, detecting and separating faults, both, or the
     /// position of the platform in a volume
     #[arg(long = "for", value_enum, value_name = "GOAL", default_value_t = GoalName::Geometry)]
     goal: GoalName,
     /// Box in which the robot is to be accurate: X0,X1,Y0,Y1,Z0,Z1 (m); with --for accuracy
     #[arg(long, value_name = "BOX", allow_hyphen_values = true)]
     volume: Option<String>,
-    /// Also print which faults the poses show and which of them could be confused
+    /// Also print which faults the poses would reveal and which of them could be confused
     #[arg(long)]
     explain: bool,
     #[command(flatten)]
-    effects: FreedEffects,
+    effects: EstimatedEffects,
     /// Write the poses, in the order of measurement, as a table
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,

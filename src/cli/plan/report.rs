@@ -1,4 +1,4 @@
-//! Readable form of a plan.
+//! Human-readable form of a plan.
 
 use crate::isolability;
 use crate::output::say;
@@ -6,15 +6,15 @@ use crate::table;
 use tautline_workflow::documents::plan::PlanDocument;
 use tautline_workflow::wording::units::quantity;
 
-/// Prints what to expect.
+/// Prints the plan and its expected standard deviations.
 pub fn print(plan: &PlanDocument) {
     let refused = &plan.refused;
     say!(
-        "{} poses for {}, chosen for {} from {} that can be measured",
+        "{} poses for {}, chosen for {} from {} feasible ones",
         plan.poses.len(),
         plan.robot,
         match plan.goal.as_str() {
-            "faults" => "faults that are seen and told apart",
+            "faults" => "detecting and separating faults",
             "both" => "geometry and faults",
             "accuracy" => "accuracy in the volume",
             _ => "the geometry",

@@ -1,4 +1,4 @@
-//! Machine form of a precalibration.
+//! Machine-readable form of a precalibration.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -38,13 +38,13 @@ pub struct WinchResult {
     pub offset_m: f64,
     /// Its standard deviation (m).
     pub offset_sd_m: f64,
-    /// Stretch per newton (m/N); null where the tensions do not determine it.
+    /// Stretch per newton (m/N); null if the tensions do not determine it.
     pub stretch_m_per_n: Option<f64>,
     /// Its standard deviation (m/N).
     pub stretch_sd_m_per_n: Option<f64>,
     /// Standard deviation of a length reading (m).
     pub residual_sd_m: f64,
-    /// Largest residual without sign (m).
+    /// Largest absolute residual (m).
     pub largest_residual_m: f64,
     /// Whether the largest residual is below the limit.
     pub passed: bool,
@@ -57,7 +57,7 @@ pub struct ForceResult {
     pub cable: String,
     /// Number of pairs.
     pub pairs: usize,
-    /// Reading per tension.
+    /// Gain, reading per tension.
     pub tension_gain: f64,
     /// Its standard deviation.
     pub tension_gain_sd: f64,
@@ -67,7 +67,7 @@ pub struct ForceResult {
     pub bias_sd_n: f64,
     /// Standard deviation of a tension (N).
     pub residual_sd_n: f64,
-    /// Largest residual as a tension, without sign (N).
+    /// Largest absolute residual as a tension (N).
     pub largest_residual_n: f64,
     /// Whether the largest residual is below the limit.
     pub passed: bool,
@@ -88,7 +88,7 @@ pub struct HomeResult {
     pub position_repeatability_m: Option<[f64; 3]>,
     /// Standard deviation of the rotation vector over the repeats (rad).
     pub orientation_repeatability_rad: Option<[f64; 3]>,
-    /// Largest difference between the mean distances and those at the pose found (m).
+    /// Largest difference between the mean distances and those at the estimated pose (m).
     pub largest_residual_m: f64,
     /// The six sensors.
     pub sensors: Vec<HomeSensorResult>,
@@ -105,7 +105,7 @@ pub struct HomeSensorResult {
     pub mean_m: f64,
     /// Standard deviation of a reading (m); null for a single one.
     pub sd_m: Option<f64>,
-    /// Whether the mean lies where the sensor measures.
+    /// Whether the mean lies in the measuring range of the sensor.
     pub in_range: bool,
 }
 
@@ -116,7 +116,7 @@ pub struct ElongationResult {
     pub points: usize,
     /// The surface, as in robot.json.
     pub surface: ElongationSurface,
-    /// Largest residual without sign (m).
+    /// Largest absolute residual (m).
     pub largest_residual_m: f64,
     /// Cross-validation of each degree.
     pub degrees: Vec<DegreeResult>,
@@ -127,7 +127,7 @@ pub struct ElongationResult {
 pub struct DegreeResult {
     /// Total degree.
     pub degree: usize,
-    /// Root mean square error at measurements left out of the fit (m); null if there are too few.
+    /// Root mean square error at held-out measurements (m); null if there are too few.
     pub error_m: Option<f64>,
 }
 
@@ -141,7 +141,7 @@ impl VersionedFile for Precalibration {
 pub struct Failure {
     /// File of the dataset.
     pub file: &'static str,
-    /// Cable or other item and what is wrong, one sentence.
+    /// The item, such as a cable, and what is wrong with it, in one sentence.
     pub message: String,
 }
 
@@ -153,10 +153,10 @@ fn of_file(file: &'static str) -> impl Fn(&String) -> Failure {
 }
 
 impl Precalibration {
-    /// The document of fits that all succeeded.
+    /// The document of successful fits.
     ///
     /// # Errors
-    /// The first that did not.
+    /// The first fit that failed.
     pub fn of(robot: &Robot, phases: &PhaseData, fits: &Calibration) -> Result<Self, Failure> {
         let winches = fits.winches.iter().map(|PerCable { cable, fit }| {
             let fit = fit.as_ref().map_err(of_file("winch.csv"))?;

@@ -59,7 +59,7 @@ fn require_any(arguments: &Arguments, phases: &PhaseData) -> Result<()> {
         && phases.elongation.is_empty();
     if nothing {
         return Err(BadInput::new(format!(
-            "{}: found none of winch.csv, force.csv, home.csv and elongation.csv, expected one at least",
+            "{}: found none of winch.csv, force.csv, home.csv and elongation.csv, expected at least one",
             arguments.dataset.display()
         )));
     }

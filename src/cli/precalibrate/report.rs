@@ -1,4 +1,4 @@
-//! Readable form of a precalibration.
+//! Human-readable form of a precalibration.
 
 use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, WINCH_RESIDUAL_LIMIT_M};
 
@@ -6,7 +6,7 @@ use super::document::{ElongationResult, ForceResult, HomeResult, Precalibration,
 use crate::output::say;
 use crate::table;
 
-/// Prints everything that was fitted.
+/// Prints all fits.
 pub fn print(result: &Precalibration) {
     if !result.winches.is_empty() {
         print_winches(&result.winches);

@@ -29,15 +29,15 @@ pub struct Arguments {
     seed: u64,
     #[command(flatten)]
     effects: HiddenEffects,
-    /// True entry points: measured (of the preset), drawn from the priors, or nominal
+    /// True entry points: measured (those of the preset), drawn from the priors, or nominal
     #[arg(long, value_enum)]
     truth: Option<Truth>,
     #[command(flatten)]
     motion: motion::Motion,
-    /// Leave out the noise
+    /// Simulate readings without noise
     #[arg(long)]
     no_noise: bool,
-    /// Write the tables of the other phases too: winch, force, home, elongation and check
+    /// Also write the tables of the other phases: winch, force, home, elongation and check
     #[arg(long)]
     phases: bool,
     /// Folder to write the dataset to
@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ..SimulationOptions::new(arguments.poses, arguments.seed)
     };
     let failed = |error: SimulationError| match error {
-        // What an effect names is not there.
+        // An effect refers to something that does not exist.
         SimulationError::Effect(error) => BadInput::new(format!("--effect: {error}")),
         SimulationError::AtRest(_) => {
             BadInput::new(format!("--effect: {error} (--motion SECONDS)"))

@@ -6,23 +6,23 @@ use tautline_core::simulation::Recording;
 
 use crate::BadInput;
 
-/// An external instrument as cameras that track markers are.
+/// An external instrument typical of camera systems that track markers.
 const TRACKER: Tracker = Tracker {
     position_sd_m: PerAxis::Same(1e-3),
     orientation_sd_rad: Some(1e-3),
 };
-/// Longest and fastest recording.
+/// Largest number of samples of a recording.
 const MOST_SAMPLES: f64 = 1e6;
 
 #[derive(Debug, clap::Args)]
 pub struct Motion {
-    /// Record the robot for so long while it moves smoothly, instead of poses at rest
+    /// Record the robot in smooth motion for this time (s), instead of poses at rest
     #[arg(long, value_name = "SECONDS", conflicts_with_all = ["poses", "phases"])]
     motion: Option<f64>,
     /// Samples per second of a recording in motion
     #[arg(long, value_name = "HZ", default_value_t = 100.0, requires = "motion")]
     rate_hz: f64,
-    /// Time in which the correlation of the noise of a recording falls to 1/e; 0: each sample has noise of its own
+    /// Time in which the correlation of the noise of a recording falls to 1/e; 0: the noise of the samples is independent
     #[arg(long, value_name = "MS", default_value_t = 20.0, requires = "motion")]
     noise_correlation_ms: f64,
     /// Give the robot an external instrument of 1 mm and 1 mrad if it has none
@@ -31,14 +31,14 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Adds the external instrument, if it is wanted.
+    /// Adds the external instrument, if requested.
     pub fn equip(&self, robot: &mut Robot) {
         if self.tracker {
             robot.tracker.get_or_insert(TRACKER);
         }
     }
 
-    /// What is recorded; nothing where poses at rest are wanted.
+    /// Parameters of the recording; `None` for poses at rest.
     pub fn recording(&self) -> Result<Option<Recording>> {
         let Some(duration_s) = self.motion else {
             return Ok(None);

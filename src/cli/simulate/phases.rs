@@ -9,7 +9,7 @@ use tautline_session::{
     CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomeReading, PhaseData, WinchPair,
 };
 
-/// Poses of the check, and how often each is approached.
+/// Number of poses of the check, and of approaches to each.
 const TARGETS: usize = 5;
 const CYCLES: usize = 10;
 /// The external instrument of the check.
@@ -18,7 +18,7 @@ const TRACKER: Tracker = Tracker {
     orientation_sd_rad: Some(1e-4),
 };
 
-/// Tables of the run's true robot. Where the robot has a home pose and no home platform it gets one, whose readings are
+/// Tables of the run's true robot. A robot with a home pose but no home platform gets one, whose readings are
 /// among the tables.
 pub fn tables(
     run: &mut Simulated,
@@ -62,7 +62,7 @@ pub fn tables(
     Ok(data)
 }
 
-/// Some of the run's poses, approached again and again and measured from outside.
+/// Some poses of the run, approached repeatedly and measured by an external instrument.
 fn check(run: &Simulated, options: &SimulationOptions) -> Result<Vec<CheckRow>, SimulationError> {
     let measured = &run.dataset.measurements;
     let away = measured

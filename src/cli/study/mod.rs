@@ -22,28 +22,28 @@ use progress::Progress;
 
 #[derive(Debug, clap::Subcommand)]
 pub enum Command {
-    /// Read a study file, choose poses, answer all cells by the expected covariance, list the chunks to simulate
+    /// Read a study file, choose poses, evaluate all cells by their expected covariance, and list the chunks to simulate
     Plan {
         /// Study file (TOML)
         #[arg(value_name = "STUDY.toml")]
         study: PathBuf,
-        /// Folder of the study; by default beside the file, named like it
+        /// Folder of the study; by default beside the file, with the same name
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
-    /// Simulate: all chunks, or one; those that are there are not done again
+    /// Simulate all chunks, or one; finished chunks are not repeated
     Run {
         /// Folder of the study
         #[arg(value_name = "DIR")]
         folder: PathBuf,
-        /// One chunk of so many: 3/7; by default all, as the study file cuts it
+        /// One chunk as NUMBER/COUNT, such as 3/7; by default all, as divided by the study file
         #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
         chunk: Option<String>,
-        /// Threads; by default as many as the machine has cores
+        /// Number of threads; by default as many as the machine has cores
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
         threads: Option<u16>,
     },
-    /// Join the chunks to the result
+    /// Merge the chunks into the result
     Merge {
         /// Folder of the study
         #[arg(value_name = "DIR")]
@@ -56,7 +56,7 @@ pub enum Command {
         /// Folder of the study
         #[arg(value_name = "DIR")]
         folder: PathBuf,
-        /// File to write; its name ends with .html or .pdf
+        /// File to write; its name must end with .html or .pdf
         #[arg(long, value_name = "FILE")]
         out: PathBuf,
     },
@@ -75,7 +75,7 @@ pub fn run(command: &Command) -> Result<()> {
     }
 }
 
-/// What a study says is wrong with its input is the user's to correct; what cannot be written is not.
+/// Converts errors: those in the input are the user's to correct, those of writing are not.
 fn correctable(error: StudyError) -> anyhow::Error {
     match error {
         StudyError::Read(error) => error.into(),
@@ -126,7 +126,7 @@ fn plan(path: &Path, out: Option<&Path>) -> Result<()> {
     Ok(())
 }
 
-/// Most cells that are printed.
+/// Largest number of cells printed.
 const PRINTED: usize = 60;
 
 fn print_cells(plan: &StudyPlan) {
@@ -178,14 +178,14 @@ fn simulate(folder: &Path, chunk: Option<&str>, threads: Option<u16>) -> Result<
         .sum();
     let mut progress = Progress::new("calibrations");
     let ran = run_chunks(&plan, folder, &parts, threads, &mut |done| {
-        // The last one is shown when its chunk is written.
+        // The last calibration is counted once its chunk is written.
         progress.show(done.min(all.saturating_sub(1)), all);
         interrupt::control()
     });
     let summary = ran.map_err(correctable)?;
     progress.show(all, all);
     say!(
-        "{}: {} chunks done, {} were there",
+        "{}: {} chunks done, {} existed",
         folder.display(),
         summary.done,
         summary.found

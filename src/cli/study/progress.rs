@@ -1,4 +1,4 @@
-//! How far a study is, on one line of a terminal.
+//! Progress of a study, on one line of the terminal.
 
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 /// Time between two updates.
 const INTERVAL: Duration = Duration::from_millis(200);
 
-/// A line on standard error that is written over; nothing where that is no terminal.
+/// A line on standard error that is overwritten; nothing if that is not a terminal.
 pub struct Progress {
     what: &'static str,
     began: Instant,
@@ -14,7 +14,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Of a number of these.
+    /// Progress in units of `what`.
     pub fn new(what: &'static str) -> Self {
         Self {
             what,
@@ -23,7 +23,7 @@ impl Progress {
         }
     }
 
-    /// Shows how much is done.
+    /// Shows how many are done.
     pub fn show(&mut self, done: u64, all: u64) {
         let is_due = done == all || self.shown.is_none_or(|shown| shown.elapsed() >= INTERVAL);
         let mut out = std::io::stderr();
@@ -33,7 +33,7 @@ impl Progress {
         self.shown = Some(Instant::now());
         let rate = done as f64 / self.began.elapsed().as_secs_f64().max(1e-9);
         let end = if done == all { "\n" } else { "" };
-        // A terminal that takes nothing is no reason to stop.
+        // Failing to write to the terminal is no reason to stop.
         let _ = write!(
             out,
             "\r{done} of {all} {}, {rate:.0} per second {end}",

@@ -1,4 +1,4 @@
-//! The result of `verify`: as a document, and as readable text.
+//! The result of `verify`: as a document and as human-readable text.
 
 use anyhow::{Result, anyhow};
 use schemars::JsonSchema;
@@ -10,10 +10,10 @@ use crate::table;
 use tautline_workflow::accuracy::{self, Accuracy};
 use tautline_workflow::adjusting::title;
 
-/// How exactly a robot moves, before and after the adjustment of its controller.
+/// Accuracy of a robot before and after the adjustment of its controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VerificationDocument {
-    /// Which of the two this run was.
+    /// Stage of this run.
     pub stage: Stage,
     /// The last run before the adjustment; null if there was none.
     pub before: Option<Accuracy>,
@@ -28,7 +28,7 @@ impl VersionedFile for VerificationDocument {
 }
 
 impl VerificationDocument {
-    /// The last runs of a session.
+    /// The document of the last runs of a session.
     pub fn of(session: &Session, stage: Stage) -> Result<Self> {
         let last = |stage: Stage| {
             let mut runs = session.verifications().iter().rev();
@@ -44,7 +44,7 @@ impl VerificationDocument {
     }
 }
 
-/// Prints this run, and what it changed.
+/// Prints this run and the change by the adjustment.
 pub fn print(document: &VerificationDocument) {
     let now = match document.stage {
         Stage::Before => &document.before,

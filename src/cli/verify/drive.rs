@@ -1,4 +1,4 @@
-//! Driving to the targets of a verification.
+//! Moving to the targets of a verification.
 
 use crate::output::note;
 use anyhow::{Result, anyhow};
@@ -11,10 +11,10 @@ use crate::BadInput;
 use crate::live::{Connection, interrupt};
 use tautline_workflow::wording::sentence;
 
-/// Drives home and then to every target in every cycle.
+/// Moves home and then to every target in every cycle.
 ///
 /// # Errors
-/// If the controller or the instrument fails, or the operator interrupts it: then nothing is kept.
+/// If the controller or the instrument fails, or the operator interrupts it; nothing is kept then.
 pub fn drive(
     connection: &mut Connection,
     targets: Vec<CheckTarget>,
@@ -32,7 +32,7 @@ pub fn drive(
     };
     if typed {
         options.measurements = 1;
-        // The operator may take any time.
+        // The operator may take any amount of time.
         options.timeout_s = f64::INFINITY;
     }
     let mut run = VerifyingRun::new(targets.clone(), options);
@@ -71,7 +71,7 @@ fn interrupted() -> anyhow::Error {
     anyhow!("Stopped by the operator: this verification is discarded")
 }
 
-/// What the target number `done`, from 1, is called.
+/// Name of the target number `done`, counted from 1.
 fn name(targets: &[CheckTarget], done: usize) -> String {
     let target = &targets[done.saturating_sub(1) % targets.len()];
     match target.kind {

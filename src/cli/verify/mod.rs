@@ -25,7 +25,7 @@ use tautline_workflow::adjusting::{in_effect, title};
 use tautline_workflow::clock;
 use tautline_workflow::controllers::{ConnectionSetup, ControllerChoice};
 
-/// Points of the circle and of the line.
+/// Numbers of points of the circle and of the line.
 const POINTS: (usize, usize) = (16, 9);
 
 #[derive(Debug, clap::Args)]
@@ -47,19 +47,19 @@ pub struct Arguments {
     /// Targets: cube (15 poses in three cubes), circle, line
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',', default_values_t = TargetName::ALL)]
     targets: Vec<TargetName>,
-    /// How often each target is approached; ISO 9283 asks for 30
+    /// Number of approaches to each target; ISO 9283 requires 30
     #[arg(long, value_name = "N", default_value_t = 3)]
     cycles: usize,
-    /// Points of the circle and of the line; by default 16 and 9
+    /// Number of points of the circle and of the line; by default 16 and 9
     #[arg(long, value_name = "N")]
     points: Option<usize>,
-    /// Use the commanded and measured poses of this check.csv instead of driving
+    /// Use the commanded and measured poses of this check.csv instead of moving the robot
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["controller", "arm"])]
     check: Option<PathBuf>,
     /// Write commanded and measured poses as a check.csv
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
-    /// Whether this is before or after the adjustment; by default from the session's records
+    /// Whether this is before or after the adjustment; by default according to the session's records
     #[arg(long, value_enum)]
     stage: Option<StageName>,
     #[command(flatten)]
@@ -100,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         (None, None) => return Err(BadInput::new("expected --controller or --check")),
     };
-    // Figures first: rows without figures are not a verification.
+    // Checked first: rows without figures are not a verification.
     tautline_workflow::accuracy::figures(&rows).map_err(|error| match &arguments.check {
         Some(path) => BadInput::new(format!("{}: {error}", path.display())),
         None => anyhow::anyhow!("{error}"),
@@ -153,7 +153,7 @@ fn from_file(path: &std::path::Path) -> Result<Vec<CheckRow>> {
     Ok(read.value)
 }
 
-/// Drives, and lets the simulated instrument or the operator measure.
+/// Moves the robot while the simulated instrument or the operator measures.
 fn driven(
     arguments: &Arguments,
     file: &SessionFile,
@@ -161,16 +161,16 @@ fn driven(
 ) -> Result<(Vec<CheckRow>, String)> {
     let place = arguments.session.display().to_string();
     require_simulated(&file.session, choice, &place)?;
-    let rig = ConnectionSetup::chosen(&file.session, &[], choice, Some(&file.controller()));
-    let targets = targets(arguments, &rig);
+    let setup = ConnectionSetup::chosen(&file.session, &[], choice, Some(&file.controller()));
+    let targets = targets(arguments, &setup);
     if targets.is_empty() {
         let message = format!("{place}: --targets: its robot cannot reach any of them");
         return Err(BadInput::new(message));
     }
-    if !rig.has_instrument() {
+    if !setup.has_instrument() {
         typing::require("The robot was not moved: its positions have to be typed")?;
     }
-    let mut connection = Connection::open(&rig, arguments.speed)?;
+    let mut connection = Connection::open(&setup, arguments.speed)?;
     interrupt::listen()?;
     connection.controller.arm().map_err(link_error)?;
     let source = match &connection.instrument {
@@ -181,8 +181,8 @@ fn driven(
     Ok((rows, source))
 }
 
-fn targets(arguments: &Arguments, rig: &ConnectionSetup) -> Vec<CheckTarget> {
-    let (robot, workspace) = (rig.robot(), rig.workspace());
+fn targets(arguments: &Arguments, setup: &ConnectionSetup) -> Vec<CheckTarget> {
+    let (robot, workspace) = (setup.robot(), setup.workspace());
     let (on_circle, on_line) = POINTS;
     let mut targets = Vec::new();
     for name in TargetName::ALL {
@@ -199,7 +199,7 @@ fn targets(arguments: &Arguments, rig: &ConnectionSetup) -> Vec<CheckTarget> {
     targets
 }
 
-/// After the adjustment if the last one was written.
+/// After the adjustment if the last adjustment was written.
 fn stage(arguments: &Arguments, session: &Session) -> Stage {
     let last = in_effect(session);
     match arguments.stage {

@@ -7,17 +7,17 @@ use tautline_session::CheckPose;
 
 use crate::live::typed;
 
-/// Name of the target that readings are asked for, and whether none was typed.
+/// Name of the current target, and whether its readings were not typed.
 #[derive(Debug, Clone, Default)]
 pub struct Target(Arc<Mutex<(String, bool)>>);
 
 impl Target {
-    /// The next readings are asked for at this target.
+    /// Sets the target of the next readings.
     pub fn set(&self, name: String) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).0 = name;
     }
 
-    /// Whether nothing was typed at the last one.
+    /// Whether nothing was typed at the last target.
     pub fn is_missed(&self) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).1
     }
@@ -32,7 +32,7 @@ impl Target {
     }
 }
 
-/// Asks for a position when the platform is there, and reads `x y z` in millimetres from standard input.
+/// Asks for the position of the platform and reads `x y z` in millimetres from standard input.
 pub struct TypedInstrument(pub Target);
 
 impl Instrument for TypedInstrument {
@@ -58,7 +58,7 @@ impl Instrument for TypedInstrument {
     }
 }
 
-/// Three numbers in millimetres, with spaces, semicolons or tabs between them.
+/// Parses three numbers in millimetres, separated by spaces, semicolons or tabs.
 fn position_m(line: &str) -> Option<[f64; 3]> {
     Some(typed::numbers(line)?.map(|number| number * 1e-3))
 }

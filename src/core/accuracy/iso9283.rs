@@ -1,10 +1,10 @@
 //! Accuracy figures of ISO 9283 from commanded and attained poses.
 //!
-//! Of one commanded position `p_c`, attained as `p_k` in `n` cycles with barycentre `pbar`:
+//! For one commanded position `p_c` and positions `p_k` attained in `n` cycles with barycentre `pbar`:
 //! accuracy `AP = |pbar - p_c|`; with `l_k = |p_k - pbar|`, its mean `lbar` and standard deviation
-//! `S_l = sqrt(sum (l_k - lbar)^2 / (n - 1))`, repeatability `RP = lbar + 3 S_l` (m). Per angle: accuracy
-//! `AP_a = abar - a_c`, repeatability `RP_a = 3 S_a` (rad). Along a path the same at each of `m` points, and
-//! `AT = max_i |pbar_i - p_ci|`, `RT = max_i (lbar_i + 3 S_li)`, angles likewise.
+//! `S_l = sqrt(sum (l_k - lbar)^2 / (n - 1))`, repeatability `RP = lbar + 3 S_l` (m). For each angle: accuracy
+//! `AP_a = abar - a_c`, repeatability `RP_a = 3 S_a` (rad). Along a path, the same at each of `m` points, with
+//! `AT = max_i |pbar_i - p_ci|` and `RT = max_i (lbar_i + 3 S_li)`; angles likewise.
 //!
 //! Angles are the components of the rotation vector from the commanded to the attained
 //! orientation, in base coordinates: for the small deviations of a robot these are the deviations
@@ -13,7 +13,7 @@
 
 use crate::geometry::{Pose, Vec3};
 
-/// One commanded pose and what was attained, one pose per cycle.
+/// A commanded pose and the poses attained, one per cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
     /// Commanded pose.
@@ -22,7 +22,7 @@ pub struct Target {
     pub attained: Vec<Pose>,
 }
 
-/// Why there are no figures.
+/// Errors of [`pose_accuracy`] and [`path_accuracy`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AccuracyError {
     /// There is no target.
@@ -40,7 +40,7 @@ pub enum AccuracyError {
         /// Index of the target, from 0.
         target: usize,
     },
-    /// The points of a path were not passed equally often.
+    /// The points of a path do not all have the same number of cycles.
     #[error("point {point} of the path has {found} cycles, the first has {expected}")]
     UnequalCycles {
         /// Index of the point, from 0.
@@ -52,7 +52,7 @@ pub enum AccuracyError {
     },
 }
 
-/// Figures of one commanded pose.
+/// Accuracy and repeatability at one commanded pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PoseFigures {
     /// Number of cycles `n`.
@@ -71,7 +71,7 @@ pub struct PoseFigures {
     pub angle_repeatability_rad: Option<[f64; 3]>,
 }
 
-/// Figures of several commanded poses.
+/// Accuracy and repeatability at several commanded poses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PoseSummary {
     /// Figures of each target.
@@ -90,7 +90,7 @@ pub struct PoseSummary {
     pub largest_angle_repeatability_rad: Option<[f64; 3]>,
 }
 
-/// Figures of a path that was passed several times.
+/// Accuracy and repeatability along a path traversed several times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathFigures {
     /// Number of cycles `n`.
@@ -107,7 +107,7 @@ pub struct PathFigures {
     pub angle_repeatability_rad: Option<[f64; 3]>,
 }
 
-/// Figures of each target and over all of them.
+/// Computes the figures of each target and summarises them over all targets.
 ///
 /// ```
 /// use tautline_core::accuracy::iso9283::{Target, pose_accuracy};
@@ -144,13 +144,12 @@ pub fn pose_accuracy(targets: &[Target]) -> Result<PoseSummary, AccuracyError> {
     })
 }
 
-/// Figures of a path given at the same points in every cycle.
+/// Computes the figures of a path sampled at the same points in every cycle.
 ///
-/// The points are those where the path crosses planes normal to the commanded path, as the standard
-/// has it, or samples at equal times; choosing them is the caller's.
-///
+/// The standard takes the points where the path crosses planes normal to the commanded path; samples at equal
+/// times serve as well. Choosing the points is left to the caller.
 /// # Errors
-/// As [`pose_accuracy`], and if the points were not passed equally often.
+/// As [`pose_accuracy`], and if the points have different numbers of cycles.
 pub fn path_accuracy(points: &[Target]) -> Result<PathFigures, AccuracyError> {
     let expected = points.first().map_or(0, |point| point.attained.len());
     for (point, target) in points.iter().enumerate() {
@@ -224,7 +223,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// With `n - 1` in the denominator, as in the standard; for at least two values.
+/// Sample standard deviation with `n - 1` in the denominator, as in the standard; needs at least two values.
 fn standard_deviation(values: &[f64]) -> f64 {
     let mean = mean(values);
     let sum: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();

@@ -7,11 +7,11 @@ use rand::seq::SliceRandom;
 use super::elongation_surface::{ElongationSurface, MAX_DEGREE, exponents, term_count};
 use crate::fitting::{FitStatistics, fit_linear};
 
-/// Folds of the cross-validation.
+/// Number of folds of the cross-validation.
 const FOLDS: usize = 10;
 
-/// Seed of the division into folds, fixed so that the same data always give the same degree. Data come
-/// sorted on a grid: without shuffling, a fold would hold out whole lengths or tensions.
+/// Seed of the random division into folds; fixed so that the same data always give the same degree. The data are
+/// sorted on a grid: without shuffling, a fold would hold out a whole length or tension.
 const FOLD_SEED: u64 = 2392;
 
 /// One elongation measurement.
@@ -25,7 +25,7 @@ pub struct ElongationTriple {
     pub elongation_m: f64,
 }
 
-/// Why no surface can be fitted.
+/// Errors of fitting an elongation surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ElongationFitError {
     /// The degree is not 1 to 5.
@@ -34,7 +34,7 @@ pub enum ElongationFitError {
     /// A value is NaN or infinite.
     #[error("measurement {0} holds a value that is not a finite number")]
     NotFinite(usize),
-    /// Fewer measurements than terms and one for redundancy.
+    /// There are no more measurements than coefficients.
     #[error("degree {degree} has {terms} coefficients: {given} measurements are too few")]
     TooFew {
         /// The degree.
@@ -59,16 +59,16 @@ pub enum ElongationFitError {
 pub struct DegreeScore {
     /// Total degree.
     pub degree: usize,
-    /// Root mean square error at measurements left out of the fit (m); `None` if some fold leaves too
-    /// little to fit this degree.
+    /// Root mean square error at the held-out measurements (m); `None` if some fold leaves too few
+    /// measurements to fit this degree.
     pub error_m: Option<f64>,
-    /// Mean square error over all left-out measurements (m^2), the square of `error_m`.
+    /// Mean square error over all held-out measurements (m^2), the square of `error_m`.
     pub mean_square_m2: Option<f64>,
     /// Standard error of the mean square, from its spread over the folds (m^2).
     pub standard_error_m2: Option<f64>,
 }
 
-/// The chosen surface and how every degree did.
+/// The chosen surface and the cross-validation scores of all degrees.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DegreeChoice {
     /// The surface of the chosen degree, fitted to all measurements.
@@ -77,12 +77,12 @@ pub struct DegreeChoice {
     pub scores: Vec<DegreeScore>,
 }
 
-/// Least-squares surface of the given total degree; see [`ElongationSurface`].
+/// Fits the least-squares surface of the given total degree; see [`ElongationSurface`].
 ///
 /// Centre and scale come from the range of the data, so that they lie in `[-1, 1]`.
 ///
 /// # Errors
-/// Degree, number or arrangement of the measurements do not allow it.
+/// If the degree is out of range, or number or arrangement of the measurements do not determine the surface.
 pub fn fit_elongation_surface(
     triples: &[ElongationTriple],
     degree: usize,
@@ -100,8 +100,8 @@ pub fn fit_elongation_surface(
     Ok(surface)
 }
 
-/// Fits degrees 1 to 5 with ten-fold cross-validation and takes the smallest whose mean square
-/// error lies within one standard error of the least (Hastie, Tibshirani, Friedman, *The Elements
+/// Fits degrees 1 to 5 with ten-fold cross-validation and chooses the smallest degree whose mean square
+/// error is within one standard error of the minimum (Hastie, Tibshirani, Friedman, *The Elements
 /// of Statistical Learning*, section 7.10): a higher degree must earn its coefficients.
 ///
 /// # Errors
@@ -130,7 +130,7 @@ pub fn choose_elongation_degree(
     })
 }
 
-/// A surface with centre, scale and degree, after checking that the data can determine it.
+/// Returns a surface with centre, scale and degree but no coefficients, once the data are known to determine it.
 fn empty_surface(
     triples: &[ElongationTriple],
     degree: usize,
@@ -168,7 +168,7 @@ fn empty_surface(
     })
 }
 
-/// Middle and half width of the values, of which a polynomial needs one more than its degree.
+/// Midpoint and half-width of the values; a polynomial needs one more distinct value than its degree.
 fn range(
     mut values: Vec<f64>,
     name: &str,
@@ -230,7 +230,7 @@ fn score(triples: &[ElongationTriple], fold_of: &[usize], degree: usize) -> Degr
     }
 }
 
-/// Sum of squared errors at the measurements of one fold by a fit to all others, and their number.
+/// Sum of squared errors at the measurements of one fold under a fit to all others, and their number.
 fn left_out_square(
     template: &ElongationSurface,
     triples: &[ElongationTriple],

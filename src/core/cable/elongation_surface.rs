@@ -28,20 +28,20 @@ pub struct ElongationSurface {
     pub residual_sd_m: f64,
 }
 
-/// Rounding allowed at the border of the measured range, in units of half its width.
+/// Tolerance for rounding at the border of the measured range, in units of its half-width.
 const BORDER: f64 = 1e-9;
 
 /// Highest total degree: equation 2 of Jin et al. 2018.
 pub(super) const MAX_DEGREE: usize = 5;
 
-/// Elongation at one length and tension, with its slopes.
+/// Elongation at one length and tension, with its partial derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceValue<T> {
     /// Elongation (m).
     pub elongation_m: T,
-    /// Change per metre of cable (m/m).
+    /// Derivative with respect to the cable length (m/m).
     pub by_length: T,
-    /// Change per newton of tension (m/N).
+    /// Derivative with respect to the tension (m/N).
     pub by_tension_m_per_n: T,
 }
 
@@ -49,9 +49,9 @@ pub struct SurfaceValue<T> {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("the {quantity} {value} {unit} is outside the measured range {lowest} to {highest} {unit}")]
 pub struct OutsideMeasuredRange {
-    /// Which input.
+    /// Name of the quantity.
     pub quantity: &'static str,
-    /// Its value.
+    /// Value outside the range.
     pub value: f64,
     /// Least measured value.
     pub lowest: f64,
@@ -72,7 +72,7 @@ pub(super) fn exponents(degree: usize) -> impl Iterator<Item = (i32, i32)> {
 }
 
 impl ElongationSurface {
-    /// What is inconsistent in the surface, one sentence; `None` if nothing is.
+    /// Describes the first inconsistency of the surface in one sentence; `None` if there is none.
     #[must_use]
     pub fn check(&self) -> Option<String> {
         if !(1..=MAX_DEGREE).contains(&self.degree) {
@@ -111,17 +111,17 @@ impl ElongationSurface {
         None
     }
 
-    /// Elongation and slopes at a cable length (m) and tension (N).
+    /// Elongation and its derivatives at a cable length (m) and tension (N).
     ///
     /// # Errors
-    /// Outside the measured range: the polynomial is not extrapolated.
+    /// If either lies outside the measured range: the polynomial is not extrapolated.
     pub fn evaluate(
         &self,
         length_m: f64,
         tension_n: f64,
     ) -> Result<SurfaceValue<f64>, OutsideMeasuredRange> {
         let check = |quantity, value: f64, center: f64, scale: f64, unit| {
-            // Not a number is outside as well.
+            // The comparison is written so that NaN counts as outside.
             if ((value - center) / scale).abs() <= 1.0 + BORDER {
                 return Ok(());
             }
@@ -140,8 +140,8 @@ impl ElongationSurface {
         Ok(self.evaluate_unchecked(length_m, tension_n))
     }
 
-    /// Elongation and slopes at a cable length (m) and tension (N) that are known to lie in the
-    /// measured range, of a surface that passes [`Self::check`].
+    /// As [`Self::evaluate`] for a length (m) and tension (N) known to lie in the measured range, of a surface that
+    /// passes [`Self::check`].
     #[inline(always)]
     #[must_use]
     pub fn evaluate_unchecked<T: Real>(&self, length: T, tension: T) -> SurfaceValue<T> {

@@ -11,7 +11,7 @@ use super::ElongationSurface;
 use crate::kinematics::{CablePath, PathChange};
 use crate::real::{Real, add_scaled, constants, dot, scaled};
 
-/// What a cable is made of and how it is loaded, at one pose.
+/// Material, load and run-in of one cable at one pose: everything but the path that `L0` depends on.
 #[derive(Debug, Clone, Copy)]
 pub struct CableLaw<'a, T> {
     /// Cable between drum and pulley entry point `D` (m).
@@ -52,7 +52,7 @@ pub struct Unstrained<T> {
 }
 
 impl<T: Real> CableLaw<'_, T> {
-    /// The unstrained length over `path`.
+    /// Unstrained length `L0` of the cable over `path`, with its derivatives.
     #[inline(always)]
     #[must_use]
     pub fn unstrained(&self, path: &CablePath<T>) -> Unstrained<T> {
@@ -121,8 +121,8 @@ impl<T: Real> CableLaw<'_, T> {
 }
 
 impl<T: Real> Unstrained<T> {
-    /// Gradient of `L0` with respect to the anchor in the base frame; that with respect to the entry
-    /// point is the opposite.
+    /// Gradient of `L0` with respect to the anchor in the base frame; the gradient with respect to the entry
+    /// point is its negative.
     #[inline(always)]
     #[must_use]
     pub fn by_anchor(&self, path: &CablePath<T>, radius: T, sags: bool) -> [T; 3] {
@@ -135,7 +135,7 @@ impl<T: Real> Unstrained<T> {
         add_scaled(gradient, self.by_slope, path.turn(self.down))
     }
 
-    /// Change of `L0` with a small change of the path (m).
+    /// First-order change of `L0` for a small change of the path (m).
     #[inline(always)]
     #[must_use]
     pub fn change(&self, change: &PathChange<T>) -> T {

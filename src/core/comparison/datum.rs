@@ -1,4 +1,4 @@
-//! Pulleys and target plane, and the motion that all of them have in common.
+//! Displacements of pulleys and target plane, and the rigid motion common to all of them (the datum).
 
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen};
 
@@ -8,10 +8,10 @@ use super::{CommonMotion, Displacement, ScalarDifference, Test};
 use crate::estimation::ParameterId;
 use crate::geometry::Vec3;
 
-/// Eigenvalues below this part of the largest belong to motions that change nothing known.
+/// Eigenvalues below this fraction of the largest belong to motions that leave all known coordinates unchanged.
 const NULL_EIGENVALUE: f64 = 1e-9;
 
-/// A part fixed to the frame that may have moved.
+/// A part fixed to the frame that may have been displaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FramePart {
     /// The pulley of a cable.
@@ -20,15 +20,15 @@ pub(super) enum FramePart {
     TargetPlane,
 }
 
-/// The differences of all coordinates, and their change by a common motion.
+/// Differences of all coordinates between two runs, and their change under a common rigid motion.
 pub(super) struct Datum {
     coordinates: Vec<ParameterId>,
     cables: usize,
     difference: Difference,
     covariance: DMatrix<f64>,
-    /// Columns: the open directions of `[t; w]`.
+    /// Columns: basis of the directions of `[t; w]` that the known coordinates leave free.
     open: DMatrix<f64>,
-    /// Change of each coordinate by the open directions.
+    /// Change of each coordinate along the free directions.
     by_motion: DMatrix<f64>,
 }
 
@@ -71,7 +71,7 @@ impl Datum {
         self.open.ncols()
     }
 
-    /// Places of the coordinates of a part.
+    /// Indices of the coordinates of a part.
     fn places(&self, part: FramePart) -> Vec<usize> {
         let belongs = |id: &ParameterId| match (part, id) {
             (FramePart::Pulley(own), ParameterId::EntryPoint { cable, .. }) => own == *cable,
@@ -83,7 +83,7 @@ impl Datum {
             .collect()
     }
 
-    /// Columns of the common motion and of displacements of their own.
+    /// Design matrix: columns of the common motion, then of the individual displacements in `own`.
     fn design(&self, own: &[FramePart]) -> DMatrix<f64> {
         let places: Vec<usize> = own.iter().flat_map(|q| self.places(*q)).collect();
         let motion = self.by_motion.ncols();
@@ -95,8 +95,8 @@ impl Datum {
         design
     }
 
-    /// Displacement of a pulley or the plane with its covariance, the common motion and those that have moved taken
-    /// out; `None` where the rest does not determine it.
+    /// Displacement of a pulley or the plane with its covariance, relative to the parts that have not moved; `None`
+    /// where those do not determine it.
     pub fn displacement(
         &self,
         part: FramePart,
@@ -119,7 +119,7 @@ impl Datum {
         ))
     }
 
-    /// The pulleys (and the plane) that have moved, the most conspicuous first; `others` tests are made besides.
+    /// The pulleys (and the plane) that have moved, most significant first; `others` further tests share the level.
     pub fn moved(&self, level: f64, others: usize) -> Vec<FramePart> {
         let pulleys = (0..self.cables).map(FramePart::Pulley);
         let parts: Vec<FramePart> = pulleys
@@ -144,7 +144,7 @@ impl Datum {
         }
     }
 
-    /// The difference of a pulley as the runs have it.
+    /// Difference of a pulley's entry point as estimated, each run in its own datum.
     pub fn raw(&self, cable: usize) -> Displacement {
         let places = self.places(FramePart::Pulley(cable));
         let value = self.difference.value.select_rows(&places);
@@ -152,7 +152,7 @@ impl Datum {
         self.spatial(cable, &(value, covariance))
     }
 
-    /// A displacement of a pulley's estimated coordinates in all three axes.
+    /// Extends a displacement of a pulley's estimated coordinates to all three axes.
     pub fn spatial(
         &self,
         cable: usize,
@@ -178,7 +178,7 @@ impl Datum {
         spatial
     }
 
-    /// The common motion of those that have not moved.
+    /// Common motion of the parts that have not moved.
     pub fn motion(&self, moved: &[FramePart]) -> Option<CommonMotion> {
         let freedom = self.freedom();
         if freedom == 0 {
@@ -200,7 +200,7 @@ impl Datum {
         })
     }
 
-    /// The offset of the target plane.
+    /// Difference of the offset of the target plane.
     pub fn plane(&self, runs: &[Estimate<'_>; 2], moved: &[FramePart]) -> Option<ScalarDifference> {
         let (value, covariance) = self.displacement(FramePart::TargetPlane, moved)?;
         let offset = |run: &Estimate<'_>| {
@@ -216,7 +216,7 @@ impl Datum {
         })
     }
 
-    /// Whether all coordinates together differ by more than a common motion.
+    /// Tests whether all coordinates together differ by more than a common motion.
     pub fn global(&self) -> Option<Test> {
         let chi2 = self.difference.solve(&self.design(&[]))?.chi2;
         let degrees_of_freedom = self.coordinates.len().checked_sub(self.freedom())?;
@@ -230,7 +230,7 @@ impl Datum {
     }
 }
 
-/// The value that the robot's description states.
+/// Value stated in the robot description.
 fn stated(run: &Estimate<'_>, id: &ParameterId) -> f64 {
     match *id {
         ParameterId::EntryPoint { cable, axis } => {
@@ -240,7 +240,7 @@ fn stated(run: &Estimate<'_>, id: &ParameterId) -> f64 {
     }
 }
 
-/// Middle of the entry points as described (m).
+/// Centroid of the entry points as described (m).
 fn middle(run: &Estimate<'_>) -> Vec3 {
     let cables = &run.robot().cables;
     let sum = (cables.iter()).fold(Vec3::zeros(), |sum, cable| {
@@ -249,7 +249,7 @@ fn middle(run: &Estimate<'_>) -> Vec3 {
     sum / cables.len() as f64
 }
 
-/// Change of a coordinate by `[t; w]`: the direction in which it counts, and its lever about the middle.
+/// Derivative of a coordinate by `[t; w]`: its direction, and the moment of that direction about the centroid.
 fn moves(run: &Estimate<'_>, middle: Vec3, id: &ParameterId) -> [f64; 6] {
     let along = |point: Vec3, direction: Vec3| {
         // direction . (t + w x (point - middle))
@@ -270,7 +270,7 @@ fn moves(run: &Estimate<'_>, middle: Vec3, id: &ParameterId) -> [f64; 6] {
         }
         (_, Some(laser)) => {
             let normal = Vec3::from(laser.target_plane.normal);
-            // Where the platform usually is, seen along the normal.
+            // The plane's offset is observed near the home position, so that is the point whose motion counts.
             let home = run.robot().home.map_or(middle, |home| home.pose().position);
             let foot = home + normal * (laser.target_plane.offset_m - normal.dot(&home));
             along(foot, normal)
@@ -283,7 +283,7 @@ fn rows(count: usize, rows: impl Iterator<Item = [f64; 6]>) -> DMatrix<f64> {
     DMatrix::from_row_iterator(count, 6, rows.flatten())
 }
 
-/// Orthonormal basis of the motions `[t; w]` that change no coordinate known exactly in both runs (6 x directions).
+/// Orthonormal basis of the motions `[t; w]` that change no coordinate known exactly in both runs (6 x k).
 fn open_directions(runs: &[Estimate<'_>; 2], middle: Vec3, known: &[ParameterId]) -> DMatrix<f64> {
     let mut still: Vec<[f64; 6]> = known.iter().map(|id| moves(&runs[0], middle, id)).collect();
     let homes = runs

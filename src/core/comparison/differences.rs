@@ -7,7 +7,7 @@ use super::{EffectDifference, HomeDifference, ScalarDifference, Test};
 use crate::estimation::ParameterId;
 use crate::geometry::Coordinate;
 
-/// The home pose of the second run less that of the first.
+/// Home pose of the second run less that of the first.
 pub(super) fn home(runs: &[Estimate<'_>; 2]) -> Option<HomeDifference> {
     let estimated: Vec<Coordinate> = (Coordinate::ALL.into_iter())
         .filter(|c| {
@@ -35,7 +35,7 @@ pub(super) fn home(runs: &[Estimate<'_>; 2]) -> Option<HomeDifference> {
     })
 }
 
-/// A parameter of an effect in a run: its identity across runs, its place among the parameters, unit and neutral value.
+/// A parameter of an effect in a run: its identity across runs, its index among the parameters, unit and neutral value.
 struct Entry {
     key: (String, Vec<String>, String),
     unit: &'static str,
@@ -64,7 +64,7 @@ fn entries(run: &Estimate<'_>) -> Vec<Entry> {
         .collect()
 }
 
-/// Parameters of effects that a run estimates.
+/// Differences of the effect parameters that either run estimates.
 pub(super) fn effects(runs: &[Estimate<'_>; 2]) -> Vec<EffectDifference> {
     let [first, second] = runs.each_ref().map(entries);
     let only_second = (second.iter()).filter(|e| !first.iter().any(|other| other.key == e.key));

@@ -1,4 +1,4 @@
-//! The estimates of one run without the priors that it shares with the other.
+//! Estimates of one run with the priors removed that it shares with the other run.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,10 +6,10 @@ use super::Identified;
 use crate::estimation::{Parameter, ParameterId, covariance_of};
 use crate::robot::Robot;
 
-/// Part `k` of the shared priors that is removed.
+/// Fraction `k` of the shared priors that is removed.
 const REMOVED_PRIOR: f64 = 0.99;
 
-/// The estimates of a run.
+/// Estimates of a run, free of the shared priors.
 pub(super) struct Estimate<'a> {
     pub run: Identified<'a>,
     /// `g`, in the order of the solution's parameters; home coordinates as deviations from the stated home pose.
@@ -53,12 +53,12 @@ impl<'a> Estimate<'a> {
         parameters.position(|parameter| parameter.id == *id)
     }
 
-    /// Values of a parameter that may be held: then the stated value.
+    /// Value of a parameter, or the stated value if the run does not estimate it.
     pub fn value_or(&self, id: &ParameterId, stated: f64) -> f64 {
         self.index_of(id).map_or(stated, |k| self.values[k])
     }
 
-    /// Covariance of two parameters, zero where one is held.
+    /// Covariance of two parameters; zero if either is held fixed.
     pub fn covariance_of(&self, one: &ParameterId, other: &ParameterId) -> f64 {
         match (self.index_of(one), self.index_of(other)) {
             (Some(i), Some(k)) => self.covariance[(i, k)],
@@ -67,7 +67,7 @@ impl<'a> Estimate<'a> {
     }
 }
 
-/// Whether a parameter belongs to the robot rather than to the run.
+/// Whether the prior of a parameter describes the robot, common to both runs, rather than the run.
 fn is_shared(id: &ParameterId) -> bool {
     match id {
         ParameterId::EntryPoint { .. } | ParameterId::PlaneOffset | ParameterId::Effect { .. } => {
@@ -77,7 +77,7 @@ fn is_shared(id: &ParameterId) -> bool {
     }
 }
 
-/// Value at the solution and centre of the prior.
+/// Value at the solution and centre of its prior.
 fn value_and_centre(run: &Identified<'_>, parameter: &Parameter) -> (f64, f64) {
     let globals = &run.solution.globals;
     let robot = &run.problem.dataset.robot;

@@ -4,13 +4,13 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::estimation::covariance_of;
 
-/// A difference with the Cholesky factor of its covariance.
+/// A difference `d` with the Cholesky factor of its covariance `S`.
 pub(super) struct Difference {
     pub value: DVector<f64>,
     factor: Cholesky<f64, Dyn>,
 }
 
-/// Least-squares solution of a design.
+/// Generalised least-squares estimate for a design matrix `X`.
 pub(super) struct Solved {
     /// `b = (X^T S^-1 X)^-1 X^T S^-1 d`.
     pub estimate: DVector<f64>,

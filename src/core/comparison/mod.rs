@@ -1,28 +1,29 @@
 //! Statistical comparison of two identified geometries of the same robot (deformation analysis).
 //!
-//! **Estimates.** Both runs were solved with the same drawing as prior. What they share must not count as agreement,
+//! **Estimates.** Both runs were solved with the same drawing as prior. A shared prior must not count as agreement,
 //! so the priors `P` of the robot itself (entry points, target plane, effects) are removed: with the
 //! information `I` and the estimate `m` of a run, and the centre `m_0` of its priors,
 //!
 //! `J = I - k P`, `g = m + J^-1 k P (m - m_0)`, `cov g = J^-1`.
 //!
-//! `k = 0.99` keeps a hundredth, so that the variance of undetermined parameters is large, not infinite. The home pose was
-//! approached anew in each run: its prior stays. The runs are independent: `d = g_B - g_A` has the covariance `S = J_A^-1 + J_B^-1`.
+//! `k = 0.99` keeps one percent of the prior, so that the variance of undetermined parameters is large but finite. The home
+//! pose was approached anew in each run, so its prior stays. The runs are independent: `d = g_B - g_A` has the covariance
+//! `S = J_A^-1 + J_B^-1`.
 //!
-//! **Datum.** Each run counts from its own home pose, so a common motion of all pulleys and the target plane by a small
-//! shift `t` and rotation `w` about the middle `c` of the pulleys is no change of the robot. With
-//! `G [t; w] = t + w x (a_i - c)` for pulley `i`, the motion is that of generalised least squares,
+//! **Datum.** Each run is referred to its own home pose, so a common motion of all pulleys and the target plane by a small
+//! translation `t` and rotation `w` about the centroid `c` of the pulleys is no change of the robot. With
+//! `G [t; w] = t + w x (a_i - c)` for pulley `i`, the motion is estimated by generalised least squares,
 //!
 //! `[t; w] = (G^T S^-1 G)^-1 G^T S^-1 d`,
 //!
-//! in those directions only in which nothing known exactly in both runs (coordinates of pulleys, the home pose) would
-//! move. A pulley that has moved must not pull the others with it: the most conspicuous one is given a displacement
-//! of its own, as columns beside `G`, and again, until none is conspicuous (Pelzer 1971; Caspary 1987). If most pulleys
-//! have moved, the motion is that of the majority in this sense.
+//! in those directions only in which no coordinate known exactly in both runs (of a pulley, of the home pose) would
+//! move. A displaced pulley must not pull the others with it: the most significant one is given a displacement
+//! of its own, as additional columns beside `G`, and so on until none is significant (Pelzer 1971; Caspary 1987). If most
+//! pulleys have moved, the datum is that of the largest group that moved together.
 //!
 //! **Tests.** A displacement `v` with covariance `V` has `chi2 = v^T V^-1 v` with as many degrees of freedom as
-//! coordinates. Probabilities are corrected for the number of tests (Holm 1979), so that two runs of one
-//! robot differ anywhere with at most the probability of the level.
+//! coordinates. P-values are corrected for the number of tests (Holm 1979), so that the probability of finding any
+//! difference between two runs of an unchanged robot is at most the level.
 
 mod datum;
 mod differences;
@@ -42,20 +43,20 @@ use datum::{Datum, FramePart};
 use differences::{effects, home};
 use estimate::Estimate;
 
-/// A solved problem, with the description and data that it was solved from.
+/// An identification problem with its solution.
 #[derive(Debug, Clone, Copy)]
 pub struct Identified<'a> {
-    /// What was solved.
+    /// The problem that was solved.
     pub problem: &'a Problem<'a>,
     /// Its solution.
     pub solution: &'a Solution,
 }
 
-/// Why two geometries cannot be compared.
+/// Errors of [`compare`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ComparisonError {
-    /// Not the same robot.
-    #[error("found other cables in the second run ({second}) than in the first ({first})")]
+    /// The cables of the two runs differ.
+    #[error("the second run has the cables {second}, but the first has {first}")]
     OtherCables {
         /// Cables of the first run.
         first: String,
@@ -64,7 +65,7 @@ pub enum ComparisonError {
     },
     /// The data of a run do not determine all parameters.
     #[error(
-        "the data of the {run} run leave parts of the geometry open, so that there is nothing to compare"
+        "the data of the {run} run do not determine the whole geometry, so the runs cannot be compared"
     )]
     Undetermined {
         /// `first` or `second`.
@@ -75,17 +76,17 @@ pub enum ComparisonError {
     NothingEstimated,
 }
 
-/// Outcome of a test.
+/// Result of a chi-square test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Test {
-    /// Chi-square.
+    /// Test statistic, chi-square.
     pub chi2: f64,
     /// Degrees of freedom.
     #[serde(rename = "dof")]
     pub degrees_of_freedom: usize,
-    /// Probability of a chi-square at least as large by noise alone.
+    /// Probability that noise alone gives a chi-square at least as large.
     pub p_value: f64,
-    /// The same, corrected for the number of tests.
+    /// p-value corrected for the number of tests.
     pub p_corrected: f64,
 }
 
@@ -103,23 +104,23 @@ impl Test {
     }
 }
 
-/// Difference of a point, second run less first.
+/// Displacement of a point, second run less first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Displacement {
-    /// Along the axes of the base frame (m).
+    /// Components along the axes of the base frame (m).
     pub vector_m: Vec3,
-    /// Its covariance along the axes (m^2); zero along coordinates known in both runs.
+    /// Covariance of the components (m^2); zero for coordinates known exactly in both runs.
     pub covariance: Matrix3<f64>,
 }
 
 impl Displacement {
-    /// Length (m).
+    /// Length of the displacement (m).
     #[must_use]
     pub fn length_m(&self) -> f64 {
         self.vector_m.norm()
     }
 
-    /// Standard deviation of the length (m), to first order: along the displacement.
+    /// Standard deviation of the length (m), to first order: that of the component along the displacement.
     #[must_use]
     pub fn length_sd_m(&self) -> f64 {
         match self.vector_m.try_normalize(0.0) {
@@ -134,41 +135,41 @@ impl Displacement {
 pub struct PulleyDifference {
     /// Name of the cable.
     pub cable: String,
-    /// As the runs have it, each in its own datum.
+    /// As estimated, each run in its own datum.
     pub raw: Displacement,
     /// Relative to the pulleys that did not move; `None` where too few others are left to determine it.
     pub relative: Option<Displacement>,
     /// Test of the relative displacement against noise; `None` where it is not determined.
     pub test: Option<Test>,
-    /// Whether it has moved, at the level of the comparison.
+    /// Whether it has moved, at the significance level of the comparison.
     pub moved: bool,
 }
 
 /// Common motion of all pulleys and the target plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommonMotion {
-    /// Shift of the middle of the pulleys (m).
+    /// Translation of the centroid of the pulleys (m).
     pub shift_m: Vec3,
     /// Rotation vector about it (rad).
     pub rotation_rad: Vec3,
-    /// Covariance of `[shift; rotation]` (6 x 6; m^2, m rad, rad^2); zero in directions that cannot move.
+    /// Covariance of `[shift; rotation]` (6 x 6; m^2, m rad, rad^2); zero in directions held by known coordinates.
     pub covariance: DMatrix<f64>,
     /// Number of directions of motion that change no coordinate known exactly.
     pub freedom: usize,
-    /// Test against the uncertainty of both home poses.
+    /// Test against zero, given the uncertainty of both home poses.
     pub test: Option<Test>,
 }
 
 /// Difference of a single quantity, second run less first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ScalarDifference {
-    /// In the first run (SI units); `None` where it is not part of it.
+    /// Value in the first run (SI units); `None` if the run does not contain the quantity.
     pub first: Option<f64>,
-    /// In the second run; `None` where it is not part of it.
+    /// Value in the second run (SI units); `None` if the run does not contain the quantity.
     pub second: Option<f64>,
-    /// Difference; of a quantity that only one run has, from its value without effect.
+    /// Second less first; a run that does not contain the quantity counts with its neutral value.
     pub difference: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the difference.
     pub sd: f64,
     /// Test against noise.
     pub test: Option<Test>,
@@ -189,16 +190,16 @@ pub struct EffectDifference {
     pub size: ScalarDifference,
 }
 
-/// Difference of the home pose, each in its own datum.
+/// Difference of the home pose, each run in its own datum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HomeDifference {
-    /// Coordinates that are estimated (m, rad), with difference and standard deviation.
+    /// Estimated coordinates, each with difference and standard deviation (m or rad).
     pub coordinates: Vec<(Coordinate, f64, f64)>,
     /// Test against noise.
     pub test: Option<Test>,
 }
 
-/// How well a run is explained by its model.
+/// Goodness of fit of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FitQuality {
     /// Chi-square.
@@ -206,35 +207,35 @@ pub struct FitQuality {
     /// Degrees of freedom.
     #[serde(rename = "dof")]
     pub degrees_of_freedom: f64,
-    /// Probability of a chi-square at least as large if model and noise are right: where it is small, differences
+    /// Probability of a chi-square at least as large if model and noise are right; if it is small, differences
     /// may come from unmodelled effects.
     pub p_value: Option<f64>,
 }
 
-/// Differences between two runs.
+/// Result of comparing two runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// Probability with which two runs of one robot are called different anywhere.
+    /// Significance level: the probability of finding any difference between two runs of an unchanged robot.
     pub level: f64,
     /// Every pulley, in the robot's order.
     pub pulleys: Vec<PulleyDifference>,
-    /// Common motion of all; `None` where exactly known coordinates allow none.
+    /// Common motion of all parts; `None` if the coordinates known exactly leave no direction free.
     pub motion: Option<CommonMotion>,
-    /// Offset of the target plane, the common motion taken out; `None` where neither run estimates it.
+    /// Offset of the target plane, relative to the common motion; `None` where neither run estimates it.
     pub plane: Option<ScalarDifference>,
     /// Home pose; `None` where neither run estimates it.
     pub home: Option<HomeDifference>,
     /// Effects that a run estimates.
     pub effects: Vec<EffectDifference>,
-    /// Whether pulleys and target plane together differ by more than a common motion; a test of its own.
+    /// Tests whether pulleys and target plane together differ by more than a common motion.
     pub global: Option<Test>,
-    /// How well both runs are explained.
+    /// Goodness of fit of both runs.
     pub fits: [FitQuality; 2],
 }
 
 impl Comparison {
-    /// Whether a pulley, the target plane or an effect differs.
-    /// A common motion and the home pose are no change of the robot.
+    /// Whether a pulley, the target plane or an effect differs significantly. A common motion or another home pose is no
+    /// change of the robot.
     #[must_use]
     pub fn is_different(&self) -> bool {
         let differs = |test: &Option<Test>| test.is_some_and(|t| t.p_corrected < self.level);
@@ -247,10 +248,10 @@ impl Comparison {
     }
 }
 
-/// Compares two runs of the same robot at the given probability of a false difference, 0.05 for example.
+/// Compares two runs of the same robot at a significance level, for example 0.05.
 ///
 /// # Errors
-/// If the robots have other cables, or a run leaves its geometry open.
+/// If the robots have different cables, or the data of a run do not determine its geometry.
 pub fn compare(
     first: &Identified<'_>,
     second: &Identified<'_>,
@@ -275,7 +276,7 @@ pub fn compare(
     let datum = Datum::of(&runs).ok_or(ComparisonError::NothingEstimated)?;
     let effects = effects(&runs);
     let home = home(&runs);
-    // Besides pulleys and plane: effects, the home pose, the common motion.
+    // The tests of effects, home pose and common motion share the level with those of pulleys and plane.
     let others = effects.len() + usize::from(home.is_some()) + usize::from(datum.freedom() > 0);
     let moved = datum.moved(level, others);
     let fit = |run: &Identified<'_>| FitQuality {
@@ -310,7 +311,7 @@ pub fn compare(
     Ok(comparison)
 }
 
-/// Corrects all probabilities for their number and marks the pulleys that have moved.
+/// Corrects all p-values for the number of tests and marks the pulleys that have moved.
 fn correct(comparison: &mut Comparison) {
     let level = comparison.level;
     let pulleys = comparison.pulleys.iter_mut().map(|p| &mut p.test);
@@ -333,8 +334,8 @@ fn correct(comparison: &mut Comparison) {
     }
 }
 
-/// Probabilities corrected for their number (Holm 1979): in rising order, each times the number of those that are
-/// not smaller, never below the one before.
+/// Corrects p-values for their number (Holm 1979): in ascending order, each is multiplied by the number of those that
+/// are not smaller, and raised to the one before if that is larger.
 fn holm(p_values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..p_values.len()).collect();
     order.sort_by(|a, b| p_values[*a].total_cmp(&p_values[*b]));

@@ -4,7 +4,7 @@ use super::{Effect, EffectParameter, EffectSetting, Scope, find};
 use crate::measurement::Measurements;
 use crate::robot::Robot;
 
-/// Why an effect cannot be attached.
+/// Errors of attaching an effect to a robot.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum EffectError {
     /// The identifier is not in the catalogue.
@@ -15,7 +15,7 @@ pub enum EffectError {
     UnknownCable {
         /// Effect concerned.
         effect: String,
-        /// Name that was looked for.
+        /// Name that was given.
         cable: String,
     },
     /// The effect has no parameter of this name.
@@ -23,9 +23,9 @@ pub enum EffectError {
     UnknownParameter {
         /// Effect concerned.
         effect: String,
-        /// Name that was looked for.
+        /// Name that was given.
         parameter: String,
-        /// The names it has.
+        /// The parameters of the effect.
         expected: String,
     },
     /// The effect concerns the whole robot.
@@ -34,7 +34,7 @@ pub enum EffectError {
     /// The effect concerns two cables.
     #[error("effect \"{0}\" concerns two different cables: name both")]
     NeedsPair(String),
-    /// A parameter that cannot be estimated has no value.
+    /// No value is given for a parameter that cannot be estimated.
     #[error(
         "effect \"{effect}\" needs a number for \"{parameter}\", which cannot be estimated: give {parameter}=NUMBER"
     )]
@@ -52,9 +52,9 @@ pub enum EffectError {
         /// The parameter.
         parameter: String,
     },
-    /// The effect has no parameter that readings could determine.
+    /// The effect has no parameter that readings can determine.
     #[error(
-        "effect \"{0}\" has nothing to estimate: hide it in simulated data or name it in a model file"
+        "effect \"{0}\" has no parameter that can be estimated: it can only be simulated or stated in a model file"
     )]
     NothingToEstimate(String),
     /// There is no such pose.
@@ -62,25 +62,25 @@ pub enum EffectError {
     NoSuchPose {
         /// Effect concerned.
         effect: String,
-        /// Label that was looked for.
+        /// Label that was given.
         pose: String,
     },
 }
 
-/// An effect that is to be estimated: `ID[:CABLE][:NAME=NUMBER,...]`.
+/// A request to estimate an effect: `ID[:CABLE][:NAME=NUMBER,...]`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EffectRequest {
     /// Identifier in the catalogue.
     pub effect: String,
-    /// Cable, or all that the effect's scope says.
+    /// Cable; `None` for all cables that the scope of the effect admits.
     pub cable: Option<String>,
-    /// Values of the parameters that cannot be estimated, and start values of others; NaN for what was
-    /// no number.
+    /// Values of the parameters that cannot be estimated, and start values of others; NaN where the text is not
+    /// a number.
     pub values: Vec<(String, f64)>,
 }
 
 impl EffectRequest {
-    /// Reads `ID[:CABLE][:NAME=NUMBER,...]`; `:` may stand for `,` as well.
+    /// Parses `ID[:CABLE][:NAME=NUMBER,...]`; `:` may stand for `,` as well.
     #[must_use]
     pub fn parse(text: &str) -> Self {
         let mut parts = text.split(':');
@@ -102,11 +102,11 @@ impl EffectRequest {
         request
     }
 
-    /// Attaches the effect to `robot`, its parameters at the values given or at their start values: one instance per
-    /// cable where the effect is per cable and no cable is given.
+    /// Attaches the effect to `robot` with the given values, else the start values, as parameters: one instance per
+    /// cable if the effect has the scope of one cable and no cable is given.
     ///
     /// # Errors
-    /// If effect, cable or parameter are unknown, the effect takes no cable, has nothing to estimate, or
+    /// If effect, cable or parameter is unknown, the effect takes no cable or has nothing to estimate, or
     /// a parameter that cannot be estimated has no value.
     pub fn bind(&self, robot: &Robot) -> Result<Vec<BoundEffect>, EffectError> {
         let effect =
@@ -134,7 +134,7 @@ impl EffectRequest {
     }
 }
 
-/// The values of an effect's parameters: those given, else the default.
+/// Values of an effect's parameters: the given ones, else the defaults.
 fn values_of<'n>(
     effect: &'static Effect,
     given: impl Iterator<Item = (&'n String, f64)>,
@@ -177,7 +177,7 @@ fn unknown_parameter(effect: &Effect, name: &str) -> EffectError {
     }
 }
 
-/// A cable by its name, or by its number from 1.
+/// Index of a cable given by its name or by its number, counted from 1.
 fn cable_called(robot: &Robot, effect: &str, name: &str) -> Result<usize, EffectError> {
     let by_number = || {
         let number: usize = name.parse().ok()?;
@@ -201,7 +201,7 @@ pub struct BoundEffect {
     pub effect: &'static Effect,
     /// Cables that share these parameters.
     pub cables: Vec<usize>,
-    /// Whether it is attached to particular cables rather than to the whole robot.
+    /// Whether it is attached to individual cables rather than to the whole robot.
     pub targeted: bool,
     /// Value of each parameter.
     pub values: Vec<f64>,
@@ -217,18 +217,18 @@ impl BoundEffect {
         }
     }
 
-    /// Attaches the effect of a model file to the cables of `robot`; parameters not given are neutral.
+    /// Attaches an effect stated in a model file to the cables of `robot`; parameters not given are neutral.
     ///
     /// # Errors
-    /// If effect, cable or parameter are unknown.
+    /// If effect, cable or parameter is unknown.
     pub fn from_setting(setting: &EffectSetting, robot: &Robot) -> Result<Self, EffectError> {
         Self::attach(setting, robot, |p| p.neutral)
     }
 
-    /// Attaches an effect that is to be estimated; parameters not given have their start values.
+    /// Attaches an effect that is to be estimated; parameters not given take their start values.
     ///
     /// # Errors
-    /// If effect, cable or parameter are unknown.
+    /// If effect, cable or parameter is unknown.
     pub fn to_estimate(setting: &EffectSetting, robot: &Robot) -> Result<Self, EffectError> {
         Self::attach(setting, robot, |p| p.start)
     }
@@ -272,10 +272,10 @@ impl BoundEffect {
         })
     }
 
-    /// Whether every pose that it names is in `data`.
+    /// Checks that every pose the effect refers to is in `data`.
     ///
     /// # Errors
-    /// If it names a pose that is not there.
+    /// If it refers to a pose that is not there.
     pub fn check_poses(&self, data: &Measurements) -> Result<(), EffectError> {
         let Some(index) = self.effect.pose_parameter() else {
             return Ok(());
@@ -290,12 +290,12 @@ impl BoundEffect {
         })
     }
 
-    /// Exchanges the channels that it says are exchanged; doing it twice changes nothing.
+    /// Swaps the channels that the effect states as exchanged; applying it twice changes nothing.
     pub fn exchange_channels(&self, data: &mut Measurements) {
         (self.effect.exchange_channels)(&self.cables, &self.values, data);
     }
 
-    /// The form in which model files carry it.
+    /// The effect in the form of model files.
     #[must_use]
     pub fn setting(&self, robot: &Robot) -> EffectSetting {
         let targets = if self.targeted {

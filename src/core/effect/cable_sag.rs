@@ -1,4 +1,4 @@
-//! Weight per metre other than stated: `w += weight` (N/m) in the extra length by sag `w^2 h^2 l / (24 T^2)` with
+//! Weight per metre that differs from the stated one: `w += weight` (N/m) in the extra length by sag `w^2 h^2 l / (24 T^2)` with
 //! the horizontal span `h`, free length `l` and tension `T`. Parabola, first order; needs force sensors.
 //! An estimate starts at 0.1 N/m: without weight nothing depends on it to first order. Typical 0.01 to
 //! 5 N/m. Source: Irvine, Cable Structures, 1981.

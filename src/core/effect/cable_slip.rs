@@ -6,7 +6,7 @@ use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Sear
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_slip",
-    title: "Slip of a cable on its drum",
+    title: "Cable slip on the drum",
     scope: Scope::Cable,
     parameters: &[
         EffectParameter::new("step", "m", 0.02, [0.001, 0.02]),

@@ -2,8 +2,8 @@
 //! its mean over the data set `Tref`, both by the force sensor of the cable.
 //!
 //! Nothing changes without force sensor, without stated stiffness, or where a measured elongation surface
-//! replaces it. Approximation: the correction factor is taken at the reading, not at the estimated
-//! tension. Typical 0.1 to 0.5: fibre ropes stiffen under load (then `c` is negative), first-order term.
+//! replaces it. Approximation: the correction factor is evaluated at the tension reading, not at the estimated
+//! tension. Typical 0.1 to 0.5 in magnitude; fibre ropes stiffen under load, so that `c` is negative. First-order term.
 
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
 
@@ -19,7 +19,7 @@ pub(super) static EFFECT: Effect = Effect {
         found.say("Measure the elongation of a piece of the same cable over the whole range of tensions, and use the measured curve instead of one stiffness.")
     },
     check: Some(
-        "Pull a piece of the cable with several known forces and measure by how much it gets longer.",
+        "Pull a piece of the cable with several known forces and measure how much it stretches.",
     ),
     source: "First-order term of a stiffness that depends on tension, as measured on fibre ropes",
     stage: Stage::Ratio,

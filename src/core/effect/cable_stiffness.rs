@@ -1,4 +1,4 @@
-//! Axial stiffness other than stated: `EA (1 + change)`. Typical 10 to 50 %.
+//! Axial stiffness that differs from the stated one: `EA (1 + change)`. Typical 10 to 50 %.
 
 use super::{Effect, EffectParameter, Scope};
 
@@ -9,11 +9,9 @@ pub(super) static EFFECT: Effect = Effect {
     parameters: &[EffectParameter::new("change", "1", 0.5, [0.1, 0.5]).within(-0.9, 3.0)],
     cause: |found| found.say("{cable} {is|are} {0:%} {0:stiffer|less stiff} than stated."),
     workshop: |found| {
-        found.say("Stretch a piece of the same cable with known weights, measure by how much, and enter that stiffness.")
+        found.say("Stretch a piece of the same cable with known weights, measure how much it stretches, and enter that stiffness.")
     },
-    check: Some(
-        "Pull a piece of the cable with a known force and measure by how much it gets longer.",
-    ),
+    check: Some("Pull a piece of the cable with a known force and measure how much it stretches."),
     source: "Hooke's law; sizes from stiffnesses reported for ropes",
     change_cable: |parameters, _, ports| ports.compliance *= (parameters[0] + 1.0).recip(),
     ..Effect::NEUTRAL

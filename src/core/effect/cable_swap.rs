@@ -1,6 +1,6 @@
-//! Two channels are connected the wrong way round at all poses: the length readings of two cables are exchanged
-//! (`channels` 1), their force readings (2), or both (3). Swivel readings are not. There is nothing to fit: a model
-//! that names the exchange is compared with readings in which it was undone.
+//! Two channels are swapped at all poses: the length readings of two cables are exchanged
+//! (`channels` 1), their force readings (2), or both (3). Swivel readings are not. Nothing is estimated: the search
+//! compares a model that states the exchange with the readings restored to their own channels.
 
 use super::{Effect, EffectParameter, FoundEffect, Scope, Search};
 use crate::measurement::{Grid, Measurements};
@@ -12,7 +12,7 @@ pub(super) static EFFECT: Effect = Effect {
     parameters: &[EffectParameter::choice("channels", [1.0, 3.0], 1.0)],
     cause,
     workshop,
-    check: Some("Turn one winch by hand and look which channels count and pull."),
+    check: Some("Turn one winch by hand and see which channels respond."),
     source: "Wiring: two channels exchanged",
     search: Search::Exchange,
     exchange_channels,
@@ -27,19 +27,13 @@ fn exchanged(channels: f64) -> [bool; 2] {
 fn cause(found: &FoundEffect<'_>) -> String {
     found.say(
         match (exchanged(found.value(0)), found.counts_revolutions()) {
-            ([true, false], true) => {
-                "The encoders of {winch} are connected the wrong way round."
-            }
-            ([true, false], false) => {
-                "The length readings of {cable} are connected the wrong way round."
-            }
+            ([true, false], true) => "The encoders of {winch} are swapped.",
+            ([true, false], false) => "The length readings of {cable} are swapped.",
             ([true, true], true) => {
-                "The encoders of {winch} are connected the wrong way round, and so are their force sensors."
+                "The encoders of {winch} are swapped, and so are their force sensors."
             }
-            ([true, true], false) => {
-                "The length and force readings of {cable} are connected the wrong way round."
-            }
-            ([false, _], _) => "{force sensor} are connected the wrong way round.",
+            ([true, true], false) => "The length and force readings of {cable} are swapped.",
+            ([false, _], _) => "{force sensor} are swapped.",
         },
     )
 }
@@ -48,19 +42,19 @@ fn workshop(found: &FoundEffect<'_>) -> String {
     found.say(
         match (exchanged(found.value(0)), found.counts_revolutions()) {
             ([true, false], true) => {
-                "Exchange the encoder plugs of {winch}, or their channels in the controller."
+                "Swap the encoder plugs of {winch}, or their channels in the controller."
             }
             ([true, false], false) => {
-                "Exchange the plugs of the length sensors of {cable}, or their channels in the controller."
+                "Swap the plugs of the length sensors of {cable}, or their channels in the controller."
             }
             ([true, true], true) => {
-                "Exchange the encoder plugs of {winch} and the plugs of their force sensors, or the channels in the controller."
+                "Swap the encoder plugs of {winch} and the plugs of their force sensors, or the channels in the controller."
             }
             ([true, true], false) => {
-                "Exchange the plugs of the length and force sensors of {cable}, or their channels in the controller."
+                "Swap the plugs of the length and force sensors of {cable}, or their channels in the controller."
             }
             ([false, _], _) => {
-                "Exchange the plugs of {force sensor}, or their channels in the controller."
+                "Swap the plugs of {force sensor}, or their channels in the controller."
             }
         },
     )

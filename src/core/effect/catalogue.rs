@@ -1,4 +1,4 @@
-//! The lists of effects that models, simulations and commands know.
+//! The catalogue of effects that models, simulations and commands know.
 
 use super::{
     Effect, cable_creep, cable_sag, cable_slip, cable_stiffening, cable_stiffness, cable_swap,
@@ -11,7 +11,7 @@ use super::{
     winch_backlash, winch_offset, winch_scale, winch_scale_common,
 };
 
-/// Every effect that poses at rest can show, in the order in which reports list them.
+/// All effects that poses at rest can reveal, in the order in which reports list them.
 pub static CATALOGUE: &[&Effect] = &[
     &winch_scale::EFFECT,
     &winch_scale_common::EFFECT,
@@ -51,8 +51,8 @@ pub static CATALOGUE: &[&Effect] = &[
     &inclinometer_tilt::EFFECT,
 ];
 
-/// Every effect that only recordings in motion show. They are a list of their own, so that nobody asks poses at rest for
-/// them: each further question costs certainty.
+/// All effects that only recordings in motion reveal. They are a separate list so that poses at rest are not
+/// tested for them: each further hypothesis costs power.
 pub static IN_MOTION: &[&Effect] = &[
     &tracker_latency::EFFECT,
     &tracker_clock::EFFECT,
@@ -62,20 +62,20 @@ pub static IN_MOTION: &[&Effect] = &[
     &pulley_drag::EFFECT,
 ];
 
-/// Every effect that only the poses of an external instrument show, for the same reason a list of their own.
+/// All effects that only the poses of an external instrument reveal; a separate list for the same reason.
 pub static OF_EXTERNAL_POSES: &[&Effect] = &[
     &tracker_frame::EFFECT,
     &tracker_target::EFFECT,
     &tracker_tilt::EFFECT,
 ];
 
-/// All effects that have a name.
+/// All named effects.
 pub fn every_effect() -> impl Iterator<Item = &'static Effect> {
     let shown_at_rest = CATALOGUE.iter().chain(OF_EXTERNAL_POSES);
     shown_at_rest.chain(IN_MOTION).copied()
 }
 
-/// The effect with this identifier; `unknown`, which names no cause, is not on the list but found, too.
+/// The effect with this identifier, including `unknown`, which the lists do not contain because it names no cause.
 #[must_use]
 pub fn find(id: &str) -> Option<&'static Effect> {
     every_effect()

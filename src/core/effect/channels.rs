@@ -1,4 +1,4 @@
-//! Readings on the channels on which a model has them.
+//! Measurements rearranged to the channels that a model states.
 
 use std::borrow::Cow;
 
@@ -6,8 +6,8 @@ use super::{BoundEffect, EffectError, Search};
 use crate::measurement::Measurements;
 use crate::robot::Robot;
 
-/// The measurements with every exchange of channels undone that the effects of `robot` name; the
-/// measurements themselves if they name none.
+/// Returns the measurements with every channel exchange undone that the effects of `robot` state; borrows them
+/// unchanged if there is none.
 ///
 /// # Errors
 /// If an effect of the robot cannot be attached to it.

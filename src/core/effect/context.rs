@@ -1,7 +1,7 @@
-//! The contexts in which readings were taken: what effects may depend on besides their parameters.
+//! Contexts of the readings: everything that effects may depend on besides their parameters.
 //!
-//! Everything here follows from the readings and from the nominal geometry at approximate poses. It is
-//! found once per problem and held while parameters and poses are estimated.
+//! A context follows from the readings and from the nominal geometry at approximate poses. It is
+//! computed once per problem and held fixed while parameters and poses are estimated.
 
 use super::direction::angles;
 use super::motion::{finite, inertia, paid_rates, tension_rates, twists};
@@ -18,7 +18,7 @@ pub struct CableContext {
     pub is_home: bool,
     /// Label of the pose.
     pub label: i64,
-    /// Time since the home row, or the first row where there is none (s); 0 if not measured.
+    /// Time since the home row, or the first row if there is none (s); 0 if not measured.
     pub time_s: f64,
     /// Change of temperature since the home row, or the first row (K); 0 if not measured.
     pub temperature_change_k: f64,
@@ -26,29 +26,29 @@ pub struct CableContext {
     pub revolutions: f64,
     /// Drum revolutions per motor revolution.
     pub drum_per_motor: f64,
-    /// +1 where the cable was paid out since the row before, -1 where it was reeled in, else 0: by the readings, or by
+    /// +1 where the cable was paid out since the previous row, -1 where it was reeled in, else 0: from the readings, or from
     /// approximate poses where one is missing.
     pub direction: f64,
-    /// First and second derivative of the cable paid out, or the length, by time (m/s, m/s^2); 0 at rest.
+    /// First and second derivative of the cable paid out, or the length, with respect to time (m/s, m/s^2); 0 at rest.
     pub paid_rates: [f64; 2],
-    /// Those of the tension by its sensor (N/s, N/s^2).
+    /// First and second time derivative of the tension reading (N/s, N/s^2).
     pub tension_rates: [f64; 2],
-    /// Tension by its sensor, or the mean where it was not read (N); without any reading one within the stated limits that
-    /// holds the platform, 0 if none are stated.
+    /// Tension reading, or the mean tension where it was not read (N); if the cable has no reading at all, a tension within
+    /// the stated limits that balances the platform, 0 if no limits are stated.
     pub tension_n: f64,
-    /// Mean of these tensions over all rows where there is one (N).
+    /// Mean of the known tensions over all rows (N).
     pub mean_tension_n: f64,
-    /// Reading per tension of the force sensor; 0 where it is not read.
+    /// Gain of the force sensor, reading per tension; 0 where it is not read.
     pub tension_gain: f64,
     /// Wrap angle on the pulley, nominal geometry at an approximate pose (rad).
     pub wrap_rad: f64,
-    /// Horizontal part of the unit vector from the pulley to the platform, from the same geometry and pose.
+    /// Horizontal components of the unit vector from the pulley to the platform, from the same geometry and pose.
     pub pull_horizontal: [f64; 3],
     /// Nominal entry point (m).
     pub entry_point_m: [f64; 3],
     /// Nominal swivel axis.
     pub swivel_axis: [f64; 3],
-    /// Every variable, in the order of [`Variable::ALL`]; NaN where it is not known.
+    /// All variables, in the order of [`Variable::ALL`]; NaN where unknown.
     pub variables: [f64; Variable::COUNT],
 }
 
@@ -61,35 +61,35 @@ pub struct PlatformContext {
     pub row: usize,
     /// Label of the pose.
     pub label: i64,
-    /// Time since the home row, or the first row where there is none (s); 0 if not measured.
+    /// Time since the home row, or the first row if there is none (s); 0 if not measured.
     pub time_s: f64,
     /// Change of temperature since the home row, or the first row (K); 0 if not measured.
     pub temperature_change_k: f64,
     /// Laser reading (m); 0 without one.
     pub laser_m: f64,
-    /// First and second derivative of the laser reading by time (m/s, m/s^2); 0 at rest.
+    /// First and second derivative of the laser reading with respect to time (m/s, m/s^2); 0 at rest.
     pub laser_rates: [f64; 2],
     /// Velocity and acceleration of the platform (m, rad, s; base frame); 0 at rest.
     pub twists: [Twist; 2],
-    /// Acceleration of the centre of mass, and torque that turns the platform about it (m/s^2, N m; base frame).
+    /// Acceleration of the centre of mass (m/s^2), then the torque that rotates the platform about it (N m); base frame.
     pub inertia: Twist,
-    /// Roll, pitch and yaw as read (rad); where not read, those of an approximate pose.
+    /// Roll, pitch and yaw as read (rad); of an approximate pose where not read.
     pub inclination_rad: [f64; 3],
-    /// Position as the external instrument read it (m); 0 where it did not.
+    /// Position as read by the external instrument (m); 0 where not read.
     pub tracked_m: [f64; 3],
-    /// Rotation matrix of the orientation that it read, row by row; where it did not, that of an approximate pose.
+    /// Rotation matrix of the orientation that it read, row by row; of an approximate pose where not read.
     pub tracked_rotation: [[f64; 3]; 3],
-    /// Nominal direction of the laser beam, platform frame; any without a laser.
+    /// Nominal direction of the laser beam, platform frame; arbitrary without a laser.
     pub laser_direction: [f64; 3],
-    /// Nominal normal of the target plane, base frame; any without a laser.
+    /// Nominal normal of the target plane, base frame; arbitrary without a laser.
     pub target_normal: [f64; 3],
-    /// Every variable, in the order of [`Variable::ALL`]; NaN where it is not known, and for those of a cable.
+    /// All variables, in the order of [`Variable::ALL`]; NaN where unknown and for the variables of a cable.
     pub variables: [f64; Variable::COUNT],
 }
 
 impl CableContext {
-    /// Whether this is the pose with this label or a later one; the home pose is before all others.
-    /// NaN stands for every pose: so a search sees all of them at once.
+    /// Whether this is the pose with this label or a later one; the home pose precedes all others.
+    /// NaN stands for every pose, so that a search covers all of them at once.
     pub fn is_from(&self, label: f64) -> bool {
         !self.is_home && (label.is_nan() || self.label as f64 >= label)
     }
@@ -120,7 +120,7 @@ pub(super) fn or_zero(value: Option<f64>) -> f64 {
 }
 
 impl PoseContexts {
-    /// The contexts when the platform is at approximate poses, one per row. The directions of travel are
+    /// Computes the contexts for a platform at approximate poses, one per row. The directions of travel are
     /// taken from the readings unless given.
     pub fn new(
         robot: &Robot,
@@ -129,7 +129,7 @@ impl PoseContexts {
         poses: &[Pose],
         directions: Option<&Grid>,
     ) -> Self {
-        // From the first reading where there is none at home.
+        // Counts from the first reading if there is none at home.
         let since = |column: &[f64], row: usize| {
             let read = |row: usize| column.get(row).copied().filter(|v| v.is_finite());
             let first = || column.iter().copied().find(|v| v.is_finite());
@@ -171,7 +171,7 @@ impl PoseContexts {
         let down = robot.gravity().try_normalize(0.0).unwrap_or_default();
         let mut cables: Vec<CableContext> = Vec::with_capacity(data.len() * robot.cable_count());
         let mut facings = vec![None; robot.cable_count()];
-        // Lengths at the row before.
+        // Lengths at the previous row.
         let mut before: Vec<Option<f64>> = vec![None; robot.cable_count()];
         for at in &platform {
             for (index, cable) in robot.cables.iter().enumerate() {
@@ -185,7 +185,7 @@ impl PoseContexts {
                 let direction = match directions {
                     Some(grid) => grid.get(row, index),
                     None if rates.is_some() => sign(paid_rates[0]),
-                    // Where a reading is missing, the way is that from pose to pose.
+                    // Where a reading is missing, the direction follows from the two poses.
                     None => sign(
                         change_of_reading(data, home, (row, index))
                             .unwrap_or_else(|| from.map_or(0.0, |from| path.length - from)),
@@ -237,7 +237,7 @@ impl PoseContexts {
         }
     }
 
-    /// The ports of all cables at a row under tensions (N), as effects change them; nothing is paid out.
+    /// The nominal ports of all cables at a row under given tensions (N), with the effects applied and no cable paid out.
     pub fn cable_ports(
         &self,
         row: usize,
@@ -259,18 +259,18 @@ impl PoseContexts {
         robot.cables.iter().enumerate().map(changed).collect()
     }
 
-    /// Those of a cable at a row.
+    /// Context of a cable at a row.
     pub fn cable(&self, row: usize, index: usize) -> &CableContext {
         &self.cables[row * self.cable_count + index]
     }
 
-    /// Those of the platform at a row.
+    /// Context of the platform at a row.
     pub fn platform(&self, row: usize) -> &PlatformContext {
         &self.platform[row]
     }
 }
 
-/// Roll, pitch and yaw as read, else those of the pose (rad): a tilted sensor mixes the three.
+/// Roll, pitch and yaw as read (rad), completed by those of the pose: a tilted sensor mixes all three.
 fn inclination(data: &Measurements, row: usize, pose: &Pose) -> [f64; 3] {
     let rotation = pose.orientation.to_rotation_matrix().into_inner();
     let rows: [[f64; 3]; 3] = rotation.transpose().into();
@@ -286,10 +286,10 @@ fn inclination(data: &Measurements, row: usize, pose: &Pose) -> [f64; 3] {
     })
 }
 
-/// The orientation as the external instrument read it, else that of the pose, as rows of its matrix.
+/// The orientation as read by the external instrument, else that of the pose, as rows of its matrix.
 fn tracked_rotation(data: &Measurements, row: usize, pose: &Pose) -> [[f64; 3]; 3] {
     let read = data.tracked_orientation_at(row).unwrap_or(pose.orientation);
-    // Columns of the transposed are rows.
+    // The columns of the transpose are the rows.
     read.to_rotation_matrix().into_inner().transpose().into()
 }
 
@@ -318,7 +318,7 @@ struct CableVariables {
     length: f64,
     revolutions: f64,
     drum_per_motor: f64,
-    /// Whether revolutions were counted.
+    /// Whether the winch counts revolutions.
     counts: bool,
     tension: Option<f64>,
     wrap: f64,
@@ -358,8 +358,8 @@ fn pulley_of(cable: &Cable) -> PulleyGeometry<f64> {
     }
 }
 
-/// Tensions by their sensors (N); without any reading those within the stated limits that hold the platform, as close to the
-/// reference as that allows. NaN where neither is known.
+/// Tension readings (N); where there is none at all, tensions within the stated limits that balance the platform, as close
+/// as possible to the reference. NaN where neither is known.
 fn tensions(robot: &Robot, data: &Measurements, poses: &[Pose]) -> Grid {
     let mut found = Grid::missing(data.len(), robot.cable_count());
     let limits = robot.unread_tension().filter(|_| data.force_n.is_empty());
@@ -394,7 +394,7 @@ fn paid_revolutions(data: &Measurements, home: Option<usize>, at: (usize, usize)
     or_zero(Some(data.revolutions.get(at.0, at.1)))
 }
 
-/// Change of the length reading of a `(row, cable)` since the row before; `None` where either is missing.
+/// Change of the length reading of a `(row, cable)` since the previous row; `None` where either is missing.
 fn change_of_reading(
     data: &Measurements,
     home: Option<usize>,
@@ -413,7 +413,7 @@ fn change_of_reading(
     (!change.is_nan()).then_some(change)
 }
 
-/// Sign of the change of the length reading of a `(row, cable)` since the row before, 0 where it is not known.
+/// Sign of the change of the length reading of a `(row, cable)` since the previous row; 0 where unknown.
 pub(crate) fn travel(data: &Measurements, home: Option<usize>, at: (usize, usize)) -> f64 {
     change_of_reading(data, home, at).map_or(0.0, sign)
 }

@@ -2,8 +2,8 @@
 
 use super::Dual;
 
-/// Two unit vectors across `axis`: the coordinate axis most nearly across it, made exactly so, and the
-/// one that completes the right-handed triple (axis, first, second).
+/// Two unit vectors perpendicular to `axis`: the coordinate axis most nearly perpendicular to it, projected and
+/// normalised, and the one that completes the right-handed triple (axis, first, second).
 pub(super) fn across(axis: [f64; 3]) -> [[f64; 3]; 2] {
     let axis = nalgebra::Vector3::from(axis);
     let nearest = axis.iamin();
@@ -12,7 +12,7 @@ pub(super) fn across(axis: [f64; 3]) -> [[f64; 3]; 2] {
     [first.into(), axis.cross(&first).into()]
 }
 
-/// A vector turned by `tilt_1`, then by `tilt_2`, about the two axes of [`across`] for `nominal`.
+/// A vector rotated by `tilt_1`, then by `tilt_2`, about the two axes of [`across`] for `nominal`.
 pub(super) fn tilted(
     direction: [Dual; 3],
     nominal: [f64; 3],
@@ -23,7 +23,7 @@ pub(super) fn tilted(
     turned(turned(direction, first, tilt_1), second, tilt_2)
 }
 
-/// A vector turned about a unit vector (Rodrigues): `v cos + (t x v) sin + t (t.v) (1 - cos)`.
+/// A vector rotated about a unit vector (Rodrigues): `v cos + (t x v) sin + t (t.v) (1 - cos)`.
 fn turned(v: [Dual; 3], t: [f64; 3], angle: Dual) -> [Dual; 3] {
     let (c, s) = (angle.cos(), angle.sin());
     let along = (v[0] * t[0] + v[1] * t[1] + v[2] * t[2]) * (-c + 1.0);
@@ -60,7 +60,7 @@ pub(super) fn rotated(v: [Dual; 3], turn: [Dual; 3]) -> [Dual; 3] {
     std::array::from_fn(|k| v[k] + (once[k] + twice[k] * 0.5) * shrink)
 }
 
-/// Twice the vector part of the quaternion of the same rotation.
+/// Twice the vector part of the quaternion of the rotation with the Rodrigues parameters `turn / 2`.
 pub(super) fn rotation_row(turn: [Dual; 3]) -> [Dual; 3] {
     let factor = length_factor(turn);
     turn.map(|angle| angle * factor)

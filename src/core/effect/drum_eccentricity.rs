@@ -1,4 +1,4 @@
-//! Drum out of round: `A sin(2 pi rev / gear_ratio + phase) - A sin(phase)` is added to the cable paid
+//! Eccentric or oval drum: `A sin(2 pi rev / gear_ratio + phase) - A sin(phase)` is added to the cable paid
 //! out. Typical amplitude 0.1 to 1 mm.
 
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
@@ -17,7 +17,7 @@ pub(super) static EFFECT: Effect = Effect {
         ),
     ],
     cause: |found| {
-        found.say("The {drum|drums} of {winch} {is|are} out of round: once per turn the cable paid out swings by {0:mm} to either side.")
+        found.say("The {drum|drums} of {winch} {is|are} out of round: once per turn the length paid out varies by {0:mm} to either side.")
     },
     workshop: |found| {
         found.say("Measure the runout of the {drum|drums} of {winch} with a dial gauge; centre or replace what runs out.")

@@ -14,7 +14,7 @@ pub(super) static EFFECT: Effect = Effect {
         [0.00005, 0.01],
     )],
     cause: |found| {
-        found.say("The {drum|drums} of {winch} {has|have} no constant diameter: the cable per revolution, on average since home, {0:rises|falls} by {0:%} with every motor revolution.")
+        found.say("The {drum|drums} of {winch} {does|do} not have a constant diameter: the cable per revolution, on average since home, {0:rises|falls} by {0:%} with every motor revolution.")
     },
     workshop: |found| {
         found.say("Check that the cable lies in one layer and in regular turns on the {drum|drums} of {winch}, and guide it if it climbs over itself.")

@@ -11,7 +11,7 @@ pub(super) static EFFECT: Effect = Effect {
     scope: Scope::Cable,
     parameters: &[EffectParameter::new("rate", "m/h", 0.01, [0.001, 0.01])],
     cause: |found| {
-        found.say("The length {reading|readings} of {cable} {drifts|drift}: the {cable gets|cables get} {0:longer|shorter} than the {reading says|readings say}, by {0:mm}/h.")
+        found.say("The length {reading|readings} of {cable} {drifts|drift}: the {cable gets|cables get} {0:longer|shorter} than the {reading says|readings say} by {0:mm}/h.")
     },
     workshop: |found| {
         found.say("Check coupling and set screws between motor, encoder and drum of {winch}. Mark the {cable|cables} on the drum to see whether it slips.")

@@ -1,5 +1,5 @@
-//! Lengths that are read late: `reading(t) = truth(t - delay)`, with the delay in seconds. What is paid out now is the reading
-//! plus `delay l' + delay^2 l''/2` with its own rates, from a smooth derivative; for delays that are short beside the motion.
+//! Delayed length readings: `reading(t) = truth(t - delay)`, with the delay in seconds. The length paid out now is the reading
+//! plus `delay l' + delay^2 l''/2` with time derivatives from smoothed readings; valid for delays short compared with the motion.
 
 use super::motion::change_within;
 use super::words::CHECK_CLOCKS;

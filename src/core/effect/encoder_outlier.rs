@@ -1,5 +1,5 @@
-//! A length reading that is wrong: `error` (m) is contained in the cable paid out, or in the length, that was read
-//! at the pose labelled `pose`.
+//! A single wrong length reading: the cable paid out, or the length, as read at the pose labelled `pose` contains
+//! `error` (m).
 
 use super::words;
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};

@@ -1,4 +1,4 @@
-//! Force sensor of another gain: `F = g (1 + change) T + f0`, so `T = T_nominal / (1 + change)`. Typical 2 to 20 %.
+//! Gain error of a force sensor: `F = g (1 + change) T + f0`, so `T = T_nominal / (1 + change)`. Typical 2 to 20 %.
 
 use super::{Effect, EffectParameter, Scope, Stage};
 
@@ -11,7 +11,7 @@ pub(super) static EFFECT: Effect = Effect {
     workshop: |found| {
         found.say("Hang known weights on {cable} and calibrate the gain of {force sensor} again.")
     },
-    check: Some("Hang a known weight at the cable and read its force sensor."),
+    check: Some("Hang a known weight from the cable and read its force sensor."),
     source: "Linear sensor: Jin et al., Sensors 18 (2018) 2392, section 3.2",
     stage: Stage::Ratio,
     change_cable: |parameters, _, ports| ports.tension *= (parameters[0] + 1.0).recip(),

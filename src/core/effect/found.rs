@@ -1,4 +1,4 @@
-//! An effect that was found on a robot, in the words of those who repair it.
+//! An identified effect, described for the people who repair the robot.
 
 use super::BoundEffect;
 use super::words::{
@@ -7,14 +7,14 @@ use super::words::{
 };
 use crate::robot::Robot;
 
-/// An effect with its targets and values, on its robot.
+/// An effect with its targets and values, on the robot where it was identified.
 #[derive(Debug, Clone, Copy)]
 pub struct FoundEffect<'a> {
     robot: &'a Robot,
     bound: &'a BoundEffect,
 }
 
-/// Parts of the robot of which each cable has one.
+/// Parts of which the robot has one per cable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// The cable itself.
@@ -28,7 +28,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// One of them, and several.
+    /// Singular and plural.
     fn nouns(self) -> [&'static str; 2] {
         match self {
             Self::Cable => ["cable", "cables"],
@@ -40,7 +40,7 @@ impl Part {
 }
 
 impl<'a> FoundEffect<'a> {
-    /// `bound` on `robot`.
+    /// The effect `bound` on `robot`.
     pub fn new(robot: &'a Robot, bound: &'a BoundEffect) -> Self {
         Self { robot, bound }
     }
@@ -60,7 +60,7 @@ impl<'a> FoundEffect<'a> {
         self.bound.values[parameter]
     }
 
-    /// A sentence about this effect: a text with fields in braces, its first letter a capital.
+    /// Fills in a sentence about this effect: fields in braces are replaced, the first letter becomes a capital.
     ///
     /// - `{cable}`, `{winch}`, `{pulley}`, `{force sensor}`: these parts of the cables concerned, see [`Self::name`];
     /// - `{is|are}`: the first for one cable, the second for several;
@@ -74,24 +74,24 @@ impl<'a> FoundEffect<'a> {
         self.say_with(text, "")
     }
 
-    /// The same with `insert` in place of the field `{}`.
+    /// As [`Self::say`], with `insert` in place of the field `{}`.
     pub fn say_with(&self, text: &str, insert: &str) -> String {
-        let mut said = String::new();
+        let mut filled = String::new();
         let mut rest = text;
         while let Some((before, after)) = rest.split_once('{') {
             let (field, after) = after.split_once('}').unwrap_or((after, ""));
-            said += before;
-            said += &match field {
+            filled += before;
+            filled += &match field {
                 "" => insert.to_owned(),
                 _ => self.field(field),
             };
             rest = after;
         }
-        said += rest;
-        sentence(&said)
+        filled += rest;
+        sentence(&filled)
     }
 
-    /// What stands for a field; the field itself, in braces, if it is none.
+    /// Replacement of a field; the field itself, in braces, if it is unknown.
     fn field(&self, field: &str) -> String {
         let unknown = || format!("{{{field}}}");
         let either = |choice: &str, first: bool| match choice.split_once('|') {
@@ -141,7 +141,7 @@ impl<'a> FoundEffect<'a> {
         self.robot.home.is_some()
     }
 
-    /// The part of the cables concerned, without capital: `winch 3`, `winches 1, 4 and 5`, `all winches`, `the
+    /// The parts of the cables concerned, without capital: `winch 3`, `winches 1, 4 and 5`, `all winches`, `the
     /// winch of left-front`.
     pub fn name(&self, part: Part) -> String {
         let [one, several] = part.nouns();
@@ -164,7 +164,7 @@ impl<'a> FoundEffect<'a> {
         }
     }
 
-    /// The number of a cable whose name says no more than that, counted from 1.
+    /// Number of a cable, counted from 1, if its name says no more than that.
     fn number(&self, index: usize) -> Option<String> {
         let name = self.robot.cables[index].name.to_lowercase();
         let name = name.strip_prefix("cable").unwrap_or(&name);
@@ -173,7 +173,7 @@ impl<'a> FoundEffect<'a> {
         (digits == number).then_some(number)
     }
 
-    /// What the cables concerned have in common: `None` if they differ.
+    /// The value that the cables concerned have in common; `None` if they differ.
     pub(super) fn common<T: PartialEq>(&self, of: impl Fn(usize) -> T) -> Option<T> {
         let mut values = self.cables().iter().map(|index| of(*index));
         let first = values.next()?;
@@ -182,7 +182,7 @@ impl<'a> FoundEffect<'a> {
 }
 
 impl BoundEffect {
-    /// What is the matter, in the sentence that a technician reads.
+    /// What is wrong, as a sentence for a technician.
     pub fn cause(&self, robot: &Robot) -> String {
         (self.effect.cause)(&FoundEffect::new(robot, self))
     }

@@ -1,4 +1,4 @@
-//! A frame that yields: every entry point moves by `C f_h` with the compliance `C` (m/N) and the horizontal part
+//! Compliant frame: every entry point moves by `C f_h` with the compliance `C` (m/N) and the horizontal part
 //! `f_h` of the force of the cable on its pulley, that is tension times the horizontal part of the unit
 //! vector from pulley to platform. Without gravity the whole force counts.
 //!

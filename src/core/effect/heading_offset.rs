@@ -1,4 +1,4 @@
-//! A constant added to the yaw reading (rad), as by a compass that counts from elsewhere. Typical 1 to 180
+//! A constant added to the yaw reading (rad), as by a compass with another zero direction. Typical 1 to 180
 //! degrees.
 
 use super::{Effect, EffectParameter, Scope};

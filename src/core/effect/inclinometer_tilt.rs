@@ -1,7 +1,7 @@
 //! Inclinometer mounted at a tilt: it reads the angles of `R S` instead of those of the platform's rotation `R`, with
 //! `S = Rx(tilt_1) Ry(tilt_2)`, both in radians. As `R = Rx(roll) Ry(pitch) Rz(yaw)` of the reading times `S^T`, the
-//! tilt is taken out of the reading exactly; what it changed is added to the prediction, so that only
-//! the weights know nothing of it. Where an angle was not read it counts as 0. Typical 0.1 to 3 degrees.
+//! reading is corrected exactly; the correction is added to the prediction instead, so that only
+//! the weights ignore it. An angle that was not read counts as 0. Typical 0.1 to 3 degrees.
 
 use super::direction::{angles, product, rotation};
 use super::words::turn;
@@ -45,7 +45,7 @@ fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut Platfo
     );
     let platform = product(&read, &back);
     for (k, angle) in angles(&platform).into_iter().enumerate() {
-        // Angles that differ by a turn are the same.
+        // Angles that differ by a full turn are equal.
         let turns = ((at.inclination_rad[k] - angle.value) / std::f64::consts::TAU).round();
         let change = -angle + (at.inclination_rad[k] - turns * std::f64::consts::TAU);
         ports.inclination_offset[k] += change;

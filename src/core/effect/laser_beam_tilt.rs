@@ -1,5 +1,5 @@
-//! Beam direction tilted: turned by `tilt_1`, then by `tilt_2` (rad), about two axes of the platform across the
-//! nominal beam. The first is the platform axis most nearly across it, made exactly so, the second completes
+//! Tilted beam direction: rotated by `tilt_1`, then by `tilt_2` (rad), about two axes of the platform perpendicular to the
+//! nominal beam. The first is the platform axis most nearly perpendicular to it, projected, the second completes
 //! the right-handed triple (beam, first, second). The origin stays. Typical 0.2 to 2 degrees; a cosine error
 //! of 0.15 mm/m at one degree.
 
@@ -20,7 +20,7 @@ pub(super) static EFFECT: Effect = Effect {
         found.say("Check the screws of the laser's mount, and align the beam with a square on the platform.")
     },
     check: Some(
-        "Move the platform straight up and look whether the spot of the laser wanders on its target.",
+        "Move the platform straight up and see whether the laser spot wanders on its target.",
     ),
     source: "Geometry; cosine error of distance sensors, 0.15 mm/m at one degree",
     change_platform,

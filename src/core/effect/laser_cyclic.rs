@@ -22,13 +22,13 @@ pub(super) static EFFECT: Effect = Effect {
         ),
     ],
     cause: |found| {
-        found.say("The reading of the laser swings by {0:mm} to either side as the distance changes, once every {1:mm}.")
+        found.say("The laser reading varies by {0:mm} to either side as the distance changes, once every {1:mm}.")
     },
     workshop: |found| {
         found.say("Clean the optics of the laser and use a matt target without reflections. If the error stays, have the laser checked or replace it.")
     },
     check: Some("Move the target of the laser along a steel ruler in steps of a few millimetres."),
-    source: "Cyclic error of distance meters that compare phases",
+    source: "Cyclic error of phase-shift distance meters",
     search: Search::Wave {
         phase: 2,
         period: Some(1),

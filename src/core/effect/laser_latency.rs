@@ -1,5 +1,5 @@
-//! A laser that is read late: `reading(t) = truth(t - delay)`, with the delay in seconds: the reading expected is the distance
-//! less `delay d' + delay^2 d''/2` with its own rates.
+//! Delayed laser reading: `reading(t) = truth(t - delay)`, with the delay in seconds: the predicted reading is the distance
+//! less `delay d' + delay^2 d''/2`, with the time derivatives of the reading.
 
 use super::motion::change_within;
 use super::words::CHECK_CLOCKS;
@@ -13,7 +13,7 @@ pub(super) static EFFECT: Effect = Effect {
         EffectParameter::new("delay", "s", 0.05, [0.001, 0.05]).within(0.0, f64::INFINITY)
     ],
     cause: |found| {
-        found.say("The laser is recorded {0:ms} {0:late|early}: each reading is the distance that was, not the one that is.")
+        found.say("The laser is recorded {0:ms} {0:late|early}: each reading is a past distance, not the present one.")
     },
     workshop: |found| found.say("Set the laser to its fastest output, or enter its delay."),
     check: Some(CHECK_CLOCKS),

@@ -1,5 +1,5 @@
-//! A laser reading that is wrong: `error` (m) is added at the pose labelled `pose`, as by a reflection elsewhere.
-//! For several poses name the effect several times.
+//! A single wrong laser reading: `error` (m) is added at the pose labelled `pose`, as by a stray reflection.
+//! For several poses, state the effect several times.
 
 use super::words;
 use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope, Search};

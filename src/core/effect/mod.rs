@@ -1,8 +1,8 @@
 //! Physical effects that extend the nominal model.
 //!
-//! Each effect is one file with one static [`Effect`]: what it changes in the prediction (through `CablePorts` and
-//! `PlatformPorts`), its parameters with unit, prior and typical size, and what a technician reads when
-//! it was found (`FoundEffect`). The same code hides an effect in simulated data and adds it to a model.
+//! Each effect is one file with one static [`Effect`]: its contribution to the prediction (through `CablePorts` and
+//! `PlatformPorts`), its parameters with unit, prior and typical size, and the sentences that a technician reads when
+//! it is found (`FoundEffect`). The same code hides an effect in simulated data and adds it to a model.
 
 mod binding;
 mod cable_creep;
@@ -78,26 +78,26 @@ use crate::measurement::Measurements;
 /// What an effect can be attached to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
-    /// One cable; without a target each cable gets its own.
+    /// One cable; without a target, each cable gets an instance of its own.
     Cable,
-    /// One cable, or all cables with common parameters; without a target all.
+    /// One cable, or all cables with common parameters; without a target, all.
     CableOrAll,
-    /// Two cables, which must both be named.
+    /// Two cables, both of which must be named.
     Pair,
-    /// All cables, the platform, the frame or an instrument together; takes no target.
+    /// The whole robot: all cables, the platform, the frame or an instrument. Takes no target.
     Robot,
-    /// One cable's reading, or without a target an instrument's or that of all cables.
+    /// A reading of one cable; without a target, a reading of an instrument or of all cables.
     Reading,
 }
 
-/// When an effect acts where several do: earlier stages first, whatever the order in a model.
+/// Order in which effects act where several do: by stage, regardless of their order in a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
-    /// On the raw reading.
+    /// Acts on the raw reading.
     Sensor,
-    /// As a factor.
+    /// Multiplies by a factor.
     Ratio,
-    /// As a term, or on what no other effect touches.
+    /// Adds a term, or acts on a quantity that no other effect touches.
     Addition,
 }
 
@@ -110,22 +110,22 @@ pub struct EffectParameter {
     pub unit: &'static str,
     /// Standard deviation of the prior, which is centred at `neutral`.
     pub prior_sd: f64,
-    /// Typical size in the field, smallest and largest.
+    /// Range of sizes typical in practice.
     pub typical: [f64; 2],
-    /// Value without effect, or any where another parameter decides whether there is one.
+    /// Value without effect; arbitrary where another parameter decides whether there is one.
     pub neutral: f64,
-    /// Value from which it is estimated: not neutral where nothing would depend on it there.
+    /// Value at which the estimation starts: not the neutral one where the derivatives vanish there.
     pub start: f64,
-    /// Smallest and largest value that is possible.
+    /// Smallest and largest possible value.
     pub bounds: [f64; 2],
     /// Whether it is given and never estimated, as the label of a pose.
     pub discrete: bool,
-    /// Whether it is neutral where it is not given, though it is never estimated.
+    /// Whether a discrete parameter may be omitted and is then neutral.
     pub optional: bool,
 }
 
 impl EffectParameter {
-    /// A parameter that can be estimated, 0 without effect.
+    /// A parameter that can be estimated; its neutral and start value is 0.
     #[must_use]
     pub const fn new(
         name: &'static str,
@@ -146,7 +146,7 @@ impl EffectParameter {
         }
     }
 
-    /// A parameter that must be given and keeps its value.
+    /// A parameter that must be given and is not estimated.
     #[must_use]
     pub const fn given(name: &'static str, unit: &'static str, typical: [f64; 2]) -> Self {
         Self {
@@ -155,7 +155,7 @@ impl EffectParameter {
         }
     }
 
-    /// A parameter that keeps its value, and has a default where it is not given.
+    /// A parameter that is not estimated and has a default if it is not given.
     #[must_use]
     pub const fn choice(name: &'static str, typical: [f64; 2], default: f64) -> Self {
         Self {
@@ -164,14 +164,14 @@ impl EffectParameter {
         }
     }
 
-    /// Smallest and largest typical size without their sign.
+    /// Smallest and largest typical magnitude.
     #[must_use]
     pub fn typical_sizes(&self) -> [f64; 2] {
         let [a, b] = self.typical.map(f64::abs);
         [a.min(b), a.max(b)]
     }
 
-    /// The same with another neutral value, which is the start value too.
+    /// Sets another neutral value, which becomes the start value as well.
     #[must_use]
     pub const fn around(self, neutral: f64) -> Self {
         Self {
@@ -181,7 +181,7 @@ impl EffectParameter {
         }
     }
 
-    /// The same for what can only be from `low` to `high`.
+    /// Restricts the values to the range from `low` to `high`.
     #[must_use]
     pub const fn within(self, low: f64, high: f64) -> Self {
         Self {
@@ -190,34 +190,34 @@ impl EffectParameter {
         }
     }
 
-    /// The same with another start value.
+    /// Sets another start value.
     #[must_use]
     pub const fn starting_at(self, start: f64) -> Self {
         Self { start, ..self }
     }
 }
 
-/// How an effect is looked for in data. Numbers are indices of parameters.
+/// How an effect is searched for in data. Numbers are indices of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Search {
     /// By its derivative at the start values.
     Direct,
-    /// As a wave of any phase, and of many periods where the period is a parameter.
+    /// As a wave of any phase, and over a range of periods if the period is a parameter.
     Wave {
         /// The phase.
         phase: usize,
         /// The period.
         period: Option<usize>,
     },
-    /// From each pose on: the parameter is the label of the first.
+    /// From each pose onwards: the parameter is the label of the first pose.
     FromPose(usize),
-    /// At each pose alone: the parameter is its label.
+    /// At each single pose: the parameter is its label.
     AtPose(usize),
     /// By exchanging the channels of every pair of cables.
     Exchange,
 }
 
-/// How late readings are, by the device that makes them (s).
+/// Delays of the readings, by device (s).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Delays {
     /// Revolutions and lengths.
@@ -230,8 +230,8 @@ pub struct Delays {
     pub tracker: f64,
 }
 
-/// A physical effect of the catalogue: what it is called, its parameters, and three functions: two texts and what it
-/// changes in the prediction.
+/// A physical effect of the catalogue: its identity and parameters, its contribution to the prediction, and its texts for a
+/// technician.
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
     /// Stable identifier in files and commands.
@@ -242,17 +242,17 @@ pub struct Effect {
     pub(crate) scope: Scope,
     /// Its parameters, in the order in which `change_cable` and `change_platform` get them.
     pub(crate) parameters: &'static [EffectParameter],
-    /// What is wrong, with the size that was found: one sentence that a technician reads.
+    /// What is wrong, with the estimated size: one sentence for a technician.
     pub(crate) cause: fn(&FoundEffect<'_>) -> String,
-    /// What to do about it in the workshop, in one sentence or two.
+    /// What to do about it in the workshop, in one or two sentences.
     pub(crate) workshop: fn(&FoundEffect<'_>) -> String,
-    /// An independent check in the workshop that confirms or rules it out, in one sentence; none if none is known.
+    /// An independent check in the workshop that confirms or rules it out, in one sentence, if there is one.
     pub(crate) check: Option<&'static str>,
     /// Where the model comes from.
     pub(crate) source: &'static str,
-    /// When it acts.
+    /// Stage at which it acts.
     pub(crate) stage: Stage,
-    /// How it is looked for.
+    /// How it is searched for.
     pub(crate) search: Search,
     /// Whether sag must be modelled even if the description says that cables weigh nothing.
     pub(crate) needs_sag: bool,
@@ -261,15 +261,15 @@ pub struct Effect {
     /// Changes the ports of the platform; called for those of [`Scope::Robot`], and of [`Scope::Reading`] without a
     /// target.
     pub(crate) change_platform: fn(&[Dual], &PlatformContext, &mut PlatformPorts),
-    /// Adds the delays of readings at a time (s) since the beginning, by which a simulation reads the robot late; those of
-    /// the prediction are in `change_cable` and `change_platform`.
+    /// Adds the delays of readings at a time (s) since the start of a recording; for simulations only, as the prediction
+    /// applies them in `change_cable` and `change_platform`.
     pub(crate) delays: fn(&[f64], f64, &mut Delays),
-    /// Exchanges channels of measured data between cables; doing it twice changes nothing.
+    /// Exchanges channels of measured data between cables; applying it twice changes nothing.
     pub(crate) exchange_channels: fn(&[usize], &[f64], &mut Measurements),
 }
 
 impl Effect {
-    /// An effect that changes nothing: the fields that most effects have in common.
+    /// An effect that changes nothing: the defaults of most fields.
     pub(crate) const NEUTRAL: Self = Self {
         id: "",
         title: "",
@@ -312,7 +312,7 @@ impl Effect {
         self.parameters
     }
 
-    /// An independent check in the workshop that confirms or rules it out.
+    /// An independent check in the workshop that confirms or rules it out, if there is one.
     #[must_use]
     pub fn check(&self) -> Option<&'static str> {
         self.check
@@ -324,7 +324,7 @@ impl Effect {
         self.source
     }
 
-    /// How it is looked for.
+    /// How it is searched for.
     #[must_use]
     pub fn search(&self) -> Search {
         self.search
@@ -339,7 +339,7 @@ impl Effect {
         }
     }
 
-    /// Whether only recordings in motion show it.
+    /// Whether only recordings in motion reveal it.
     #[must_use]
     pub fn is_in_motion(&self) -> bool {
         IN_MOTION.iter().any(|effect| effect.id == self.id)

@@ -1,9 +1,9 @@
-//! Rates of the readings of a row, and velocity and acceleration of the platform from them.
+//! Time derivatives of the readings of a row, and velocity and acceleration of the platform from them.
 //!
-//! With the structure matrix `A` of the free coordinates (rows `[u; (R b) x u]`) lengths change by `l' = -A v` and
-//! `l'' = -A a - A' v`, which least squares solves for the twists `v` and `a`; `A'` is the change of `A` along `v`.
-//! A cable under the tension `T` is `1 + T c` times as long as without, with its compliance `c = 1/EA`: lengths change by
-//! what is paid out and by what changing tensions stretch. Where cables are too few, or a reading is missing, the rates are
+//! With the structure matrix `A` of the free coordinates (rows `[u; (R b) x u]`), the lengths obey `l' = -A v` and
+//! `l'' = -A a - A' v`, which is solved for the twists `v` and `a` by least squares; `A'` is the change of `A` along `v`.
+//! A cable under the tension `T` is `1 + T c` times its unstrained length, with its compliance `c = 1/EA`, so the lengths also
+//! change with the tensions. Where cables are too few or a reading is missing, the derivatives are
 //! those of the external instrument, else 0.
 
 use nalgebra::{DMatrix, DVector};
@@ -15,23 +15,23 @@ use crate::kinematics::{inverse_kinematics, structure_matrix};
 use crate::measurement::{Grid, Measurements, Rates};
 use crate::robot::{Cable, Robot};
 
-/// Time over which the change of the structure matrix is taken (s).
+/// Time step over which the change of the structure matrix is differenced (s).
 const STEP_S: f64 = 1e-4;
-/// Smallest singular value of the structure matrix with which velocities follow from lengths, relative to the largest.
+/// Smallest singular value of the structure matrix, relative to the largest, at which lengths determine velocities.
 const REGULAR: f64 = 1e-3;
 
-/// What a quantity with these first and second derivatives by time changes by within a delay, to second order:
+/// Change within a delay of a quantity with these first and second time derivatives, to second order:
 /// `delay q' + delay^2 q''/2`.
 pub(super) fn change_within(delay: Dual, [rate, change]: [f64; 2]) -> Dual {
     delay * rate + delay * delay * (0.5 * change)
 }
 
-/// The values, 0 for those that are not known.
+/// The values, or 0 if they are unknown.
 pub(super) fn finite(values: Option<[f64; 2]>) -> [f64; 2] {
     values.unwrap_or_default().map(|value| or_zero(Some(value)))
 }
 
-/// First and second derivative of the cable paid out, or the length, at a `(row, cable)` (m/s, m/s^2).
+/// First and second time derivative of the cable paid out, or the length, at a `(row, cable)` (m/s, m/s^2).
 pub(super) fn paid_rates(cable: &Cable, data: &Measurements, at: (usize, usize)) -> [f64; 2] {
     let rates = data.rates.as_ref();
     finite(
@@ -39,7 +39,7 @@ pub(super) fn paid_rates(cable: &Cable, data: &Measurements, at: (usize, usize))
     )
 }
 
-/// One of them by the grid of its rates; NaN where it is not known.
+/// One of these derivatives, from the grid of its kind; NaN where unknown.
 fn length_rate(cable: &Cable, data: &Measurements, rates: &Grid, at: (usize, usize)) -> f64 {
     let per_reading = match data.revolutions.is_empty() {
         true => 1.0,
@@ -48,14 +48,14 @@ fn length_rate(cable: &Cable, data: &Measurements, rates: &Grid, at: (usize, usi
     per_reading * rates.get(at.0, at.1)
 }
 
-/// Those of the tension (N/s, N/s^2).
+/// First and second time derivative of the tension (N/s, N/s^2).
 pub(super) fn tension_rates(cable: &Cable, data: &Measurements, at: (usize, usize)) -> [f64; 2] {
     let gain = cable.force_sensor.map(|sensor| sensor.tension_gain);
     let rates = data.rates.as_ref().zip(gain);
     finite(rates.map(|(rates, gain)| [0, 1].map(|k| rates.force[k].get(at.0, at.1) / gain)))
 }
 
-/// First and second derivative of the length (m/s, m/s^2) of a cable that is `loaded_m` long, from those of what is paid out:
+/// First and second derivative of the length (m/s, m/s^2) of a cable of loaded length `loaded_m`, from those of the length paid out:
 /// with `L = L0 (1 + T c)`, `L' = L0' (1 + T c) + L0 T' c`, and so on.
 fn length_rates(
     cable: &Cable,
@@ -143,7 +143,7 @@ fn from_lengths(
 }
 
 /// Acceleration of the centre of mass and torque `I alpha + w x I w` about it (m/s^2, N m; base frame), for a platform
-/// that moves like this.
+/// with this velocity and acceleration.
 pub(crate) fn inertia(robot: &Robot, pose: &Pose, [velocity, acceleration]: &[Twist; 2]) -> Twist {
     let linear = |twist: &Twist| twist.fixed_rows::<3>(0).into_owned();
     let angular = |twist: &Twist| twist.fixed_rows::<3>(3).into_owned();

@@ -1,4 +1,4 @@
-//! Centre of mass elsewhere: `c += (x, y, z)`, platform frame, metres. Seen through static equilibrium only; the
+//! Displaced centre of mass: `c += (x, y, z)`, platform frame, metres. Observable through static equilibrium only; the
 //! component along gravity only where the platform tilts. Typical 5 to 50 mm.
 
 use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope};

@@ -1,4 +1,4 @@
-//! Platform of another mass: `m (1 + change)`, payload included. Seen through static equilibrium only: needs force
+//! Mass of the platform that differs from the stated one: `m (1 + change)`, payload included. Observable through static equilibrium only: needs force
 //! sensors on all cables. Typical 5 to 30 %.
 
 use super::words::size;
@@ -11,9 +11,9 @@ pub(super) static EFFECT: Effect = Effect {
     parameters: &[EffectParameter::new("change", "1", 0.3, [0.05, 0.3]).within(-0.9, 2.0)],
     cause,
     workshop: |found| {
-        found.say("Weigh the platform with everything that it carries, and enter that mass.")
+        found.say("Weigh the platform with everything it carries, and enter that mass.")
     },
-    check: Some("Weigh the platform on a scale, with everything that it carries."),
+    check: Some("Weigh the platform on a scale, with everything it carries."),
     source: "Static equilibrium",
     change_platform: |parameters, _, ports| ports.mass *= parameters[0] + 1.0,
     ..Effect::NEUTRAL

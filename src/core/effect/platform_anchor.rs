@@ -1,4 +1,4 @@
-//! Attachment point of a cable elsewhere on the platform: `b += (x, y, z)`, platform frame, metres. Typical 1 to
+//! Displaced attachment point of a cable on the platform: `b += (x, y, z)`, platform frame, metres. Typical 1 to
 //! 10 mm.
 
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope};

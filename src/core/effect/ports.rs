@@ -1,18 +1,18 @@
 //! The physical quantities through which effects act on the prediction.
 //!
 //! An effect never touches the solver: it changes some of these quantities, as a function of its
-//! parameters and of the contexts of a pose. The prediction and its derivatives with respect to
-//! the ports are written once.
+//! parameters and of the context of a pose. The prediction and its derivatives with respect to
+//! the ports are written only once.
 //!
-//! `T` is [`Dual`] where effects change the ports, a number or a packet of numbers where they are used.
+//! `T` is [`Dual`] where effects change the ports, and a number or a SIMD packet where they are used.
 
 use super::Dual;
 use crate::robot::{Cable, Robot};
 
-/// What the prediction of one cable's readings depends on, at one pose.
+/// Quantities that the prediction of one cable's readings depends on, at one pose.
 #[derive(Debug, Clone, Copy)]
 pub struct CablePorts<T = Dual> {
-    /// Unstrained cable paid out since home, as the reading says (m); for absolute readings the length.
+    /// Unstrained cable paid out since home, according to the reading (m); for absolute readings the length.
     pub paid: T,
     /// Tension at the platform (N).
     pub tension: T,
@@ -34,14 +34,14 @@ pub struct CablePorts<T = Dual> {
     pub swivel_offset: T,
 }
 
-/// What the prediction of the platform's readings depends on, at one pose.
+/// Quantities that the prediction of the platform's readings depends on, at one pose.
 #[derive(Debug, Clone, Copy)]
 pub struct PlatformPorts<T = Dual> {
     /// Mass (kg).
     pub mass: T,
     /// Centre of mass, platform frame (m).
     pub center_of_mass: [T; 3],
-    /// Laser reading per true distance.
+    /// Gain of the laser, reading per true distance.
     pub laser_gain: T,
     /// Added to the laser reading (m).
     pub laser_bias: T,
@@ -51,17 +51,17 @@ pub struct PlatformPorts<T = Dual> {
     pub target_normal: [T; 3],
     /// Added to roll, pitch and yaw (rad).
     pub inclination_offset: [T; 3],
-    /// By how much the external instrument lags behind (s).
+    /// Delay of the external instrument (s).
     pub tracker_delay: T,
     /// Point of the platform that it measures, platform frame (m).
     pub tracker_point: [T; 3],
-    /// Added to the position that it reads, base frame (m).
+    /// Added to its position reading, base frame (m).
     pub tracker_shift: [T; 3],
     /// Added to twice the vector part of the quaternion by which the orientation differs from the reading (base frame).
     pub tracker_turn: [T; 3],
 }
 
-/// Names a scalar of [`CablePorts`]; vectors by component.
+/// Identifies a scalar of [`CablePorts`]; vectors by component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CablePort {
     Paid,
@@ -76,7 +76,7 @@ pub enum CablePort {
     SwivelOffset,
 }
 
-/// Names a scalar of [`PlatformPorts`]; vectors by component.
+/// Identifies a scalar of [`PlatformPorts`]; vectors by component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlatformPort {
     Mass,
@@ -96,7 +96,7 @@ impl CablePort {
     /// Number of scalars.
     pub const COUNT: usize = 16;
 
-    /// All of them.
+    /// All cable ports.
     pub const ALL: [Self; Self::COUNT] = [
         Self::Paid,
         Self::Tension,
@@ -121,7 +121,7 @@ impl PlatformPort {
     /// Number of scalars.
     pub const COUNT: usize = 25;
 
-    /// All of them.
+    /// All platform ports.
     pub const ALL: [Self; Self::COUNT] = [
         Self::Mass,
         Self::CenterOfMass(0),
@@ -156,7 +156,7 @@ fn constants(values: [f64; 3]) -> [Dual; 3] {
 }
 
 impl CablePorts {
-    /// The ports of a cable before any effect, for the cable paid out (m) and the tension (N) by its
+    /// Ports of a cable before any effect, for the length paid out (m) and the tension (N) according to the
     /// readings.
     pub fn nominal(cable: &Cable, paid: f64, tension: f64) -> Self {
         Self {
@@ -173,7 +173,7 @@ impl CablePorts {
         }
     }
 
-    /// Gives a cable the entry point, swivel axis, pulley radius and anchor of these ports.
+    /// Replaces entry point, swivel axis, pulley radius and anchor of a cable by the values of these ports.
     pub(crate) fn change_geometry(&self, cable: &mut Cable) {
         let values = |port: [Dual; 3]| port.map(|dual| dual.value);
         let shift = values(self.entry_shift);
@@ -187,7 +187,7 @@ impl CablePorts {
 }
 
 impl<T: Copy> CablePorts<T> {
-    /// The scalar that a port names.
+    /// Value of a port.
     pub fn get(&self, port: CablePort) -> T {
         match port {
             CablePort::Paid => self.paid,
@@ -203,7 +203,7 @@ impl<T: Copy> CablePorts<T> {
         }
     }
 
-    /// The ports with the value of a function at each.
+    /// Ports whose values a function gives.
     pub fn from_fn(mut value: impl FnMut(CablePort) -> T) -> Self {
         Self {
             paid: value(CablePort::Paid),
@@ -241,7 +241,7 @@ impl PlatformPorts {
 }
 
 impl<T: Copy> PlatformPorts<T> {
-    /// The scalar that a port names.
+    /// Value of a port.
     pub fn get(&self, port: PlatformPort) -> T {
         match port {
             PlatformPort::Mass => self.mass,
@@ -258,7 +258,7 @@ impl<T: Copy> PlatformPorts<T> {
         }
     }
 
-    /// The ports with the value of a function at each.
+    /// Ports whose values a function gives.
     pub fn from_fn(mut value: impl FnMut(PlatformPort) -> T) -> Self {
         Self {
             mass: value(PlatformPort::Mass),

@@ -1,5 +1,5 @@
-//! Swivel axis tilted: turned by `tilt_1`, then by `tilt_2` (rad), about two fixed axes across its nominal direction. The first is
-//! the base axis most nearly across the swivel axis, made exactly so, the second completes the
+//! Tilted swivel axis: rotated by `tilt_1`, then by `tilt_2` (rad), about two fixed axes perpendicular to its nominal direction.
+//! The first is the base axis most nearly perpendicular to the swivel axis, projected, the second completes the
 //! right-handed triple (swivel axis, first, second). The entry point stays. Typical 1 to 10 degrees.
 
 use super::direction::tilted;
@@ -27,7 +27,7 @@ pub(super) static EFFECT: Effect = Effect {
 };
 
 fn cause(found: &FoundEffect<'_>) -> String {
-    // The axis points along the arriving cable; where axes differ there is no common direction to name.
+    // The axis points along the arriving cable; pulleys with different axes have no tilt direction in common.
     let stated = found.common(|index| found.robot().cables[index].pulley.swivel_axis);
     found.say_with(
         "The swivel {axis|axes} of {pulley}, along the arriving cable, {is|are} tilted by {}.",

@@ -1,6 +1,6 @@
-//! Friction that grows with the speed of travel: `T_platform = T_sensor + drag l'`, with the speed `l'` at which the
-//! cable is paid out (m/s) and the drag in N s/m: grease, and bearings that run fast. Typical 1 to 50 N s/m. To be told from
-//! dry friction, which only asks for the direction, by motions of different speed.
+//! Viscous friction: `T_platform = T_sensor + drag l'`, with the speed `l'` at which the
+//! cable is paid out (m/s) and the drag in N s/m, from grease and fast bearings. Typical 1 to 50 N s/m. Motions of different
+//! speed distinguish it from dry friction, which depends on the direction only.
 
 use super::{Effect, EffectParameter, Scope};
 
@@ -12,7 +12,7 @@ pub(super) static EFFECT: Effect = Effect {
         EffectParameter::new("drag", "N s/m", 50.0, [1.0, 50.0]).within(0.0, f64::INFINITY)
     ],
     cause: |found| {
-        found.say("{pulley} {drags|drag} the faster the cable runs: at 1 m/s the tension at the platform is {0:N} {0:higher|lower} than at the sensor while paying out.")
+        found.say("{pulley} {drags|drag} more the faster the cable runs: at 1 m/s the tension at the platform is {0:N} {0:higher|lower} than at the sensor while paying out.")
     },
     workshop: |found| {
         found.say("Check the grease and the seals of the {bearing|bearings} of {pulley}.")

@@ -1,4 +1,4 @@
-//! Friction of cable on pulley, or of the pulley in its bearing: `T_platform = T_sensor exp(mu theta dir)` with the
+//! Friction of the cable on its pulley, or of the pulley in its bearing: `T_platform = T_sensor exp(mu theta dir)` with the
 //! wrap angle `theta` (rad) and `dir` = +1 where the cable was paid out on the way to the pose, -1 where it
 //! was reeled in, 0 at the first row.
 //!

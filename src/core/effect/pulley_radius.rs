@@ -1,4 +1,4 @@
-//! Pulley of another radius: `rp (1 + change)`. Typical 5 to 50 %.
+//! Pulley radius that differs from the stated one: `rp (1 + change)`. Typical 5 to 50 %.
 
 use super::words::millimetres;
 use super::{Effect, EffectParameter, FoundEffect, Scope};
@@ -10,7 +10,7 @@ pub(super) static EFFECT: Effect = Effect {
     parameters: &[EffectParameter::new("change", "1", 0.5, [0.05, 0.5]).within(-0.9, 2.0)],
     cause,
     workshop: |found| {
-        found.say("Measure the bottom of the groove of {pulley} with calipers, add the cable's diameter, and enter half of the sum as radius.")
+        found.say("Measure the bottom of the groove of {pulley} with calipers, add the cable's diameter, and enter half the sum as the radius.")
     },
     check: Some("Measure the groove of the pulley with calipers."),
     source: "Geometry of a swivelling pulley: Jin et al., Sensors 18 (2018) 2392, equations 3 and 4",

@@ -1,4 +1,4 @@
-//! An effect with its targets and values, as model files carry it.
+//! An effect with its targets and values in the form of model files.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! A constant added to the reading of a swivel angle (rad): its zero was set off. Typical 0.5 to 5 degrees.
+//! Zero offset of a swivel angle: a constant added to its reading (rad). Typical 0.5 to 5 degrees.
 
 use super::{Effect, EffectParameter, Scope};
 

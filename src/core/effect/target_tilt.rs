@@ -1,6 +1,6 @@
-//! Normal of the reflector plane tilted: turned by `tilt_1`, then by `tilt_2` (rad), about two axes of the base
-//! across the nominal normal, through the origin of the base frame (its distance from the origin stays).
-//! The first is the base axis most nearly across the normal, made exactly so, the second completes the
+//! Tilted normal of the reflector plane: rotated by `tilt_1`, then by `tilt_2` (rad), about two axes of the base frame
+//! perpendicular to the nominal normal. The plane keeps its distance from the origin of the base frame.
+//! The first is the base axis most nearly perpendicular to the normal, projected, the second completes the
 //! right-handed triple (normal, first, second). Typical 0.2 to 2 degrees.
 
 use super::direction::tilted;

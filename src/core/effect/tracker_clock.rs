@@ -1,5 +1,5 @@
-//! A clock of the external instrument that runs at another speed than that of the controller: it lags by `drift t` after the
-//! time `t` since the beginning (s), so that `reading(t) = pose(t - drift t)`. Quartz clocks differ by up to 100 ppm.
+//! Clock drift of the external instrument relative to the controller: it lags by `drift t` after the
+//! time `t` since the start (s), so that `reading(t) = pose(t - drift t)`. Quartz clocks differ by up to 100 ppm.
 
 use super::{Effect, EffectParameter, Scope};
 
@@ -9,7 +9,7 @@ pub(super) static EFFECT: Effect = Effect {
     scope: Scope::Robot,
     parameters: &[EffectParameter::new("drift", "1", 2e-4, [1e-5, 2e-4])],
     cause: |found| {
-        found.say("The clock of the external instrument runs {0:ppm} {0:slow|fast} against that of the winches: its poses come ever {0:later|earlier}.")
+        found.say("The clock of the external instrument runs {0:ppm} {0:slow|fast} relative to that of the winches: its poses {0:lag|lead} more and more.")
     },
     workshop: |found| {
         found.say(

@@ -1,6 +1,7 @@
-//! An external instrument whose frame is not that of the robot: it reads `t + R_f x` for the point `x` of the base frame, with
-//! the shift `t` in metres and the rotation `R_f` by Rodrigues' parameters, half the turn in radians. Both are taken out of the
-//! reading, and what that changed is added to the prediction, so that only weights that differ by axis know nothing of it. Typical 1 to 20 mm and 0.05 to 1 degree after an alignment by hand.
+//! Misaligned frame of the external instrument: it reads `t + R_f x` for the point `x` of the base frame, with
+//! the shift `t` in metres and the rotation `R_f` by Rodrigues' parameters, half the turn in radians. Both are removed from the
+//! reading; the correction is added to the prediction instead, so that only weights that differ by axis ignore it. Typical
+//! 1 to 20 mm and 0.05 to 1 degree after an alignment by hand.
 
 use super::direction::{rotated, rotation_row};
 use super::words::{displacement, turn};

@@ -1,11 +1,11 @@
-//! An external instrument that measures another point of the platform than its origin: the point `(x, y, z)`, platform frame,
-//! metres: a reflector or the middle of some markers. Typical 1 to 20 mm where the point was measured by hand.
+//! Displaced target of the external instrument: it measures the point `(x, y, z)`, platform frame, metres, instead of the
+//! platform's origin: a reflector or the centroid of some markers. Typical 1 to 20 mm where the point was measured by hand.
 
 use super::{Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "tracker_target",
-    title: "Point that the external instrument measures",
+    title: "Target of the external instrument",
     scope: Scope::Robot,
     parameters: &[
         EffectParameter::new("x", "m", 0.1, [0.001, 0.02]),

@@ -1,6 +1,6 @@
-//! A body that an external instrument follows and that is fastened to the platform at an angle: the instrument reads the
-//! orientation `R R_b` for the platform's `R`, where half the tilt (rad) is Rodrigues' parameters of the rotation `R_b`. Beside a
-//! turned frame it is exact but for half the cross product of both. Typical 0.05 to 1 degree after an alignment by hand.
+//! Body tracked by the external instrument that is mounted at an angle: the instrument reads the
+//! orientation `R R_b` for the platform's `R`, where half the tilt (rad) is Rodrigues' parameters of the rotation `R_b`.
+//! Combined with a rotated frame it is exact but for half the cross product of both. Typical 0.05 to 1 degree after an alignment by hand.
 
 use super::direction::rotation_row;
 use super::words::turn;

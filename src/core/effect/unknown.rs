@@ -16,7 +16,7 @@ use super::{
 };
 use crate::measurement::Variable;
 
-/// Functions of one variable.
+/// Number of functions of one variable.
 pub const FUNCTIONS: usize = 6;
 
 const CONSTANT: [f64; FUNCTIONS] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
@@ -48,7 +48,7 @@ impl BiasedReading {
         Self::Inclination(2),
     ];
 
-    /// Name in lists.
+    /// Name for lists.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -68,7 +68,7 @@ impl BiasedReading {
         matches!(self, Self::Length | Self::Tension | Self::Swivel)
     }
 
-    /// The size of a value in words that a reader uses for this reading.
+    /// Formats a size in the unit customary for this reading.
     fn in_words(self, size: f64) -> String {
         match self {
             Self::Length | Self::Laser => millimetres(size),
@@ -82,7 +82,7 @@ impl BiasedReading {
     }
 }
 
-/// The form of a function.
+/// Kind of function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// Smooth in one variable.
@@ -93,21 +93,21 @@ pub enum Shape {
     Surface,
 }
 
-/// Which functions are added.
+/// The functions that are added to a reading, and the variables they depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Form {
     pub shape: Shape,
     pub variable: Variable,
     pub range: [f64; 2],
-    /// Second variable of a surface with its range.
+    /// Second variable of a surface, with its range.
     pub other: Variable,
     pub other_range: [f64; 2],
-    /// How many functions are used.
+    /// Number of functions used.
     pub terms: usize,
 }
 
 impl Form {
-    /// The form that the parameters of the effect say.
+    /// The form that the parameters of the effect state.
     fn of(values: &[f64]) -> Option<Self> {
         let variable = |k: usize| Variable::ALL.get(values[k] as usize).copied();
         Some(Self {
@@ -124,7 +124,7 @@ impl Form {
         })
     }
 
-    /// Writes it into the parameters of the effect.
+    /// Writes the form into the parameters of the effect.
     #[cfg(test)]
     pub fn write(&self, values: &mut [f64]) {
         values[SHAPE] = match self.shape {
@@ -139,7 +139,7 @@ impl Form {
         values[TERMS] = self.terms as f64;
     }
 
-    /// The functions at given values of the variables.
+    /// The functions at the given values of the variables.
     pub fn functions(&self, variables: &[f64; Variable::COUNT]) -> [f64; FUNCTIONS] {
         let value = variables[self.variable.index()];
         let other = variables[self.other.index()];
@@ -167,7 +167,7 @@ impl Form {
         all
     }
 
-    /// The variables in words.
+    /// Names of the variables.
     fn variables(&self) -> String {
         match self.shape {
             Shape::Surface => format!("{} and the {}", self.variable.name(), self.other.name()),
@@ -184,7 +184,7 @@ fn smooth(variable: Variable, value: f64, u: f64) -> [f64; FUNCTIONS] {
             [1.0, s, c, 2.0 * s * c, c * c - s * s, 0.0]
         }
         _ => {
-            // cos(k a) by its recurrence.
+            // Chebyshev recurrence for cos(k a).
             let mut all = CONSTANT;
             all[1] = (std::f64::consts::PI * u).cos();
             for k in 2..FUNCTIONS {
@@ -195,7 +195,7 @@ fn smooth(variable: Variable, value: f64, u: f64) -> [f64; FUNCTIONS] {
     }
 }
 
-/// Largest less smallest value of the function.
+/// Range of the function: its maximum less its minimum.
 fn spread(found: &FoundEffect<'_>, form: &Form) -> f64 {
     const STEPS: u32 = 40;
     let at =
@@ -283,7 +283,7 @@ fn cause(found: &FoundEffect<'_>) -> String {
     let reading = BiasedReading::numbered(found.value(READING));
     let values: [f64; FIRST] = std::array::from_fn(|k| found.value(k));
     let (Some(reading), Some(form)) = (reading, Form::of(&values)) else {
-        return "Something is not explained.".to_owned();
+        return "The readings contain an unexplained error.".to_owned();
     };
     let what = match reading {
         BiasedReading::Length => format!("The length reading of {}", found.name(Part::Cable)),
@@ -313,7 +313,7 @@ fn workshop(_found: &FoundEffect<'_>) -> String {
 fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {
     let bias = sum(parameters, &at.variables);
     match BiasedReading::numbered(parameters[READING].value) {
-        // At home, where encoders are zeroed and lengths count from, there is none.
+        // Encoders are zeroed at home and lengths count from there, so the error is zero there.
         _ if at.is_home => {}
         Some(BiasedReading::Length) => ports.paid += bias,
         Some(BiasedReading::Tension) => ports.tension += bias,

@@ -19,7 +19,7 @@ pub(super) static EFFECT: Effect = Effect {
         found.say("{winch} {has|have} {0:mm} of play: at the same reading {its cable is|their cables are} {0:longer|shorter} after paying out than after reeling in.")
     },
     workshop: |found| {
-        found.say("Check the coupling, the set screws and the gearbox of {winch} for play. Until it is mended, approach poses always from the same side.")
+        found.say("Check the coupling, the set screws and the gearbox of {winch} for play. Until it is mended, always approach poses from the same side.")
     },
     check: Some(words::GO_FROM_EITHER_SIDE),
     source: "Dead band of half the play to either side, as in any drive with play",

@@ -1,4 +1,4 @@
-//! Drum of another effective diameter: cable per revolution times `1 + scale`; for absolute lengths
+//! Effective drum diameter that differs from the stated one: cable per revolution times `1 + scale`; for absolute lengths
 //! the length times `1 + scale`. Typical 0.1 to 3 % (winch ratio errors of cable robots).
 
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope, Stage};
@@ -21,7 +21,7 @@ pub(super) static EFFECT: Effect = Effect {
 
 pub(super) fn cause(found: &FoundEffect<'_>) -> String {
     found.say(if found.counts_revolutions() {
-        "{winch} {pays|pay} out {0:%} {0:more|less} cable per revolution than {its drum diameter says|their drum diameters say}."
+        "{winch} {pays|pay} out {0:%} {0:more|less} cable per revolution than {its drum diameter implies|their drum diameters imply}."
     } else {
         "{cable} {is|are} {0:%} {0:longer|shorter} than {its length reading says|their length readings say}."
     })

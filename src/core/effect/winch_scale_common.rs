@@ -1,4 +1,4 @@
-//! All drums of another effective diameter by the same ratio, as by a wrong cable diameter: cable per
+//! Effective diameter error common to all drums, as by a wrong cable diameter: cable per
 //! revolution times `1 + scale`. Typical 0.1 to 1 %.
 
 use super::{Effect, EffectParameter, FoundEffect, Scope, Stage, winch_scale};
@@ -21,5 +21,5 @@ fn workshop(found: &FoundEffect<'_>) -> String {
     if !found.counts_revolutions() {
         return winch_scale::workshop(found);
     }
-    "Measure the drum and the cable of one winch with calipers and correct the drum diameter of all in the controller: it counts to the middle of the cable. Check the gear ratio there, too.".to_owned()
+    "Measure the drum and the cable of one winch with calipers and correct the drum diameter of all in the controller: it is measured to the centre of the cable. Check the gear ratio there, too.".to_owned()
 }

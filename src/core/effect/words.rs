@@ -1,20 +1,19 @@
-//! Sizes and directions in words. Sizes have no sign: the words around them say which way.
+//! Sizes and directions in words. Sizes have no sign: the surrounding words state the direction.
 
 use super::Dual;
 use super::direction::tilted;
 
-/// Checks that several effects share: what comes on in time is seen at a pose that is measured again.
+/// Checks that several effects share: a change over time shows at a pose that is measured again.
 pub(super) const GO_BACK: &str =
     "Go back to the first pose half-way and at the end, and compare the readings.";
 pub(super) const GO_FROM_EITHER_SIDE: &str =
     "Go to one pose from either side and compare the readings.";
 pub(super) const GO_THERE_AGAIN: &str = "Go to that pose again and compare the readings.";
-pub(super) const CHECK_CLOCKS: &str =
-    "Move the platform to and fro fast: against time, late readings follow the others.";
+pub(super) const CHECK_CLOCKS: &str = "Move the platform to and fro quickly and plot the readings against time: late readings follow the others.";
 pub(super) const REPEAT_WARMER: &str =
     "Repeat the run when it is warmer, and compare the readings at the same poses.";
 
-/// A size with three digits that count, or all digits before the point.
+/// A size with three significant digits, or all digits before the decimal point.
 pub(super) fn size(value: f64) -> String {
     let value = value.abs();
     if value == 0.0 {
@@ -77,10 +76,10 @@ pub(super) fn sentence(text: &str) -> String {
     first.chain(rest).collect()
 }
 
-/// Components below this share of the largest are not worth a word.
+/// Components below this fraction of the largest are left out.
 const WORTH_NAMING: f64 = 0.1;
 
-/// The components of a vector that matter, as size and signed axis: `(3.1, "+x")`.
+/// The significant components of a vector, as size and signed axis: `(3.1, "+x")`.
 pub(super) fn components(vector: &[f64]) -> Vec<(f64, String)> {
     let largest = vector.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let axes = vector.iter().zip(["x", "y", "z"]);
@@ -111,8 +110,8 @@ pub(super) fn turn(angles_rad: &[f64]) -> String {
     list(&parts.iter().map(words).collect::<Vec<_>>())
 }
 
-/// By how much and where to a direction is tilted, by the angles of [`tilted`]: `2.1 degrees towards +x`. Without a
-/// nominal direction only by how much.
+/// Tilt of a direction by the angles of [`tilted`], with where it points to: `2.1 degrees towards +x`. Without a
+/// nominal direction, its size only.
 pub(super) fn inclination(nominal: Option<[f64; 3]>, tilt_1: f64, tilt_2: f64) -> String {
     let Some(nominal) = nominal else {
         return degrees(tilt_1.hypot(tilt_2));
@@ -121,7 +120,7 @@ pub(super) fn inclination(nominal: Option<[f64; 3]>, tilt_1: f64, tilt_2: f64) -
     let direction = tilted(nominal.map(Dual::constant), nominal, first, second);
     let direction = nalgebra::Vector3::from(direction.map(|dual| dual.value));
     let nominal = nalgebra::Vector3::from(nominal);
-    // What changes along the nominal direction only shows that the tilt is finite.
+    // The component along the nominal direction changes only to second order in the tilt.
     let along = nominal.dot(&direction);
     let across = direction - nominal * along;
     let angle = degrees(across.norm().atan2(along));

@@ -4,15 +4,15 @@ use nalgebra::DMatrix;
 
 use crate::tolerances::SINGULAR_PIVOT;
 
-/// Covariance of the parameters whose information matrix is given (square, symmetric): its inverse, or `None` if it is
-/// singular but for rounding.
+/// Inverse of a symmetric information matrix, which is the covariance of its parameters; `None` if it is
+/// singular to working precision.
 #[must_use]
 pub fn covariance_of(information: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let factor = information.clone().cholesky()?;
     is_regular(factor.l_dirty(), information).then(|| factor.inverse())
 }
 
-/// Whether no pivot of a Cholesky factor is zero but for rounding.
+/// Whether no pivot of a Cholesky factor is zero to working precision.
 pub(crate) fn is_regular(factor: &DMatrix<f64>, matrix: &DMatrix<f64>) -> bool {
     let pivots = factor.diagonal();
     let scale = matrix.diagonal();

@@ -1,4 +1,4 @@
-//! A problem evaluated at given parameters and poses: what analysis and linearisation start from.
+//! A problem evaluated at given parameters and poses: the starting point of analysis and linearisation.
 
 use super::evaluator::{Evaluator, Parts};
 use super::globals::Globals;
@@ -11,10 +11,10 @@ use super::system::ColumnMap;
 use crate::geometry::Pose;
 use crate::real::Packet;
 
-/// The evaluators of the poses and of the home row, and how columns depend on parameters.
+/// The evaluators of the poses and of the home row, and the map from columns to parameters.
 pub(super) struct Evaluated<'a, T: Packet> {
     pub poses: Parts<'a, T>,
-    /// Row and evaluator of the home pose, if revolutions count from it.
+    /// Row and evaluator of the home pose, if revolutions are counted from it.
     pub home_evaluator: Option<(usize, Evaluator<'a, f64>)>,
     pub home: HomeRow,
     pub map: ColumnMap,
@@ -48,7 +48,7 @@ impl<'a, T: Packet> Evaluated<'a, T> {
         }
     }
 
-    /// At a solution, with all details.
+    /// Evaluates `problem` at a solution, with all details.
     pub fn at(
         token: T::Token,
         problem: &'a Problem<'a>,

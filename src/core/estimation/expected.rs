@@ -1,9 +1,9 @@
-//! Information of planned poses on the common parameters, before anything is measured or solved.
+//! Information of planned poses on the common parameters, before any measurement or solution.
 //!
-//! Information adds up: `I = I_0 + sum R_k^T R_k`, where `I_0` is that of the priors and the home pose and `R_k` are
+//! Information is additive: `I = I_0 + sum R_k^T R_k`, where `I_0` is that of the priors and the home pose and `R_k` are
 //! the whitened rows of pose `k` that remain once its coordinates (and tensions) are eliminated. With the
-//! derivative `Q` of the rows by the pose, orthonormal, and the complement `Z` of its range, `R = Z^T G` for rows
-//! `G` by the common parameters: as few rows as the pose has readings more than coordinates.
+//! orthonormalised derivative `Q` of the rows by the pose and the orthogonal complement `Z` of its range, `R = Z^T G` for the
+//! derivative `G` by the common parameters: as many rows as the pose has redundant readings.
 
 use nalgebra::DMatrix;
 
@@ -16,7 +16,7 @@ use super::problem::Problem;
 use super::system::{Priors, System, home_information};
 use crate::geometry::Pose;
 
-/// Length of a column of `Q` that a coordinate which the readings leave open does not have.
+/// Threshold on the norm of a column of `Q`; a coordinate that the readings leave undetermined stays below.
 const DETERMINED: f64 = 0.5;
 
 /// Information on the common parameters, pose by pose.
@@ -24,20 +24,20 @@ const DETERMINED: f64 = 0.5;
 pub struct ExpectedInformation {
     /// The parameters, in the order of the columns.
     pub parameters: Vec<Parameter>,
-    /// `I_0`: priors and the readings of the home pose; parameters x parameters.
+    /// `I_0`: information of the priors and of the readings at the home pose; parameters x parameters.
     pub common: DMatrix<f64>,
-    /// The part of the prior of the home pose in it; parameters x parameters.
+    /// Part of `I_0` due to the prior of the home pose; parameters x parameters.
     pub home: DMatrix<f64>,
-    /// `R_k` of each pose, in their order; rows x parameters, in standard deviations.
+    /// `R_k` of each pose, in order; rows x parameters, in standard deviations.
     pub poses: Vec<DMatrix<f64>>,
 }
 
 impl ExpectedInformation {
-    /// Information at the nominal values of `problem` when the platform is at `poses`, one for each of its rows
-    /// without the home row. Readings are those predicted there: their residuals are taken as zero.
+    /// Computes the information at the nominal values of `problem` with the platform at `poses`, one for each of its rows
+    /// except the home row. Readings are those predicted there, so that residuals are zero.
     ///
     /// # Panics
-    /// If the number of poses is not that of the rows.
+    /// If the number of poses differs from that of the rows.
     #[must_use]
     pub fn new(problem: &Problem<'_>, poses: &[Pose]) -> Self {
         let globals = Globals::nominal(problem);
@@ -60,7 +60,7 @@ impl ExpectedInformation {
         }
     }
 
-    /// The information of the poses picked and of all that is common, parameters x parameters.
+    /// Information of the picked poses and of `I_0` together, parameters x parameters.
     #[must_use]
     pub fn of(&self, picked: impl IntoIterator<Item = usize>) -> DMatrix<f64> {
         let mut sum = self.common.clone();
@@ -68,11 +68,11 @@ impl ExpectedInformation {
         sum
     }
 
-    /// Adds the information of the poses picked.
+    /// Adds the information of the picked poses to `sum`.
     pub(crate) fn add(&self, picked: impl IntoIterator<Item = usize>, sum: &mut DMatrix<f64>) {
         for index in picked {
             let rows = &self.poses[index];
-            // With a transposed copy the product is computed in blocks, which counts for dozens of cables.
+            // A transposed copy lets the product be computed in blocks, which matters for dozens of cables.
             sum.gemm(1.0, &rows.transpose(), rows, 1.0);
         }
     }

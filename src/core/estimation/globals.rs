@@ -1,10 +1,10 @@
-//! The parameters common to all poses, as values.
+//! Values of the parameters common to all poses.
 
 use crate::effect::BoundEffect;
 use crate::geometry::Pose;
 use crate::robot::Robot;
 
-/// Values of everything that is common to all poses.
+/// Values of all quantities common to all poses.
 #[derive(Debug, Clone)]
 pub struct Globals {
     /// Entry points, base frame (m).
@@ -15,12 +15,12 @@ pub struct Globals {
     pub home: Pose,
     /// Error of the tension readings at home, per cable (N).
     pub home_tension_error_n: Vec<f64>,
-    /// Effects, the held ones first.
+    /// Effects, the held ones before the free ones.
     pub effects: Vec<BoundEffect>,
 }
 
 impl Globals {
-    /// `robot` with these values: entry points, target plane, home pose and effects.
+    /// Returns `robot` with these entry points, target plane, home pose and effects.
     #[must_use]
     pub fn model(&self, robot: &Robot) -> Robot {
         let mut model = robot.clone();

@@ -1,4 +1,4 @@
-//! The home row: unstrained lengths at home, and what was measured there.
+//! The home row: unstrained lengths at home, and the readings taken there.
 
 use super::evaluator::{Evaluator, Layout};
 use super::globals::Globals;
@@ -6,12 +6,12 @@ use super::observation::ObservationKind as Kind;
 use super::parameter::{Parameter, ParameterId};
 use super::problem::Problem;
 
-/// Linearisation of the home row at some values of the common parameters.
+/// Linearisation of the home row at given values of the common parameters.
 #[derive(Debug, Clone)]
 pub(super) struct HomeRow {
     /// Unstrained length of each cable at home (m).
     pub lengths: Vec<f64>,
-    /// Derivative of each length with respect to the parameters that it depends on.
+    /// Derivative of each length with respect to the parameters it depends on.
     pub length_gradients: Vec<Vec<(usize, f64)>>,
     /// Whitened residuals of the other home readings.
     pub residuals: Vec<f64>,
@@ -23,7 +23,7 @@ pub(super) struct HomeRow {
     pub readings: f64,
 }
 
-/// Column of the common parameters before mapping, for those that have one.
+/// Column of a parameter before the mapping of columns, if it has one.
 pub(super) fn direct_column(
     id: &ParameterId,
     layout: &Layout,
@@ -94,7 +94,7 @@ impl HomeRow {
         }
     }
 
-    /// The lengths to count from when readings are absolute: the runs from drum to pulley.
+    /// Reference lengths of absolute readings: the run-in lengths from drum to pulley.
     pub fn absolute(problem: &Problem<'_>) -> Self {
         let cables = &problem.dataset.robot.cables;
         Self {

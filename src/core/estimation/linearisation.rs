@@ -1,9 +1,9 @@
-//! All readings at a solution, linear in the common parameters, with the poses and the latent tensions eliminated.
+//! Linearisation of all readings at a solution, with the poses and the latent tensions eliminated.
 //!
-//! Every reading, equilibrium equation and prior is one row, in its own standard deviations: the estimate of its
-//! noise. With the poses (and tensions) `x` and the common parameters `g`, rows `r + J dx + G dg`, the
+//! Every reading, equilibrium equation and prior is one row, the estimate of its noise in its own standard
+//! deviations. With the poses (and tensions) `x` and the common parameters `g`, rows `r + J dx + G dg`, the
 //! elimination leaves `r + A dg` with `A = M G` and `M = I - J (J^T J)^-1 J^T`. Least squares in `g` is then
-//! plain linear algebra on `A` and `r`, whatever the robot: score tests, angles between signatures and
+//! plain linear algebra on `A` and `r` for any robot: score tests, angles between signatures and
 //! cross-validation need nothing else.
 
 use nalgebra::{DMatrix, DVector};
@@ -18,7 +18,7 @@ use super::problem::Problem;
 use super::solution::Solution;
 use super::system::Priors;
 
-/// What a row stands for.
+/// Kind of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RowKind {
     /// A reading or an equilibrium equation.
@@ -34,7 +34,7 @@ pub enum RowKind {
 pub struct LinearRow {
     /// Row of the measurements; `None` for priors.
     pub row: Option<usize>,
-    /// What it stands for.
+    /// Kind of the row.
     pub kind: RowKind,
     /// Standard deviation of the noise (SI units).
     pub sd: f64,
@@ -45,29 +45,29 @@ pub struct LinearRow {
 pub struct PoseBlock {
     /// Row of the measurements.
     pub row: usize,
-    /// The rows of the linearisation that belong to the pose.
+    /// Rows of the linearisation that belong to the pose.
     pub rows: std::ops::Range<usize>,
-    /// `C` with `C C^T = M`, the covariance of these rows if the common parameters were known: one row for each of
-    /// `rows`, one column for each reading but tensions.
+    /// `C` with `C C^T = M`, the covariance of these rows if the common parameters were known: one row per entry of
+    /// `rows`, one column per reading except tensions.
     pub remainder: DMatrix<f64>,
     /// Derivative of the fitted pose (translation, rotation vector; base frame) with respect to the parameters:
     /// 6 x parameters (m or rad per unit of the parameter).
     pub pose_by_parameter: DMatrix<f64>,
 }
 
-/// The linearised problem.
+/// A problem linearised at a solution.
 #[derive(Debug, Clone)]
 pub struct Linearisation {
     /// Parameters, in the order of the columns.
     pub parameters: Vec<Parameter>,
-    /// What the rows are: pose by pose, then those of the home pose, then priors.
+    /// Kinds of the rows: pose by pose, then those of the home pose, then priors.
     pub rows: Vec<LinearRow>,
     /// Estimated noise of each row, in its standard deviations, sign as prediction minus reading: one entry per row.
     pub residual: DVector<f64>,
-    /// Derivative of the rows with respect to the parameters, poses and tensions following: rows x parameters (1 per
+    /// Derivative of the rows with respect to the parameters, poses and tensions re-estimated: rows x parameters (1 per
     /// unit of the parameter).
     pub design: DMatrix<f64>,
-    /// The poses.
+    /// Blocks of the poses.
     pub poses: Vec<PoseBlock>,
 }
 
@@ -126,7 +126,7 @@ impl<'a> Builder<'a> {
     }
 
     fn add_pose(&mut self, index: usize) {
-        // Twice: the first time finds the tensions at which the second linearises.
+        // The first evaluation finds the tensions at which the second one linearises.
         let (poses, index) = self.at.poses.part_with(index);
         poses.equations_at(index);
         poses.equations_at(index);
@@ -231,7 +231,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// The estimates of the noise of each reading, in its standard deviations, as a linear map of the whitened rows
+/// Estimated noise of each reading, in its standard deviations, as a linear map of the whitened rows
 /// that are present.
 fn noise_of(
     problem: &Problem<'_>,

@@ -1,8 +1,8 @@
-//! Identification: the geometry of a robot, and the size of effects, from what was measured on it.
+//! Identification: estimates the geometry of a robot and the size of effects from measurements.
 //!
-//! [`Problem`] is what is estimated from which data, [`solve`] finds the weighted least-squares estimate, [`Solution`]
-//! is the estimate with its covariance. What the residuals say is in [`Analysis`], what the data leave open in
-//! [`rank_defects`]; [`Linearisation`] and [`ExpectedInformation`] are the matrices behind it.
+//! [`Problem`] states what is estimated from which data, [`solve`] finds the weighted least-squares estimate, and [`Solution`]
+//! holds it with its covariance. [`Analysis`] evaluates the residuals, [`rank_defects`] names what the data leave
+//! undetermined; [`Linearisation`] and [`ExpectedInformation`] provide the matrices.
 
 mod analysis;
 mod covariance;
@@ -31,7 +31,9 @@ pub use covariance::covariance_of;
 pub use expected::ExpectedInformation;
 pub use globals::Globals;
 pub use linearisation::{LinearRow, Linearisation, PoseBlock, RowKind};
-pub use observation::{DetectionTest, Observation, ObservationKind, Pull, Reliability};
+pub use observation::{
+    DetectionTest, EntryPointSensitivity, Observation, ObservationKind, Reliability,
+};
 pub use options::{Control, Division, Options, Progress, Termination};
 pub use parameter::{Parameter, ParameterId};
 pub use problem::{Geometry, Loss, Method, Poses, Problem};
@@ -43,13 +45,13 @@ pub use solver::solve;
 
 use crate::effect::EffectError;
 
-/// Why an estimation cannot be set up.
+/// Errors of setting up an estimation.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EstimationError {
     /// An effect cannot be attached.
     #[error(transparent)]
     Effect(#[from] EffectError),
-    /// Revolutions count from a home pose that the robot does not have.
+    /// Revolutions were measured, but the robot has no home pose.
     #[error("revolutions were measured, but the robot has no home pose from which they count")]
     NoHome,
     /// The home row is missing.
@@ -60,13 +62,13 @@ pub enum EstimationError {
         "the tension of cable \"{0}\" was not read at the home pose, from which its length counts"
     )]
     NoHomeTension(String),
-    /// There is nothing to fit.
+    /// There is no pose to fit.
     #[error("there is no pose to fit besides the home pose")]
     NoPoses,
-    /// No cable lengths at all.
+    /// No cable lengths were measured.
     #[error("neither revolutions nor lengths of the cables were measured")]
     NoLengths,
-    /// An effect to which no reading responds.
+    /// No reading depends on an effect.
     #[error("effect \"{0}\" cannot be estimated: none of the readings depends on it")]
     Unobservable(String),
 }

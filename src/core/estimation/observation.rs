@@ -1,34 +1,34 @@
-//! Observations: what the adjustment compares with its prediction, with their residuals and their reliability.
+//! Observations of the adjustment, with their residuals and their reliability.
 //!
 //! The residual of a reading is the least-squares estimate of its noise, with the opposite sign: prediction minus
-//! reading, where the prediction is that of the whole adjustment. A reading that others share in, as the tension in the
-//! length of an elastic cable, has its own part of their common error only. With the redundancy `r`, the share of an error
-//! of the reading that shows in its residual, the residual in standard deviations of the reading is normal with the
+//! reading, where the prediction is that of the whole adjustment. A reading that shares its row with others, as the tension
+//! does in the length of an elastic cable, gets its own part of the common error only. With the redundancy `r`, the share of
+//! an error of the reading that shows in its residual, the residual in standard deviations of the reading is normal with the
 //! variance `r` if model and noise are right (Baarda 1968).
 //!
-//! An error `d` in one reading shifts its normalised residual by `d sqrt(r) / sd`. A test at the two-sided level `alpha`
-//! detects it with the probability `beta` if that is
+//! An error `d` in one reading shifts its normalised residual by `d sqrt(r) / sd`. A two-sided test at the level `alpha`
+//! detects it with the probability `beta` if this shift is
 //!
-//! `delta_0 = q(1 - alpha / 2) + q(beta)`,  so if  `d = sd delta_0 / sqrt(r)`,
+//! `delta_0 = q(1 - alpha / 2) + q(beta)`,  that is, if  `d = sd delta_0 / sqrt(r)`,
 //!
-//! `q` being the normal quantile: the smallest detectable error, or minimal detectable bias. (The other tail, left out, has
-//! a probability below `alpha / 2`.) What a reading of that error does to the result is the external reliability; it is
+//! with the normal quantile `q`: the smallest detectable error, or minimal detectable bias. (The neglected other tail has
+//! a probability below `alpha / 2`.) The effect of such an error on the result is the external reliability; it is
 //! proportional to the error, so an observation carries it per standard deviation of the reading.
 //!
 //! W. Baarda, A testing procedure for use in geodetic networks, 1968; W. Foerstner, Reliability analysis of parameter
-//! estimation in linear models, 1987. The columns of the tables are those of JAG3D.
+//! estimation in linear models, 1987. The columns of the tables follow JAG3D.
 
 use crate::geometry::Coordinate;
 use crate::statistics::normal_quantile;
 
-/// What a row of the adjustment compares with its prediction.
+/// Kind of an observation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObservationKind {
     /// Length of a cable.
     Length(usize),
     /// Tension of a cable.
     Tension(usize),
-    /// Equilibrium of forces along, or of torques about, an axis: an equation that no sensor reads.
+    /// Equilibrium of forces along, or of torques about, an axis: an equation without a sensor.
     Equilibrium(Coordinate),
     /// Laser distance.
     Laser,
@@ -47,7 +47,7 @@ pub enum ObservationKind {
 pub struct Observation {
     /// Row of the measurements.
     pub row: usize,
-    /// What is observed.
+    /// Kind of the observation.
     pub kind: ObservationKind,
     /// Prediction minus reading, in standard deviations of the reading.
     pub standardised: f64,
@@ -56,17 +56,17 @@ pub struct Observation {
     /// Share of an error of this reading that shows in its residual, 0 to 1; `None` where
     /// the common parameters are not determined.
     pub redundancy: Option<f64>,
-    /// The entry point that an error of this reading moves most; `None` where it moves none, or where the common parameters
+    /// The entry point that an error of this reading moves most; `None` if it moves none, or if the common parameters
     /// are not determined.
-    pub pull: Option<Pull>,
+    pub pull: Option<EntryPointSensitivity>,
 }
 
-/// The entry point that an error of a reading moves most.
+/// Sensitivity of the entry point that an error of a reading moves most.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pull {
-    /// Its cable.
+pub struct EntryPointSensitivity {
+    /// Index of its cable.
     pub cable: usize,
-    /// By how much an error of one standard deviation of the reading moves it (m).
+    /// Displacement by an error of one standard deviation of the reading (m).
     pub per_sd_m: f64,
 }
 
@@ -80,7 +80,7 @@ impl Observation {
         self.standardised * self.sd
     }
 
-    /// Residual in its own standard deviations: standard normal if model and noise are right. `None`
+    /// Residual divided by its own standard deviation: standard normal if model and noise are right. `None`
     /// where the reading is hardly controlled by others.
     #[must_use]
     pub fn normalised(&self) -> Option<f64> {
@@ -88,7 +88,7 @@ impl Observation {
         Some(self.standardised / redundancy.sqrt())
     }
 
-    /// What a test of this reading can detect, and what it can miss; `None` where the reading is hardly controlled by others.
+    /// Internal and external reliability; `None` where the reading is hardly controlled by others.
     #[must_use]
     pub fn reliability(&self, test: DetectionTest) -> Option<Reliability> {
         let redundancy = self.controlled()?;
@@ -107,29 +107,29 @@ impl Observation {
 /// A two-sided test of single normalised residuals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DetectionTest {
-    /// Probability that a reading without an error fails it.
+    /// Probability that a reading without error fails the test.
     pub level: f64,
-    /// Probability with which an error is to be detected.
+    /// Probability of detecting an error.
     pub power: f64,
 }
 
 impl DetectionTest {
-    /// Power that is customary in geodesy.
+    /// The power customary in geodesy.
     pub const USUAL_POWER: f64 = 0.8;
 
-    /// Mean of the normalised residual at which the test has its power: `delta_0`.
+    /// Noncentrality `delta_0`: mean of the normalised residual at which the test has its power.
     #[must_use]
     pub fn noncentrality(self) -> f64 {
         normal_quantile(1.0 - 0.5 * self.level) + normal_quantile(self.power)
     }
 }
 
-/// What a test of single readings can detect, and what it can miss.
+/// Reliability of a reading under a test of single readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reliability {
-    /// The smallest error of the reading that the test detects with its power (SI unit of the reading): internal reliability.
+    /// Smallest error of the reading that the test detects with its power (SI unit of the reading): internal reliability.
     pub smallest_error: f64,
-    /// How far that error moves the entry point that it moves most (m): external reliability.
+    /// Displacement by that error of the entry point it moves most (m): external reliability.
     pub influence_m: f64,
 }
 
@@ -137,7 +137,7 @@ pub struct Reliability {
 mod tests {
     use super::*;
 
-    /// Baarda's own figures: level 0.1 %, power 80 %.
+    /// Baarda's figures: level 0.1 %, power 80 %.
     #[test]
     fn the_noncentrality_is_that_of_the_tables() {
         let baarda = DetectionTest {
@@ -151,7 +151,7 @@ mod tests {
             standardised: 1.0,
             sd: 2e-4,
             redundancy: Some(0.25),
-            pull: Some(Pull {
+            pull: Some(EntryPointSensitivity {
                 cable: 3,
                 per_sd_m: 1e-5,
             }),

@@ -1,15 +1,15 @@
-//! Options of the solver and what it reports while it runs.
+//! Options of the solver, and its progress reports.
 
-/// Poses of a part: some milliseconds of work for a pass, against which a thread costs nothing. Whole packets of every
-/// instruction set.
+/// Poses per part: one pass takes some milliseconds, beside which starting a thread is negligible. A multiple of the
+/// packet size of every instruction set.
 const POSES_PER_PART: usize = 1 << 14;
 
-/// How many poses are divided.
+/// Division of the poses between threads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Division {
-    /// Poses of a part, a multiple of 8.
+    /// Poses per part, a multiple of 8.
     pub poses_per_part: usize,
-    /// Most threads; as many as the processor runs at once without a number.
+    /// Largest number of threads; `None`: as many as the processor runs at once.
     pub threads: Option<usize>,
 }
 
@@ -22,35 +22,35 @@ impl Default for Division {
     }
 }
 
-/// How to solve. The defaults suit every problem; the rest is for tests and special cases.
+/// Options of the solver. The defaults suit every problem; other values are for tests and special cases.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Most steps.
+    /// Largest number of steps.
     pub max_iterations: usize,
-    /// Converged when a step is predicted to lower the loss by less than this part of it.
+    /// Converged if the predicted reduction of the loss is less than this fraction of it.
     pub tolerance: f64,
     /// Reduction of the loss that is not worth another pass of the joint method: 2e-5 is about a two-hundredth of
-    /// a standard deviation. With exact tensions the minimum is sought to `tolerance` alone.
+    /// a standard deviation. With exact tensions, `tolerance` alone decides.
     pub negligible: f64,
     /// Levenberg-Marquardt damping, relative to the diagonal, after an undamped step has failed; each further failure
     /// multiplies it by ten, each success divides it by ten.
     pub first_damping: f64,
-    /// Damping below which steps are taken undamped: it costs quadratic convergence and gains nothing.
+    /// Damping below which steps are taken undamped, as it would cost quadratic convergence and gain nothing.
     pub least_damping: f64,
-    /// Damping at which the solver gives up: steps are then lost in rounding.
+    /// Damping at which the solver gives up: the steps are then lost in rounding.
     pub most_damping: f64,
-    /// Relative increase of the loss with which a step of the joint method is accepted. The weights of latent tensions
+    /// Relative increase of the loss at which a step of the joint method is still accepted. The weights of latent tensions
     /// follow the linearisation, so the loss need not fall strictly from step to step close to the solution.
     pub accepted_increase: f64,
-    /// Passes in which latent tensions settle when the solve starts at a known solution; from afar steps need more.
+    /// Passes in which latent tensions settle when the solve starts at a known solution; from further away, steps need more.
     pub settling_passes: usize,
-    /// Chi-square per degree of freedom up to which a known solution is started from: beyond, what its model lacks may
-    /// have led it into a local minimum.
+    /// Largest chi-square per degree of freedom at which a known solution serves as start: beyond it, effects missing from its
+    /// model may have led it into a local minimum.
     pub largest_start_misfit: f64,
-    /// Chi-square per degree of freedom of a local minimum, from which the solve starts again at the poses that forward
-    /// kinematics gives: no drawing or instrument is wrong by so much.
+    /// Chi-square per degree of freedom beyond which a minimum is taken as a local one and the solve starts again at the poses
+    /// from forward kinematics: no drawing or instrument is wrong by so much.
     pub local_minimum_misfit: f64,
-    /// How many poses are divided between threads; their number does not change the result.
+    /// Division of the poses between threads; the number of threads does not change the result.
     pub division: Division,
 }
 
@@ -73,12 +73,12 @@ impl Default for Options {
 }
 
 impl Options {
-    /// The damping after a failed step.
+    /// Damping after a failed step.
     pub(super) fn raised(&self, damping: f64) -> f64 {
         (damping * 10.0).max(self.first_damping)
     }
 
-    /// The damping after a successful step.
+    /// Damping after a successful step.
     pub(super) fn lowered(&self, damping: f64) -> f64 {
         let lower = damping * 0.1;
         if lower < self.least_damping {
@@ -102,23 +102,23 @@ pub struct Progress {
     pub damping: f64,
 }
 
-/// Answer of an observer.
+/// Decision of an observer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Control {
-    /// Go on.
+    /// Continue.
     Continue,
-    /// Stop; the present state is returned.
+    /// Stop and return the present state.
     Cancel,
 }
 
-/// Why a solve ended.
+/// Reason why a solve ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Termination {
-    /// The next step is predicted to gain nothing worth taking.
+    /// The predicted reduction of the loss is negligible.
     Converged,
-    /// Too many iterations.
+    /// The largest number of iterations was reached.
     IterationLimit,
-    /// No step lowers the loss, or it is not a number.
+    /// No step lowers the loss, or the loss is not a number.
     Stalled,
     /// The observer cancelled.
     Cancelled,

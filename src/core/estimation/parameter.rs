@@ -2,7 +2,7 @@
 
 use crate::geometry::Coordinate;
 
-/// Which quantity a parameter is.
+/// Identity of a parameter.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ParameterId {
     /// Component of a cable's entry point (m).
@@ -33,12 +33,12 @@ pub enum ParameterId {
 /// One estimated parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Which quantity it is.
+    /// Identity.
     pub id: ParameterId,
-    /// Name for a reader: `cable-3 entry point x`.
+    /// Name to display: `cable-3 entry point x`.
     pub name: String,
     /// SI unit.
     pub unit: &'static str,
-    /// Standard deviation of the prior; `None` if nothing is known.
+    /// Standard deviation of the prior; `None` if it has no prior.
     pub prior_sd: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! Which parameters a problem has, with their priors, and how a step changes their values.
+//! Parameters of a problem with their priors, and the update of their values by a step.
 
 use super::globals::Globals;
 use super::parameter::{Parameter, ParameterId};
@@ -9,7 +9,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Problem<'_> {
     /// The parameters that are estimated besides the poses, in the order of the columns of each design, covariance and
-    /// information matrix; those with a prior standard deviation of 0 are known and not among them.
+    /// information matrix. Parameters with a prior standard deviation of 0 are known and not among them.
     #[must_use]
     pub fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = Vec::new();
@@ -18,7 +18,7 @@ impl Problem<'_> {
             push_plane(self, &mut parameters);
             push_home(self, &mut parameters);
         }
-        // The noise of these data, whatever the geometry: the home row enters every row of a cable.
+        // The noise of these data is estimated even if the geometry is held: the home row enters every row of a cable.
         push_home_tensions(self, &mut parameters);
         if self.geometry == Geometry::Estimated {
             push_effects(self, &mut parameters);
@@ -87,7 +87,7 @@ fn push_home_tensions(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
         return;
     }
     let what = if is_assumed {
-        "tension over the assumed one"
+        "tension above the assumed one"
     } else {
         "tension reading error"
     };
@@ -112,7 +112,7 @@ fn push_effects(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
         };
         let all = bound.effect.parameters();
         for (parameter, description) in all.iter().enumerate() {
-            // An effect of one parameter is called by its own name alone.
+            // If an effect has only one parameter, its own name identifies it.
             let which = match all.len() {
                 1 => String::new(),
                 _ => format!(", {}", description.name.replace('_', " ")),
@@ -121,7 +121,7 @@ fn push_effects(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
                 id: ParameterId::Effect { effect, parameter },
                 name: format!("{}{on}{which}", bound.effect.title()),
                 unit: description.unit,
-                // What is given and not estimated counts as known exactly.
+                // A discrete parameter is given and counts as known exactly.
                 prior_sd: Some(if description.discrete {
                     0.0
                 } else {
@@ -133,7 +133,7 @@ fn push_effects(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
 }
 
 impl Globals {
-    /// The nominal values of a problem.
+    /// Nominal values of a problem.
     #[must_use]
     pub fn nominal(problem: &Problem<'_>) -> Self {
         let robot = &problem.dataset.robot;
@@ -149,7 +149,7 @@ impl Globals {
         }
     }
 
-    /// Adds a step, one entry per parameter.
+    /// Adds a step with one entry per parameter.
     pub(super) fn step(&mut self, problem: &Problem<'_>, parameters: &[Parameter], step: &[f64]) {
         let held = problem.held_effects.len();
         let mut home = Twist::zeros();
@@ -167,7 +167,7 @@ impl Globals {
         self.home = self.home.perturbed(&home);
     }
 
-    /// Present deviation of each parameter from the centre of its prior.
+    /// Deviation of the present value of each parameter from the centre of its prior.
     pub(super) fn deviations(&self, problem: &Problem<'_>, parameters: &[Parameter]) -> Vec<f64> {
         let nominal = Self::nominal(problem);
         let held = problem.held_effects.len();
@@ -179,7 +179,7 @@ impl Globals {
             ParameterId::PlaneOffset => self.plane_offset_m - nominal.plane_offset_m,
             ParameterId::Home(coordinate) => home[coordinate.index()],
             ParameterId::HomeTension { cable } => self.home_tension_error_n[cable],
-            // A free effect starts where the request puts it; its prior is centred at no effect.
+            // A free effect starts where the request puts it; its prior is centred at its neutral value.
             ParameterId::Effect { effect, parameter } => {
                 let bound = &self.effects[held + effect];
                 bound.values[parameter] - bound.effect.parameters()[parameter].neutral

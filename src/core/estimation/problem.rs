@@ -1,4 +1,4 @@
-//! What is to be estimated from which measurements: plain data.
+//! The identification problem: what is estimated from which measurements.
 
 use std::sync::Arc;
 
@@ -7,12 +7,12 @@ use super::solution::Solution;
 use crate::effect::{BoundEffect, EffectRequest, PoseContexts};
 use crate::measurement::Dataset;
 
-/// How tensions enter the problem.
+/// Treatment of the tensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// Problem R2: tensions are latent variables with their sensors' noise, static equilibrium holds.
+    /// Problem R2: tensions are latent variables with the noise of their sensors, and static equilibrium holds.
     Joint,
-    /// Problem R1: tensions are taken from the sensors as exact, no equilibrium.
+    /// Problem R1: tensions are taken from the sensors as exact, without equilibrium.
     Simple,
 }
 
@@ -21,26 +21,26 @@ pub enum Method {
 pub enum Loss {
     /// Least squares.
     Square,
-    /// Huber's: quadratic up to this many standard deviations, linear beyond.
+    /// Huber loss: quadratic up to this many standard deviations, linear beyond.
     Huber(f64),
 }
 
-/// What is estimated besides the poses.
+/// Treatment of the parameters common to all poses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Geometry {
     /// Entry points, target plane, home pose and free effects.
     Estimated,
-    /// Nothing: only poses are fitted, and the errors of the tension readings at home.
+    /// Nothing but the errors of the tension readings at home.
     Held,
 }
 
-/// What is done about the poses.
+/// Treatment of the poses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Poses {
     /// Every pose is estimated.
     Estimated,
-    /// Poses are held at the external instrument's positions; rows without one are left out.
-    /// Orientations are the instrument's, or the commanded ones where it measured none.
+    /// Poses are held at the positions measured by the external instrument; rows without one are left out.
+    /// Orientations are those of the instrument, or the commanded ones where it measured none.
     HeldAtTracker,
 }
 
@@ -49,7 +49,7 @@ pub enum Poses {
 pub struct Problem<'a> {
     /// Robot and measurements.
     pub dataset: &'a Dataset,
-    /// How tensions enter.
+    /// Treatment of the tensions.
     pub method: Method,
     /// Loss function.
     pub loss: Loss,
@@ -61,9 +61,9 @@ pub struct Problem<'a> {
     pub held_effects: Vec<BoundEffect>,
     /// Effects whose parameters are estimated.
     pub free_effects: Vec<BoundEffect>,
-    /// What effects depend on, where it is known better than from the commanded poses.
+    /// Contexts of the readings, where they are known better than from the commanded poses.
     pub(crate) contexts: Option<Arc<PoseContexts>>,
-    /// A solution of the problem without its free effects, where one is known.
+    /// A solution of the problem without its free effects, if known.
     pub(crate) known: Option<Arc<Solution>>,
 }
 
@@ -72,7 +72,7 @@ impl<'a> Problem<'a> {
     /// effects of the robot's model held.
     ///
     /// # Errors
-    /// If the model names an effect that does not exist.
+    /// If the model states an effect that does not exist.
     pub fn new(dataset: &'a Dataset) -> Result<Self, EstimationError> {
         let held: Result<Vec<_>, _> = dataset
             .robot
@@ -104,8 +104,8 @@ impl<'a> Problem<'a> {
         Ok(())
     }
 
-    /// The same problem with what effects depend on taken at the poses of a solution, which are better known
-    /// than those commanded; there it starts, too.
+    /// The same problem with the contexts evaluated at the poses of a solution, which are better known
+    /// than the commanded ones, and with that solution as start.
     #[must_use]
     pub fn at_poses_of(self, solution: &Solution) -> Self {
         Self {
@@ -114,7 +114,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The same problem with what effects depend on taken at the poses of a solution and with its entry points.
+    /// The same problem with the contexts evaluated at the poses and entry points of a solution.
     #[must_use]
     pub fn with_contexts_of(mut self, solution: &Solution) -> Self {
         let data = &self.dataset.measurements;
@@ -154,8 +154,8 @@ impl<'a> Problem<'a> {
             && (!self.dataset.measurements.force_n.is_empty() || self.assumes_tensions())
     }
 
-    /// Whether tensions, of which none is read, are unknowns with a prior: around those within the stated limits that hold the
-    /// platform (`CableContext::tension_n`), with the standard deviation
+    /// Whether tensions that nothing measures are unknowns with a prior: centred at tensions within the stated limits that
+    /// balance the platform (`CableContext::tension_n`), with the standard deviation
     /// [`TensionLimits::sd_n`](crate::robot::TensionLimits::sd_n), while static equilibrium holds.
     #[must_use]
     pub fn assumes_tensions(&self) -> bool {
@@ -164,7 +164,7 @@ impl<'a> Problem<'a> {
             && self.dataset.robot.unread_tension().is_some()
     }
 
-    /// Standard deviation of a cable's tension before the equilibrium is asked (N): that of its sensor or of the assumed
+    /// Standard deviation of a cable's tension before the equilibrium is applied (N): that of its sensor or of the assumed
     /// tension; `None` where tensions are not modelled.
     pub(super) fn tension_sd_n(&self, cable: usize) -> Option<f64> {
         if self.assumes_tensions() {
@@ -174,8 +174,8 @@ impl<'a> Problem<'a> {
         Some(sensor.tension_sd_n)
     }
 
-    /// Whether something is held at approximate poses while it is solved: what effects depend on, and the motion of the
-    /// platform. It is then to be solved again at the poses found.
+    /// Whether quantities are held at approximate poses during a solve: the contexts of effects, and the motion of the
+    /// platform. The problem must then be solved again at the estimated poses.
     #[must_use]
     pub fn depends_on_poses(&self) -> bool {
         !self.held_effects.is_empty()
@@ -197,8 +197,8 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    /// Row of the home pose from which revolutions count; absolute lengths count from no pose, their
-    /// row 0 is one like the others.
+    /// Row of the home pose from which revolutions are counted; `None` for absolute lengths, where
+    /// row 0 is a pose like any other.
     #[must_use]
     pub fn home_row(&self) -> Option<usize> {
         self.dataset.robot.home?;

@@ -11,14 +11,14 @@
 //! `q_j = R_j q_L`, and the plane offset `h` that explains the laser reading at home exactly. Then
 //! `V <- V - lambda pinv(dError/dV) Error` with a forward-difference Jacobian.
 //!
-//! No prior, no weights, home pose and tensions as exact: for comparison, not for use where the
-//! joint estimate can be had. With wrongly given coordinates the result can be worse than the
+//! There are no priors and no weights, and home pose and tensions count as exact: this is for comparison, not for use where
+//! the joint estimate is available. With wrongly given coordinates the result can be worse than the
 //! drawing it starts from.
 //!
 //! The difference steps are those of the reference `peers/scipy/jin2018.py`. They are so short that
 //! rounding decides the iterates of MINI from about 0.1 mm down, in any implementation; with longer
-//! ones in both, the iterates agree within a nanometre. Where the cables hardly see a motion, as the
-//! turning of a platform whose anchors lie on the lines to the entry points, plain Newton does not
+//! ones in both, the iterates agree within a nanometre. Where the lengths hardly depend on a motion, as on the
+//! rotation of a platform whose anchors lie on the lines to the entry points, plain Newton does not
 //! converge and the method stays near its start, in the reference too.
 
 mod newton;
@@ -32,7 +32,7 @@ use crate::robot::Robot;
 use newton::PlainNewton;
 use readings::Readings;
 
-/// Singular values below this part of the largest count as zero (NumPy's `pinv`).
+/// Singular values below this fraction of the largest count as zero (NumPy's `pinv`).
 const RELATIVE_CUTOFF: f64 = 1e-15;
 
 /// One coordinate of one entry point.
@@ -44,7 +44,7 @@ pub struct EntryCoordinate {
     pub axis: usize,
 }
 
-/// What to identify and when to stop.
+/// Options of the published method: parameters and stopping rules.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PublishedOptions {
     /// The parameters `V`.
@@ -54,11 +54,11 @@ pub struct PublishedOptions {
     pub given_entry_points_m: Option<Vec<[f64; 3]>>,
     /// Step factor `lambda` of equation 12.
     pub step_factor: f64,
-    /// Stop when no parameter changes by as much (m).
+    /// Stops when no parameter changes by as much (m).
     pub step_stop_m: f64,
-    /// Stop when the norm of the error is below this (m), `E_stop`; 0: never.
+    /// Stops when the norm of the error is below this (m), `E_stop`; 0: never.
     pub error_stop_m: f64,
-    /// Stop after so many steps.
+    /// Largest number of steps.
     pub iteration_limit: usize,
     /// Step of the forward differences of the error by the parameters (m).
     pub parameter_difference_m: f64,
@@ -99,31 +99,31 @@ pub fn published_parameters(robot: &Robot) -> Vec<EntryCoordinate> {
         .collect()
 }
 
-/// Why the published method cannot be applied.
+/// Errors of [`identify_published`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PublishedError {
-    /// Something the method rests on is not there.
+    /// A prerequisite of the method is missing.
     #[error("the published method needs {what}")]
     Missing {
-        /// What is not there.
+        /// The prerequisite.
         what: &'static str,
     },
     /// A cell is empty.
     #[error("the published method needs {what} at every pose, pose {label} has none")]
     EmptyCell {
-        /// Which reading.
+        /// The reading.
         what: &'static str,
         /// Label of the pose.
         label: i64,
     },
-    /// Something in the model is beyond the method.
-    #[error("the published method knows no {what}")]
+    /// A part of the model that the method does not include.
+    #[error("the published method cannot include {what}")]
     NotModelled {
-        /// What it does not know.
+        /// The part of the model.
         what: &'static str,
     },
-    /// A parameter names no coordinate of the robot, or the given entry points are not one per
-    /// cable.
+    /// A parameter is not a coordinate of the robot, or the number of given entry points is not that of the
+    /// cables.
     #[error("a parameter or given entry point does not fit a robot with {cables} cables")]
     Parameters {
         /// Number of cables of the robot.
@@ -134,25 +134,25 @@ pub enum PublishedError {
     Kinematics(#[from] KinematicsError),
 }
 
-/// Why the iteration stopped.
+/// Reason why the iteration stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PublishedStop {
-    /// No parameter changed by as much as the limit any more.
+    /// No parameter changed by as much as the limit.
     SmallStep,
     /// The error is below its limit.
     SmallError,
-    /// The number of steps is used up.
+    /// The number of steps was reached.
     IterationLimit,
     /// The error is no longer a finite number: forward kinematics by plain Newton has diverged.
     Diverged,
 }
 
-/// The parameters at one step.
+/// State after one step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PublishedIterate {
     /// Entry points (m).
     pub entry_points_m: Vec<[f64; 3]>,
-    /// Norm of the error there (m).
+    /// Norm of the error (m).
     pub error_norm_m: f64,
 }
 
@@ -161,9 +161,9 @@ pub struct PublishedIterate {
 pub struct PublishedResult {
     /// Identified entry points (m), the given ones included.
     pub entry_points_m: Vec<[f64; 3]>,
-    /// The start and the state after every step.
+    /// State at the start and after every step.
     pub history: Vec<PublishedIterate>,
-    /// Steps taken.
+    /// Number of steps taken.
     pub iterations: usize,
     /// Why it stopped.
     pub stop: PublishedStop,
@@ -172,7 +172,7 @@ pub struct PublishedResult {
 /// Identifies entry points by the published method.
 ///
 /// # Errors
-/// If home pose, laser or force sensors are missing, a reading is, or the options do not fit.
+/// If home pose, laser, force sensors or a reading is missing, or the options do not fit the robot.
 pub fn identify_published(
     dataset: &Dataset,
     options: &PublishedOptions,
@@ -229,7 +229,7 @@ fn stop_reason(step: &[f64], error_norm: f64, options: &PublishedOptions) -> Opt
     }
 }
 
-/// Entry points at the start: given ones, and the robot's own in the coordinates of `V`.
+/// Entry points at the start: given ones, but the robot's own in the coordinates of `V`.
 fn start(robot: &Robot, options: &PublishedOptions) -> Result<Vec<[f64; 3]>, PublishedError> {
     let cables = robot.cable_count();
     let own = robot.cables.iter().map(|c| c.pulley.entry_point_m);
@@ -245,7 +245,7 @@ fn start(robot: &Robot, options: &PublishedOptions) -> Result<Vec<[f64; 3]>, Pub
     Ok(entries)
 }
 
-/// The error function and its linearisation.
+/// The error function of equation 10 and its Newton step.
 struct Problem {
     readings: Readings,
     newton: PlainNewton,

@@ -1,4 +1,4 @@
-//! What the data leave open, in words.
+//! Rank defects: parameters that the data leave undetermined, described in words.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -8,24 +8,24 @@ use super::solution::Solution;
 use crate::geometry::{Coordinate, Vec3};
 use crate::tolerances::OPEN_EIGENVALUE;
 
-/// Share of a motion outside the open directions below which it counts as open.
+/// Largest component of a motion outside the undetermined subspace at which the motion counts as undetermined.
 const OUTSIDE: f64 = 1e-3;
 
-/// One direction that readings and priors do not determine.
+/// A direction in parameter space that readings and priors do not determine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RankDefect {
-    /// Sentence for the operator: what is open and what to give.
+    /// Sentence for the operator: what is undetermined, and what to provide.
     pub sentence: String,
 }
 
-/// Finds the directions that readings and priors leave open. Empty if everything is determined.
+/// Finds the directions that readings and priors leave undetermined. Empty if there are none.
 #[must_use]
 pub fn rank_defects(problem: &Problem<'_>, solution: &Solution) -> Vec<RankDefect> {
     let mut found = Vec::new();
     if solution.undetermined_coordinates > 0 {
         found.push(RankDefect {
             sentence: format!(
-                "the readings leave {} pose coordinates open: measure more cables or give a pose there",
+                "the readings leave {} pose coordinates undetermined: measure more cables or state a pose there",
                 solution.undetermined_coordinates
             ),
         });
@@ -38,7 +38,7 @@ pub fn rank_defects(problem: &Problem<'_>, solution: &Solution) -> Vec<RankDefec
     for k in &untouched {
         found.push(RankDefect {
             sentence: format!(
-                "nothing that was measured depends on {}: give its value",
+                "no reading depends on {}: state its value",
                 solution.parameters[*k].name
             ),
         });
@@ -47,7 +47,7 @@ pub fn rank_defects(problem: &Problem<'_>, solution: &Solution) -> Vec<RankDefec
         return found;
     }
     let all = open_directions(&solution.information, &scale);
-    // What no motion has explained yet.
+    // The directions that no rigid motion has explained so far.
     let mut open = all.clone();
     for (name, motion) in motions(problem, solution) {
         let scaled = motion.component_mul(&scale);
@@ -57,7 +57,7 @@ pub fn rank_defects(problem: &Problem<'_>, solution: &Solution) -> Vec<RankDefec
         let is_new = inside.norm_squared() > OUTSIDE * size;
         if size > 0.0 && outside < OUTSIDE * size && is_new {
             found.push(RankDefect {
-                sentence: format!("the data do not fix {name}: give one coordinate"),
+                sentence: format!("the data do not determine {name}: state one coordinate"),
             });
             open = without(&open, &inside);
         }
@@ -70,7 +70,7 @@ pub fn rank_defects(problem: &Problem<'_>, solution: &Solution) -> Vec<RankDefec
     found
 }
 
-/// Orthonormal directions of the scaled parameters along which nothing is known, as columns.
+/// Orthonormal basis of the undetermined directions of the scaled parameters, as columns.
 fn open_directions(information: &DMatrix<f64>, scale: &DVector<f64>) -> DMatrix<f64> {
     let n = scale.len();
     let scaled = DMatrix::from_fn(n, n, |i, k| {
@@ -93,7 +93,7 @@ fn open_directions(information: &DMatrix<f64>, scale: &DVector<f64>) -> DMatrix<
     DMatrix::from_columns(&columns)
 }
 
-/// The subspace spanned by the columns of `open` without the direction `open * inside`.
+/// Basis of the columns of `open` without the direction `open * inside`.
 fn without(open: &DMatrix<f64>, inside: &DVector<f64>) -> DMatrix<f64> {
     let n = inside.len();
     let projector = DMatrix::identity(n, n) - inside * inside.transpose() / inside.norm_squared();
@@ -108,7 +108,7 @@ fn without(open: &DMatrix<f64>, inside: &DVector<f64>) -> DMatrix<f64> {
     DMatrix::from_columns(&columns)
 }
 
-/// Motions of everything together, and a common scale.
+/// Rigid motions of the whole robot, and a common scale.
 fn motions(problem: &Problem<'_>, solution: &Solution) -> Vec<(String, DVector<f64>)> {
     let mut motions = Vec::new();
     for (k, axis) in ["x", "y", "z"].iter().enumerate() {
@@ -131,7 +131,7 @@ fn motions(problem: &Problem<'_>, solution: &Solution) -> Vec<(String, DVector<f
     motions
 }
 
-/// How the parameters change when every point moves by `displace` and the platform turns by `turn`.
+/// Change of the parameters when every point moves by `displace` and the platform rotates by `turn`.
 fn generator(
     problem: &Problem<'_>,
     solution: &Solution,
@@ -162,7 +162,7 @@ fn generator(
     )
 }
 
-/// An open direction that is no common motion: name the parameters that take most part.
+/// A direction that is not a rigid motion: name the parameters with the largest components.
 fn mixed(solution: &Solution, direction: &DVector<f64>) -> RankDefect {
     let mut order: Vec<usize> = (0..direction.len()).collect();
     order.sort_by(|a, b| direction[*b].abs().total_cmp(&direction[*a].abs()));
@@ -175,7 +175,7 @@ fn mixed(solution: &Solution, direction: &DVector<f64>) -> RankDefect {
         .collect();
     RankDefect {
         sentence: format!(
-            "the data do not tell apart {}: give one of them",
+            "the data cannot separate {}: state one of them",
             names.join(", ")
         ),
     }

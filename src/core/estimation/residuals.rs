@@ -1,5 +1,5 @@
-//! Residuals in physical units at given poses: the prediction that simulation inverts and that reports
-//! show.
+//! Residuals in physical units at given poses; simulation inverts the prediction behind them, and reports
+//! show them.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::problem::Problem;
 use crate::effect::{CablePort, PoseContexts};
 use crate::geometry::Pose;
 
-/// Prediction minus reading at one row of the measurements; NaN where nothing was read.
+/// Prediction minus reading at one row of the measurements; NaN where there is no reading.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RowResidual {
     /// Unstrained length paid out, per cable (m).
@@ -19,17 +19,17 @@ pub struct RowResidual {
     pub laser_m: f64,
     /// Swivel angle, per cable (rad).
     pub swivel_rad: Vec<f64>,
-    /// Tension at the platform that the model makes of the reading, per cable (N).
+    /// Tension at the platform that the model derives from the reading, per cable (N).
     pub tension_n: Vec<f64>,
     /// Roll, pitch and yaw (rad).
     pub inclination_rad: [f64; 3],
-    /// Position by the external instrument (m).
+    /// Position measured by the external instrument (m).
     pub tracked_m: [f64; 3],
-    /// Rotation from the orientation by the external instrument to that of the model (rad).
+    /// Rotation from the orientation measured by the external instrument to that of the model (rad).
     pub tracked_rotation_rad: [f64; 3],
 }
 
-/// Residuals of `rows` at `poses` for given common parameters, without any fit.
+/// Residuals of `rows` at `poses` for given common parameters, without estimating anything.
 #[must_use]
 pub fn residuals_at(
     problem: &Problem<'_>,
@@ -40,7 +40,7 @@ pub fn residuals_at(
     residuals_in(None, problem, globals, (rows, poses))
 }
 
-/// The same in contexts that are known better than from the readings, as in a simulation.
+/// As [`residuals_at`], in contexts that are known better than from the readings, as in a simulation.
 pub(crate) fn residuals_in(
     contexts: Option<Arc<PoseContexts>>,
     problem: &Problem<'_>,
@@ -85,7 +85,7 @@ fn row_residual(
             f64::NAN
         }
     };
-    // A length row is whitened by `-dr/ds`, whatever the tension's share in its variance.
+    // A length row is whitened by `-dr/ds`, whatever part of its variance the tension has.
     let length_m = (0..layout.cables)
         .map(|cable| raw(cable, -equations.length_by_cable[cable][3].recip()))
         .collect();
@@ -97,7 +97,7 @@ fn row_residual(
             .inclination
             .map_or(f64::NAN, |first| raw(first + k, inclination_sd))
     };
-    // A row of the position is whitened by its derivative along the axis: poses may have standard deviations of their own.
+    // A position row is whitened by its derivative along the axis, as poses may have standard deviations of their own.
     let position = |k: usize| {
         let row = layout.tracker_position.map(|first| first + k);
         row.map_or(f64::NAN, |row| raw(row, equations.by_pose[row][k].recip()))

@@ -1,4 +1,4 @@
-//! What a solve found.
+//! The result of a solve.
 
 use nalgebra::DMatrix;
 
@@ -8,7 +8,7 @@ use super::parameter::Parameter;
 use crate::cable::OutsideMeasuredRange;
 use crate::geometry::Pose;
 
-/// Result of an estimation. Non-convergence is a field, not an error.
+/// Result of a solve. Non-convergence is a field, not an error.
 #[derive(Debug, Clone)]
 pub struct Solution {
     /// Common parameters at the solution.
@@ -17,12 +17,12 @@ pub struct Solution {
     pub poses: Vec<(usize, Pose)>,
     /// The estimated parameters, in the order of the covariance.
     pub parameters: Vec<Parameter>,
-    /// Covariance of the parameters, parameters x parameters (products of their SI units); `None` where the data do not
+    /// Covariance of the parameters, parameters x parameters (products of their SI units); `None` if the data do not
     /// determine them.
     pub covariance: Option<DMatrix<f64>>,
     /// Information matrix of the parameters, the poses eliminated: the inverse of the covariance, parameters x parameters.
     pub information: DMatrix<f64>,
-    /// Why the solve ended.
+    /// Reason why the solve ended.
     pub termination: Termination,
     /// Number of steps taken.
     pub iterations: usize,
@@ -30,10 +30,10 @@ pub struct Solution {
     pub chi2: f64,
     /// Observations (readings, equilibrium equations, priors) minus unknowns.
     pub degrees_of_freedom: f64,
-    /// Number of pose coordinates that the readings leave open.
+    /// Number of pose coordinates that the readings leave undetermined.
     pub undetermined_coordinates: usize,
-    /// Cables at poses where their measured elongation had to be extrapolated: the solution does
-    /// not hold if there are any.
+    /// Cables at poses where their measured elongation had to be extrapolated: if there are any, the solution
+    /// is not valid.
     pub outside_surface: Vec<OutsideSurface>,
 }
 
@@ -44,13 +44,13 @@ pub struct OutsideSurface {
     pub row: usize,
     /// Index of the cable.
     pub cable: usize,
-    /// What is outside.
+    /// The quantity outside its range.
     pub range: OutsideMeasuredRange,
 }
 
 impl Solution {
-    /// Whether the solve ended at a minimum: the next step was predicted to gain nothing worth taking. One that stalled, was
-    /// cancelled or ran out of steps did not converge, however few steps it took.
+    /// Whether the solve ended at a minimum, where the predicted reduction of the loss is negligible. A solve that stalled, was
+    /// cancelled or ran out of iterations did not converge, however few steps it took.
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged
@@ -62,14 +62,14 @@ impl Solution {
         crate::statistics::chi_square_survival(self.chi2, self.degrees_of_freedom)
     }
 
-    /// Standard deviation of the parameter at `index`, if the data determine it.
+    /// Standard deviation of the parameter at `index`; `None` if the data do not determine it.
     #[must_use]
     pub fn standard_deviation(&self, index: usize) -> Option<f64> {
         self.covariance.as_ref().map(|c| c[(index, index)].sqrt())
     }
 
-    /// Correlations of the parameters, parameters x parameters, in the order of the covariance; `None` where the data do not
-    /// determine them.
+    /// Correlation matrix, parameters x parameters, in the order of the covariance; `None` if the data do not
+    /// determine the parameters.
     #[must_use]
     pub fn correlations(&self) -> Option<DMatrix<f64>> {
         let covariance = self.covariance.as_ref()?;

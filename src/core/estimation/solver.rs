@@ -1,6 +1,6 @@
 //! Levenberg-Marquardt on the common parameters, with the poses eliminated.
 //!
-//! Every pass over the poses moves them by the step just found and sums up the equations at the new
+//! Every pass over the poses moves them by the step just found and accumulates the equations at the new
 //! poses, so that an accepted step costs one pass.
 
 use pulp::{Arch, Simd, WithSimd};
@@ -19,9 +19,9 @@ use super::system::{ColumnMap, Priors, System};
 use crate::real::{Lanes, Packet};
 use crate::tolerances::PERFECT_FIT;
 
-/// Solves an estimation problem from the nominal values, or from a solution that is known.
+/// Solves an estimation problem from the nominal values, or from a known solution.
 ///
-/// The observer sees every step and can cancel; the state so far is returned then.
+/// The observer sees every step and can cancel, in which case the present state is returned.
 ///
 /// ```
 /// use tautline_core::estimation::{Control, Options, Problem, solve};
@@ -44,8 +44,8 @@ use crate::tolerances::PERFECT_FIT;
 /// ```
 ///
 /// # Errors
-/// If the measurements cannot be used with this robot at all, or no reading depends on a free effect.
-/// Non-convergence is no error.
+/// If the measurements cannot be used with this robot, or no reading depends on a free effect.
+/// Non-convergence is not an error.
 pub fn solve(
     problem: &Problem<'_>,
     options: &Options,
@@ -103,7 +103,7 @@ impl WithSimd for Dispatch<'_, '_> {
         if !is_local_minimum(problem, &first, self.options) {
             return Ok(first);
         }
-        // The given poses have led to a local minimum: start from those that follow from the lengths.
+        // The given poses have led to a local minimum: start again from those that follow from the lengths.
         let second = from(Start::Lengths).run(self.options, self.observer);
         let better = second.chi2 < first.chi2 || first.chi2.is_nan();
         Ok(if better || second.termination == Termination::Cancelled {
@@ -114,7 +114,7 @@ impl WithSimd for Dispatch<'_, '_> {
     }
 }
 
-/// Everything that an iteration changes.
+/// State of the solver.
 pub(super) struct LevenbergMarquardt<'a, T: Packet> {
     problem: &'a Problem<'a>,
     parameters: Vec<Parameter>,
@@ -125,7 +125,7 @@ pub(super) struct LevenbergMarquardt<'a, T: Packet> {
     home_evaluator: Option<Evaluator<'a, f64>>,
     home: HomeRow,
     priors: Priors,
-    /// Whether it started at a known solution.
+    /// Whether the solve started at a known solution.
     is_continued: bool,
 }
 
@@ -166,7 +166,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         solver
     }
 
-    /// Refuses free effects on which no reading depends, on whatever cable.
+    /// Rejects free effects that no reading depends on, on any of their cables.
     fn check_effects(&self) -> Result<(), EstimationError> {
         let free = &self.problem.free_effects;
         let (mut visible, mut invisible) = (Vec::new(), Vec::new());
@@ -245,7 +245,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         self.finish(&search, termination)
     }
 
-    /// One attempt at a step; the reason to end, if there is one.
+    /// Attempts one step; returns the reason to end, if there is one.
     fn iterate(
         &mut self,
         search: &mut SearchState,
@@ -267,7 +267,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         };
         let enough = options.tolerance * loss + negligible.max(PERFECT_FIT);
         if predicted <= enough {
-            // Strong damping makes every predicted reduction small: that alone is no convergence.
+            // Strong damping makes every predicted reduction small, which alone is not convergence.
             if search.damping <= options.first_damping {
                 return self.settle(search);
             }
@@ -297,14 +297,14 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         None
     }
 
-    /// Linearises anew at the present state with another damping.
+    /// Relinearises at the present state with another damping.
     fn damp(&mut self, search: &mut SearchState, damping: f64) {
         search.damping = damping;
         search.reduction_before = None;
         self.poses.assemble(self.huber, damping);
     }
 
-    /// Ends once the tensions have settled at which the equilibrium is linearised; each pass brings them closer.
+    /// Ends once the tensions at which the equilibrium is linearised have settled; each pass brings them closer.
     fn settle(&mut self, search: &mut SearchState) -> Option<Termination> {
         if search.unsettled == 0 {
             return Some(Termination::Converged);
@@ -314,7 +314,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         None
     }
 
-    /// Takes a step if it lowers the loss, else goes back and damps.
+    /// Takes a step if it lowers the loss; otherwise restores the state and raises the damping.
     fn try_step(
         &mut self,
         step: &[f64],
@@ -328,7 +328,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         };
         let loss = self.loss();
         let before = (self.globals.clone(), self.home.clone(), self.priors.clone());
-        // The poses move first: their step belongs to the values at which they were eliminated.
+        // The poses move first, because their step belongs to the parameters at which they were eliminated.
         self.poses
             .take_step(&self.map.column_step(&self.home, step));
         self.globals.step(self.problem, &self.parameters, step);
@@ -350,7 +350,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         self.damp(search, options.raised(search.damping));
     }
 
-    /// Takes a step whose outcome is known well enough not to be evaluated.
+    /// Takes a step whose outcome is predicted well enough that it need not be evaluated.
     fn take_last_step(&mut self, step: &[f64], predicted: f64, search: &mut SearchState) {
         let columns = self.map.column_step(&self.home, step);
         self.globals.step(self.problem, &self.parameters, step);
@@ -359,7 +359,7 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
         search.iterations += 1;
     }
 
-    /// Number of the equations that assumed tensions satisfy by themselves: those of the equilibrium.
+    /// Number of equations that assumed tensions satisfy by themselves: those of the equilibrium.
     fn assumed(&self) -> f64 {
         if !self.problem.assumes_tensions() {
             return 0.0;
@@ -408,24 +408,24 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
     }
 }
 
-/// State of the iteration besides the parameters.
+/// State of the iteration except the parameters.
 #[derive(Debug, Default)]
 struct SearchState {
     damping: f64,
     iterations: usize,
     /// Whether the last step from the present state was rejected.
     rejected: bool,
-    /// Reduction predicted for the step before, if it was undamped and taken.
+    /// Predicted reduction of the previous step, if it was undamped and taken.
     reduction_before: Option<f64>,
-    /// Passes until the latent tensions have settled.
+    /// Remaining passes until the latent tensions have settled.
     unsettled: usize,
     /// Predicted reduction of the last step, if it was taken without evaluation.
     unevaluated: f64,
 }
 
 impl SearchState {
-    /// What the steps after one with this predicted reduction would still gain, extrapolated from how fast predicted
-    /// reductions shrink; nothing is known after a damped step.
+    /// Loss that the steps after one with this predicted reduction would still remove, extrapolated from the rate at which
+    /// predicted reductions shrink; infinite after a damped step.
     fn remaining_after(&self, predicted: f64) -> f64 {
         let before = match self.reduction_before {
             Some(before) if self.damping == 0.0 => before,

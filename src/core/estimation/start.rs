@@ -8,23 +8,23 @@ use crate::geometry::Pose;
 use crate::kinematics::{ForwardKinematics, inverse_kinematics};
 use crate::robot::{Cable, Robot};
 
-/// Root mean square length residual that a start pose may have, relative to the size of the frame:
-/// well above the errors of drawings, and of the order at which wrong local minima begin.
+/// Largest root mean square length residual of a start pose, relative to the size of the frame:
+/// well above the errors of drawings, and of the order at which false local minima begin.
 const RELATIVE_RESIDUAL_LIMIT: f64 = 0.02;
 
-/// Where a solve starts.
+/// Starting point of a solve.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Start<'a> {
-    /// At the solution of the problem without its free effects.
+    /// The solution of the problem without its free effects.
     Known(&'a Solution),
-    /// At nominal values, with the poses where they were commanded or tracked.
+    /// Nominal values, with the commanded or tracked poses.
     Given,
-    /// At nominal values, with the poses where forward kinematics puts them.
+    /// Nominal values, with the poses from forward kinematics.
     Lengths,
 }
 
 impl<'a> Start<'a> {
-    /// The known solution of a problem where it is close enough, else the given poses.
+    /// The known solution of a problem if it is close enough, else the given poses.
     pub(super) fn of(problem: &'a Problem<'_>, options: &Options) -> Self {
         let is_same = problem.geometry == Geometry::Estimated && problem.poses == Poses::Estimated;
         let is_close = |known: &&Solution| {
@@ -35,7 +35,7 @@ impl<'a> Start<'a> {
         known.filter(is_close).map_or(Self::Given, Self::Known)
     }
 
-    /// Values of the common parameters; those of the effects are as they are bound.
+    /// Values of the common parameters; effects keep the values they were bound with.
     pub(super) fn globals(self, problem: &Problem<'_>) -> Globals {
         let nominal = Globals::nominal(problem);
         match self {
@@ -47,8 +47,8 @@ impl<'a> Start<'a> {
         }
     }
 
-    /// Pose of every row: that of the known solution, else the commanded one, else the external instrument's, else
-    /// that by forward kinematics from the nominal geometry, else home.
+    /// Pose of every row: that of the known solution, else the commanded one, else that of the external instrument, else
+    /// that from forward kinematics with the nominal geometry, else home.
     pub(super) fn poses(
         self,
         problem: &Problem<'_>,
@@ -79,7 +79,7 @@ pub(super) fn is_local_minimum(
     has_given && movable && is_bad && solution.termination != Termination::Cancelled
 }
 
-/// Poses where they were commanded or tracked if `use_given`, else by forward kinematics.
+/// Commanded or tracked poses if `use_given`, else poses from forward kinematics.
 fn start_poses(
     problem: &Problem<'_>,
     globals: &Globals,
@@ -116,7 +116,7 @@ struct PoseSearch<'a> {
     start: Pose,
     /// Geometric lengths at the start pose (m).
     lengths_m: Vec<f64>,
-    /// Unstrained lengths at home, the run included (m); for absolute lengths the runs.
+    /// Unstrained lengths at home, run-in included (m); for absolute lengths the run-in lengths.
     from_m: Vec<f64>,
 }
 
@@ -174,7 +174,7 @@ impl<'a> PoseSearch<'a> {
     }
 }
 
-/// `1 + T/EA` by the sensor's reading; 1 without sensor or reading.
+/// `1 + T/EA` from the tension reading; 1 without one.
 fn stretch(problem: &Problem<'_>, row: usize, index: usize) -> f64 {
     let cable = &problem.dataset.robot.cables[index];
     let reading = problem.dataset.measurements.force_n.get(row, index);
@@ -187,7 +187,7 @@ fn stretch(problem: &Problem<'_>, row: usize, index: usize) -> f64 {
     1.0 + strain
 }
 
-/// Diagonal of the box around the entry points (m).
+/// Diagonal of the bounding box of the entry points (m).
 fn frame_size(robot: &Robot) -> f64 {
     let extent = |axis: usize| {
         let points = robot.cables.iter().map(|c| c.pulley.entry_point_m[axis]);

@@ -1,4 +1,4 @@
-//! Measured elongations are not extrapolated: finds the cables that would need it.
+//! Finds cables outside their measured elongation, which is not to be extrapolated.
 
 use super::evaluator::Evaluator;
 use super::globals::Globals;

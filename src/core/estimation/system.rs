@@ -23,7 +23,7 @@ pub(super) struct Priors {
 }
 
 impl Priors {
-    /// Priors at the present values.
+    /// Evaluates the priors at the present values.
     pub fn evaluate(problem: &Problem<'_>, globals: &Globals, parameters: &[Parameter]) -> Self {
         let deviations = globals.deviations(problem, parameters);
         let home = Globals::nominal(problem).home;
@@ -42,7 +42,7 @@ impl Priors {
                 derivatives.push((row, row, sd.recip()));
             }
         }
-        // The coordinates of the home pose correlate where it was measured: its rows are whitened together.
+        // A measured home pose has correlated coordinates: their rows are whitened together.
         let home_rows = home_rows(parameters);
         let weight = home_weight(problem, &home_rows);
         for (row, of) in &home_rows {
@@ -63,7 +63,7 @@ impl Priors {
     }
 }
 
-/// Rows of the home pose among the parameters, with their coordinates.
+/// Indices of the home pose's parameters, with their coordinates.
 fn home_rows(parameters: &[Parameter]) -> Vec<(usize, Coordinate)> {
     let home = |(row, parameter): (usize, &Parameter)| match parameter.id {
         ParameterId::Home(coordinate) => Some((row, coordinate)),
@@ -72,7 +72,7 @@ fn home_rows(parameters: &[Parameter]) -> Vec<(usize, Coordinate)> {
     parameters.iter().enumerate().filter_map(home).collect()
 }
 
-/// `L^-1` of the covariance `L L^T` of the coordinates of the home pose that are estimated; those that are not are
+/// `L^-1` of the covariance `L L^T` of the estimated coordinates of the home pose; the others are
 /// left out as if they were independent.
 fn home_weight(problem: &Problem<'_>, rows: &[(usize, Coordinate)]) -> Matrix6<f64> {
     let Some(home) = problem.dataset.robot.home.filter(|_| !rows.is_empty()) else {
@@ -85,13 +85,13 @@ fn home_weight(problem: &Problem<'_>, rows: &[(usize, Coordinate)]) -> Matrix6<f
             covariance[(i.index(), k.index())] = all[(i.index(), k.index())];
         }
     }
-    // A description is checked before it is used: its covariance is positive definite.
+    // The covariance is positive definite because descriptions are checked on loading.
     let factor = covariance.cholesky().map(|factor| factor.l());
     let inverse = factor.and_then(|l| l.solve_lower_triangular(&Matrix6::identity()));
     inverse.unwrap_or_else(Matrix6::zeros)
 }
 
-/// Information of the prior of the home pose, parameters x parameters: what one measurement as good as all so far adds.
+/// Information of the prior of the home pose, parameters x parameters: the gain of one more measurement as good as all so far.
 pub(super) fn home_information(problem: &Problem<'_>, parameters: &[Parameter]) -> DMatrix<f64> {
     let rows = home_rows(parameters);
     let weight = home_weight(problem, &rows);
@@ -105,7 +105,7 @@ pub(super) fn home_information(problem: &Problem<'_>, parameters: &[Parameter]) 
     information
 }
 
-/// Derivative of a coordinate of the home pose's deviation by a step of another one; `turn` is that of the rotations.
+/// Derivative of a coordinate of the home pose's deviation by a step of another one; `turn` maps rotation steps.
 fn by_step(turn: &Matrix3<f64>, of: Coordinate, by: Coordinate) -> f64 {
     match (of.index(), by.index()) {
         (of @ 3.., by @ 3..) => turn[(of - 3, by - 3)],
@@ -120,10 +120,10 @@ pub(super) struct System {
     pub gradient: DVector<f64>,
 }
 
-/// How the columns before mapping depend on the parameters.
+/// Dependence of the columns before mapping on the parameters.
 #[derive(Debug, Clone)]
 pub(super) struct ColumnMap {
-    /// Column of each parameter that is a column itself.
+    /// Column of each parameter that has one of its own.
     direct: Vec<Option<usize>>,
     /// Columns of the unstrained lengths at home, per cable.
     lengths: Vec<usize>,
@@ -160,7 +160,7 @@ impl ColumnMap {
 }
 
 impl ColumnMap {
-    /// Derivative by the parameters of what has the derivative `columns` by the columns.
+    /// Maps a derivative by the columns to one by the parameters.
     pub fn map_row(&self, home: &HomeRow, columns: &[f64]) -> Vec<f64> {
         let direct = |column: &Option<usize>| column.map_or(0.0, |column| columns[column]);
         let mut mapped: Vec<f64> = self.direct.iter().map(direct).collect();
@@ -191,7 +191,7 @@ impl ColumnMap {
 }
 
 impl System {
-    /// Adds up poses, home row and priors.
+    /// Accumulates poses, home row and priors.
     pub fn build<T: Packet>(
         sums: &Sums<T>,
         map: &ColumnMap,
@@ -270,7 +270,7 @@ impl System {
         }
     }
 
-    /// Inverse of the information, or nothing if it is singular but for rounding.
+    /// Inverse of the information; `None` if it is singular to working precision.
     pub fn covariance(&self) -> Option<DMatrix<f64>> {
         covariance_of(&self.information)
     }
@@ -280,7 +280,7 @@ impl System {
     pub fn step(&self, damping: f64) -> Option<(DVector<f64>, f64)> {
         let mut damped = self.information.clone();
         for k in 0..damped.nrows() {
-            // A parameter on which nothing depends stays where it is.
+            // A parameter that nothing depends on keeps its value.
             let diagonal = damped[(k, k)];
             damped[(k, k)] = if diagonal == 0.0 {
                 1.0

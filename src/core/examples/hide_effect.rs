@@ -13,7 +13,7 @@ use tautline_core::simulation::{SimulationOptions, simulate};
 fn main() -> Result<(), Box<dyn Error>> {
     let mini = presets::find("mini").ok_or("there is no such preset")?;
 
-    // The drum of the third winch is larger than its drawing: 0.4 % more cable per revolution.
+    // The drum of the third winch is larger than drawn: 0.4 % more cable per revolution.
     let hidden = EffectSetting {
         effect: "winch_scale".to_owned(),
         targets: vec!["cable-3".to_owned()],
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         },
     )?;
 
-    // The dataset has the robot as described and the readings; the effect is in `run.truth` alone.
+    // The dataset holds the robot as described and the readings; the effect is only in `run.truth`.
     let options = DiagnosisOptions::default();
     let diagnosis = diagnose(&run.dataset, &options, &mut |_| Control::Continue)?;
     for (model, adequacy) in [

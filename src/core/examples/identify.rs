@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let drawing = presets::find("mini")
         .ok_or("there is no such preset")?
         .robot;
-    // The robot as it was built: every pulley 8 mm beside the drawing, along one axis or another.
+    // The robot as it was built: every pulley is 8 mm off the drawing, along one axis or another.
     let mut built = drawing.clone();
     for (index, cable) in built.cables.iter_mut().enumerate() {
         cable.pulley.entry_point_m[index % 3] += 0.008;
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What the encoders and the laser of a robot read at home and at some poses, without noise; forces are not read.
+/// Readings of the encoders and the laser at home and at some poses, without noise; forces are not read.
 fn measure(robot: &Robot) -> Result<Measurements, Box<dyn Error>> {
     let laser = robot.laser.ok_or("the robot has no laser")?;
     let home = robot.home.ok_or("the robot has no home pose")?.pose();
@@ -59,7 +59,7 @@ fn measure(robot: &Robot) -> Result<Measurements, Box<dyn Error>> {
     };
     let home_lengths = inverse_kinematics(robot, &home)?;
     for label in 0..=POSES {
-        // Swings of different periods fill the workspace; the first pose is home.
+        // Oscillations with different periods fill the workspace; the first pose is home.
         let swing = |period: f64, size: f64| size * (label as f64 / period).sin();
         let (x, y, z) = (swing(1.1, 0.15), swing(1.7, 0.12), swing(2.9, 0.15));
         let (rx, ry, rz) = (swing(1.3, 0.2), swing(2.3, 0.2), swing(3.1, 0.2));

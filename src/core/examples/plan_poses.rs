@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         plan.order.travel_m
     );
 
-    // Standard deviations are known before anything is measured.
+    // Standard deviations are known before any measurement.
     println!("poses  sd of entry points (mm)");
     for count in [5, 10, 15, 20] {
         let sd_m = plan.after(count).criteria.mean_m.unwrap_or(f64::NAN);

@@ -18,17 +18,17 @@ pub struct CurveProblem<'a> {
     pub observations: &'a [f64],
     /// Their standard deviations; absent: all 1.
     pub sd: Option<&'a [f64]>,
-    /// The prediction `f(p)`. Where it is undefined it may write NaN or infinities: such points
-    /// are refused.
+    /// The prediction `f(p)`. It may write NaN or infinities where it is undefined: such points
+    /// are rejected.
     pub predict: Predict<'a>,
-    /// The derivative of the prediction; absent: central differences.
+    /// The derivative of the prediction; `None`: central differences.
     pub jacobian: Option<Differentiate<'a>>,
 }
 
-/// When to stop.
+/// Stopping rules of a curve fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurveFitOptions {
-    /// At most so many Jacobians.
+    /// Largest number of Jacobians.
     pub max_iterations: usize,
     /// Converged when the relative offset is below this; see [`CurveFit::relative_offset`].
     pub offset_tolerance: f64,
@@ -43,7 +43,7 @@ impl Default for CurveFitOptions {
     }
 }
 
-/// Why the iteration ended.
+/// Reason why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Termination {
     /// A further step would not reduce the sum of squares noticeably.
@@ -61,14 +61,14 @@ pub enum Termination {
 pub struct CurveFit {
     /// Parameters and their uncertainties.
     pub statistics: FitStatistics,
-    /// Whether the relative offset is below its tolerance.
+    /// Whether the relative offset is below the tolerance.
     pub converged: bool,
-    /// Why the iteration ended.
+    /// Reason why the iteration ended.
     pub termination: Termination,
     /// Length of the last Gauss-Newton step in standard deviations of the parameters, per root of
     /// their number: `sqrt(|c|^2 / n) / s`, with `c` the part of the residuals that the step would
-    /// remove (Bates, Watts, Technometrics 23 (1981) 179). It measures statistically how far from
-    /// the minimum the parameters are, whatever their scales.
+    /// remove (Bates, Watts, Technometrics 23 (1981) 179). It measures the distance from the minimum
+    /// statistically, whatever the scales of the parameters.
     pub relative_offset: f64,
     /// Number of Jacobians.
     pub iterations: usize,
@@ -79,8 +79,8 @@ pub struct CurveFit {
 /// Fits the parameters from starting values.
 ///
 /// A trust-region Levenberg-Marquardt method (More, Lecture Notes in Mathematics 630 (1978) 105):
-/// the trust region is an ellipsoid scaled by the lengths of the Jacobian's columns, the
-/// factorisation is orthogonal. The end is refined by undamped Gauss-Newton steps. Validated on all
+/// the trust region is an ellipsoid scaled by the norms of the Jacobian's columns, the
+/// factorisation is orthogonal. Undamped Gauss-Newton steps refine the result. Validated on all
 /// NIST StRD nonlinear problems.
 ///
 /// # Panics

@@ -20,7 +20,7 @@ pub struct FitStatistics {
     pub cofactor: DMatrix<f64>,
     /// Observation minus prediction, in units of the observations.
     pub residuals: Vec<f64>,
-    /// Standard deviation of a residual over its `sd`; NaN without redundancy.
+    /// Residual standard deviation `s`, relative to the observations' `sd`; NaN without redundancy.
     pub residual_sd: f64,
     /// Degrees of freedom: observations minus determined parameters.
     pub dof: usize,
@@ -45,7 +45,7 @@ impl FitStatistics {
             .fold(0.0, |largest, e| largest.max(e.abs()))
     }
 
-    /// Completes the statistics: `weighted_square_sum` is `sum (e_i/sd_i)^2`.
+    /// Computes the statistics; `weighted_square_sum` is `sum (e_i/sd_i)^2`.
     pub(super) fn new(
         parameters: Vec<f64>,
         residuals: Vec<f64>,
@@ -63,7 +63,7 @@ impl FitStatistics {
         let undetermined: Vec<usize> = (0..parameters.len()).filter(is_undetermined).collect();
         let mut covariance = &cofactor * variance;
         for k in &undetermined {
-            // 0 * infinity would hide it when the fit happens to be exact.
+            // With an exact fit the product would be 0 * infinity and hide the defect.
             covariance[(*k, *k)] = f64::INFINITY;
         }
         Self {

@@ -9,10 +9,10 @@ use super::pivoted_qr::PivotedQr;
 /// Minimises `sum ((y_i - sum_k A_ik p_k) / sd_i)^2`.
 ///
 /// `design` is `A` (one row per observation), `observations` the `y_i`, `sd` their standard
-/// deviations (absent: all 1). The columns are scaled to length one and triangularised by
+/// deviations (`None`: all 1). The columns are scaled to length one and triangularised by
 /// Householder reflections with pivoting in doubled precision, so that the result has all the digits
 /// that the `f64` input determines (validated on the NIST StRD linear problems). A column that
-/// depends on others within rounding gets parameter 0, an infinite standard deviation and an entry
+/// depends on others to working precision gets parameter 0, an infinite standard deviation and an entry
 /// in `undetermined`.
 ///
 /// # Panics
@@ -78,7 +78,7 @@ fn fit_columns(
     let right_hand_side: Vec<DoubleDouble> = observations.iter().map(|y| (*y).into()).collect();
     let (scaled, scale) = scale_columns(columns.iter().map(|c| weighted(c)));
 
-    // The input is rounded to f64: dependence below that is not information.
+    // The input is rounded to f64, so a smaller remainder carries no information.
     let tolerance = f64::EPSILON * observations.len().max(columns.len()) as f64;
     let qr = PivotedQr::new(scaled, weighted(&right_hand_side), tolerance);
     let mut parameters = vec![DoubleDouble::ZERO; columns.len()];
@@ -104,7 +104,7 @@ fn fit_columns(
     )
 }
 
-/// Columns of length one, and the lengths they had (1 for a column of zeros).
+/// Columns normalised to length one, and their original lengths (1 for a column of zeros).
 fn scale_columns(
     columns: impl Iterator<Item = Vec<DoubleDouble>>,
 ) -> (Vec<Vec<DoubleDouble>>, Vec<DoubleDouble>) {

@@ -6,14 +6,14 @@ use super::double_double::DoubleDouble;
 ///
 /// Householder reflections with column pivoting (Golub, Van Loan, *Matrix Computations*, section
 /// 5.4.2): the column with the longest remainder comes next, so that the
-/// diagonal of `R` falls and shows the numerical rank.
+/// diagonal of `R` decreases and reveals the numerical rank.
 pub(super) struct PivotedQr {
     /// `columns[j][..=j]` is column `j` of `R`.
     columns: Vec<Vec<DoubleDouble>>,
     right_hand_side: Vec<DoubleDouble>,
-    /// Which column of `A` stands at each place of `R`.
+    /// Index of the column of `A` at each position of `R`.
     pub(super) order: Vec<usize>,
-    /// Number of columns that stand out of the others by more than the tolerance.
+    /// Number of columns that are linearly independent within the tolerance.
     pub(super) rank: usize,
 }
 
@@ -45,7 +45,7 @@ impl PivotedQr {
         qr
     }
 
-    /// Swaps the column with the longest remainder to place `step`; its length.
+    /// Swaps the column with the longest remainder to position `step`; returns its length.
     fn bring_longest_column_to(&mut self, step: usize) -> f64 {
         let (mut best, mut longest) = (step, -1.0);
         for j in step..self.columns.len() {
@@ -60,7 +60,7 @@ impl PivotedQr {
         longest.max(0.0).sqrt()
     }
 
-    /// Reflects column `step` onto its diagonal element and the rest likewise.
+    /// Reflects column `step` onto its diagonal element and applies the reflection to the rest.
     fn reflect(&mut self, step: usize) {
         let mut normal = self.columns[step][step..].to_vec();
         let length = DoubleDouble::dot(&normal, &normal).sqrt();

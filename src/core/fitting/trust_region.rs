@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 /// Singular values below this fraction of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-14;
 
-/// A weighted Jacobian `J` and residual vector `e`, factorised so that steps of any length cost
-/// next to nothing: `J D^-1 = Q R` (Householder), `R = U S V^T`, `c = U^T Q^T e`.
+/// A weighted Jacobian `J` and residual vector `e`, factorised so that steps of any length are
+/// cheap: `J D^-1 = Q R` (Householder), `R = U S V^T`, `c = U^T Q^T e`.
 ///
 /// No normal equations are formed: squaring `J` would square its condition.
 pub(super) struct Linearization {
@@ -131,7 +131,7 @@ impl Linearization {
     pub(super) fn cofactor(&self) -> DMatrix<f64> {
         let count = self.scale.len();
         let mut root = self.v.clone();
-        // With fewer residuals than parameters no parameter is safe.
+        // With fewer residuals than parameters, no parameter is determined.
         let mut undetermined = vec![self.c.len() < count; count];
         let significant: Vec<usize> = self.significant().collect();
         for k in 0..self.c.len() {

@@ -1,4 +1,4 @@
-//! Which of the six coordinates a platform can move in.
+//! Degrees of freedom of a platform.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,7 @@ impl Coordinate {
         self as usize
     }
 
-    /// Words for a reader: "translation along x", "rotation about z".
+    /// Name to display: "translation along x", "rotation about z".
     #[must_use]
     pub fn describe(self) -> &'static str {
         match self {
@@ -49,14 +49,14 @@ impl Coordinate {
     }
 }
 
-/// The set of coordinates in which a platform is free, in [`Twist`] order, without repeats.
+/// The set of coordinates in which a platform is free, in [`Twist`] order, without duplicates.
 ///
 /// Spatial: all six. Planar: x, y, rz. Point mass: x, y, z. Planar point mass: x, y.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Freedom(Vec<Coordinate>);
 
 impl Freedom {
-    /// Freedom in the given coordinates; order and repeats do not matter.
+    /// Freedom in the given coordinates; order and duplicates do not matter.
     #[must_use]
     pub fn new(coordinates: &[Coordinate]) -> Self {
         let mut sorted = coordinates.to_vec();
@@ -83,7 +83,7 @@ impl Freedom {
         &self.0
     }
 
-    /// A twist whose free components are `value(index)`, asked in [`Twist`] order; the others are zero.
+    /// A twist whose free components are `value(index)`, called in [`Twist`] order; the others are zero.
     pub fn twist(&self, mut value: impl FnMut(usize) -> f64) -> Twist {
         let mut twist = Twist::zeros();
         for coordinate in &self.0 {

@@ -28,7 +28,7 @@ impl Pose {
         }
     }
 
-    /// Pose from plain numbers: position (m) and quaternion, w first, normalised here.
+    /// Pose from plain numbers: position (m) and quaternion, w first, which is normalised.
     #[must_use]
     pub fn from_parts(position_m: [f64; 3], orientation_wxyz: [f64; 4]) -> Self {
         let [w, x, y, z] = orientation_wxyz;

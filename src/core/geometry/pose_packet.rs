@@ -1,4 +1,4 @@
-//! Poses in the form of the kernels: plain numbers or SIMD lanes.
+//! Poses in the form used by the kernels: plain numbers or SIMD lanes.
 
 use nalgebra::{Quaternion, UnitQuaternion};
 use pulp::Simd;
@@ -84,7 +84,7 @@ impl<T: Real> PosePacket<T> {
 
 impl PosePacket<f64> {
     /// The same pose in all lanes.
-    // No closures here and wherever lanes are: they would be compiled for the baseline processor.
+    // No closures here or wherever lanes are used: they would be compiled for the baseline processor.
     #[inline(always)]
     pub fn splat<S: Simd>(&self, simd: S) -> PosePacket<Lanes<S>> {
         let zero = Lanes::splat(simd, 0.0);

@@ -1,6 +1,6 @@
 //! Errors of the calibrations of phase 1.
 
-/// Why pairs of readings do not allow a calibration.
+/// Reasons why pairs of readings do not allow a calibration.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     /// Fewer pairs than a fit with standard deviations needs.
@@ -8,7 +8,7 @@ pub enum CalibrationError {
     TooFewPairs {
         /// What was to be fitted.
         what: &'static str,
-        /// Least number of pairs.
+        /// Smallest sufficient number of pairs.
         needed: usize,
         /// Number of pairs given.
         given: usize,
@@ -24,7 +24,7 @@ pub enum CalibrationError {
     Degenerate(String),
 }
 
-/// Refuses too few or not finite pairs.
+/// Rejects too few pairs and values that are not finite.
 pub(super) fn check_pairs<const N: usize>(
     pairs: impl ExactSizeIterator<Item = [f64; N]>,
     what: &'static str,

@@ -34,8 +34,8 @@ pub struct DistancePair {
 }
 
 /// A fitted voltage curve `d = 1 / (a v + b) + c` for triangulating sensors such as the
-/// GP2Y0A41SK0F, whose voltage falls with the distance (m, V). Distances are taken as of equal,
-/// independent errors, which include the voltage's noise.
+/// GP2Y0A41SK0F, whose voltage falls with the distance (m, V). Distances are assumed to have equal,
+/// independent errors, which include the noise of the voltage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DistanceCurveFit {
     /// The curve.
@@ -78,7 +78,9 @@ pub fn fit_distance_curve(pairs: &[DistancePair]) -> Result<DistanceCurveFit, Ca
     different.sort_by(f64::total_cmp);
     different.dedup();
     if different.len() < 3 || !line.is_full_rank() {
-        return degenerate("three different voltages at least are needed to see the curve bend");
+        return degenerate(
+            "at least three different voltages are needed to determine the curvature",
+        );
     }
     let start = [line.parameters[1], line.parameters[0], 0.0];
     let (fit, converged) = fit(&voltages, &distances, start);
@@ -86,7 +88,7 @@ pub fn fit_distance_curve(pairs: &[DistancePair]) -> Result<DistanceCurveFit, Ca
     let is_defined = voltages.iter().all(|v| curve.distance_m(*v).is_some());
     if !fit.is_full_rank() || !is_defined {
         return degenerate(
-            "the readings do not follow 1/(a v + b) + c: check that voltage and distance are not exchanged",
+            "the readings do not follow 1/(a v + b) + c: check that voltage and distance are not swapped",
         );
     }
     Ok(DistanceCurveFit {

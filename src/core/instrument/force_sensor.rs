@@ -17,8 +17,8 @@ pub struct ForcePair {
 
 /// Result of a force sensor calibration.
 ///
-/// `reading = g load + f0` (Jin et al. 2018, section 3.2, with a bias; g = 2 by the deflection
-/// pulley). The loads are taken as exact, the readings as of equal, independent errors. Residuals
+/// `reading = g load + f0` (Jin et al. 2018, section 3.2, with a bias; g = 2 because of the deflection
+/// pulley). The loads are assumed exact, the readings to have equal, independent errors. Residuals
 /// are given as loads: `(reading - f0) / g - load`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceSensorCalibration {
@@ -56,7 +56,7 @@ pub fn calibrate_force_sensor(
     let readings: Vec<f64> = pairs.iter().map(|p| p.reading_n).collect();
     let fit = fit_polynomial(&loads, &readings, None, 1);
     if !fit.is_full_rank() {
-        let message = "all readings are with the same load: hang different weights";
+        let message = "all readings have the same load: hang different weights";
         return Err(CalibrationError::Degenerate(message.to_owned()));
     }
     let (bias_n, gain) = (fit.parameters[0], fit.parameters[1]);

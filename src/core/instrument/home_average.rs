@@ -1,13 +1,13 @@
-//! Several measurements of the home pose made one.
+//! Weighted mean of several measurements of the home pose.
 
 use nalgebra::{Cholesky, Matrix6};
 
 use crate::geometry::{Pose, Twist};
 use crate::statistics::chi_square_survival;
 
-/// Gauss-Newton steps at most; poses of one home differ by millimetres, so that two suffice.
+/// Largest number of Gauss-Newton steps; poses of one home differ by millimetres, so that two suffice.
 const MOST_STEPS: usize = 20;
-/// Step below which the mean has settled (m, rad).
+/// Step below which the mean has converged (m, rad).
 const SETTLED: f64 = 1e-13;
 
 /// One measurement of the home pose.
@@ -40,8 +40,8 @@ impl HomeReading {
 /// The weighted mean of measurements of the home pose.
 ///
 /// The mean `x` minimises `sum d_k^T C_k^-1 d_k` with the small motion `d_k` from `x` to measurement `k` of the covariance
-/// `C_k`; its covariance is `(sum C_k^-1)^-1`. Assumed: independent errors. What all measurements share, as an error of the
-/// reference frame, no repeat removes.
+/// `C_k`; its covariance is `(sum C_k^-1)^-1`. Errors are assumed independent. No repetition removes an error that all
+/// measurements share, such as that of the reference frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HomeAverage {
     /// The mean, base frame.
@@ -55,7 +55,7 @@ pub struct HomeAverage {
 }
 
 impl HomeAverage {
-    /// Averages measurements; `None` without any, or if a covariance is not positive definite.
+    /// Averages measurements; `None` if there are none, or if a covariance is not positive definite.
     #[must_use]
     pub fn of(readings: &[HomeReading]) -> Option<Self> {
         let weights: Option<Vec<Matrix6<f64>>> = readings
@@ -95,7 +95,7 @@ impl HomeAverage {
         ([0, 1, 2].map(sd), [3, 4, 5].map(sd))
     }
 
-    /// Probability that measurements differ at least so much if their covariances are right; `None` for a single one.
+    /// Probability of differences at least as large if the covariances are right; `None` for a single measurement.
     #[must_use]
     pub fn p_value(&self) -> Option<f64> {
         let freedom = 6 * self.count.checked_sub(1)?;

@@ -5,20 +5,20 @@ use nalgebra::{Matrix6, SVD, Vector6};
 use crate::geometry::{Pose, Twist, Vec3};
 use crate::robot::HomePlatform;
 
-/// The arrangement is singular when the smallest singular value of the sensors' sensitivity is below
-/// this fraction of the largest: a micrometre of reading would then be a metre of pose.
+/// The arrangement is singular if the smallest singular value of the sensors' sensitivity is below
+/// this fraction of the largest: an error of a micrometre would then be a metre in the pose.
 const SINGULAR: f64 = 1e-6;
 
 /// Beams closer to their plane than this sine do not measure a distance to it.
 const GRAZING: f64 = 1e-6;
 
-/// Why no pose can be computed.
+/// Reasons why no pose can be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum HomePlatformError {
     /// Not six sensors, or not six readings.
-    #[error("six sensors with a reading each fix the platform, {given} are given")]
+    #[error("expected six sensors with one reading each, found {given}")]
     NotSix {
-        /// How many there are.
+        /// Number found.
         given: usize,
     },
     /// The description or reading of a sensor is invalid.
@@ -30,7 +30,9 @@ pub enum HomePlatformError {
         message: String,
     },
     /// The distances do not determine the pose.
-    #[error("the six sensors do not fix the platform: no reading changes when it {motion}")]
+    #[error(
+        "the six sensors do not determine the pose of the platform: no reading changes when it {motion}"
+    )]
     Singular {
         /// The motion that changes no distance.
         motion: String,
@@ -42,7 +44,7 @@ pub enum HomePlatformError {
 /// Sensor i at `o_i` looks along the unit vector `q_i` (reference frame) at the plane `n . x = h`
 /// fixed in the platform frame. With the platform at `(r, R)` in the reference frame and `N = R n`
 /// the distance is `d_i = (h + N.(r - o_i)) / (N.q_i)`; six distances give six equations for the pose.
-/// Assumed: exact planes, origins, directions and `base_from_reference`; independent errors of the
+/// Exact planes, origins, directions and `base_from_reference` are assumed, and independent errors of the
 /// distances. Source: Jin et al. 2018, section 3.3.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HomeFix {
@@ -69,8 +71,8 @@ pub struct HomeFix {
 /// `distance_sd_m` are the standard deviations of the six distances.
 ///
 /// # Errors
-/// Not six sensors or distances, a plane that does not exist, a beam along its plane, or an
-/// arrangement that leaves a motion open.
+/// If there are not six sensors and distances, a plane does not exist, a beam is parallel to its plane, or the
+/// arrangement leaves a motion undetermined.
 pub fn locate_platform(
     home: &HomePlatform,
     distances_m: &[f64],
@@ -110,7 +112,7 @@ pub fn locate_platform(
         orientation_sd_rad: [sd[3], sd[4], sd[5]],
         largest_misfit_m,
         iterations,
-        // Far below any sensor, far above the rounding of distances of metres.
+        // Far below the resolution of any sensor, far above the rounding of distances of metres.
         converged: largest_misfit_m < 1e-10,
     })
 }
@@ -168,7 +170,7 @@ fn predict(
         if cosine.abs() < GRAZING {
             return Err(HomePlatformError::Sensor {
                 sensor: index + 1,
-                message: "it looks along its plane and never meets it".to_owned(),
+                message: "its beam is parallel to its plane and never meets it".to_owned(),
             });
         }
         distances[index] = (plane.offset_m + normal.dot(&(pose.position - origin))) / cosine;
@@ -181,7 +183,7 @@ fn predict(
 
 /// The inverse of the sensitivity; if it is singular, an error that names the undetermined motion.
 fn invert(sensitivity: &Matrix6<f64>) -> Result<Matrix6<f64>, HomePlatformError> {
-    // Rotations count by the displacement they cause at the planes, so that metres compare with metres.
+    // Rotations are scaled by the displacement they cause at the planes, which makes them comparable with translations.
     let square: f64 = sensitivity.fixed_columns::<3>(3).norm_squared();
     let arm = (square / sensitivity.fixed_columns::<3>(0).norm_squared()).sqrt();
     let arm = if arm > 0.0 { arm } else { 1.0 };
@@ -219,17 +221,17 @@ fn in_words(motion: &Twist) -> String {
     if turned.norm() < 0.05 {
         format!("moves along {} {frame}", axis(&moved))
     } else if moved.norm() < 0.05 {
-        format!("turns about {} {frame}", axis(&turned))
+        format!("rotates about {} {frame}", axis(&turned))
     } else {
         format!(
-            "turns about {} and moves along {} {frame}",
+            "rotates about {} and moves along {} {frame}",
             axis(&turned),
             axis(&moved)
         )
     }
 }
 
-/// The Newton step, halved until it brings the distances closer; `None` if no part of it does.
+/// The Newton step, halved until it reduces the misfit of the distances; `None` if no part of it does.
 fn damped_step(
     home: &HomePlatform,
     pose: &Pose,
@@ -253,7 +255,7 @@ fn damped_step(
     None
 }
 
-/// Covariance in base coordinates and the roots of its diagonal.
+/// Covariance in base coordinates, and the standard deviations.
 fn in_base(home: &HomePlatform, covariance: &Matrix6<f64>) -> (Matrix6<f64>, Vector6<f64>) {
     let rotation = home
         .base_from_reference
@@ -424,6 +426,6 @@ pub(super) mod tests {
             "sensor 3: plane 5 does not exist"
         );
         let error = locate_platform(&arrangement(), &[0.1; 5], &[2e-4; 5], &Pose::identity());
-        assert!(error.unwrap_err().to_string().contains("5 are given"));
+        assert!(error.unwrap_err().to_string().contains("found 5"));
     }
 }

@@ -4,10 +4,10 @@ use super::home_platform::{HomeFix, HomePlatformError, locate_platform};
 use crate::geometry::{Pose, Twist};
 use crate::robot::{HomePlatform, HomeSensor};
 
-/// Distances that the GP2Y0A41SK0F of Jin et al. 2018 measures (m), from its data sheet.
+/// Measuring range of the GP2Y0A41SK0F of Jin et al. 2018 (m), from its data sheet.
 const INFRARED_RANGE_M: std::ops::RangeInclusive<f64> = 0.04..=0.3;
 
-/// Repeats of one sensor.
+/// Statistics of the repeated readings of one sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensorRepeats {
     /// Number of readings.
@@ -18,28 +18,28 @@ pub struct SensorRepeats {
     pub sd_m: f64,
     /// Standard error of the mean, `sd / sqrt(count)` (m); NaN for a single reading.
     pub standard_error_m: f64,
-    /// Whether the mean lies where the infrared sensor measures; true for sensors that give metres.
+    /// Whether the mean lies in the measuring range of the infrared sensor; true for sensors that give metres.
     pub in_range: bool,
 }
 
 /// Home pose from repeated readings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HomeMeasurement {
-    /// Pose from the mean distances. Its covariance takes the readings of a sensor as independent, of
-    /// the stated `sd_m` each, so `sd_m / sqrt(count)` for the mean.
+    /// Pose from the mean distances. Its covariance assumes independent readings of a sensor, each with the
+    /// stated `sd_m`, hence `sd_m / sqrt(count)` for the mean.
     pub fix: HomeFix,
     /// Statistics of each sensor.
     pub sensors: Vec<SensorRepeats>,
     /// Standard deviation of the pose from one reading of each sensor, about the mean pose, in the base
     /// frame `[x y z, phi_x phi_y phi_z]` (m, rad): the repeatability. `None` unless all sensors
-    /// have the same number of readings, two at least, taken cycle by cycle.
+    /// have the same number of readings, at least two, taken cycle by cycle.
     pub repeatability: Option<[f64; 6]>,
 }
 
 /// Computes the home pose from `readings[sensor]`, volts where the sensor has a curve, else metres.
 ///
 /// # Errors
-/// As [`locate_platform`]; and a sensor without readings or with one beyond the pole of its
+/// As [`locate_platform`]; also if a sensor has no reading, or one beyond the pole of its
 /// curve.
 pub fn measure_home(
     home: &HomePlatform,
@@ -85,7 +85,7 @@ fn to_distances(
     let to_distance = |reading: &f64| match &sensor.curve {
         Some(curve) => curve.distance_m(*reading).ok_or_else(|| {
             at_sensor(format!(
-                "{reading} V is outside what its voltage curve covers"
+                "{reading} V is outside the range of its voltage curve"
             ))
         }),
         None => Ok(*reading),

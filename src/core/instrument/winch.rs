@@ -9,7 +9,7 @@ use crate::fitting::{FitStatistics, fit_linear};
 /// without payload.
 pub const WINCH_RESIDUAL_LIMIT_M: f64 = 1e-4;
 
-/// Tensions that vary less than this fraction of their mean do not determine the stretch.
+/// Tensions whose range is below this fraction of their mean do not determine the stretch.
 const MIN_TENSION_RANGE: f64 = 0.1;
 
 /// One calibration reading of a winch.
@@ -26,10 +26,10 @@ pub struct WinchPair {
 /// Result of a winch calibration.
 ///
 /// `length = k rev + offset + e tension` (equation 1 of Jin et al. 2018 with a datum): `k` in metres
-/// of cable per motor revolution, `e` the stretch per newton at the mean length, fitted only where
+/// of cable per motor revolution, `e` the stretch per newton at the mean length, which is fitted only if
 /// every reading has a tension and the tensions vary by more than a tenth of their mean. Otherwise
-/// the constant tension's stretch is part of `k` and the offset. Lengths are taken as of equal,
-/// independent errors, revolutions as exact.
+/// `k` and the offset include the stretch at constant tension. Lengths are assumed to have equal,
+/// independent errors, revolutions to be exact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WinchCalibration {
     /// Cable per motor revolution `k` (m).
@@ -79,7 +79,7 @@ pub fn calibrate_winch(pairs: &[WinchPair]) -> Result<WinchCalibration, Calibrat
     Ok(summary(fit, false))
 }
 
-/// The tensions if all were measured and vary, and a fourth pair gives redundancy.
+/// The tensions, if all were measured and vary, and a fourth pair gives redundancy.
 fn varying_tensions(pairs: &[WinchPair]) -> Option<Vec<f64>> {
     let tensions: Vec<f64> = pairs.iter().map(|p| p.tension_n).collect::<Option<_>>()?;
     let highest = tensions.iter().copied().fold(f64::NEG_INFINITY, f64::max);

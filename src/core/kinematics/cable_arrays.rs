@@ -1,4 +1,4 @@
-//! All cables of a robot in columns, so that one SIMD vector holds the same number of several cables.
+//! All cables of a robot as a structure of arrays, so that one SIMD vector holds the same quantity of several cables.
 
 use pulp::Simd;
 
@@ -9,9 +9,9 @@ use crate::robot::Robot;
 use super::inverse::check_pulley;
 use super::{KinematicsError, PulleyGeometry};
 
-/// Most cables a robot can have.
+/// Largest number of cables of a robot.
 pub const MAX_CABLES: usize = 64;
-/// Columns are padded to whole vectors of this many numbers, the widest there are.
+/// Columns are padded to a multiple of this, the width of the widest vectors.
 const WIDEST: usize = 8;
 
 /// Pulleys and platform anchors of all cables, in columns padded with copies of the first cable.
@@ -46,7 +46,7 @@ impl CableArrays {
         })
     }
 
-    /// Moves the entry points (m).
+    /// Replaces the entry points (m).
     pub(crate) fn set_entry_points(&mut self, entries: &[[f64; 3]]) {
         for (i, entry) in entries.iter().enumerate() {
             for k in 0..3 {
@@ -60,7 +60,7 @@ impl CableArrays {
         self.count
     }
 
-    /// Number of whole vectors that hold all cables.
+    /// Number of vectors that hold all cables.
     #[inline(always)]
     pub(crate) fn vectors<S: Simd>(&self) -> usize {
         self.count.div_ceil(S::F64_LANES)

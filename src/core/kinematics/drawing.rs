@@ -1,23 +1,23 @@
-//! Points of a cable and its pulley, to draw them at scale.
+//! Polylines of cables and pulleys for drawing them to scale.
 //!
-//! The pulley turns about its centre `M = a + rp e`, across its plane. The free part hangs below its chord by the
-//! parabola that belongs to the extra length by sag of [`crate::cable::CableLaw`]: at the part `x` of the chord from the
-//! pulley to the platform, `w l_f^2 / (2 T) x (1 - x)` times gravity's direction across the chord.
+//! The pulley rotates about its centre `M = a + rp e`. The free part hangs below its chord in the
+//! parabola whose extra length is the sag of [`crate::cable::CableLaw`]: at the fraction `x` of the chord from the
+//! pulley to the platform, by `w l_f^2 / (2 T) x (1 - x)` times the component of gravity's direction normal to the chord.
 
 use super::length_breakdown::{LengthBreakdownError, ModelledCable, down, modelled_cables};
 use crate::geometry::{Pose, Vec3};
 use crate::robot::Robot;
 
-/// How finely a cable is drawn.
+/// Resolution of the drawing of a cable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CableDetail {
-    /// Length drawn on the winch's side of the pulley (m).
+    /// Length drawn on the winch side of the pulley (m).
     pub lead_in_m: f64,
-    /// Largest angle between neighbouring points on the pulley (rad).
+    /// Largest angle between successive points on the pulley (rad).
     pub largest_turn_rad: f64,
-    /// Parts of the free cable where it sags.
+    /// Number of segments of the free cable where it sags.
     pub span_parts: usize,
-    /// Limit on the depth in the middle of a level cable, over its length: an almost slack cable is no parabola.
+    /// Limit on the sag of a level cable relative to its length; an almost slack cable is not a parabola.
     pub largest_sag: f64,
 }
 
@@ -32,30 +32,30 @@ impl Default for CableDetail {
     }
 }
 
-/// A cable from the winch's side of its pulley to the platform; base frame.
+/// A cable from the winch side of its pulley to the platform; base frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CableDrawing {
-    /// Points of the cable (m), from the winch's side to the anchor.
+    /// Points of the cable (m), from the winch side to the anchor.
     pub points: Vec<Vec3>,
-    /// Index of the point at which it leaves the pulley.
+    /// Index of the point at which the cable leaves the pulley.
     pub exit: usize,
-    /// Where it reaches the pulley (m).
+    /// Point at which the cable reaches the pulley (m).
     pub entry: Vec3,
     /// Centre of the pulley (m).
     pub pulley_centre: Vec3,
-    /// Axis about which the pulley turns (unit vector).
+    /// Rotation axis of the pulley (unit vector).
     pub pulley_axis: Vec3,
-    /// Axis about which it swivels, in the direction of the cable (unit vector).
+    /// Swivel axis, in the direction of the cable's travel (unit vector).
     pub swivel_axis: Vec3,
     /// Radius of the pulley (m); 0: an eyelet.
     pub radius_m: f64,
 }
 
-/// Draws every cable at `pose` under `tensions_n`, as the model with its effects has them, in the robot's order. A cable
-/// whose tension is not known is straight; an error stands for each that has no path, or weight but no tension.
+/// Computes the polyline of every cable at `pose` under `tensions_n`, with the effects of the model, in the robot's order. A
+/// cable of unknown tension is straight; a cable without a path, or with weight but no tension, is an error of its own.
 ///
 /// # Errors
-/// An effect that does not exist, or tensions that are not one for each cable.
+/// If an effect does not exist, or the number of tensions is not that of the cables.
 pub fn cable_polyline(
     robot: &Robot,
     pose: &Pose,
@@ -91,7 +91,7 @@ fn drawing(cable: &ModelledCable, down: Vec3, detail: &CableDetail) -> CableDraw
     let chord = anchor - from;
     let along = -Vec3::from(path.toward_exit);
     let across = down - along * along.dot(&down);
-    // Four times the depth in the middle.
+    // Four times the sag at midspan.
     let sagging = |tension_n: f64| weight * path.free_length / (2.0 * tension_n);
     let sag = cable.tension_n.map_or(0.0, sagging);
     let most = 4.0 * detail.largest_sag;

@@ -15,12 +15,12 @@ use crate::robot::{Cable, Robot};
 
 use super::{CablePath, PulleyGeometry};
 
-/// Closer than this to the swivel axis (m), the direction in which a pulley faces is undefined.
+/// Closer than this to the swivel axis (m), the facing direction of a pulley is undefined.
 const AXIS_CLEARANCE_M: f64 = 1e-9;
 /// Largest deviation of the norm of a swivel axis from 1.
 const UNIT_TOLERANCE: f64 = 1e-6;
 
-/// Why the kinematics of a robot has no solution at a pose.
+/// Reasons why the kinematics of a robot has no solution at a pose.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum KinematicsError {
     /// The anchor is nearer to the pulley centre than the radius.
@@ -29,7 +29,7 @@ pub enum KinematicsError {
         /// Name of the cable.
         cable: String,
     },
-    /// The direction in which the pulley faces is undefined.
+    /// The facing direction of the pulley is undefined.
     #[error("the platform anchor of {cable} is on the swivel axis of its pulley")]
     AnchorOnSwivelAxis {
         /// Name of the cable.
@@ -47,14 +47,14 @@ pub enum KinematicsError {
         /// Name of the cable.
         cable: String,
     },
-    /// A direction is not a unit vector.
+    /// The swivel axis is not a unit vector.
     #[error("the swivel axis of {cable} is not a unit vector")]
     SwivelAxisNotUnit {
         /// Name of the cable.
         cable: String,
     },
-    /// The zero direction of the swivel angle has no component across the axis.
-    #[error("the swivel zero direction of {cable} is along its swivel axis")]
+    /// The zero direction of the swivel angle has no component normal to the axis.
+    #[error("the swivel zero direction of {cable} is parallel to its swivel axis")]
     SwivelZeroAlongAxis {
         /// Name of the cable.
         cable: String,
@@ -65,11 +65,11 @@ pub enum KinematicsError {
         /// Name of the cable.
         cable: String,
     },
-    /// Gravity cannot be applied.
+    /// The mass of the platform is unknown.
     #[error("the mass of the platform is not given")]
     MassNotGiven,
     /// The number of cables is outside 1 to 64.
-    #[error("a robot with {count} cables; 1 to 64 are possible")]
+    #[error("found {count} cables, expected 1 to 64")]
     CableCount {
         /// Number of cables.
         count: usize,
@@ -165,7 +165,7 @@ pub(super) fn pulley_geometry(cable: &Cable) -> PulleyGeometry<f64> {
     }
 }
 
-/// Refuses pulleys whose numbers cannot be used.
+/// Rejects pulleys with invalid geometry.
 pub(super) fn check_pulley(cable: &Cable) -> Result<(), KinematicsError> {
     let pulley = &cable.pulley;
     let numbers = pulley.entry_point_m.iter().chain(&pulley.swivel_axis);
@@ -184,7 +184,7 @@ pub(super) fn check_pulley(cable: &Cable) -> Result<(), KinematicsError> {
 fn check_path(cable: &Cable, path: &CablePath<f64>) -> Result<(), KinematicsError> {
     let name = || cable.name.clone();
     let has_pulley = cable.pulley.radius_m > 0.0;
-    // The comparison is false for NaN, so that an invalid pose is refused too.
+    // The comparison is false for NaN, so that an invalid pose is rejected too.
     let clear = path.clearance > AXIS_CLEARANCE_M * AXIS_CLEARANCE_M;
     if !clear && has_pulley {
         return Err(KinematicsError::AnchorInsidePulley { cable: name() });
@@ -201,10 +201,10 @@ fn check_path(cable: &Cable, path: &CablePath<f64>) -> Result<(), KinematicsErro
     Ok(())
 }
 
-/// Checks that `cable` has a path when the platform is at `pose`.
+/// Checks that `cable` has a path with the platform at `pose`.
 ///
 /// # Errors
-/// Why it has none.
+/// The reason why it has none.
 pub fn check_path_at(cable: &Cable, pose: &Pose) -> Result<(), KinematicsError> {
     LocatedCable::new(cable, pose).map(|_| ())
 }
@@ -212,7 +212,7 @@ pub fn check_path_at(cable: &Cable, pose: &Pose) -> Result<(), KinematicsError> 
 /// Every cable of `robot` at `pose`, in the robot's order.
 ///
 /// # Errors
-/// The first cable that has no path at this pose, by name.
+/// Names the first cable that has no path at this pose.
 pub fn inverse_kinematics(robot: &Robot, pose: &Pose) -> Result<Vec<CableState>, KinematicsError> {
     let cables = robot.cables.iter();
     cables.map(|cable| cable_state(cable, pose)).collect()
@@ -243,7 +243,7 @@ pub(super) fn swivel_angle(
     let axis = Vec3::from(cable.pulley.swivel_axis);
     let zero = Vec3::from(zero);
     let across = zero - axis * axis.dot(&zero);
-    // The comparison is false for NaN, which is refused too.
+    // The comparison is false for NaN, which is rejected too.
     if across.norm() > 1e-9 {
         let facing = Vec3::from(path.facing);
         let angle = axis.cross(&across).dot(&facing).atan2(across.dot(&facing));
@@ -257,7 +257,7 @@ pub(super) fn swivel_angle(
 /// Derivatives of every cable's length at `pose`, in the robot's order.
 ///
 /// # Errors
-/// The first cable that has no path at this pose, by name.
+/// Names the first cable that has no path at this pose.
 pub fn length_gradients(
     robot: &Robot,
     pose: &Pose,

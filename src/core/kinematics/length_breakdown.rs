@@ -1,5 +1,5 @@
-//! The parts of every cable's length at a pose: from drum to pulley, around the pulley, to the platform; and the strains
-//! by tension and temperature.
+//! Breakdown of every cable's length at a pose: from drum to pulley, around the pulley, to the platform; and the strains
+//! due to tension and temperature.
 //!
 //! With the run `D` from drum to pulley, the wrapped part `rp theta`, the straight part `l_f` and the extra length by
 //! sag `s`, the cable under load is `D + rp theta + l_f + s` long. It follows from the unstrained length `L0` of
@@ -17,7 +17,7 @@ use crate::geometry::{Pose, Vec3};
 use crate::measurement::Measurements;
 use crate::robot::{Cable, Robot};
 
-/// Why there is no breakdown.
+/// Errors of [`length_breakdown`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LengthBreakdownError {
     /// A cable has no path.
@@ -26,15 +26,15 @@ pub enum LengthBreakdownError {
     /// An effect of the model does not exist.
     #[error(transparent)]
     Effect(#[from] EffectError),
-    /// Not one tension for each cable.
+    /// The number of tensions is not that of the cables.
     #[error("found {found} tensions, expected one for each of the {expected} cables")]
     Tensions {
-        /// Tensions given.
+        /// Number of tensions.
         found: usize,
-        /// Cables.
+        /// Number of cables.
         expected: usize,
     },
-    /// A heavy cable without tension has no shape.
+    /// A cable with weight has no tension, and so no shape.
     #[error("{cable} has weight, but its tension of {tension_n} N is not positive")]
     Slack {
         /// Name of the cable.
@@ -44,49 +44,49 @@ pub enum LengthBreakdownError {
     },
 }
 
-/// The parts of one cable's length.
+/// Parts of one cable's length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LengthBreakdown {
     /// Name of the cable.
     pub cable: String,
-    /// From drum to pulley (m).
+    /// Length from drum to pulley (m).
     pub run_m: f64,
-    /// Around the pulley (m).
+    /// Length around the pulley (m).
     pub wrapped_m: f64,
-    /// Straight line from the pulley to the platform (m).
+    /// Length of the straight line from the pulley to the platform (m).
     pub free_m: f64,
     /// Extra length by sag (m).
     pub sag_m: f64,
-    /// All of it, under load (m).
+    /// Total length under load (m).
     pub total_m: f64,
-    /// Elastic elongation by tension (m), part of the total.
+    /// Elastic elongation due to tension (m), part of the total.
     pub elastic_m: f64,
-    /// Elongation by other strains, as temperature and creep (m), part of the total.
+    /// Elongation due to other strains, such as temperature and creep (m), part of the total.
     pub other_strain_m: f64,
-    /// Length without load (m).
+    /// Unstrained length (m).
     pub unstrained_m: f64,
-    /// Unstrained cable paid out since home (m); `None` without a home pose and tensions there.
+    /// Unstrained length paid out since home (m); `None` without a home pose and tensions there.
     pub paid_out_m: Option<f64>,
     /// Wrap angle (rad).
     pub wrap_rad: f64,
-    /// Swivel angle (rad); `None` where the pulley has no zero direction.
+    /// Swivel angle (rad); `None` if the pulley has no zero direction.
     pub swivel_rad: Option<f64>,
-    /// Set where the measured elongation had to be extrapolated: then the elastic part does not hold.
+    /// Set if the measured elongation had to be extrapolated; the elastic part is then not valid.
     pub outside_surface: Option<OutsideMeasuredRange>,
 }
 
 /// A cable at one pose, under the effects of the model.
 pub(super) struct ModelledCable {
-    /// With the geometry that effects give it.
+    /// The cable with the geometry modified by effects.
     pub cable: Cable,
     pub ports: CablePorts,
     pub located: LocatedCable,
-    /// Where it is known.
+    /// Tension, if known.
     pub tension_n: Option<f64>,
 }
 
-/// All cables at a pose under tensions (N) and the effects of the model; an error for each that has no path, or weight
-/// but no tension.
+/// All cables at a pose under tensions (N) and the effects of the model; a cable without a path, or with weight but no
+/// tension, is an error of its own.
 pub(super) fn modelled_cables(
     robot: &Robot,
     pose: &Pose,
@@ -146,7 +146,7 @@ impl ModelledCable {
         &self.located.pulley
     }
 
-    /// The law of its length under a tension; `down` is the direction of gravity.
+    /// Law of the cable's length under a tension; `down` is the direction of gravity.
     fn law(&self, down: [f64; 3], tension_n: f64) -> CableLaw<'_, f64> {
         CableLaw {
             run: self.cable.winch.length_to_pulley_m,
@@ -189,17 +189,17 @@ impl ModelledCable {
     }
 }
 
-/// Direction of gravity, zero without any.
+/// Direction of gravity; zero without gravity.
 pub(super) fn down(robot: &Robot) -> Vec3 {
     robot.gravity().try_normalize(0.0).unwrap_or_default()
 }
 
-/// The length of every cable at `pose` under `tensions_n`, in the robot's order. With the tensions at
-/// home it includes the length paid out since.
+/// Breaks down the length of every cable at `pose` under `tensions_n`, in the robot's order. With the tensions at
+/// home, the length paid out since then is included.
 ///
 /// # Errors
-/// A cable that has no path, or weight but no tension, an effect that does not exist, or tensions that are not
-/// one for each cable.
+/// If a cable has no path, or weight but no tension, an effect does not exist, or the number of tensions is not that
+/// of the cables.
 pub fn length_breakdown(
     robot: &Robot,
     pose: &Pose,

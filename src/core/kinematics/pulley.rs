@@ -21,7 +21,7 @@
 
 use crate::real::{Real, add_scaled, cross, difference, dot, scaled};
 
-/// Where a pulley is and how large, in the base frame.
+/// Position, direction and size of a swivelling pulley, in the base frame.
 #[derive(Debug, Clone, Copy)]
 pub struct PulleyGeometry<T> {
     /// Entry point `a` (m).
@@ -51,9 +51,9 @@ pub struct CablePath<T> {
     pub toward_exit: [T; 3],
     /// Unit vector `e` from the swivel axis to the pulley centre.
     pub facing: [T; 3],
-    /// Unit vector `n`, across the free cable in the plane of the pulley.
+    /// Unit vector `n`, normal to the free cable in the plane of the pulley.
     pub normal: [T; 3],
-    /// Unit vector `o`, across the plane of the pulley.
+    /// Unit vector `o`, normal to the plane of the pulley.
     pub lateral: [T; 3],
     /// Reciprocal of the distance from the anchor to the swivel axis (1/m).
     pub inverse_axis_distance: T,
@@ -62,10 +62,10 @@ pub struct CablePath<T> {
 }
 
 impl<T: Real> PulleyGeometry<T> {
-    /// The path to an anchor at `anchor` in the base frame.
+    /// Path to an anchor at `anchor` in the base frame.
     ///
     /// Outside the domain (anchor inside the pulley or on the swivel axis) the result is finite
-    /// but meaningless; [`CablePath::clearance`] and [`CablePath::inverse_axis_distance`] show where.
+    /// but meaningless; [`CablePath::clearance`] and [`CablePath::inverse_axis_distance`] tell where.
     #[inline(always)]
     #[must_use]
     pub fn path_to(&self, anchor: [T; 3]) -> CablePath<T> {
@@ -80,7 +80,7 @@ impl<T: Real> PulleyGeometry<T> {
         let clearance = offset.mul_add(offset, along * along) - self.radius * self.radius;
         let free_length = clearance.max(tiny).sqrt();
         let inverse_free_length = along.lift(1.0) / free_length;
-        // Sum of the two angles of the wrap, as one point (cos, sin) times |MB|^2.
+        // The two angles of the wrap add up as one point (cos, sin), scaled by |MB|^2.
         let y = self.radius.mul_add(along, free_length * offset);
         let x = free_length * along - self.radius * offset;
         let scale = along.lift(1.0) / (clearance + self.radius * self.radius).max(tiny);
@@ -113,7 +113,7 @@ impl<T: Real> PulleyGeometry<T> {
     }
 }
 
-/// Small change of a path: of its length, of its free length (m) and of the unit vector `u`.
+/// First-order change of a path.
 #[derive(Debug, Clone, Copy)]
 pub struct PathChange<T> {
     /// Change of the length (m).
@@ -134,7 +134,7 @@ impl<T: Real> CablePath<T> {
         add_scaled(scaled(self.normal, -in_plane), -sideways, self.lateral)
     }
 
-    /// `scale du/dB` along one axis.
+    /// `scale du/dB` along one axis of the base frame.
     #[inline(always)]
     #[must_use]
     pub fn turn_along(&self, axis: usize, scale: T) -> [T; 3] {
@@ -151,8 +151,8 @@ impl<T: Real> CablePath<T> {
         add_scaled(minus_u, -(radius * self.inverse_free_length), self.normal)
     }
 
-    /// Change of the path when the anchor moves by `step` (m); an entry point that moves by
-    /// `step` changes it by the opposite.
+    /// Change of the path when the anchor moves by `step` (m); for an entry point that moves by
+    /// `step` it is the negative.
     #[inline(always)]
     #[must_use]
     pub fn change_by_anchor(&self, radius: T, step: [T; 3]) -> PathChange<T> {
@@ -175,12 +175,12 @@ impl<T: Real> CablePath<T> {
         }
     }
 
-    /// Change of the path when the swivel axis turns by the rotation vector `rotation` (rad) about
+    /// Change of the path when the swivel axis rotates by the rotation vector `rotation` (rad) about
     /// the entry point; `offset` is the anchor relative to the entry point (m).
     #[inline(always)]
     #[must_use]
     pub fn change_by_axis(&self, radius: T, offset: [T; 3], rotation: [T; 3]) -> PathChange<T> {
-        // Turning the pulley is turning the anchor the other way, then everything together.
+        // Rotating the pulley equals rotating the anchor backwards, then everything together.
         let step = cross(offset, rotation);
         let mut change = self.change_by_anchor(radius, step);
         let turned = cross(rotation, self.toward_exit);

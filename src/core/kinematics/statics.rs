@@ -20,7 +20,7 @@ use super::inverse::LocatedCable;
 /// Structure matrix `A` at a pose, one row per cable and one column per free coordinate.
 ///
 /// # Errors
-/// The first cable that has no path at this pose, by name.
+/// Names the first cable that has no path at this pose.
 pub fn structure_matrix(robot: &Robot, pose: &Pose) -> Result<DMatrix<f64>, KinematicsError> {
     let freedom = robot.platform.freedom();
     let mut matrix = DMatrix::zeros(robot.cable_count(), freedom.count());
@@ -57,10 +57,10 @@ pub fn applied_wrench(robot: &Robot, pose: &Pose) -> Result<DVector<f64>, Kinema
 /// Residual of the static equilibrium at given tensions, `A^T T + w` in the free coordinates (N, N m).
 ///
 /// # Errors
-/// The first cable that has no path at this pose, by name; or that the mass is not given.
+/// If a cable has no path at this pose (naming it), or the mass is not given.
 ///
 /// # Panics
-/// If the number of tensions is not the number of cables.
+/// If the number of tensions differs from the number of cables.
 pub fn equilibrium_residual(
     robot: &Robot,
     pose: &Pose,
@@ -76,16 +76,16 @@ pub fn equilibrium_residual(
     Ok(structure.tr_mul(&DVector::from_column_slice(tensions_n)) + wrench)
 }
 
-/// Whether the equilibrium can be reached by tensions within their limits.
+/// Whether tensions within the limits can balance the platform.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Feasibility {
-    /// It can, within rounding.
+    /// They can, to rounding.
     Feasible,
-    /// It cannot.
+    /// They cannot.
     Infeasible,
 }
 
-/// Tensions nearest to a reference that hold the platform in equilibrium, or as near to it as possible.
+/// Tensions nearest to a reference that balance the platform, or come as close to balance as possible.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TensionDistribution {
     /// Whether the platform is in equilibrium.
@@ -94,13 +94,13 @@ pub struct TensionDistribution {
     pub tensions_n: Vec<f64>,
     /// Residual wrench `A^T T + w` (N, N m).
     pub residual: Vec<f64>,
-    /// Newton steps taken.
+    /// Number of Newton steps.
     pub iterations: usize,
 }
 
-/// Limit on the proximal steps; infeasible poses near the border need the most.
+/// Largest number of proximal steps; infeasible poses near the border need the most.
 const PROXIMAL_STEPS: usize = 60;
-/// Limit on the Newton steps within one proximal step.
+/// Largest number of Newton steps within one proximal step.
 const NEWTON_STEPS: usize = 60;
 /// Curvature added to the dual, relative to columns of `A` of norm 1.
 const PROXIMAL_WEIGHT: f64 = 1e-6;
@@ -116,8 +116,8 @@ type Matrix6 = SMatrix<f64, 6, 6>;
 /// the stationarity of a convex piecewise quadratic function, found by semismooth Newton steps
 /// with line search (Qi and Sun 1993). A proximal term `mu/2 |lambda - lambda_k|^2` keeps every step
 /// defined where cables are slack, at their limits or too few (Rockafellar 1976); its centres
-/// converge to the solution, or run off along a direction `p` with `max_T p.(A^T T + w) < 0`,
-/// which proves that there is none (Farkas).
+/// converge to the solution, or diverge along a direction `p` with `max_T p.(A^T T + w) < 0`,
+/// which proves infeasibility (Farkas).
 ///
 /// `structure` is `A` (cables x free coordinates, at most 6), the limits may be infinite.
 ///
@@ -135,7 +135,7 @@ type Matrix6 = SMatrix<f64, 6, 6>;
 /// ```
 ///
 /// # Panics
-/// If the numbers of rows, columns, references and limits do not fit together.
+/// If the numbers of rows, columns, references and limits are inconsistent.
 #[must_use]
 pub fn distribute_tension(
     structure: &DMatrix<f64>,
@@ -172,8 +172,8 @@ pub fn distribute_tension(
     }
 }
 
-/// Tensions within limits that hold the platform at a pose, as close to their reference as balance allows (N, one per
-/// cable); the reference where none do.
+/// Tensions within limits that balance the platform at a pose, as close to their reference as possible (N, one per
+/// cable); the reference itself where none do.
 pub(crate) fn balanced_tension(robot: &Robot, pose: &Pose, limits: &TensionLimits) -> Vec<f64> {
     let all = |value: f64| vec![value; robot.cable_count()];
     let found = structure_matrix(robot, pose).and_then(|structure| {
@@ -213,7 +213,7 @@ impl<'a> Dual<'a> {
         let mut scale = Vector6::repeat(1.0);
         for (j, column) in structure.column_iter().enumerate() {
             let norm = column.norm();
-            // A coordinate that no cable moves keeps its own unit.
+            // A coordinate that no cable acts on keeps its unit.
             scale[j] = if norm > 1e-12 { 1.0 / norm } else { 1.0 };
         }
         let padded = |get: &dyn Fn(usize) -> f64| {
@@ -285,7 +285,7 @@ impl<'a> Dual<'a> {
         sum
     }
 
-    /// Minimum of the dual with the proximal term about `centre`, and the Newton steps it took.
+    /// Minimiser of the dual with the proximal term about `centre`, and the number of Newton steps.
     fn proximal_step(&self, centre: &Vector6) -> (Vector6, usize) {
         let mut lambda = *centre;
         for taken in 0..NEWTON_STEPS {
@@ -305,7 +305,7 @@ impl<'a> Dual<'a> {
         (lambda, NEWTON_STEPS)
     }
 
-    /// Step length with sufficient decrease (Armijo), `None` where rounding hides any decrease.
+    /// Step length with sufficient decrease (Armijo); `None` where rounding hides any decrease.
     fn line_search(
         &self,
         lambda: &Vector6,
@@ -326,7 +326,7 @@ impl<'a> Dual<'a> {
         None
     }
 
-    /// Whether every admissible tension leaves a wrench against `direction`.
+    /// Whether all admissible tensions leave a wrench component against `direction`.
     fn proves_infeasible(&self, direction: &Vector6) -> bool {
         let norm = direction.norm();
         if norm == 0.0 {
@@ -337,7 +337,7 @@ impl<'a> Dual<'a> {
         let mut scale = self.wrench.norm();
         for (i, row) in self.rows.iter().enumerate() {
             let along = row.dot(&p);
-            // The zero product keeps infinite limits of cables across the direction out.
+            // Infinite limits would give NaN for cables normal to the direction.
             if along != 0.0 {
                 let tension = if along > 0.0 {
                     self.upper[i]
@@ -361,8 +361,8 @@ mod tests {
     use crate::geometry::Coordinate;
     use rand::RngExt;
 
-    /// The optimum by trying, for every cable, "at the lower limit", "at the upper limit" and "free".
-    /// The optimum is the stationary point of one of these choices, so the best admissible one is it.
+    /// The optimum by enumeration: every cable is "at the lower limit", "at the upper limit" or "free".
+    /// The optimum is the stationary point of one of these choices, hence the best admissible one.
     fn by_enumeration(
         structure: &DMatrix<f64>,
         wrench: &DVector<f64>,

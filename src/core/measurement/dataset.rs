@@ -1,10 +1,10 @@
-//! Measurements in columns; "not measured" is NaN, an empty column was never measured.
+//! Measurements in columns; NaN marks a missing reading, an empty column a quantity that was never measured.
 
 use super::Rates;
 use crate::geometry::{Pose, Vec3};
 use crate::robot::Robot;
 
-/// A robot together with what was measured on it.
+/// A robot together with the measurements taken on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dataset {
     /// The robot, nominal or as a model.
@@ -13,7 +13,7 @@ pub struct Dataset {
     pub measurements: Measurements,
 }
 
-/// One value per pose and cable, row-major; NaN where nothing was measured.
+/// One value per pose and cable, row-major; NaN where the quantity was not measured.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Grid {
     columns: usize,
@@ -39,7 +39,7 @@ impl Grid {
         }
     }
 
-    /// A grid of `rows` poses and `columns` cables in which nothing was measured.
+    /// A grid of `rows` poses and `columns` cables without any measured value.
     #[must_use]
     pub fn missing(rows: usize, columns: usize) -> Self {
         Self {
@@ -51,13 +51,13 @@ impl Grid {
     /// Appends the values of one pose.
     ///
     /// # Panics
-    /// If the number of values is not the number of columns.
+    /// If the number of values differs from the number of columns.
     pub fn push_row(&mut self, row: &[f64]) {
         assert_eq!(row.len(), self.columns, "one value per cable");
         self.values.extend_from_slice(row);
     }
 
-    /// Whether this quantity was not measured at all.
+    /// Whether the quantity was never measured.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
@@ -75,7 +75,7 @@ impl Grid {
         self.values.len().checked_div(self.columns).unwrap_or(0)
     }
 
-    /// The values of one pose; empty if the quantity was not measured at all.
+    /// Values of one pose; empty if the quantity was never measured.
     #[must_use]
     pub fn row(&self, pose: usize) -> &[f64] {
         if self.is_empty() {
@@ -96,7 +96,7 @@ impl Grid {
     }
 }
 
-/// Everything that was measured, one entry per pose in each column that is not empty.
+/// All measurements, one entry per pose in each column that is not empty.
 ///
 /// Column meanings and units are those of `poses.csv`.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -108,7 +108,7 @@ pub struct Measurements {
     /// Temperature (degrees Celsius).
     pub temperature_c: Vec<f64>,
     /// Group labels: poses with the same label were read in one standstill (or one run) and share slow errors; an empty
-    /// label is no group.
+    /// label means no group.
     pub groups: Vec<String>,
     /// Commanded pose, where given.
     pub commanded: Vec<Option<Pose>>,
@@ -124,17 +124,17 @@ pub struct Measurements {
     pub swivel_rad: Grid,
     /// Roll, pitch, yaw of the inclinometer (rad).
     pub inclination_rad: Vec<[f64; 3]>,
-    /// Platform position by the external instrument (m).
+    /// Platform position measured by the external instrument (m).
     pub tracked_position_m: Vec<[f64; 3]>,
-    /// Platform orientation by the external instrument, quaternion w first.
+    /// Platform orientation measured by the external instrument, quaternion w first.
     pub tracked_orientation_wxyz: Vec<[f64; 4]>,
     /// Standard deviation of the tracked position (m), where it differs from the robot's.
     pub tracked_position_sd_m: Vec<[f64; 3]>,
     /// True values of simulated data.
     pub truth: Truth,
-    /// Rates of the readings, of samples of a recording in motion; none of poses at rest.
+    /// Time derivatives of the readings, for samples of a recording in motion; `None` for poses at rest.
     pub rates: Option<Rates>,
-    /// Columns this program does not know: name and cells, kept when the data are written.
+    /// Unknown columns: name and cells, kept when the data are written.
     pub other: Vec<(String, Vec<String>)>,
 }
 
@@ -154,7 +154,7 @@ impl Measurements {
         self.labels.len()
     }
 
-    /// Whether there is no row.
+    /// Whether there are no rows.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.labels.is_empty()
@@ -179,7 +179,7 @@ impl Measurements {
         position.iter().all(|v| v.is_finite()).then_some(position)
     }
 
-    /// Orientation by the external instrument at a row, where it was read.
+    /// Orientation measured by the external instrument at a row, if any.
     #[must_use]
     pub fn tracked_orientation_at(&self, pose: usize) -> Option<nalgebra::UnitQuaternion<f64>> {
         let q = *self.tracked_orientation_wxyz.get(pose)?;
@@ -187,7 +187,7 @@ impl Measurements {
         is_read.then(|| Pose::from_parts([0.0; 3], q).orientation)
     }
 
-    /// The measurements of the given rows only, in the given order.
+    /// The measurements of the given rows, in the given order.
     #[must_use]
     pub fn select(&self, rows: &[usize]) -> Self {
         fn pick<T: Clone>(column: &[T], rows: &[usize]) -> Vec<T> {
@@ -237,8 +237,8 @@ impl Measurements {
         }
     }
 
-    /// Appends the rows of `other`. A quantity that only one of both has is "not measured" in the rows of the other one;
-    /// true poses are kept only where all rows have one, and rates of a recording not at all.
+    /// Appends the rows of `other`. A quantity that only one of the two has is missing in the rows of the other one;
+    /// true poses are kept only if all rows have one, and the rates of a recording never.
     pub fn append(&mut self, other: Self) {
         self.rates = None;
         let (before, added) = (self.len(), other.len());
@@ -284,7 +284,7 @@ impl Measurements {
         }
     }
 
-    /// Leaves out the readings of which `data` have none.
+    /// Removes the readings of the kinds that `data` does not contain.
     pub(crate) fn leave_out_unread(&mut self, data: &Self) {
         fn column<T>(own: &mut Vec<T>, read: &[T]) {
             if read.is_empty() {
@@ -309,7 +309,7 @@ impl Measurements {
     }
 }
 
-/// Numbers of rows of two tables of which the second is appended to the first.
+/// Row counts of two tables, the second of which is appended to the first.
 struct Join {
     before: usize,
     added: usize,

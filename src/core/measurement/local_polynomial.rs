@@ -1,21 +1,21 @@
 //! Value and derivatives of sampled readings, by a polynomial fitted to a window of samples.
 //!
-//! Savitzky and Golay, Analytical Chemistry 36 (1964) 1627, for samples at any times. A quintic over half a second reproduces
-//! a motion of one hertz, one over two seconds a motion of a quarter of that.
+//! Savitzky and Golay, Analytical Chemistry 36 (1964) 1627, for samples at arbitrary times. A quintic over half a second
+//! reproduces a motion of 1 Hz, one over two seconds a motion of a quarter of that.
 
 use nalgebra::{SMatrix, SVector};
 
-/// Coefficients of the polynomial.
+/// Number of coefficients of the polynomial.
 const TERMS: usize = 6;
-/// Fewest samples of a window.
+/// Smallest number of samples in a window.
 pub(super) const FEWEST: usize = 2 * TERMS + 1;
 
-/// What takes the samples of a window to the value in its middle, and to its first and second derivative by the time.
+/// Weights that map the samples of a window to the value at its centre, and to its first and second time derivative.
 #[derive(Debug, Clone)]
 pub(super) struct Weights([Vec<f64>; 3]);
 
 impl Weights {
-    /// For samples at these times (s) from the middle; `None` where they are too few or too close.
+    /// Weights for samples at these times (s) relative to the centre; `None` if they are too few or too close together.
     pub fn new(times_s: &[f64]) -> Option<Self> {
         let half = times_s.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
         if times_s.len() < FEWEST || half <= 0.0 {
@@ -34,7 +34,7 @@ impl Weights {
         Some(Self([of(0, 1.0), of(1, 1.0), of(2, 2.0)]))
     }
 
-    /// Value and derivatives.
+    /// Value, first and second derivative.
     pub fn apply(&self, samples: impl Fn(usize) -> f64) -> [f64; 3] {
         let sum = |weights: &Vec<f64>| {
             let terms = weights.iter().enumerate().map(|(k, w)| w * samples(k));
@@ -43,7 +43,7 @@ impl Weights {
         [sum(&self.0[0]), sum(&self.0[1]), sum(&self.0[2])]
     }
 
-    /// What is left of a sample beside the value fitted in the middle: the sample itself less the weights.
+    /// Weights that map the samples to the residual at the centre: the sample there less the fitted value.
     pub fn residual(&self) -> Vec<f64> {
         let mut residual: Vec<f64> = self.0[0].iter().map(|w| -w).collect();
         residual[self.0[0].len() / 2] += 1.0;
@@ -51,7 +51,7 @@ impl Weights {
     }
 }
 
-/// Value and derivatives of samples of which some are missing (NaN); NaN where too many are.
+/// Value and derivatives of samples with gaps (NaN); NaN if too many are missing.
 pub(super) fn derivatives(
     times_s: &[f64],
     weights: &Weights,
@@ -63,7 +63,7 @@ pub(super) fn derivatives(
     if there.len() == times_s.len() {
         return weights.apply(samples);
     }
-    // Where most are missing, what is left may all be on one side.
+    // With more missing, the remaining samples may all be on one side.
     if 4 * there.len() < 3 * times_s.len() {
         return [f64::NAN; 3];
     }

@@ -1,27 +1,27 @@
-//! How long the noise of readings stays alike, from what a smooth motion leaves of them.
+//! Correlation of the noise of readings in time, estimated from the residuals of a smooth motion.
 //!
-//! The noise is taken as autoregressive of the first order: its correlation over `h` samples is `rho^h`. What a local
-//! polynomial leaves of a reading is a filter `c` of the noise, `r_t = sum_k c_k e_(t+k)`, so that the correlation of
-//! neighbouring remainders is `c'R_1 c / c'R_0 c` with `R_h = rho^|i - j - h|`: solved for `rho`. The motion itself
-//! falls out, whatever it is, and so does the model. Noise that wanders more slowly than the window cannot be told from
+//! The noise is modelled as autoregressive of first order: its correlation over `h` samples is `rho^h`. The residual of a
+//! local polynomial is a filter `c` of the noise, `r_t = sum_k c_k e_(t+k)`, so the correlation of
+//! neighbouring residuals is `c'R_1 c / c'R_0 c` with `R_h = rho^|i - j - h|`, which is solved for `rho`. The motion
+//! cancels, whatever it is, and so does the model. Noise that varies more slowly than the window cannot be separated from
 //! motion. Source: G. E. P. Box and G. M. Jenkins, Time Series Analysis (1970), for the moments of filtered series.
 
-/// Largest correlation of neighbouring samples.
+/// Largest correlation of neighbouring samples that is considered.
 const LARGEST: f64 = 0.995;
-/// Steps of the bisection.
+/// Number of bisections.
 const BISECTIONS: usize = 40;
 
-/// Products of neighbouring remainders, summed up.
+/// Sums of products of neighbouring residuals.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Moments {
     /// Sum of squares.
     own: f64,
-    /// Sum of products with the next one.
+    /// Sum of products with the next residual.
     next: f64,
 }
 
 impl Moments {
-    /// Adds a remainder and the one after it; nothing where one is missing.
+    /// Adds a residual and the next one, unless one is missing.
     pub fn add(&mut self, remainder: f64, next: f64) {
         if remainder.is_finite() && next.is_finite() {
             self.own += 0.5 * (remainder * remainder + next * next);
@@ -29,7 +29,7 @@ impl Moments {
         }
     }
 
-    /// Correlation of the noise of neighbouring samples, given the filter; `None` without a remainder.
+    /// Correlation of the noise of neighbouring samples, for a given filter; `None` without residuals.
     pub fn correlation(&self, filter: &[f64]) -> Option<f64> {
         if self.own <= 0.0 {
             return None;
@@ -48,7 +48,7 @@ impl Moments {
     }
 }
 
-/// Correlation of neighbouring remainders of noise with the correlation `rho`.
+/// Correlation of neighbouring residuals of noise with the correlation `rho`.
 fn neighbours(filter: &[f64], rho: f64) -> f64 {
     let powers: Vec<f64> = (0..=filter.len()).map(|h| rho.powi(h as i32)).collect();
     let moment = |lag: usize| -> f64 {

@@ -1,8 +1,8 @@
-//! Recordings in motion: samples in a row, their rates, and samples far enough apart to be independent.
+//! Recordings in motion: sampled readings, their time derivatives, and thinning to independent samples.
 //!
-//! Neighbouring samples repeat each other's noise, so that all of them would claim more than they say. A recording is
-//! thinned to samples between which the noise has died away; what all samples say together is kept in the rates of
-//! those that remain: derivatives of the readings by time, from polynomials through the samples around.
+//! The noise of neighbouring samples is correlated, so treating all of them as independent would overstate the information. A
+//! recording is thinned to samples between which the noise has decorrelated; the information of the others is kept in the
+//! rates of those that remain: time derivatives of the readings, from polynomials through the surrounding samples.
 
 use std::ops::Range;
 
@@ -12,28 +12,28 @@ use super::{Grid, Measurements};
 use crate::geometry::{Pose, Twist, Vec3};
 use crate::robot::Robot;
 
-/// Fewest samples of a recording.
+/// Smallest number of samples of a recording.
 const LEAST: usize = 100;
-/// Longest time between samples of a recording (s).
+/// Longest sampling interval of a recording (s).
 const LONGEST_STEP_S: f64 = 0.2;
-/// A step longer than this many usual ones is a gap.
+/// A step longer than this many usual ones counts as a gap.
 const GAP: f64 = 3.0;
-/// A reading that changes by less than this many standard deviations is at rest.
+/// A reading that changes by less than this many standard deviations counts as being at rest.
 const STILL: f64 = 20.0;
-/// Half the time over which readings are smoothed (s).
+/// Half the window over which readings are smoothed (s).
 const HALF_WINDOW_S: f64 = 0.25;
-/// That of forces, whose noise is larger: the noise of a rate shrinks a delay that is estimated from it, and falls with the
-/// power 1.5 of this time.
+/// Half the window for forces, whose noise is larger: the noise of a rate biases a delay estimated from it towards zero, and
+/// falls with the power 1.5 of this time.
 const FORCE_HALF_WINDOW_S: f64 = 1.0;
 /// Correlation of the noise of neighbouring samples below which they count as independent.
 const INDEPENDENT: f64 = 0.02;
-/// Windows in which the noise is looked at, at most.
+/// Largest number of windows in which the noise is evaluated.
 const MOST_WINDOWS: usize = 2000;
 
-/// Samples of one channel by their row.
+/// Samples of one channel by row.
 type Channel<'a> = dyn Fn(usize) -> f64 + 'a;
 
-/// Readings that one device makes, with noise of one kind.
+/// Kind of reading: the readings of one device, with noise of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReadingKind {
     /// Revolutions or lengths.
@@ -42,15 +42,15 @@ pub enum ReadingKind {
     Force,
     /// Laser distance.
     Laser,
-    /// Position by the external instrument.
+    /// Position of the external instrument.
     Tracker,
 }
 
 impl ReadingKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 4] = [Self::Length, Self::Force, Self::Laser, Self::Tracker];
 
-    /// Name in reports.
+    /// Name for reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -62,44 +62,44 @@ impl ReadingKind {
     }
 }
 
-/// First and second derivative of readings by time; NaN where too few samples are around, 0 at home.
+/// First and second time derivative of the readings; NaN where there are too few samples around, 0 at home.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Rates {
-    /// Of the revolutions (1/s, 1/s^2), or of the lengths (m/s, m/s^2).
+    /// Derivatives of the revolutions (1/s, 1/s^2), or of the lengths (m/s, m/s^2).
     pub length: [Grid; 2],
-    /// Of the force readings (N/s, N/s^2).
+    /// Derivatives of the force readings (N/s, N/s^2).
     pub force: [Grid; 2],
-    /// Of the laser distance (m/s, m/s^2).
+    /// Derivatives of the laser distance (m/s, m/s^2).
     pub laser: Vec<[f64; 2]>,
-    /// Velocity and acceleration of the platform by the external instrument (m, rad, s).
+    /// Velocity and acceleration of the platform from the external instrument (m, rad, s).
     pub tracked: Vec<[Twist; 2]>,
-    /// Which samples these are.
+    /// How the samples were selected.
     pub sampling: Sampling,
 }
 
-/// How samples were taken from a recording.
+/// Thinning of a recording to independent samples.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Sampling {
     /// Number of samples of the recording.
     pub recorded: usize,
-    /// Time between samples of the recording (s).
+    /// Sampling interval of the recording (s).
     pub step_s: f64,
-    /// Time between the samples that remain (s).
+    /// Interval of the samples that were kept (s).
     pub interval_s: f64,
-    /// Time in which the correlation of the noise falls to 1/e, for each kind of reading that there is (s).
+    /// Time in which the correlation of the noise falls to 1/e, for each kind of reading present (s).
     pub correlation_s: Vec<(ReadingKind, f64)>,
 }
 
-/// The samples of a recording that follow each other without a gap.
+/// Consecutive samples of a recording without a gap.
 struct Run {
     rows: Range<usize>,
-    /// Usual time between samples (s).
+    /// Typical sampling interval (s).
     step_s: f64,
 }
 
 impl Measurements {
-    /// What estimation and diagnosis use: samples of a recording in motion that are independent, at most so many; else the
-    /// poses at rest, rows of one standstill averaged. With it the largest number of rows that became one.
+    /// The measurements that estimation and diagnosis use: independent samples of a recording in motion, at most `most`; else the
+    /// poses at rest, averaged over each standstill. Also returns the largest number of rows merged into one.
     #[must_use]
     pub fn independent(&self, robot: &Robot, most: usize) -> (std::borrow::Cow<'_, Self>, usize) {
         match self.independent_samples(robot, most) {
@@ -108,8 +108,8 @@ impl Measurements {
         }
     }
 
-    /// Samples of a recording in motion whose noise is independent, with their rates, at most so many; the home row stays.
-    /// `None` where this is no recording, or has rates already.
+    /// Independent samples of a recording in motion with their rates, at most `most`; the home row stays.
+    /// `None` if this is not a recording, or has rates already.
     #[must_use]
     pub fn independent_samples(&self, robot: &Robot, most: usize) -> Option<Self> {
         let runs = self.runs(robot)?;
@@ -134,7 +134,7 @@ impl Measurements {
         let largest = correlations
             .iter()
             .fold(0.0_f64, |most, (_, rho)| most.max(*rho));
-        // What stays alike for longer than the window is motion, or readings without noise.
+        // A correlation longer than the window is motion, or comes from readings without noise.
         let largest = largest.min((-step_s / HALF_WINDOW_S).exp());
         let apart = if largest > INDEPENDENT {
             (INDEPENDENT.ln() / largest.ln()).ceil() as usize
@@ -163,7 +163,7 @@ impl Measurements {
         Some(thinned)
     }
 
-    /// The runs of samples; `None` where none moves, so that this is no recording.
+    /// Runs of samples without gaps; `None` if none of them moves, so that this is not a recording.
     fn runs(&self, robot: &Robot) -> Option<Vec<Run>> {
         if self.rates.is_some() || self.time_s.len() < LEAST {
             return None;
@@ -193,7 +193,7 @@ impl Measurements {
         (!runs.is_empty()).then_some(runs)
     }
 
-    /// Whether a cable moves within some rows.
+    /// Whether a cable moves within a range of rows.
     fn moves(&self, robot: &Robot, rows: &Range<usize>) -> bool {
         let (grid, counts) = self.length_readings();
         robot.cables.iter().enumerate().any(|(index, cable)| {
@@ -209,7 +209,7 @@ impl Measurements {
         })
     }
 
-    /// The readings of the winches, and whether they are revolutions.
+    /// Readings of the winches, and whether they are revolutions.
     fn length_readings(&self) -> (&Grid, bool) {
         match self.revolutions.is_empty() {
             true => (&self.length_m, false),
@@ -217,7 +217,7 @@ impl Measurements {
         }
     }
 
-    /// Correlation of the noise of neighbouring samples, for each kind of reading that there is.
+    /// Correlation of the noise of neighbouring samples, for each kind of reading present.
     fn noise_correlations(
         &self,
         inner: &[Range<usize>],
@@ -259,7 +259,7 @@ impl Measurements {
             .collect()
     }
 
-    /// Calls a function with every channel whose noise is looked at.
+    /// Calls `visit` with every channel whose noise is evaluated.
     fn each_channel(&self, visit: &mut dyn FnMut(ReadingKind, &Channel<'_>)) {
         let (lengths, _) = self.length_readings();
         for (kind, grid) in [
@@ -284,7 +284,7 @@ impl Measurements {
         }
     }
 
-    /// Rates of the readings at some rows, each with so many samples to either side, for forces the second number.
+    /// Rates of the readings at some rows, with the given half-widths of the window in samples: general, then forces.
     fn rates(
         &self,
         rows: &[usize],
@@ -333,7 +333,7 @@ impl Measurements {
         rates
     }
 
-    /// Velocity and acceleration by the external instrument around a row. Rotations count from that of the row: there
+    /// Velocity and acceleration from the external instrument around a row. Rotations are relative to that of the row, where
     /// the derivatives of the rotation vector are angular velocity and acceleration.
     fn tracked_rates(
         &self,
@@ -369,7 +369,7 @@ impl Measurements {
     }
 }
 
-/// Samples around a row.
+/// The samples around a row.
 struct Window {
     rows: Range<usize>,
     times_s: Vec<f64>,

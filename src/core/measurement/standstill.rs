@@ -1,8 +1,8 @@
-//! Rows that were read in one standstill, averaged.
+//! Averaging of the rows read in one standstill.
 //!
-//! What is wrong in one row of a standstill is wrong in all: with an error of standard deviation `s_g` that `n` rows share
-//! beside noise `s` of their own, their mean has the variance `s_g^2 + s^2 / n` and says of the robot all that they say. As
-//! independent readings they would claim `s^2 / n`.
+//! An error common to a standstill does not average out: with an error of standard deviation `s_g` that `n` rows share
+//! and noise `s` of each row, their mean has the variance `s_g^2 + s^2 / n` and carries all their information about the robot.
+//! Taken as independent readings they would claim `s^2 / n`.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -10,11 +10,11 @@ use std::ops::Range;
 use super::{Grid, Measurements};
 use crate::robot::Robot;
 
-/// Change of a reading, in its standard deviations, beyond which the robot did not stand still or the reading jumped.
+/// Change of a reading, in its standard deviations, beyond which the robot moved or the reading jumped.
 const STILL: f64 = 10.0;
 
 impl Measurements {
-    /// The rows of each standstill, in order: neighbouring rows with the same group label, or the same commanded pose and
+    /// Rows of each standstill, in order: consecutive rows with the same group label, or the same commanded pose and
     /// no label, whose lengths and laser readings agree. The home row stands alone.
     #[must_use]
     pub fn standstills(&self, robot: &Robot) -> Vec<Range<usize>> {
@@ -63,8 +63,8 @@ impl Measurements {
             && still(self.laser_at(one), self.laser_at(other), laser_sd)
     }
 
-    /// One row for each standstill, the mean of its rows, and the largest number of rows that became one; the measurements
-    /// themselves where no two rows are of one standstill.
+    /// One row for each standstill, the mean of its rows, and the largest number of rows merged into one; borrows the
+    /// measurements unchanged if no two rows belong to one standstill.
     #[must_use]
     pub fn standstills_averaged(&self, robot: &Robot) -> (Cow<'_, Self>, usize) {
         let standstills = self.standstills(robot);
@@ -84,7 +84,7 @@ impl Measurements {
         (Cow::Owned(averaged), most)
     }
 
-    /// Puts the means of some rows into one row of `to`.
+    /// Writes the means of some rows into one row of `to`.
     fn average(&self, rows: &Range<usize>, to: &mut Self, row: usize) {
         let grids = [
             (&self.revolutions, &mut to.revolutions),
@@ -114,7 +114,7 @@ impl Measurements {
         }
         let turned = &self.tracked_orientation_wxyz;
         if !turned.is_empty() {
-            // q and -q are the same orientation; neighbours differ by noise alone.
+            // q and -q are the same orientation; consecutive rows differ by noise only.
             let first = turned[rows.start];
             let alike = turned[rows.clone()].iter().map(|q| {
                 let dot: f64 = q.iter().zip(first).map(|(a, b)| a * b).sum();
@@ -127,7 +127,7 @@ impl Measurements {
     }
 }
 
-/// Mean of the values that there are, NaN where there is none.
+/// Mean of the values present; NaN if there is none.
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let known: Vec<f64> = values.filter(|v| v.is_finite()).collect();
     known.iter().sum::<f64>() / known.len() as f64

@@ -1,4 +1,4 @@
-//! The quantities along which residuals are looked at.
+//! Quantities against which residuals are plotted and modelled.
 
 /// A variable on which a residual may depend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -30,10 +30,10 @@ pub enum Variable {
 }
 
 impl Variable {
-    /// Number of them.
+    /// Number of variables.
     pub const COUNT: usize = 16;
 
-    /// All of them.
+    /// All variables.
     pub const ALL: [Self; Self::COUNT] = [
         Self::CableLength,
         Self::Revolutions,
@@ -53,7 +53,7 @@ impl Variable {
         Self::Rotation(2),
     ];
 
-    /// Place in [`Self::ALL`].
+    /// Index into [`Self::ALL`].
     #[must_use]
     pub fn index(self) -> usize {
         Self::ALL
@@ -62,7 +62,7 @@ impl Variable {
             .unwrap_or_default()
     }
 
-    /// Name in reports and files.
+    /// Name for reports and files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! Poses that the robot can hold and its instruments can measure.
+//! Candidate poses that the robot can hold and its instruments can measure.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -13,23 +13,23 @@ use crate::kinematics::inverse_kinematics;
 use crate::robot::{Laser, Robot};
 use crate::simulation::{PlannedRow, bounds};
 
-/// Poses drawn for each one wanted before giving up.
+/// Number of poses drawn for each one wanted before giving up.
 const TRIES_PER_POSE: usize = 20;
-/// Share of coordinates that are drawn at their limits: poses far apart carry more information.
+/// Probability with which a coordinate is drawn at its limit: poses far apart carry more information.
 const AT_LIMIT: f64 = 0.4;
-/// Least cosine of the angle at which the beam meets the target.
+/// Smallest cosine of the angle of incidence at which the beam meets the target.
 const LEAST_INCIDENCE: f64 = 0.5;
-/// Poses drawn between two progress reports.
+/// Number of poses drawn between two progress reports.
 const REPORT_INTERVAL: usize = 500;
 
-/// How many poses were drawn, and why some were refused.
+/// Number of poses drawn, and of those rejected by reason.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Refused {
-    /// Poses drawn.
+    /// Number of poses drawn.
     pub tried: usize,
-    /// A cable has no path there.
+    /// A cable has no path.
     pub kinematics: usize,
-    /// No tensions within the limits hold the platform there.
+    /// No tensions within the limits balance the platform.
     pub tension: usize,
     /// The beam misses the target, meets it beyond 60 degrees or at a distance outside the range.
     pub laser: usize,
@@ -37,7 +37,7 @@ pub struct Refused {
     pub frame: usize,
 }
 
-/// A pose that can be measured.
+/// A pose that can be held and measured.
 #[derive(Debug, Clone)]
 pub(super) struct Candidate {
     pub pose: Pose,
@@ -46,7 +46,7 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
-    /// A pose that somebody has chosen; `None` if no tensions hold the platform there.
+    /// A pose chosen by the user; `None` if no tensions balance the platform there.
     pub fn chosen(model: &InformationModel<'_>, pose: Pose) -> Option<Self> {
         let laser = model.robot.laser.as_ref();
         Some(Self {
@@ -66,7 +66,7 @@ impl Candidate {
     }
 }
 
-/// Draws candidates until there are enough or too many were refused.
+/// Draws candidates until there are enough, or too many were rejected.
 pub(super) fn draw(
     model: &InformationModel<'_>,
     options: &PlanOptions<'_>,
@@ -159,7 +159,7 @@ fn laser_distance(laser: &Laser, pose: &Pose) -> Option<f64> {
     (towards.abs() >= LEAST_INCIDENCE && distance > 0.0).then_some(distance)
 }
 
-/// Entry points, and the sides of the box around them that the workspace is inside of.
+/// Entry points, and the faces of their bounding box that enclose the workspace.
 pub(super) struct Frame {
     distance_m: f64,
     low: Vec3,
@@ -171,7 +171,7 @@ impl Frame {
         let (mut low, mut high) = bounds(&model.robot);
         let centre = model.workspace.centre.position;
         for k in 0..3 {
-            // A robot that hangs under its pulleys, or moves in their plane, has no frame on that side.
+            // A robot that hangs below its pulleys, or moves in their plane, has no face of the frame on that side.
             if centre[k] < low[k] + distance_m {
                 low[k] = f64::NEG_INFINITY;
             }

@@ -1,8 +1,8 @@
-//! Optimal choice: greedy, then exchanges as long as they gain (Fedorov, Theory of Optimal Experiments, 1972).
+//! Optimal selection: greedy, then exchanges as long as they improve the criterion (Fedorov, Theory of Optimal Experiments, 1972).
 //!
 //! With the covariance `C` of the design, a pose with rows `R` raises `ln det I` by `ln det(1 + R C R^T)`, and lowers the mean
 //! square error `tr(S^T C S)` by `|L^-1 R C S|^2` with `L L^T = 1 + R C R^T`. Adding or removing a pose changes `C` by a
-//! product of low rank, and with it `R C R^T` and `R C S` of all others.
+//! low-rank product, and with it `R C R^T` and `R C S` of all others.
 
 use nalgebra::{DMatrix, DMatrixView};
 
@@ -10,17 +10,17 @@ use super::goal::{Criterion, Term, TermKind};
 use super::{PlanError, PlanProgress};
 use crate::estimation::{Control, ExpectedInformation};
 
-/// Prior standard deviation (m, rad, ...) of parameters without a prior while poses are chosen: keeps the information
-/// regular before the data determine them.
+/// Standard deviation (m, rad, ...) assumed for parameters without a prior while poses are selected: it keeps the
+/// information regular before the data determine them.
 const VAGUE_SD: f64 = 10.0;
-/// Candidates that take part in exchanges: those that would add most to the greedy choice.
+/// Number of candidates that take part in exchanges: those that would add most to the greedy selection.
 const EXCHANGE_CANDIDATES: usize = 400;
-/// Gain below which an exchange is not worth it.
+/// Smallest gain worth an exchange.
 const MIN_GAIN: f64 = 1e-6;
-/// Limit on the rounds of exchanges.
+/// Largest number of rounds of exchanges.
 const MAX_ROUNDS: usize = 30;
 
-/// Indices of the chosen candidates, in no particular order.
+/// Indices of the selected candidates, in no particular order.
 pub(super) fn choose(
     criterion: &Criterion,
     candidates: usize,
@@ -78,9 +78,9 @@ fn exchange(
     Ok(())
 }
 
-/// Candidates and the design chosen from them.
+/// Candidates and the design selected from them.
 struct Pool<'a> {
-    /// Candidates by their place in the information.
+    /// Indices of the candidates in the information.
     members: Vec<usize>,
     chosen: Vec<bool>,
     parts: Vec<Part<'a>>,
@@ -98,7 +98,7 @@ impl<'a> Pool<'a> {
         pool
     }
 
-    /// Recomputes everything from the design: updates accumulate rounding.
+    /// Recomputes everything from the design, as updates accumulate rounding errors.
     fn refresh(&mut self) {
         let chosen = (0..self.members.len()).filter(|place| self.chosen[*place]);
         let picked: Vec<usize> = chosen.map(|place| self.members[place]).collect();
@@ -118,7 +118,7 @@ impl<'a> Pool<'a> {
         self.parts.iter().map(|part| part.gain(place)).sum()
     }
 
-    /// The member outside that would add most.
+    /// The member outside the design that would add most.
     fn best(&self) -> Option<usize> {
         (0..self.members.len())
             .filter(|place| !self.chosen[*place])
@@ -127,7 +127,7 @@ impl<'a> Pool<'a> {
             .map(|(place, _)| place)
     }
 
-    /// Candidates chosen and those that would add most besides.
+    /// The selected candidates and the others that would add most.
     fn most_useful(&self, count: usize) -> Vec<usize> {
         let mut order: Vec<(bool, f64, usize)> = (0..self.members.len())
             .map(|place| (self.chosen[place], self.gain(place), place))
@@ -141,11 +141,11 @@ impl<'a> Pool<'a> {
     }
 }
 
-/// A term of the criterion for the present design, and what each candidate would change of it.
+/// A term of the criterion for the present design, and the change by each candidate.
 struct Part<'a> {
     information: &'a ExpectedInformation,
     kind: &'a TermKind,
-    /// `R` of all members, one below the other.
+    /// `R` of all members, stacked.
     rows: DMatrix<f64>,
     first_row: Vec<usize>,
     covariance: DMatrix<f64>,
@@ -207,7 +207,7 @@ impl<'a> Part<'a> {
             .collect();
     }
 
-    /// Adds a member to the design or removes it, by an update of low rank.
+    /// Adds a member to the design or removes it, by a low-rank update.
     fn change(&mut self, place: usize, add: bool) {
         let sign = if add { 1.0 } else { -1.0 };
         let own = &self.own[place];

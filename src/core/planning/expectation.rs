@@ -7,26 +7,26 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::estimation::{ExpectedInformation, Parameter, ParameterId, covariance_of};
 
-/// Random sets for comparison.
+/// Number of random sets for comparison.
 const SETS: usize = 20;
 
 /// Criteria of optimal design of a set of poses (Atkinson, Donev, Tobias, Optimum Experimental Designs, 2007).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DesignCriteria {
-    /// D: `ln det` of the information on all parameters (SI units); only differences mean anything. One more per
-    /// parameter is `e` times less variance in the mean.
+    /// D: `ln det` of the information on all parameters (SI units); only differences are meaningful. An increase of one per
+    /// parameter reduces the variance by a factor `e` on average.
     pub log_det: f64,
-    /// E: standard deviation of the entry points along their worst direction together (m).
+    /// E: standard deviation of the entry points along their worst common direction (m).
     pub worst_m: Option<f64>,
     /// A: root mean square standard deviation of the entry points' coordinates (m).
     pub mean_m: Option<f64>,
     /// I: root mean square position error of the platform over the workspace, or over the volume of the plan's goal, that
-    /// the standard deviations lead to once the values are written to a controller (m), at the orientation of its centre,
-    /// changes of the tensions neglected. `None` also for robots without a home pose.
+    /// results from the standard deviations once the values are written to a controller (m), at the orientation of its centre,
+    /// neglecting changes of the tensions. `None` also for robots without a home pose.
     pub platform_m: Option<f64>,
 }
 
-/// Expected standard deviations after measuring a set of poses.
+/// Expected standard deviations after a set of poses has been measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expectation {
     /// Standard deviation of each parameter (SI units), in the order of [`super::Plan::parameters`]; `None` where the
@@ -36,7 +36,7 @@ pub struct Expectation {
     pub criteria: DesignCriteria,
 }
 
-/// Those of the criteria that take least time: neither eigenvalues nor determinants.
+/// The criteria that are cheap to compute, without eigenvalues or determinants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy {
     /// As [`DesignCriteria::mean_m`] (m).
@@ -46,7 +46,7 @@ pub struct Accuracy {
 }
 
 impl Accuracy {
-    /// Accuracy at a covariance of all parameters.
+    /// Accuracy for a covariance of all parameters.
     pub(super) fn of(
         parameters: &[Parameter],
         platform: Option<&DMatrix<f64>>,
@@ -66,7 +66,7 @@ impl Accuracy {
 }
 
 impl Expectation {
-    /// Expectation of the poses picked, together with all that is known without them.
+    /// Expectation for the picked poses together with all prior information.
     pub(super) fn of(
         information: &ExpectedInformation,
         platform: Option<&DMatrix<f64>>,
@@ -112,26 +112,26 @@ fn log_det(information: &DMatrix<f64>) -> f64 {
     })
 }
 
-/// The part of a covariance that belongs to entry points.
+/// Block of a covariance that belongs to the entry points.
 fn of_entry_points(parameters: &[Parameter], covariance: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let picked = entry_points(parameters);
     (!picked.is_empty()).then(|| covariance.select_rows(&picked).select_columns(&picked))
 }
 
-/// Places of the entry points' coordinates.
+/// Indices of the entry points' coordinates.
 fn entry_points(parameters: &[Parameter]) -> Vec<usize> {
     let is_entry = |k: &usize| matches!(parameters[*k].id, ParameterId::EntryPoint { .. });
     (0..parameters.len()).filter(is_entry).collect()
 }
 
-/// Expectations of poses drawn at random.
+/// Expectations for poses drawn at random.
 pub(super) struct RandomSets {
-    /// Root mean square of the standard deviations, means of the indices.
+    /// Root mean square of the standard deviations, and means of the criteria.
     pub typical: Expectation,
     pub best_log_det: f64,
 }
 
-/// Expectations of sets of `count` poses drawn from all candidates.
+/// Expectations for sets of `count` poses drawn from all candidates.
 pub(super) fn random_sets(
     (information, platform): (&ExpectedInformation, Option<&DMatrix<f64>>),
     count: usize,

@@ -1,17 +1,17 @@
-//! What poses are to be good for, and the criterion of optimal design that says so.
+//! Goals of a plan and their criteria of optimal design.
 //!
-//! With the information `I` on the geometry and `J` on geometry and faults together, the parameters of a fault having the
-//! prior of the catalogue, poses maximise
+//! With the information `I` on the geometry and `J` on geometry and faults together, where the parameters of a fault have the
+//! prior of the catalogue, the poses maximise
 //!
 //! | goal | criterion |
 //! |---|---|
 //! | geometry | `ln det I` (D-optimality) |
-//! | faults | `ln det J - ln det I`: twice what the readings are expected to tell of the faults, in nats (Ds-optimality; Lindley, Annals of Mathematical Statistics 27, 1956) |
+//! | faults | `ln det J - ln det I`: twice the expected information of the readings on the faults, in nats (Ds-optimality; Lindley, Annals of Mathematical Statistics 27, 1956) |
 //! | both | `ln det I / p + (ln det J - ln det I) / q` with `p` parameters of the geometry and `q` of faults: equal weights, whatever their numbers |
-//! | accuracy | `-ln tr(M I^-1)`: minus the logarithm of the mean square of the position error that controllers have over test poses in a volume (Klimchik, Wu, Caro, Furet, Pashkevich, Mechanism and Machine Theory 82, 2014) |
+//! | accuracy | `-ln tr(M I^-1)`: minus the logarithm of the mean square position error of a controller over test poses in a volume (Klimchik, Wu, Caro, Furet, Pashkevich, Mechanism and Machine Theory 82, 2014) |
 //!
-//! Faults that look alike share what the readings tell of them, so the determinant rewards poses that tell them apart. What
-//! happens at one pose, and waves in the laser's distance, are left out: every pose shows its own.
+//! Faults that look alike share the information of the readings, so the determinant rewards poses that separate them. Events
+//! at one pose, and periodic errors of the laser distance, are left out: every pose reveals its own.
 
 use nalgebra::DMatrix;
 
@@ -20,17 +20,17 @@ use crate::estimation::{ExpectedInformation, covariance_of};
 use crate::geometry::Vec3;
 use crate::robot::Robot;
 
-/// What a plan is for.
+/// Goal of a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Goal {
-    /// The parameters of the robot are determined well.
+    /// Determine the parameters of the robot well.
     #[default]
     Geometry,
-    /// Faults are seen and told apart.
+    /// Detect and separate faults.
     Faults,
     /// Both.
     Both,
-    /// The robot is accurate in a volume once the parameters are at its controller.
+    /// Make the robot accurate in a volume once the parameters are written to its controller.
     Accuracy(Volume),
 }
 
@@ -75,14 +75,14 @@ impl Goal {
     }
 }
 
-/// The faults that plans are for, at the values at which they are linearised.
+/// The faults that plans consider, at the values at which they are linearised.
 pub(super) fn faults(robot: &Robot, known: &[BoundEffect]) -> Vec<BoundEffect> {
     let weighs = robot
         .cables
         .iter()
         .any(|cable| cable.cable.weight_n_per_m != 0.0);
     let is_asked = |effect: &&Effect| {
-        // Cables that weigh nothing have no shape to be calculated.
+        // Massless cables have no sag to be computed.
         effect.search() == Search::Direct && effect.is_estimable() && (weighs || !effect.needs_sag)
     };
     let all: Vec<usize> = (0..robot.cable_count()).collect();
@@ -107,7 +107,7 @@ pub(super) fn faults(robot: &Robot, known: &[BoundEffect]) -> Vec<BoundEffect> {
     found
 }
 
-/// The criterion of a goal: its value is larger for better poses.
+/// Criterion of a goal: larger for better poses.
 pub(super) struct Criterion {
     pub terms: Vec<Term>,
 }
@@ -118,16 +118,16 @@ pub(super) struct Term {
     pub kind: TermKind,
 }
 
-/// What of the information counts.
+/// Kind of a term.
 pub(super) enum TermKind {
-    /// The logarithm of its determinant, times a weight.
+    /// Weighted logarithm of the determinant of the information.
     Determinant(f64),
-    /// Minus the logarithm of `tr(S^T I^-1 S)`: `S S^T` are the weights of the parameters.
+    /// Minus the logarithm of `tr(S^T I^-1 S)`, where `S S^T` are the weights of the parameters.
     Error(DMatrix<f64>),
 }
 
 impl Criterion {
-    /// `faults` is the information on geometry and faults where the goal needs it, `weights` those of the volume.
+    /// `faults` is the information on geometry and faults if the goal needs it, `weights` those of the volume.
     pub fn new(
         goal: Goal,
         geometry: &ExpectedInformation,
@@ -163,7 +163,7 @@ impl Criterion {
         Self { terms }
     }
 
-    /// Its value for the poses picked; `None` where they leave parameters open.
+    /// Value for the picked poses; `None` if they leave parameters undetermined.
     pub fn value(&self, picked: &[usize]) -> Option<f64> {
         let mut sum = 0.0;
         for Term { information, kind } in &self.terms {
@@ -183,7 +183,7 @@ impl Criterion {
     }
 }
 
-/// `S` with `S S^T` the weights, without the directions that weigh nothing.
+/// `S` with `S S^T` equal to the weights, without directions of zero weight.
 fn root(weights: &DMatrix<f64>) -> DMatrix<f64> {
     let eigen = weights.clone().symmetric_eigen();
     let most = eigen.eigenvalues.max();

@@ -1,4 +1,4 @@
-//! The robot as it is known when the plan is made, and the information that further poses would add.
+//! Knowledge of the robot at the time of planning, and the information that further poses would add.
 
 use super::goal::faults;
 use super::{PlanError, PlanOptions};
@@ -14,9 +14,9 @@ use crate::simulation::{
     planned_readings,
 };
 
-/// What is known before the poses of a plan are measured, and how further poses would be measured.
+/// Knowledge before the poses of a plan are measured, and the model of how further poses would be measured.
 pub(super) struct InformationModel<'a> {
-    /// The robot, as the poses measured already have it; with the effects of its model alone.
+    /// The robot as identified from the poses already measured; only with the effects of its model.
     pub robot: Robot,
     /// Where the platform may go.
     pub workspace: Workspace,
@@ -25,7 +25,7 @@ pub(super) struct InformationModel<'a> {
     /// Effects of the model and those to be estimated.
     acting: Vec<BoundEffect>,
     free: Vec<BoundEffect>,
-    /// The poses measured already, as the model has them, and the solution.
+    /// The poses already measured, on the channels of the model, and the solution.
     known: Option<(Measurements, Solution)>,
 }
 
@@ -55,7 +55,7 @@ impl<'a> InformationModel<'a> {
         Ok(model)
     }
 
-    /// Identifies the robot from the poses measured already.
+    /// Identifies the robot from the poses already measured.
     fn include_existing(&mut self, existing: &Measurements) -> Result<(), PlanError> {
         let modelled = measurements_as_modelled(&self.robot, existing);
         let dataset = Dataset {
@@ -82,33 +82,33 @@ impl<'a> InformationModel<'a> {
         Ok(problem)
     }
 
-    /// Where the platform is before the first pose.
+    /// Pose of the platform before the first pose of the plan.
     pub fn start(&self) -> Pose {
         self.robot
             .home
             .map_or(self.workspace.centre, |home| home.pose())
     }
 
-    /// Labels of the poses of the plan, in their order.
+    /// Labels of the poses of the plan, in order.
     pub fn labels(&self) -> impl Iterator<Item = i64> + Clone + use<> {
         let measured = self.known.iter().flat_map(|(data, _)| &data.labels);
         let last = measured.copied().max().unwrap_or(0);
         (last + 1..).take(self.options.poses)
     }
 
-    /// Labels of candidates: when each would be measured is not known yet, so they take turns.
+    /// Labels of candidates: as it is not known yet when each would be measured, they take the labels in turn.
     pub fn candidate_labels(&self, count: usize) -> impl Iterator<Item = i64> + use<> {
         self.labels().cycle().take(count)
     }
 
-    /// Tensions that hold the platform, if there are any and the cables have paths.
+    /// Tensions that balance the platform, if there are any and all cables have paths.
     pub fn tensions(&self, pose: &Pose) -> Option<Vec<f64>> {
         holding_tensions_after_home(&self.robot, &self.acting, pose, &self.tension)
             .ok()
             .flatten()
     }
 
-    /// Information of each of these poses, and of everything that is known without them.
+    /// Information of each of these poses, and the prior information.
     pub fn information(
         &self,
         planned: impl Iterator<Item = PlannedRow>,
@@ -125,7 +125,7 @@ impl<'a> InformationModel<'a> {
         Ok(information)
     }
 
-    /// The same on the geometry and the faults of the catalogue together.
+    /// As [`Self::information`], on the geometry and the faults of the catalogue together.
     pub fn information_with_faults(
         &self,
         planned: impl Iterator<Item = PlannedRow>,
@@ -136,7 +136,7 @@ impl<'a> InformationModel<'a> {
             .free_effects
             .extend(faults(&self.robot, &self.acting));
         let mut information = ExpectedInformation::new(&problem, &poses);
-        // What was measured already is known.
+        // Poses already measured belong to the prior information.
         let planned = information.poses.split_off(self.measured_poses().count());
         for rows in std::mem::replace(&mut information.poses, planned) {
             information.common.gemm_tr(1.0, &rows, &rows, 1.0);
@@ -144,13 +144,13 @@ impl<'a> InformationModel<'a> {
         Ok(information)
     }
 
-    /// Robot and readings to expect at all poses, measured and planned.
+    /// Robot and expected readings at all poses, measured and planned.
     pub fn dataset(&self, planned: impl Iterator<Item = PlannedRow>) -> Result<Dataset, PlanError> {
         let (dataset, _) = self.expected(planned, true)?;
         Ok(dataset)
     }
 
-    /// The poses measured already, home left out, with their labels.
+    /// The poses already measured except home, with their labels.
     fn measured_poses(&self) -> impl Iterator<Item = (i64, Pose)> {
         let known = self.known.iter();
         known.flat_map(|(data, solution)| {
@@ -165,7 +165,7 @@ impl<'a> InformationModel<'a> {
         })
     }
 
-    /// Readings to expect, and the poses without home; those measured already come first where they are wanted.
+    /// Expected readings, and the poses except home; the poses already measured precede them if they are wanted.
     fn expected(
         &self,
         planned: impl Iterator<Item = PlannedRow>,

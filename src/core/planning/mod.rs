@@ -1,8 +1,8 @@
-//! Which poses to measure, so that the parameters of the robot are determined best.
+//! Planning of the poses to measure, so that they determine the parameters of the robot best.
 //!
-//! Candidates are drawn that the robot can hold and the laser can measure. Those are chosen that suit a [`Goal`] best, by
-//! default the determinant of the information matrix (D-optimal), and put in an order of short moves in which no
-//! coordinate correlates with time. The standard deviations to expect are known before anything is measured.
+//! Candidates are drawn that the robot can hold and the laser can measure. Of these, the poses are selected that suit a
+//! [`Goal`] best, by default the determinant of the information matrix (D-optimal), and put in an order of short moves in
+//! which no coordinate correlates with time. The expected standard deviations are known before any measurement.
 
 mod candidates;
 mod design;
@@ -19,7 +19,8 @@ pub use candidates::Refused;
 pub use expectation::{Accuracy, DesignCriteria, Expectation};
 pub use goal::{Goal, Volume};
 pub use order::Order;
-pub use pose_set::{PoseSet, expect, iso_9283_poses, position_jacobians, random_poses};
+pub use pose_set::{PoseSet, expect, iso_9283_poses, random_poses};
+pub use position_error::position_jacobians;
 
 use nalgebra::DMatrix;
 
@@ -36,38 +37,38 @@ use candidates::{Candidate, draw};
 use goal::Criterion;
 use information_model::InformationModel;
 
-/// What to plan.
+/// Options of a plan.
 #[derive(Debug, Clone)]
 pub struct PlanOptions<'a> {
     /// Number of poses to measure, the home pose not counted.
     pub poses: usize,
-    /// Number of feasible poses from which they are chosen.
+    /// Number of feasible poses from which they are selected.
     pub candidates: usize,
-    /// Seed of the poses drawn.
+    /// Seed of the random poses.
     pub seed: u64,
-    /// What the poses are for.
+    /// Goal of the plan.
     pub goal: Goal,
-    /// Where the platform may go; by default around its home pose.
+    /// Workspace of the platform; by default around its home pose.
     pub workspace: Option<Workspace>,
-    /// How cables are tensioned; by default as suits the weight.
+    /// Tension limits of the cables; by default as suits the weight.
     pub tension: Option<TensionRange>,
-    /// Part of the range of tensions at each end that poses leave free where enough of them can: the real robot
-    /// differs from its description, and may not be able to hold poses that the description only just holds.
+    /// Fraction of the tension range at each end that poses avoid where enough of them can: the real robot
+    /// differs from its description and may not be able to hold poses that the description can barely hold.
     pub tension_margin: f64,
-    /// Effects that are to be estimated as well.
+    /// Effects to be estimated in addition.
     pub effects: &'a [BoundEffect],
-    /// What was measured already, counted from the same home pose; the plan completes it.
+    /// Existing measurements, counted from the same home pose; the plan complements them.
     pub existing: Option<&'a Measurements>,
-    /// How identification will treat tensions.
+    /// Treatment of the tensions in the later identification.
     pub method: Method,
-    /// Least distance of the platform's anchors from entry points and from the sides of the frame (m).
+    /// Smallest distance of the platform's anchors from entry points and from the faces of the frame (m).
     pub min_frame_distance_m: f64,
-    /// Least and largest distance at which the laser measures (m).
+    /// Smallest and largest distance that the laser can measure (m).
     pub laser_range_m: [f64; 2],
 }
 
 impl PlanOptions<'_> {
-    /// So many poses of 3000 candidates, with the joint method.
+    /// Plans `poses` poses from 3000 candidates, with the joint method.
     #[must_use]
     pub fn new(poses: usize, seed: u64) -> Self {
         Self {
@@ -87,32 +88,32 @@ impl PlanOptions<'_> {
     }
 }
 
-/// Measurements of the home pose after which it counts as known exactly: a thousandth of its standard deviation.
+/// Number of measurements of the home pose after which it counts as known exactly: a thousandth of its standard deviation.
 const EXACTLY_KNOWN: f64 = 1e6;
 
 /// Progress of a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlanProgress {
-    /// Drawing poses that can be held.
+    /// Drawing feasible poses.
     Candidates {
         /// Number of candidates found.
         found: usize,
         /// Number of candidates wanted.
         wanted: usize,
     },
-    /// Choosing one after the other.
+    /// Selecting poses one by one.
     Chosen {
-        /// Poses chosen so far.
+        /// Number of poses selected so far.
         poses: usize,
     },
-    /// Exchanging chosen poses for better ones.
+    /// Exchanging selected poses for better ones.
     Exchanged {
-        /// Exchanges so far.
+        /// Number of exchanges so far.
         exchanges: usize,
     },
 }
 
-/// Why there is no plan.
+/// Errors of planning.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
     /// The number of poses is zero.
@@ -123,24 +124,24 @@ pub enum PlanError {
         "nothing to identify: every entry point, the home pose and the target plane count as known exactly"
     )]
     NothingToEstimate,
-    /// The robot cannot be held at enough poses.
+    /// The robot can hold too few poses.
     #[error(
         "only {found} of the {wanted} poses needed can be held and measured; of {} tried, {} have no cable path, {} no \
          tensions that hold the platform, {} no usable laser distance, {} are too close to the frame",
         refused.tried, refused.kinematics, refused.tension, refused.laser, refused.frame
     )]
     TooFewPoses {
-        /// Poses found.
+        /// Number of poses found.
         found: usize,
-        /// Poses wanted.
+        /// Number of poses wanted.
         wanted: usize,
-        /// Why the others were refused.
+        /// Why the others were rejected.
         refused: Refused,
     },
-    /// No tensions within the limits hold the platform at a pose that was given.
+    /// No tensions within the limits balance the platform at a given pose.
     #[error("no tensions within the limits hold the platform at pose {number} of the plan")]
     NotHeld {
-        /// Its number in the plan, from 1.
+        /// Number of the pose in the plan, from 1.
         number: usize,
     },
     /// The position error in the volume cannot be predicted.
@@ -149,8 +150,8 @@ pub enum PlanError {
          volume"
     )]
     NoAccuracy,
-    /// The measured poses cannot be used.
-    #[error("the poses already measured do not lead to a solution on which a plan could build")]
+    /// The existing measurements cannot be used.
+    #[error("the poses already measured do not give a solution that the plan could build on")]
     Existing,
     /// The observer cancelled.
     #[error("the plan was cancelled")]
@@ -166,40 +167,40 @@ pub enum PlanError {
 /// A pose to be measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedPose {
-    /// Label that it is to have in the measurements.
+    /// Label of the pose in the later measurements.
     pub label: i64,
     /// Pose to command.
     pub pose: Pose,
-    /// Tensions that hold the platform there (N); zeros where tension is not modelled.
+    /// Tensions that balance the platform there (N); zeros where tension is not modelled.
     pub tensions_n: Vec<f64>,
-    /// Laser distance to expect (m).
+    /// Expected laser distance (m).
     pub laser_m: Option<f64>,
 }
 
-/// Poses to measure, and the standard deviations that they lead to.
+/// Poses to measure, and the standard deviations expected from them.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// The poses in the order in which to measure them.
+    /// The poses in order of measurement.
     pub poses: Vec<PlannedPose>,
-    /// How many poses were drawn and why some were refused.
+    /// Number of poses drawn, and of those rejected.
     pub refused: Refused,
-    /// Number of candidates among which was chosen.
+    /// Number of candidates from which the poses were selected.
     pub candidates: usize,
-    /// Path length, and how far coordinates follow the time.
+    /// Path length, and correlation of the coordinates with time.
     pub order: Order,
-    /// Standard deviations after the plan, together with the poses measured already.
+    /// Expected standard deviations after the plan, together with the poses already measured.
     pub expected: Expectation,
-    /// The same of as many poses drawn at random from the candidates: root mean square over several sets.
+    /// The same for as many poses drawn at random from the candidates: root mean square over several sets.
     pub random: Expectation,
-    /// Largest `ln det` of the information among those sets.
+    /// Largest `ln det` of the information among the random sets.
     pub best_random_log_det: f64,
-    /// What the poses are for.
+    /// Goal of the plan.
     pub goal: Goal,
-    /// Value of the criterion of the goal for all poses together: larger is better, and only differences mean anything.
-    /// `None` where they leave parameters open.
+    /// Value of the goal's criterion for all poses together: larger is better, and only differences are meaningful.
+    /// `None` if the poses leave parameters undetermined.
     pub reached: Option<f64>,
-    /// Robot and readings to expect without noise at all poses, measured and planned: what
-    /// [`isolability`](crate::diagnosis::isolability) asks about.
+    /// Robot and expected noise-free readings at all poses, measured and planned, as input of
+    /// [`isolability`](crate::diagnosis::isolability).
     pub dataset: Dataset,
     information: ExpectedInformation,
     platform: Option<DMatrix<f64>>,
@@ -213,7 +214,7 @@ impl Plan {
     }
 
     /// Root mean square position error of the platform after an adjustment (m), see [`DesignCriteria::platform_m`], if the
-    /// home pose is measured `times` as often as its standard deviations say by now; infinitely often where it is `None`.
+    /// home pose is measured `times` times with its stated standard deviations; infinitely often if `None`.
     #[must_use]
     pub fn platform_m_with_home(&self, times: Option<usize>) -> Option<f64> {
         let factor = times.map_or(EXACTLY_KNOWN, |times| times as f64);
@@ -223,7 +224,7 @@ impl Plan {
         Some(self.platform.as_ref()?.dot(&covariance).max(0.0).sqrt())
     }
 
-    /// Expectation after the first `count` poses of the plan: where it suffices, the rest can be left out.
+    /// Expectation after the first `count` poses of the plan: if it suffices, the rest can be left out.
     #[must_use]
     pub fn after(&self, count: usize) -> Expectation {
         let count = count.min(self.poses.len());
@@ -231,10 +232,10 @@ impl Plan {
     }
 }
 
-/// Chooses poses to measure on `robot`.
+/// Selects poses to measure on `robot`.
 ///
 /// # Errors
-/// If the robot cannot be held at enough poses, nothing is to be identified, the poses measured already cannot be
+/// If the robot can hold too few poses, there is nothing to identify, the existing measurements cannot be
 /// used, or the observer cancelled.
 pub fn plan(
     robot: &Robot,
@@ -257,7 +258,7 @@ pub fn plan(
     })
 }
 
-/// Evaluates `poses` in the order given as [`plan`] does the poses that it chooses; `options.poses` is ignored.
+/// Evaluates `poses` in the given order as [`plan`] evaluates the poses that it selects; `options.poses` is ignored.
 ///
 /// # Errors
 /// As [`plan`], and if the platform cannot be held at one of the poses.
@@ -284,7 +285,7 @@ pub fn evaluate(
     })
 }
 
-/// Plans with tensions that stay off their limits by the margin, or where that is impossible, within the limits.
+/// Plans with tensions that keep the margin from their limits, or within the limits if that is impossible.
 fn with_tension_margin<T>(
     robot: &Robot,
     options: &PlanOptions<'_>,
@@ -299,7 +300,7 @@ fn with_tension_margin<T>(
     }
 }
 
-/// Poses among which is chosen, with the information that each would add.
+/// Candidate poses, with the information that each would add.
 struct CandidateSet<'a> {
     model: InformationModel<'a>,
     options: &'a PlanOptions<'a>,
@@ -335,7 +336,7 @@ impl<'a> CandidateSet<'a> {
         })
     }
 
-    /// The criterion of the goal for poses of which `information` is that on the geometry.
+    /// The goal's criterion, where `information` is that on the geometry.
     fn criterion(
         &self,
         information: &ExpectedInformation,
@@ -381,7 +382,7 @@ impl<'a> CandidateSet<'a> {
         let platform = position_error::weights(robot, &within, parameters);
         let known = (&self.information, platform.as_ref());
         let random = expectation::random_sets(known, options.poses, options.seed);
-        // Once more, now that time and direction of travel are known.
+        // Evaluated again, now that time and direction of travel are known.
         let labels = self.model.labels();
         let visits = labels
             .clone()

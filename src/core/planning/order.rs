@@ -1,8 +1,8 @@
-//! The order of measurement: short moves, but no coordinate that correlates with time.
+//! Order of measurement: short moves, but no coordinate that correlates with time.
 //!
-//! What drifts with time (temperature, laser, cables that creep) looks like geometry if the platform moves steadily
-//! from one end to the other meanwhile. So the path that is shortened (nearest neighbour, then reversed parts: 2-opt)
-//! counts as longer by four parts for each unit by which the largest correlation of a coordinate with the place in
+//! Drifts with time (temperature, laser, creep of the cables) look like geometry if the platform moves steadily
+//! from one end to the other meanwhile. So the path to be shortened (nearest neighbour, then reversal of segments: 2-opt)
+//! is penalised by four times its length for each unit by which the largest correlation of a coordinate with the position in
 //! the order exceeds 0.15: `cost = length (1 + 4 max(0, |rho| - 0.15))`.
 
 use crate::geometry::{Coordinate, Pose, Vec3};
@@ -10,21 +10,21 @@ use crate::robot::Robot;
 
 /// Correlation up to which there is no penalty.
 const FREE_CORRELATION: f64 = 0.15;
-/// Penalty of one unit of correlation, as part of the length.
+/// Penalty of one unit of correlation, relative to the length.
 const CORRELATION_PENALTY: f64 = 4.0;
-/// Reduction of the cost that is worth another change, as part of it.
+/// Smallest relative reduction of the cost worth another change.
 const MIN_GAIN: f64 = 1e-9;
 
-/// The order in which poses are visited.
+/// Order in which poses are visited.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Order {
-    /// Indices of the poses, in the order of their visits.
+    /// Indices of the poses in the order of visits.
     pub sequence: Vec<usize>,
-    /// Length of the way from the start through all poses, rotations counted at the anchors (m).
+    /// Length of the path from the start through all poses, rotations counted at the anchors (m).
     pub travel_m: f64,
-    /// The same in the order in which the poses were given (m).
+    /// Length of the path in the order in which the poses were given (m).
     pub unordered_travel_m: f64,
-    /// Correlation of each coordinate with the place in the order.
+    /// Correlation of each coordinate with the position in the order.
     pub time_correlation: Vec<(Coordinate, f64)>,
 }
 
@@ -38,7 +38,7 @@ impl Order {
         Self::along(robot, &tour, sequence)
     }
 
-    /// `poses` in the order in which they are given.
+    /// Keeps `poses` in the given order.
     pub(super) fn given(robot: &Robot, start: Pose, poses: &[Pose]) -> Self {
         let tour = Tour::new(robot, start, poses);
         Self::along(robot, &tour, (0..poses.len()).collect())
@@ -56,7 +56,7 @@ impl Order {
         }
     }
 
-    /// Largest correlation of a coordinate with the place in the order.
+    /// Largest absolute correlation of a coordinate with the position in the order.
     #[must_use]
     pub fn worst_correlation(&self) -> f64 {
         let all = self.time_correlation.iter();
@@ -65,9 +65,9 @@ impl Order {
 }
 
 struct Tour {
-    /// Distance of every pose from every other, the start being the last (m).
+    /// Distance of every pose from every other; the start is the last (m).
     distance: Vec<Vec<f64>>,
-    /// Standardised coordinates: one list per coordinate.
+    /// Standardised coordinates, one list per coordinate.
     coordinates: Vec<Vec<f64>>,
 }
 
@@ -120,7 +120,7 @@ impl Tour {
         sequence
     }
 
-    /// Reverses parts of the sequence as long as that lowers the cost.
+    /// Reverses segments of the sequence as long as that lowers the cost.
     fn improve(&self, sequence: &mut [usize]) {
         let mut cost = self.cost(sequence);
         loop {
@@ -162,7 +162,7 @@ impl Tour {
     fn correlations(&self, sequence: &[usize]) -> Vec<f64> {
         let count = sequence.len() as f64;
         let middle = (count - 1.0) / 2.0;
-        // Standard deviation of the places 0, 1, .., count - 1.
+        // Standard deviation of the positions 0, 1, .., count - 1.
         let spread = ((count * count - 1.0) / 12.0).sqrt().max(f64::MIN_POSITIVE);
         let rho = |values: &Vec<f64>| {
             let terms = sequence.iter().enumerate();
@@ -173,7 +173,7 @@ impl Tour {
     }
 }
 
-/// Values less their mean, in their standard deviations; zeros where they do not vary.
+/// Values centred and divided by their standard deviation; zeros where they are constant.
 fn standardised(values: Vec<f64>) -> Vec<f64> {
     let count = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / count;

@@ -1,4 +1,4 @@
-//! What a given sequence of poses promises, pose after pose, without candidates to compare with.
+//! Expected accuracy of a given sequence of poses, without candidates to select from.
 
 use nalgebra::DMatrix;
 use rand::SeedableRng;
@@ -15,15 +15,15 @@ use crate::geometry::{Pose, Vec3};
 use crate::robot::Robot;
 use crate::simulation::{PlannedRow, TensionRange, Workspace};
 
-/// Poses tried for each one wanted before giving up.
+/// Number of poses tried for each one wanted before giving up.
 const TRIES_PER_POSE: usize = 200;
 
-/// Information of a sequence of poses on the parameters, and what it is worth at the controller.
+/// Information of a sequence of poses on the parameters, and the resulting accuracy at the controller.
 #[derive(Debug, Clone)]
 pub struct PoseSet {
     information: ExpectedInformation,
     weights: Option<DMatrix<f64>>,
-    /// The poses with the tensions that hold them, and the limits of these.
+    /// The poses with the tensions that balance them.
     rows: Vec<PlannedRow>,
     range: TensionRange,
 }
@@ -35,7 +35,7 @@ impl PoseSet {
         &self.information.parameters
     }
 
-    /// The weights `M` with which errors `dp` of the parameters make the mean square of the position error over the
+    /// Weights `M` by which errors `dp` of the parameters give the mean square position error over the
     /// workspace, `dp^T M dp` (m^2); parameters x parameters. `None` for a robot without home pose.
     #[must_use]
     pub fn position_weights(&self) -> Option<&DMatrix<f64>> {
@@ -49,7 +49,7 @@ impl PoseSet {
         Expectation::of(&self.information, self.weights.as_ref(), 0..count)
     }
 
-    /// Accuracy after each of these numbers of poses, which rise.
+    /// Accuracy after each of the given numbers of poses, which must be ascending.
     #[must_use]
     pub fn accuracy_after(&self, counts: &[usize]) -> Vec<Accuracy> {
         let mut total = self.information.common.clone();
@@ -68,11 +68,11 @@ impl PoseSet {
         counts.iter().map(&mut after).collect()
     }
 
-    /// The first `count` poses, held by the same tensions, with the instruments and standard deviations of `robot`, which
-    /// is otherwise the robot that this set was made for.
+    /// The first `count` poses with the same tensions, measured by the instruments and with the standard deviations of `robot`,
+    /// which is otherwise the robot that this set was made for.
     ///
     /// # Errors
-    /// If nothing is to be identified, or the robot cannot be simulated.
+    /// If there is nothing to identify, or the robot cannot be simulated.
     pub fn measured_by(
         &self,
         robot: &Robot,
@@ -96,7 +96,7 @@ impl PoseSet {
     }
 }
 
-/// Weights of parameters in another order; those that are new move no platform.
+/// Reorders the weights of parameters; parameters that are new have no weight, as they do not move the platform.
 fn rearranged(weights: &DMatrix<f64>, from: &[Parameter], to: &[Parameter]) -> DMatrix<f64> {
     let place = |new: &Parameter| from.iter().position(|old| old.id == new.id);
     let places: Vec<Option<usize>> = to.iter().map(place).collect();
@@ -105,10 +105,10 @@ fn rearranged(weights: &DMatrix<f64>, from: &[Parameter], to: &[Parameter]) -> D
     })
 }
 
-/// What measuring `poses` in this order promises; goal, effects, method and limits are those of the options.
+/// Expected information of measuring `poses` in this order; goal, effects, method and limits are those of the options.
 ///
 /// # Errors
-/// If a pose cannot be held, nothing is to be identified, or the robot cannot be simulated.
+/// If a pose cannot be held, there is nothing to identify, or the robot cannot be simulated.
 pub fn expect(
     robot: &Robot,
     poses: &[Pose],
@@ -157,10 +157,10 @@ fn expect_within(
     })
 }
 
-/// So many poses at random that can be held and measured, as [`plan`](super::plan) draws its candidates.
+/// Draws random poses that can be held and measured, as [`plan`](super::plan) draws its candidates.
 ///
 /// # Errors
-/// If the robot cannot be held at enough poses.
+/// If the robot can hold too few poses.
 pub fn random_poses(robot: &Robot, options: &PlanOptions<'_>) -> Result<Vec<Pose>, PlanError> {
     with_tension_margin(robot, options, |options, range| {
         let model = InformationModel::new(robot, options, range)?;
@@ -185,19 +185,8 @@ pub fn random_poses(robot: &Robot, options: &PlanOptions<'_>) -> Result<Vec<Pose
     })
 }
 
-/// Derivative of the position that a controller reaches at each target by the parameters (3 x parameters each), see
-/// [`PoseSet::position_weights`]; `None` for a robot without home pose or where a target has no cable path.
-#[must_use]
-pub fn position_jacobians(
-    robot: &Robot,
-    targets: &[Pose],
-    parameters: &[Parameter],
-) -> Option<Vec<DMatrix<f64>>> {
-    position_error::jacobians(robot, targets, parameters)
-}
-
-/// Five poses as ISO 9283 chooses them: the centre of the workspace and four places on a plane across its box, at 80 % of
-/// the diagonals (the standard takes the largest cube inside of it).
+/// The five poses of ISO 9283: the centre of the workspace and four points on a diagonal plane of its box, at 80 % of
+/// the diagonals (the standard uses the largest cube inside the workspace).
 #[must_use]
 pub fn iso_9283_poses(workspace: &Workspace) -> [Pose; 5] {
     let half = workspace.half_extent_m;
@@ -206,7 +195,7 @@ pub fn iso_9283_poses(workspace: &Workspace) -> [Pose; 5] {
             + 0.8 * Vec3::new(x * half[0], y * half[1], z * half[2]),
         ..workspace.centre
     };
-    // The plane holds one edge below and the opposite one above.
+    // The plane contains one lower edge and the opposite upper one.
     let corners = [
         [1.0, 1.0, 1.0],
         [1.0, -1.0, 1.0],

@@ -1,10 +1,10 @@
-//! Position error of the platform once a controller uses parameters with errors.
+//! Position error of the platform of a controller whose parameters have errors.
 //!
-//! A controller whose encoders count from home commands `l(x; p) - l(x_home; p)`. With parameters that are `dp` off,
-//! and lengths that are reached, the platform misses its target by `dx = J^+ (dl/dp (x) - dl/dp (x_home)) dp`,
-//! `J = dl/dx`; where lengths contradict each other the least squares count. So the mean square of the position over
-//! targets is `dp^T M dp`, and with the covariance `C` of the parameters `tr(M C)` is expected (I-optimality; Atkinson,
-//! Donev, Tobias, Optimum Experimental Designs, 2007). Tensions are taken to stay as they are.
+//! A controller whose encoders count from home commands `l(x; p) - l(x_home; p)`. With parameters that are off by `dp`
+//! and lengths that are reached exactly, the platform misses its target by `dx = J^+ (dl/dp (x) - dl/dp (x_home)) dp`,
+//! `J = dl/dx`; contradicting lengths are met in the least-squares sense. So the mean square position error over
+//! targets is `dp^T M dp`, and its expectation with the covariance `C` of the parameters is `tr(M C)` (I-optimality; Atkinson,
+//! Donev, Tobias, Optimum Experimental Designs, 2007). Tensions are assumed not to change.
 
 use nalgebra::DMatrix;
 use rand::SeedableRng;
@@ -16,14 +16,14 @@ use crate::kinematics::{KinematicsError, LengthGradient, length_gradients};
 use crate::robot::Robot;
 use crate::simulation::Workspace;
 
-/// Targets, drawn over the workspace.
+/// Number of targets drawn over the workspace.
 const TARGETS: usize = 100;
-/// Their seed: the same for every plan, so that plans can be compared.
+/// Seed of the targets: the same for every plan, so that plans can be compared.
 const SEED: u64 = 1;
-/// Singular values below this part of the largest belong to directions that the cables do not hold; they are left out.
+/// Singular values below this fraction of the largest belong to directions that the cables do not constrain; they are left out.
 const CUTOFF: f64 = 1e-9;
 
-/// The weights `M`; `None` for a robot without home pose or where no target has cable paths.
+/// Weights `M`; `None` for a robot without home pose or if no target has cable paths.
 pub(super) fn weights(
     robot: &Robot,
     workspace: &Workspace,
@@ -49,9 +49,11 @@ pub(super) fn weights(
     (!errors.is_empty()).then(|| sum / errors.len() as f64)
 }
 
-/// Derivatives of the positions reached at targets by the parameters; `None` for a robot without home pose or where a
-/// target has no cable paths.
-pub(super) fn jacobians(
+/// Derivative of the position that a controller reaches at each target with respect to the parameters (3 x parameters each), see
+/// [`PoseSet::position_weights`](super::PoseSet::position_weights); `None` for a robot without home pose or where a target has no
+/// cable path.
+#[must_use]
+pub fn position_jacobians(
     robot: &Robot,
     targets: &[Pose],
     parameters: &[Parameter],
@@ -65,7 +67,7 @@ pub(super) fn jacobians(
     targets.iter().map(at).collect()
 }
 
-/// Derivative of the position reached at a target by the parameters, 3 rows.
+/// Derivative of the position reached at a target with respect to the parameters, 3 rows.
 fn position_error_jacobian(
     robot: &Robot,
     home: &[LengthGradient],
@@ -112,7 +114,7 @@ mod tests {
     use crate::robot::presets;
     use crate::simulation::{Epoch, QuasiStaticRobot};
 
-    /// The platform is sent to a target by a controller with wrong parameters, and rests where the cables put it.
+    /// A controller with wrong parameters moves the platform to a target, and it rests where the cables put it.
     #[test]
     fn a_wrong_parameter_moves_the_platform_as_predicted() {
         let preset = presets::find("mini").unwrap();

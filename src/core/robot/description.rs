@@ -9,8 +9,8 @@ use crate::cable::ElongationSurface;
 use crate::effect::EffectSetting;
 use crate::geometry::{Coordinate, Freedom, Pose, Vec3};
 
-/// One standard deviation for all three axes, or one for each. `PerAxis<Option<f64>>`: unknown where it is `None`,
-/// which files write as `null`.
+/// One standard deviation for all three axes, or one for each. With `PerAxis<Option<f64>>`, `None` (written to
+/// files as `null`) means unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected a number or three numbers")]
 pub enum PerAxis<T = f64> {
@@ -21,7 +21,7 @@ pub enum PerAxis<T = f64> {
 }
 
 impl<T: Copy> PerAxis<T> {
-    /// The three values.
+    /// The values of the axes x, y, z.
     #[must_use]
     pub fn each(self) -> [T; 3] {
         match self {
@@ -48,7 +48,7 @@ impl Default for PerAxis<Option<f64>> {
 
 /// A cable robot: platform, cables with pulleys and winches, and its instruments.
 ///
-/// With a non-empty list of effects it is a *model*: the description plus the effects by which the robot was found to
+/// With a non-empty list of effects it is a *model*: the description plus the effects by which the real robot was found to
 /// deviate from it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Robot {
@@ -62,7 +62,7 @@ pub struct Robot {
     pub gravity_m_s2: [f64; 3],
     /// The moving platform.
     pub platform: Platform,
-    /// Where the platform may move and how hard the cables may pull; what is absent follows from the rest.
+    /// Workspace and tension limits; defaults follow from the rest of the description.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limits: Option<Limits>,
     /// Laser distance sensor on the platform.
@@ -89,7 +89,7 @@ fn standard_gravity() -> [f64; 3] {
     [0.0, 0.0, -9.80665]
 }
 
-/// Home pose and how well it is known.
+/// Home pose and its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Home {
     /// Platform origin in the base frame (m).
@@ -100,8 +100,8 @@ pub struct Home {
     pub position_sd_m: f64,
     /// Standard deviation of each component of the rotation vector (rad); 0: known exactly.
     pub orientation_sd_rad: f64,
-    /// Covariance of the pose `[x y z, phi_x phi_y phi_z]` in the base frame (m, rad), where it was measured; the standard
-    /// deviations above are those of its worst coordinates then.
+    /// Covariance of the pose `[x y z, phi_x phi_y phi_z]` in the base frame (m, rad), if it was measured; the standard
+    /// deviations above are then those of its worst coordinates.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub covariance: Option<[[f64; 6]; 6]>,
 }
@@ -136,10 +136,10 @@ pub struct Platform {
     /// Centre of mass in the platform frame (m).
     #[serde(default)]
     pub center_of_mass_m: [f64; 3],
-    /// Inertia about the centre of mass in the platform frame, `[xx yy zz xy xz yz]` (kg m^2); absent: that of a point.
+    /// Inertia about the centre of mass in the platform frame, `[xx yy zz xy xz yz]` (kg m^2); absent: zero, as of a point mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia_kg_m2: Option<[f64; 6]>,
-    /// How exactly static equilibrium holds; absent: 1e-4 of the weight, and that times 0.1 m.
+    /// Standard deviation of the static equilibrium; absent: 1e-4 of the weight, and that times 0.1 m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wrench_sd: Option<WrenchSd>,
 }
@@ -150,7 +150,7 @@ pub(super) fn inertia_matrix([xx, yy, zz, xy, xz, yz]: &[f64; 6]) -> Matrix3<f64
 }
 
 impl Platform {
-    /// Inertia about the centre of mass in the platform frame (kg m^2); zero where it is not given.
+    /// Inertia about the centre of mass in the platform frame (kg m^2); zero if it is not given.
     #[must_use]
     pub fn inertia(&self) -> Matrix3<f64> {
         self.inertia_kg_m2
@@ -158,7 +158,7 @@ impl Platform {
             .map_or_else(Matrix3::zeros, inertia_matrix)
     }
 
-    /// The coordinates in which the platform moves, as a set.
+    /// The free coordinates as a set.
     #[must_use]
     pub fn freedom(&self) -> Freedom {
         Freedom::new(&self.free)
@@ -168,9 +168,9 @@ impl Platform {
 /// Standard deviation of the static equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct WrenchSd {
-    /// Of each force component (N).
+    /// Standard deviation of each force component (N).
     pub force_n: f64,
-    /// Of each torque component (N m).
+    /// Standard deviation of each torque component (N m).
     pub torque_nm: f64,
 }
 
@@ -220,9 +220,9 @@ pub struct Tracker {
 /// One cable from winch to platform.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cable {
-    /// Name by which reports call it.
+    /// Name used in reports.
     pub name: String,
-    /// The pulley through which it enters the workspace.
+    /// The pulley that guides it into the workspace.
     pub pulley: Pulley,
     /// Attachment point in the platform frame (m).
     pub platform_anchor_m: [f64; 3],
@@ -231,7 +231,7 @@ pub struct Cable {
     /// The cable itself.
     #[serde(default)]
     pub cable: CableMaterial,
-    /// Sensor of its tension.
+    /// Sensor of the cable tension.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force_sensor: Option<ForceSensor>,
 }
@@ -239,10 +239,10 @@ pub struct Cable {
 /// A pulley that swivels about the incoming cable to face the platform.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Pulley {
-    /// Where the cable reaches the pulley, on the swivel axis, in the base frame (m).
+    /// Point on the swivel axis where the cable reaches the pulley, in the base frame (m).
     pub entry_point_m: [f64; 3],
-    /// Standard deviation of the entry point (m): one or three numbers; 0: known exactly, absent or null: unknown,
-    /// also one coordinate of three.
+    /// Standard deviation of the entry point (m): one or three numbers; 0: known exactly, absent or null: unknown
+    /// (also for one of three coordinates).
     #[serde(default)]
     pub entry_point_sd_m: PerAxis<Option<f64>>,
     /// Direction in which the cable travels when it reaches the pulley (unit vector, base frame).
@@ -296,7 +296,7 @@ pub struct CableMaterial {
 /// Tension sensor: reading = gain * tension + bias.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ForceSensor {
-    /// Reading per tension; 2 with the deflection pulley of Jin et al., section 3.2.
+    /// Gain, reading per tension; 2 with the deflection pulley of Jin et al., section 3.2.
     pub tension_gain: f64,
     /// Reading at zero tension (N).
     #[serde(default)]
@@ -354,7 +354,7 @@ pub struct HomeSensor {
     pub origin_m: [f64; 3],
     /// Viewing direction in the reference frame (unit vector).
     pub direction: [f64; 3],
-    /// Index of the plane it looks at: 0, 1 or 2.
+    /// Index of the plane that it measures: 0, 1 or 2.
     pub plane: usize,
     /// Standard deviation of a distance (m).
     pub sd_m: f64,
@@ -417,8 +417,8 @@ impl Robot {
         self.cables.iter().all(|cable| cable.force_sensor.is_some())
     }
 
-    /// Standard deviation of the static equilibrium, the stated one or the default: 1e-4 of the
-    /// weight and that times 0.1 m. `None` if the mass is not given.
+    /// Standard deviation of the static equilibrium, as stated or by default: 1e-4 of the
+    /// weight, and that times 0.1 m. `None` if the mass is not given.
     #[must_use]
     pub fn wrench_sd(&self) -> Option<WrenchSd> {
         let weight_n = self.platform.mass_kg? * self.gravity().norm();

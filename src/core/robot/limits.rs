@@ -1,20 +1,20 @@
-//! Where a robot may move and how hard its cables may pull, as its description states it.
+//! Workspace and tension limits of a robot, as stated in its description.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{FrameTransform, Robot};
 
-/// Limits of a robot. They belong to the description like its geometry: nothing follows from the robot's name.
+/// Limits of a robot. They are part of the description like its geometry.
 ///
-/// What is not stated follows from the rest of the description, see [`crate::simulation::Workspace::of`] and
+/// Limits that are not stated follow from the rest of the description, see [`crate::simulation::Workspace::of`] and
 /// [`crate::simulation::TensionRange::of`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Limits {
-    /// Where the platform may be commanded.
+    /// Poses to which the platform may be commanded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub workspace: Option<WorkspaceLimits>,
-    /// How hard cables may pull.
+    /// Admissible tensions of the cables.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tension: Option<TensionLimits>,
 }
@@ -30,19 +30,19 @@ pub struct WorkspaceLimits {
     pub half_rotation_rad: f64,
 }
 
-/// Tensions that cables may have.
+/// Admissible tensions of the cables.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TensionLimits {
-    /// Smallest (N).
+    /// Smallest tension (N).
     pub lower_n: f64,
-    /// The distribution stays as close as possible to this (N).
+    /// Reference tension (N), to which tension distributions stay as close as possible.
     pub reference_n: f64,
-    /// Largest (N).
+    /// Largest tension (N).
     pub upper_n: f64,
 }
 
 impl TensionLimits {
-    /// Standard deviation of a tension of which no more is known than the limits (N): that of the uniform distribution
+    /// Standard deviation of a tension of which only the limits are known (N): that of the uniform distribution
     /// between them.
     #[must_use]
     pub fn sd_n(&self) -> f64 {
@@ -51,15 +51,15 @@ impl TensionLimits {
 }
 
 impl Robot {
-    /// Within which limits tensions are taken to be where no force is read. `None` unless the description states them and
-    /// the platform's mass: tensions are not modelled then.
+    /// Limits of tensions that no sensor reads. `None` unless the description states them and
+    /// the platform's mass, as tensions are not modelled otherwise.
     #[must_use]
     pub fn unread_tension(&self) -> Option<TensionLimits> {
         self.platform.mass_kg?;
         self.limits?.tension
     }
 
-    /// Whether cables of a simulated robot pull.
+    /// Whether the cables of a simulated robot have tensions.
     #[must_use]
     pub fn has_tensions(&self) -> bool {
         self.platform.mass_kg.is_some()

@@ -1,4 +1,4 @@
-//! The nominal description of a robot, as drawings and the first two phases give it.
+//! The nominal description of a robot, from drawings and the first two calibration phases.
 
 mod check;
 mod description;

@@ -11,22 +11,22 @@ use super::{
 use crate::geometry::{Coordinate, Pose};
 use crate::simulation::{TensionRange, Workspace};
 
-/// A robot with where it moves and how its cables are tensioned.
+/// A robot with its workspace and tension limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Preset {
     /// Name in commands.
     pub name: &'static str,
-    /// One line for a reader.
+    /// Summary in one line.
     pub summary: &'static str,
-    /// Which values are assumed rather than published.
+    /// The values that are assumed rather than published.
     pub assumed: &'static str,
     /// The nominal robot.
     pub robot: Robot,
-    /// Measured entry points (m), where a better instrument than the drawing has measured them.
+    /// Entry points measured by an instrument more accurate than the drawing (m), if any.
     pub measured_entry_points_m: Option<Vec<[f64; 3]>>,
-    /// Where it moves.
+    /// Workspace of the platform.
     pub workspace: Workspace,
-    /// How its cables are tensioned.
+    /// Tension limits of the cables.
     pub tension: TensionRange,
 }
 
@@ -47,7 +47,7 @@ pub fn find(name: &str) -> Option<Preset> {
 }
 
 impl Preset {
-    /// The same with its limits in the description of the robot, where files keep them.
+    /// Writes the limits into the description of the robot, where files keep them.
     fn with_stated_limits(mut self) -> Self {
         let (workspace, tension) = (&self.workspace, self.tension);
         self.robot.limits = Some(Limits {
@@ -93,7 +93,7 @@ const MINI_MEASURED_MM: [[f64; 3]; 8] = [
     [536.57, 348.86, 430.48],
 ];
 
-/// What the cables of a preset have in common.
+/// Properties that the cables of a preset have in common.
 struct CableKind {
     radius_m: f64,
     entry_point_sd_m: PerAxis<Option<f64>>,
@@ -207,8 +207,8 @@ fn mini() -> Preset {
         .enumerate()
         .map(|(index, entry)| {
             let vertical = entry[2].signum();
-            // Upper cables cross over: all anchors on the lines to their pulleys would leave the
-            // rotation about z without hold.
+            // The upper cables cross: with all anchors on the lines to their pulleys, nothing would constrain the
+            // rotation about z.
             let anchor = [
                 -0.06 * entry[0].signum() * vertical,
                 0.045 * entry[1].signum(),
@@ -305,7 +305,7 @@ fn suspended() -> Preset {
         },
         tension_sd_n: 3.0,
     };
-    // Two cables per corner, crossed so that they also hold the platform's orientation.
+    // Two cables per corner, crossed so that they also constrain the platform's orientation.
     let corners = [(1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
     let mut cables = Vec::new();
     for (x, y) in corners {
@@ -340,7 +340,7 @@ fn suspended() -> Preset {
 fn planar() -> Preset {
     let kind = CableKind {
         radius_m: 0.025,
-        // Across the plane the pulleys are known: nothing that is measured depends on it.
+        // Normal to the plane the pulleys are known, as no reading depends on these coordinates.
         entry_point_sd_m: PerAxis::Each([4e-3, 4e-3, 0.0].map(Some)),
         winch: Winch {
             drum_diameter_m: 0.06,

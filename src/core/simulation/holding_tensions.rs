@@ -1,4 +1,4 @@
-//! Tensions that hold the platform at a pose, of a robot with effects.
+//! Tensions that balance the platform of a robot with effects.
 
 use super::workspace::TensionRange;
 use crate::effect::{BoundEffect, Dual, PlatformPorts, PoseContexts};
@@ -7,12 +7,12 @@ use crate::kinematics::KinematicsError;
 use crate::measurement::Measurements;
 use crate::robot::Robot;
 
-/// Limit on the fixed-point steps between tensions and the geometry that depends on them.
+/// Largest number of fixed-point steps between tensions and the geometry that depends on them.
 const MAX_STEPS: usize = 30;
-/// Largest change of a tension at which they count as converged (N).
+/// Largest change of a tension at convergence (N).
 const TENSION_TOLERANCE_N: f64 = 1e-11;
 
-/// Pauses between poses (s).
+/// Time between poses (s).
 const SECONDS_PER_POSE: f64 = 30.0;
 
 /// Label, time and temperature of the rows of a simulated run.
@@ -23,13 +23,13 @@ pub(super) struct Schedule {
 }
 
 impl Schedule {
-    /// Up to and including a row.
+    /// Schedule up to and including row `last`.
     pub fn of(robot: &Robot, last: usize) -> Self {
         let first = i64::from(robot.home.is_none());
         Self::at((first..).take(last + 1).collect())
     }
 
-    /// Poses with these labels, the time following them.
+    /// Schedule of poses with these labels, which determine the time.
     pub fn at(labels: Vec<i64>) -> Self {
         let first = labels.first().copied().unwrap_or_default();
         let time_s: Vec<f64> = labels
@@ -43,7 +43,7 @@ impl Schedule {
         }
     }
 
-    /// Of a row of [`Self::of`], however long that is.
+    /// Epoch of a row of [`Self::of`], whatever its length.
     pub fn epoch_of(robot: &Robot, row: usize) -> Epoch {
         let time_s = SECONDS_PER_POSE * row as f64;
         Epoch {
@@ -54,13 +54,13 @@ impl Schedule {
     }
 }
 
-/// Temperature of the hall (degrees Celsius) at a time (s) of a simulated run: 20 with a slow wave of 2.
+/// Temperature of the hall (degrees Celsius) at a time (s) of a simulated run: 20 plus a slow oscillation of 2.
 #[must_use]
 pub fn ambient_temperature_c(time_s: f64) -> f64 {
     20.0 + 2.0 * (time_s / 3600.0).sin()
 }
 
-/// Label and circumstances of one pose of a run.
+/// Label, time and temperature of one pose of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Epoch {
     /// Label of the pose in the measurements.
@@ -73,7 +73,7 @@ pub struct Epoch {
 
 /// One pose of a run. Effects count time and temperature from the first pose.
 pub(super) struct Visit<'a> {
-    /// The first pose, unless this is it.
+    /// The first pose, unless this is the first.
     pub first: Option<(Epoch, &'a Pose)>,
     pub epoch: Epoch,
     pub pose: &'a Pose,
@@ -121,7 +121,7 @@ fn robot_under_effects(
     robot
 }
 
-/// Tensions (N) that hold the platform at a visit under the effects; zero where tension is not modelled, `None` where
+/// Tensions (N) that balance the platform at a visit under the effects; zero where tension is not modelled, `None` if
 /// no tensions within the range do.
 pub(super) fn holding_tensions(
     truth: &Robot,
@@ -137,7 +137,7 @@ pub(super) fn holding_tensions(
     if effects.is_empty() {
         return Ok(tensions);
     }
-    // A frame that yields makes the geometry depend on the tensions.
+    // With a compliant frame the geometry depends on the tensions.
     for _ in 0..MAX_STEPS {
         let Some(before) = tensions.take() else {
             break;
@@ -155,7 +155,7 @@ pub(super) fn holding_tensions(
     Ok(tensions)
 }
 
-/// Tensions that hold the platform at a pose visited right after home, if the robot has one; as [`holding_tensions`].
+/// Tensions that balance the platform at a pose visited directly after home, if the robot has one; as [`holding_tensions`].
 pub(crate) fn holding_tensions_after_home(
     robot: &Robot,
     effects: &[BoundEffect],

@@ -5,12 +5,12 @@ use crate::estimation::{EstimationError, Globals, Method, Problem, RowResidual, 
 use crate::geometry::{Pose, Twist};
 use crate::measurement::{Dataset, Grid};
 
-/// Least and most fixed-point steps that invert the models of winch, force sensor and laser.
+/// Smallest and largest number of fixed-point steps that invert the models of winch, force sensor and laser.
 const INVERSION_STEPS: [usize; 2] = [12, 300];
-/// Largest change of a reading at which the inversion has converged (m, N, rad).
+/// Largest change of a reading at convergence (m, N, rad).
 const READING_TOLERANCE: f64 = 1e-13;
 
-/// Finds the readings that the true model predicts exactly at true poses and tensions (N), for cables that
+/// Finds the readings for which the true model predicts the true poses and tensions (N) exactly, for cables that
 /// travelled in the given directions.
 pub(super) fn invert(
     exact: &mut Dataset,
@@ -20,7 +20,7 @@ pub(super) fn invert(
     invert_within(INVERSION_STEPS, exact, (poses, tensions), directions)
 }
 
-/// [`invert`] with other least and most steps.
+/// [`invert`] with other numbers of steps.
 pub(super) fn invert_within(
     [least, most]: [usize; 2],
     exact: &mut Dataset,

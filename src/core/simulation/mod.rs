@@ -1,4 +1,4 @@
-//! Virtual robots that produce measurements, from the same prediction that the estimator uses.
+//! Virtual robots: simulated measurements from the same prediction that the estimator uses.
 
 mod holding_tensions;
 mod inversion;

@@ -1,4 +1,4 @@
-//! Readings of the calibration tables of phases 1 and 2, of the same virtual robot.
+//! Simulated calibration tables of phases 1 and 2.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -9,32 +9,32 @@ use crate::geometry::{Pose, Vec3};
 use crate::instrument::{ForcePair, WinchPair};
 use crate::robot::{FrameTransform, HomePlatform, HomeSensor, Plane, Robot};
 
-/// Revolutions of the drum at which a winch is read, in each direction.
+/// Drum revolutions at which a winch is read, in each direction.
 const WINCH_TURNS: [f64; 7] = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
-/// Standard deviation of a length by the tape or laser that a winch is compared with (m).
+/// Standard deviation of the reference length with which a winch is compared (m).
 const WINCH_SD_M: f64 = 2e-5;
-/// Loads that are hung on a force sensor (N).
+/// Loads hung from a force sensor (N).
 const LOADS_N: [f64; 6] = [5.0, 10.0, 20.0, 40.0, 60.0, 80.0];
 /// Standard deviation of an elongation (m).
 const ELONGATION_SD_M: f64 = 5e-6;
-/// Readings of each sensor of the home platform.
+/// Number of readings of each sensor of the home platform.
 const HOME_REPEATS: usize = 5;
 
-/// The tables, cables by their index.
+/// Calibration tables, with cables by index.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhaseTables {
-    /// Cable and reading of its winch.
+    /// Winch readings, each with the index of its cable.
     pub winch: Vec<(usize, WinchPair)>,
-    /// Cable and reading of its force sensor.
+    /// Force sensor readings, each with the index of its cable.
     pub force: Vec<(usize, ForcePair)>,
-    /// The home platform that was read, and sensor and reading (m); nothing if the robot has no home pose.
+    /// The home platform, and its readings (m) with the index of the sensor; `None` if the robot has no home pose.
     pub home: Option<(HomePlatform, Vec<(usize, f64)>)>,
     /// Elongations of the first elastic cable.
     pub elongation: Vec<ElongationTriple>,
 }
 
-/// Reads the tables of the robot `truth`, which is described as `robot`. Of its effects those show that change the ratio of winches and the gain and bias of force
-/// sensors; the others act on poses only. Without `noise` the readings are exact.
+/// Simulates the tables of the robot `truth`, which is described as `robot`. Only those of its effects show that change the
+/// ratio of winches or the gain and bias of force sensors; the others act on poses. Without `noise` the readings are exact.
 #[must_use]
 pub fn phase_tables(robot: &Robot, truth: &Robot, seed: u64, noise: bool) -> PhaseTables {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -89,7 +89,7 @@ pub fn phase_tables(robot: &Robot, truth: &Robot, seed: u64, noise: bool) -> Pha
         }
     }
     if let Some(home) = truth.home {
-        // The sensors stand where the description has the home pose; the platform stands elsewhere.
+        // The sensors are placed around the described home pose; the true platform is elsewhere.
         let described = robot.home.unwrap_or(home).pose();
         let platform = robot
             .home_platform
@@ -109,7 +109,7 @@ pub fn phase_tables(robot: &Robot, truth: &Robot, seed: u64, noise: bool) -> Pha
     tables
 }
 
-/// The sum of a parameter over the settings of an effect on a cable, or on all.
+/// Sum of a parameter over the settings of an effect that apply to a cable.
 fn effect_on(robot: &Robot, cable: &str, effect: &str, parameter: &str) -> f64 {
     let settings = robot.effects.iter().filter(|setting| {
         setting.effect == effect
@@ -161,8 +161,8 @@ fn home_platform(robot: &Robot, home: &Pose) -> HomePlatform {
     }
 }
 
-/// Distances that the sensors read at a pose of the platform in the base frame, `(h + N.(r - o)) / (N.q)`; readings of a
-/// sensor with a curve are made by its inverse.
+/// Distances that the sensors read at a pose of the platform in the base frame, `(h + N.(r - o)) / (N.q)`; volts for
+/// a sensor with a curve, by its inverse.
 fn distances(home: &HomePlatform, pose: &Pose) -> Vec<f64> {
     let reference = home.base_from_reference.pose();
     let turn = reference.orientation.inverse() * pose.orientation;

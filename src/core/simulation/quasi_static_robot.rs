@@ -1,4 +1,4 @@
-//! A virtual robot in static equilibrium: its platform's pose at given motor revolutions, and the readings.
+//! A virtual robot in static equilibrium: the pose of its platform at given motor revolutions, and the readings there.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -14,12 +14,12 @@ use crate::kinematics::length_gradients;
 use crate::measurement::{Dataset, Grid, Measurements};
 use crate::robot::Robot;
 
-/// Limit on the Gauss-Newton steps to the pose at rest.
+/// Largest number of Gauss-Newton steps to the pose at rest.
 const MAX_STEPS: usize = 40;
 /// Largest component of the step at which the platform counts as at rest (m, rad).
 const STEP_TOLERANCE: f64 = 1e-10;
 
-/// A robot with effects, tensioned by a distribution within a range, whose encoders were zeroed at home.
+/// A robot with effects and a tension distribution within a range, whose encoders were zeroed at home.
 #[derive(Debug, Clone)]
 pub struct QuasiStaticRobot {
     truth: Robot,
@@ -30,19 +30,19 @@ pub struct QuasiStaticRobot {
     home_tensions_n: Vec<f64>,
 }
 
-/// The platform at rest.
+/// State of the robot with the platform at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RestState {
-    /// Where it is.
+    /// Pose of the platform.
     pub pose: Pose,
     /// Tensions (N).
     pub tensions_n: Vec<f64>,
-    /// One row of readings without noise, each cable in its own channel.
+    /// One row of noise-free readings, each cable on its own channel.
     pub readings: Measurements,
 }
 
 impl QuasiStaticRobot {
-    /// A robot whose encoders were zeroed at its home pose at the given epoch.
+    /// Zeroes the encoders of a robot at its home pose at the given epoch.
     ///
     /// # Errors
     /// If it has no home pose or cannot be held there, or an effect is unknown.
@@ -72,16 +72,16 @@ impl QuasiStaticRobot {
         })
     }
 
-    /// The robot as it is.
+    /// The true robot.
     #[must_use]
     pub fn truth(&self) -> &Robot {
         &self.truth
     }
 
-    /// At home, when the encoders were zeroed.
+    /// State at home, when the encoders were zeroed.
     ///
     /// # Errors
-    /// If the kinematics has no answer there.
+    /// If the kinematics has no solution there.
     pub fn at_home(&self) -> Result<RestState, SimulationError> {
         let mut exact = self.exact(&[(self.zeroed_at, self.home, &self.home_tensions_n)]);
         self.invert(&mut exact, None)?;
@@ -92,10 +92,10 @@ impl QuasiStaticRobot {
         })
     }
 
-    /// At a pose, reached from the pose `before` it.
+    /// State at a pose reached from the pose `before`.
     ///
     /// # Errors
-    /// If the kinematics has no answer or no tensions within the range hold the platform there.
+    /// If the kinematics has no solution or no tensions within the range balance the platform there.
     pub fn at(&self, at: Epoch, before: &Pose, pose: &Pose) -> Result<RestState, SimulationError> {
         let visit = Visit {
             first: Some((self.zeroed_at, &self.home)),
@@ -119,15 +119,15 @@ impl QuasiStaticRobot {
         })
     }
 
-    /// Where the platform rests when the motors are commanded to these revolutions, searched from `start`.
+    /// State in which the platform rests when the motors are commanded to these revolutions, searched from `start`.
     ///
-    /// With more cables than freedoms no pose has all the lengths. The drives are taken to regulate the lengths
-    /// as far as they move the platform and, against their own force sensors, the tensions in the directions
-    /// that do not: so the platform rests where the sum of the squares of the length errors is least, and the
+    /// With more cables than degrees of freedom, no pose has all the lengths. The drives are assumed to regulate the lengths
+    /// where they move the platform and, by their own force sensors, the tensions in the directions
+    /// that do not: so the platform rests where the sum of squared length errors is smallest, and the
     /// tensions are the distribution within the range.
     ///
     /// # Errors
-    /// As [`Self::at`], and if there is no such place.
+    /// As [`Self::at`], and if there is no such state.
     pub fn at_revolutions(
         &self,
         at: Epoch,
@@ -146,7 +146,7 @@ impl QuasiStaticRobot {
         Err(SimulationError::NoEquilibrium)
     }
 
-    /// Gauss-Newton step of the platform that makes the length errors least.
+    /// Gauss-Newton step of the platform that minimises the length errors.
     fn step(&self, rest: &RestState, revolutions: &[f64]) -> Result<Twist, SimulationError> {
         let gradients = length_gradients(&self.truth, &rest.pose)?;
         let freedom = self.truth.platform.freedom();
@@ -166,7 +166,7 @@ impl QuasiStaticRobot {
         Ok(freedom.expand(step.as_slice()))
     }
 
-    /// The readings with channels exchanged as effects do.
+    /// The readings with channels exchanged as the effects state.
     #[must_use]
     pub fn as_read(&self, rest: &RestState) -> Measurements {
         let mut data = rest.readings.clone();

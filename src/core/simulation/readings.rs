@@ -1,4 +1,4 @@
-//! What the instruments of a virtual robot read: the prediction inverted, then noise.
+//! Readings of the instruments of a virtual robot: the inverted prediction plus noise.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -13,17 +13,17 @@ use crate::kinematics::inverse_kinematics;
 use crate::measurement::{Dataset, Grid, Measurements, Truth};
 use crate::robot::Robot;
 
-/// Steps of the inversion for planning, where the last digits do not matter.
+/// Numbers of inversion steps for planning, where the last digits do not matter.
 const PLANNING_STEPS: [usize; 2] = [2, 30];
 
 pub(super) fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
     sd * rng.sample::<f64, _>(StandardNormal)
 }
 
-/// A planned pose and the tensions that hold it.
+/// A planned pose and the tensions that balance it.
 #[derive(Debug, Clone)]
 pub(crate) struct PlannedRow {
-    /// Label of the pose; times follow from labels.
+    /// Label of the pose, which determines the time.
     pub label: i64,
     /// Pose of the platform.
     pub pose: Pose,
@@ -31,11 +31,11 @@ pub(crate) struct PlannedRow {
     pub tensions_n: Vec<f64>,
 }
 
-/// Readings without noise when the platform is exactly at these poses of a robot that is exactly as described;
+/// Noise-free readings with the platform exactly at these poses of a robot exactly as described;
 /// the home pose is the first if there is one.
 ///
 /// # Errors
-/// If the kinematics has no answer at one of them.
+/// If the kinematics has no solution at one of them.
 pub(crate) fn planned_readings(
     robot: &Robot,
     rows: &[PlannedRow],
@@ -54,7 +54,7 @@ pub(crate) fn planned_readings(
     Ok(exact.measurements)
 }
 
-/// Rows with everything known but the readings.
+/// Rows in which everything but the readings is filled in.
 pub(super) fn blank(
     robot: &Robot,
     schedule: Schedule,
@@ -101,7 +101,7 @@ pub(super) fn blank(
     }
 }
 
-/// Raw readings at the true tensions by the nominal sensors.
+/// Raw readings of the nominal sensors at the true tensions.
 fn nominal_forces(robot: &Robot, tensions: &Grid) -> Grid {
     let mut forces = Grid::default();
     if robot.has_force_sensors() && robot.platform.mass_kg.is_some() {

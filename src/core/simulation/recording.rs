@@ -1,5 +1,5 @@
-//! A virtual robot in motion, recorded: latencies and clocks by reading it at other times, noise that is alike from sample
-//! to sample, tensions that accelerate the platform.
+//! Simulated recording of a robot in motion: latencies and clock errors by reading it at other times, noise correlated from
+//! sample to sample, and tensions that accelerate the platform.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -16,28 +16,28 @@ use crate::kinematics::structure_matrix;
 use crate::measurement::{Dataset, Grid, Measurements, Rates};
 use crate::robot::Robot;
 
-/// Steps of the inversion: a nanometre does for readings that are noisy and late.
+/// Numbers of inversion steps: a nanometre suffices for readings that are noisy and late.
 const STEPS: [usize; 2] = [2, 40];
-/// By how much a motion is made smaller until the cables can hold the platform everywhere, and how often.
+/// Factor by which a motion is reduced until the cables can hold the platform everywhere, and the number of attempts.
 const SMALLER: f64 = 0.85;
 const TRIES: usize = 12;
 
-/// How a recording is made.
+/// Parameters of a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recording {
-    /// Its length (s).
+    /// Duration (s).
     pub duration_s: f64,
-    /// Samples per second.
+    /// Sampling rate (1/s).
     pub rate_hz: f64,
-    /// Time in which the correlation of the noise falls to 1/e (s); 0: every sample has noise of its own.
+    /// Time in which the correlation of the noise falls to 1/e (s); 0: the noise of the samples is independent.
     pub correlation_s: f64,
 }
 
-/// Simulates a recording of a robot that moves smoothly through its workspace, from its home pose if it has one. Of the
-/// options the number of poses has no meaning.
+/// Simulates a recording of a robot that moves smoothly through its workspace, from its home pose if it has one. The number
+/// of poses in the options is ignored.
 ///
 /// # Errors
-/// If the robot cannot be held along its way, or an effect is unknown.
+/// If the robot cannot be held along its path, or an effect is unknown.
 pub fn record(
     robot: &Robot,
     options: &SimulationOptions,
@@ -69,7 +69,7 @@ pub fn record(
         moving.trajectory = moving.trajectory.scaled(SMALLER);
     }
     let mut data =
-        data.ok_or_else(|| SimulationError::infeasible(&moving.range, "the poses on its way"))?;
+        data.ok_or_else(|| SimulationError::infeasible(&moving.range, "the poses on its path"))?;
     moving.delay(&mut data, &late, &times)?;
     if options.noise {
         let noise = CorrelatedNoise {
@@ -92,7 +92,7 @@ pub fn record(
     })
 }
 
-/// Whether an effect makes readings late.
+/// Whether an effect delays readings.
 fn is_late(bound: &BoundEffect) -> bool {
     delays_at(std::slice::from_ref(bound), 1.0) != Delays::default()
 }
@@ -105,7 +105,7 @@ fn delays_at(effects: &[BoundEffect], time_s: f64) -> Delays {
     delays
 }
 
-/// A robot on its way.
+/// A robot on its path.
 struct Moving<'r> {
     robot: &'r Robot,
     truth: &'r Robot,
@@ -116,7 +116,7 @@ struct Moving<'r> {
 }
 
 impl Moving<'_> {
-    /// Exact readings at some times (s); `None` where the platform cannot be held.
+    /// Exact readings at given times (s); `None` if the platform cannot be held.
     fn readings(&self, times_s: &[f64]) -> Result<Option<Measurements>, SimulationError> {
         let poses: Vec<Pose> = times_s
             .iter()
@@ -174,7 +174,7 @@ impl Moving<'_> {
         Ok(Some(exact.measurements))
     }
 
-    /// Rates of the length readings of a platform that moves like this: `-A v`, in revolutions where those are read.
+    /// Rates of the length readings for a velocity of the platform: `-A v`, in revolutions where those are read.
     fn length_rates(&self, pose: &Pose, velocity: &Twist) -> Result<Vec<f64>, SimulationError> {
         let freedom = self.truth.platform.freedom();
         let free = freedom.coordinates().iter().map(|c| velocity[c.index()]);
@@ -190,7 +190,7 @@ impl Moving<'_> {
             .collect())
     }
 
-    /// Puts in place of the readings of each device those that it made when it looked.
+    /// Replaces the readings of each device by those at the time when it actually read.
     fn delay(
         &self,
         data: &mut Measurements,
@@ -222,7 +222,7 @@ impl Moving<'_> {
             let seen: Vec<f64> = times_s.iter().zip(delays).map(|(t, d)| t - d).collect();
             if seen != times_s {
                 let readings = self.readings(&seen)?;
-                let failed = || SimulationError::infeasible(&self.range, "the poses on its way");
+                let failed = || SimulationError::infeasible(&self.range, "the poses on its path");
                 take(data, readings.ok_or_else(failed)?);
             }
         }
@@ -230,14 +230,14 @@ impl Moving<'_> {
     }
 }
 
-/// Noise of which each sample keeps a part of the one before.
+/// Autoregressive noise: each sample keeps a fraction of the previous one.
 struct CorrelatedNoise {
     /// Correlation of neighbouring samples.
     rho: f64,
 }
 
 impl CorrelatedNoise {
-    /// A series of noise of a standard deviation.
+    /// A series of noise with a standard deviation `sd`.
     fn series(&self, rng: &mut ChaCha8Rng, sd: f64, count: usize) -> Vec<f64> {
         let mut state = normal(rng, sd);
         let fresh = sd * (1.0 - self.rho * self.rho).sqrt();

@@ -1,9 +1,9 @@
-//! Many calibration runs of one robot at the same commanded poses, each with another truth and other noise.
+//! Many calibration runs of one robot at the same commanded poses, each with new truth and new noise.
 //!
-//! As [`simulate`](super::simulate) at given poses, for robots without effects, in a time that is short beside that of
-//! the identification. Tensions are the nominal ones `T0`, corrected as little as possible to the equilibrium of the true
+//! The same as [`simulate`](super::simulate) at given poses for robots without effects, but much faster than
+//! the identification. Tensions are the nominal ones `T0` with the smallest correction to the equilibrium of the true
 //! geometry, `T = T0 - A (A^T A)^-1 (A^T T0 + w)`; and because readings enter the prediction of such a robot linearly, they
-//! follow from lengths, tensions and distances directly: `rev = (L0 - L0(home)) / k`, `F = g T + f0`.
+//! follow directly from lengths, tensions and distances: `rev = (L0 - L0(home)) / k`, `F = g T + f0`.
 
 use nalgebra::{Matrix6, Vector6};
 use rand_chacha::ChaCha8Rng;
@@ -20,18 +20,18 @@ use crate::kinematics::{CablePath, PulleyGeometry, applied_wrench, inverse_kinem
 use crate::measurement::{Dataset, Grid, Measurements};
 use crate::robot::{Cable, Robot};
 
-/// Displacements drawn for a pose before the run is given up.
+/// Number of displacements drawn for a pose before the run is given up.
 const TRIES: usize = 200;
 
-/// A robot at commanded poses, ready to be calibrated over and over.
+/// A robot at commanded poses, prepared for repeated calibration runs.
 #[derive(Debug, Clone)]
 pub struct RepeatedRuns {
     robot: Robot,
     options: SimulationOptions,
     range: TensionRange,
-    /// Home first where there is one.
+    /// Commanded poses, home first if there is one.
     commanded: Vec<Pose>,
-    /// Tensions of the nominal robot there (N); zeros where tension is not modelled.
+    /// Tensions of the nominal robot at these poses (N); zeros where tension is not modelled.
     tensions: Vec<Vec<f64>>,
 }
 
@@ -44,13 +44,13 @@ struct Visit {
 }
 
 impl RepeatedRuns {
-    /// Runs at commanded poses; truths are drawn from the priors that the robot states.
+    /// Prepares runs at commanded poses; truths are drawn from the priors that the robot states.
     ///
     /// # Errors
     /// If the nominal robot cannot be held at one of the poses.
     ///
     /// # Panics
-    /// If the robot has effects: [`simulate`](super::simulate) knows them.
+    /// If the robot has effects, which only [`simulate`](super::simulate) can handle.
     pub fn new(
         robot: &Robot,
         poses: Vec<Pose>,
@@ -81,16 +81,16 @@ impl RepeatedRuns {
         })
     }
 
-    /// What [`simulate`](super::simulate) is to be asked for the same runs with effects.
+    /// Options with which [`simulate`](super::simulate) makes the same runs with effects.
     #[must_use]
     pub fn options(&self) -> &SimulationOptions {
         &self.options
     }
 
-    /// The next run.
+    /// Simulates the next run.
     ///
     /// # Errors
-    /// If the true robot cannot be held at one of the poses, however it is displaced.
+    /// If the true robot cannot be held at one of the poses, with any of the displacements drawn.
     pub fn simulate(&self, rng: &mut ChaCha8Rng) -> Result<Simulated, SimulationError> {
         let truth = draw_truth(&self.robot, &self.options, rng);
         let visits: Result<Vec<Visit>, SimulationError> = (0..self.commanded.len())
@@ -114,7 +114,7 @@ impl RepeatedRuns {
         })
     }
 
-    /// The true robot at a row: at home where it is, else displaced from where it was commanded.
+    /// The true robot at a row: exactly at home, otherwise displaced from the commanded pose.
     fn visit(
         &self,
         truth: &Robot,
@@ -135,8 +135,8 @@ impl RepeatedRuns {
         found.ok_or_else(|| SimulationError::infeasible(&self.range, place))
     }
 
-    /// The true robot at a pose, with the tensions closest to the nominal ones of a row that balance it; `None` where a
-    /// cable has no path or no tensions do.
+    /// The true robot at a pose, with the balancing tensions closest to the nominal ones of a row; `None` if a
+    /// cable has no path or no tensions balance it.
     fn held(&self, truth: &Robot, row: usize, pose: Pose) -> Option<Visit> {
         let paths: Vec<_> = truth
             .cables
@@ -195,7 +195,7 @@ impl RepeatedRuns {
         if held.iter().all(|tension| range.contains(tension)) {
             return Some(held);
         }
-        // At a limit the least correction is that of the distribution.
+        // At a limit, the smallest correction is that of the distribution.
         self.range.tensions(truth, pose).ok().flatten()
     }
 }
@@ -209,12 +209,12 @@ fn path(cable: &Cable, pose: &Pose) -> CablePath<f64> {
     pulley.path_to(pose.transform(&cable.platform_anchor_m.into()).into())
 }
 
-/// Whether the anchor is outside the pulley and the cable leaves it towards the anchor; false for what is not finite.
+/// Whether the anchor is outside the pulley and the cable leaves it towards the anchor; false for NaN.
 fn has_path(path: &CablePath<f64>) -> bool {
     path.clearance > 0.0 && path.wrap >= 0.0 && path.inverse_axis_distance.is_finite()
 }
 
-/// Exact readings of lengths, distance and angles; those of forces and the tracker are there already.
+/// Exact readings of lengths, distance and angles; forces and tracker readings are filled in already.
 fn read(truth: &Robot, visits: &[Visit], data: &mut Measurements) -> Result<(), SimulationError> {
     let down = truth.gravity().try_normalize(0.0).unwrap_or_default();
     let mut at_home = None;
@@ -255,7 +255,7 @@ fn read(truth: &Robot, visits: &[Visit], data: &mut Measurements) -> Result<(), 
     Ok(())
 }
 
-/// Unstrained length of every cable with its run from the drum (m).
+/// Unstrained length of every cable, including the run from the drum (m).
 fn unstrained(truth: &Robot, visit: &Visit, down: Vec3) -> Vec<f64> {
     let cables = truth.cables.iter().zip(&visit.paths).zip(&visit.tensions_n);
     cables

@@ -8,18 +8,18 @@ use rand_chacha::ChaCha8Rng;
 use super::workspace::Workspace;
 use crate::geometry::{Freedom, Pose, Twist};
 
-/// Time in which the motion begins (s).
+/// Duration of the ramp at the start (s).
 const RAMP_S: f64 = 3.0;
-/// Shares of the range that the waves of one coordinate take.
+/// Fractions of the range taken by the waves of one coordinate.
 const SHARES: [f64; 3] = [0.5, 0.3, 0.2];
 /// Slowest and fastest wave (Hz).
 const FREQUENCIES_HZ: [f64; 2] = [0.03, 0.3];
-/// Fastest motion along a coordinate (m/s).
+/// Highest speed along a coordinate (m/s).
 const FASTEST_M_S: f64 = 0.4;
 /// Step of the differences that give velocity and acceleration (s).
 const STEP_S: f64 = 1e-3;
 
-/// Waves of each coordinate about a pose where the platform rests at first.
+/// Sum of sine waves in each coordinate about a pose where the platform rests at first.
 #[derive(Debug, Clone)]
 pub(super) struct Trajectory {
     /// Amplitude (m, rad) and angular frequency (rad/s) of the waves of each coordinate.
@@ -51,7 +51,7 @@ impl Trajectory {
         Self { waves }
     }
 
-    /// The same motion, smaller.
+    /// The same motion with smaller amplitudes.
     pub fn scaled(&self, factor: f64) -> Self {
         let scaled = |(amplitude, w): (f64, f64)| (factor * amplitude, w);
         Self {
@@ -59,10 +59,10 @@ impl Trajectory {
         }
     }
 
-    /// The pose at a time (s) of a motion from `start`.
+    /// Pose at a time (s) of a motion from `start`.
     pub fn pose(&self, start: &Pose, time_s: f64) -> Pose {
         let u = (time_s / RAMP_S).clamp(0.0, 1.0);
-        // Rests at the beginning, and so do the first three derivatives.
+        // The platform rests at the start: the first three derivatives vanish there.
         let ramp = u.powi(4) * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u)));
         let displacement = self.waves.map(|waves| {
             let sum: f64 = waves.iter().map(|(a, w)| a * (w * time_s).sin()).sum();

@@ -1,4 +1,4 @@
-//! A robot whose true geometry differs from its description, and its measurements.
+//! A virtual robot whose true geometry differs from its description, and its simulated measurements.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -14,18 +14,18 @@ use crate::kinematics::{KinematicsError, inverse_kinematics};
 use crate::measurement::{Dataset, Grid};
 use crate::robot::Robot;
 
-/// Where the true geometry comes from.
+/// Source of the true geometry.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TrueGeometry {
     /// Drawn from the priors that the robot states.
     Drawn,
-    /// Entry points given (m); home pose and target plane are drawn.
+    /// Given entry points (m); home pose and target plane are drawn.
     EntryPoints(Vec<[f64; 3]>),
     /// As described.
     Nominal,
 }
 
-/// What to simulate.
+/// Options of a simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulationOptions {
     /// Number of poses, without the home pose.
@@ -34,13 +34,13 @@ pub struct SimulationOptions {
     pub seed: u64,
     /// True geometry.
     pub geometry: TrueGeometry,
-    /// Effects that the description does not know.
+    /// Effects that the description does not contain.
     pub effects: Vec<EffectSetting>,
     /// Whether readings have noise.
     pub noise: bool,
-    /// Where the platform moves; by default around its home pose.
+    /// Workspace of the platform; by default around its home pose.
     pub workspace: Option<Workspace>,
-    /// How cables are tensioned; by default as suits the weight.
+    /// Tension limits of the cables; by default as suits the weight.
     pub tension: Option<TensionRange>,
     /// Poses to command, in this order, instead of `poses` drawn from the workspace.
     pub at: Option<Vec<Pose>>,
@@ -62,7 +62,7 @@ impl SimulationOptions {
         }
     }
 
-    /// The same run at given commanded poses.
+    /// The same options with given commanded poses.
     #[must_use]
     pub fn commanding(self, poses: Vec<Pose>) -> Self {
         Self {
@@ -76,35 +76,35 @@ impl SimulationOptions {
 /// A simulated calibration run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulated {
-    /// The description and the measurements, as an operator has them.
+    /// The description and the measurements, as available to an operator.
     pub dataset: Dataset,
     /// True entry points, home pose, target plane and effects.
     pub truth: Robot,
 }
 
-/// Why a robot cannot be simulated.
+/// Errors of a simulation.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SimulationError {
-    /// The kinematics has no answer at the home pose.
+    /// The kinematics has no solution at the home pose.
     #[error(transparent)]
     Kinematics(#[from] KinematicsError),
     /// An effect cannot be attached.
     #[error(transparent)]
     Effect(#[from] EstimationError),
-    /// An effect acts on readings in motion, and there is none.
-    #[error("effect \"{0}\" shows only where the platform moves: expected a recording in motion")]
+    /// An effect acts only on readings in motion, but the poses are at rest.
+    #[error("effect \"{0}\" acts only on a moving platform: simulate a recording in motion")]
     AtRest(&'static str),
     /// No equilibrium was found at the motor revolutions.
     #[error("the platform has no equilibrium at these motor revolutions")]
     NoEquilibrium,
-    /// No tensions hold the platform.
+    /// No tensions balance the platform.
     #[error("no tensions between {lower_n:.1} N and {upper_n:.1} N hold the platform at {place}")]
     Infeasible {
         /// Smallest tension (N).
         lower_n: f64,
         /// Largest tension (N).
         upper_n: f64,
-        /// Where.
+        /// Description of the pose.
         place: &'static str,
     },
 }
@@ -119,13 +119,13 @@ impl SimulationError {
     }
 }
 
-/// Poses drawn for each one wanted before giving up.
+/// Number of poses drawn for each one wanted before giving up.
 const TRIES_PER_POSE: usize = 200;
 
 /// Simulates a calibration run.
 ///
 /// # Errors
-/// If the robot cannot be held in its workspace, an effect is unknown or names a pose that is not there.
+/// If the robot cannot be held in its workspace, an effect is unknown, or an effect refers to a pose that does not exist.
 pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated, SimulationError> {
     let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
     let truth = draw_truth(robot, options, &mut rng);
@@ -168,7 +168,7 @@ pub(super) fn bind(truth: &Robot) -> Result<Vec<BoundEffect>, SimulationError> {
     Ok(bound.map_err(EstimationError::Effect)?)
 }
 
-/// The true robot behind the description `robot`: that of [`simulate`] with the same options.
+/// The true robot behind the description `robot`, equal to that of [`simulate`] with the same options.
 #[must_use]
 pub fn true_robot(robot: &Robot, options: &SimulationOptions) -> Robot {
     draw_truth(robot, options, &mut ChaCha8Rng::seed_from_u64(options.seed))
@@ -214,8 +214,8 @@ pub(super) fn draw_truth(
 
 type Visits = (Vec<Pose>, Vec<Pose>, Grid);
 
-/// Home first, then poses that the cables can hold; commanded poses differ from the true ones by
-/// about as much as the drawing is wrong.
+/// Home, then poses that the cables can hold; true poses differ from the commanded ones by
+/// about the errors of the drawing.
 fn visit_poses(
     robot: &Robot,
     (truth, effects): (&Robot, &[BoundEffect]),
@@ -228,10 +228,10 @@ fn visit_poses(
     let mut commanded = Vec::new();
     let mut tensions = Grid::new(robot.cable_count());
     let hold = |poses: &[Pose], pose: &Pose| {
-        // Of this row alone: a schedule of all for each would make the time grow as the square of the poses.
+        // Computed for this row only: a schedule of all rows for each would take time quadratic in the poses.
         let epoch = |row| Schedule::epoch_of(truth, row);
         let visit = Visit {
-            // The first row tells time and temperature from which all others count.
+            // All rows count time and temperature from the first one.
             first: poses.first().map(|first| (epoch(0), first)),
             epoch: epoch(poses.len()),
             pose,

@@ -1,4 +1,4 @@
-//! Where a virtual robot moves and how its cables are tensioned.
+//! Workspace and tension limits of a virtual robot.
 
 use nalgebra::DVector;
 use rand::{Rng, RngExt};
@@ -10,7 +10,7 @@ use crate::kinematics::{
 };
 use crate::robot::{Robot, TensionLimits, WorkspaceLimits};
 
-/// Strain of a cable (1) that a derived upper tension does not exceed: a quarter of that at which a steel rope breaks, an
+/// Largest strain of a cable that a derived upper tension causes: a quarter of the breaking strain of a steel rope, an
 /// eighth of that of a rope of high-modulus polyethylene.
 const WORKING_STRAIN: f64 = 4e-3;
 
@@ -28,16 +28,16 @@ pub struct Workspace {
 /// Limits within which tensions are distributed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TensionRange {
-    /// Smallest (N).
+    /// Smallest tension (N).
     pub lower_n: f64,
-    /// The distribution stays as close as possible to this (N).
+    /// Reference tension (N), to which the distribution stays as close as possible.
     pub reference_n: f64,
-    /// Largest (N).
+    /// Largest tension (N).
     pub upper_n: f64,
 }
 
 impl Workspace {
-    /// The workspace that the description states, else one around the home pose (or the middle of the pulleys): 30 % of
+    /// The workspace that the description states, else one around the home pose (or the centroid of the pulleys): 30 % of
     /// the frame.
     #[must_use]
     pub fn of(robot: &Robot) -> Self {
@@ -54,7 +54,7 @@ impl Workspace {
             |home| home.pose(),
         );
         let half = (high - low) / 2.0;
-        // Suspended robots have all pulleys at one height: allow some height all the same.
+        // Suspended robots have all pulleys at one height, but need some height all the same.
         let least = 0.5 * half.max();
         Self {
             centre,
@@ -63,7 +63,7 @@ impl Workspace {
         }
     }
 
-    /// The positions of a box at the orientation of this workspace's centre.
+    /// The box of a volume, at the orientation of this workspace's centre.
     pub(crate) fn of_volume(&self, centre_m: [f64; 3], half_extent_m: [f64; 3]) -> Self {
         Self {
             centre: Pose {
@@ -75,7 +75,7 @@ impl Workspace {
         }
     }
 
-    /// The smallest workspace around given poses; `None` without any.
+    /// The smallest workspace around the given poses; `None` without poses.
     pub(crate) fn around<'p>(poses: impl Iterator<Item = &'p Pose>) -> Option<Self> {
         let poses: Vec<&Pose> = poses.collect();
         let centre = *poses.first()?;
@@ -120,7 +120,7 @@ impl Workspace {
     }
 }
 
-/// The smallest box around the entry points (m).
+/// The bounding box of the entry points (m).
 pub(crate) fn bounds(robot: &Robot) -> (Vec3, Vec3) {
     let points = robot
         .cables
@@ -153,7 +153,7 @@ impl From<TensionLimits> for TensionRange {
 }
 
 impl TensionRange {
-    /// The range that the description states, else one that suits the weight of the platform, the force sensors and the
+    /// The range that the description states, else one derived from the weight of the platform, the force sensors and the
     /// stiffness of the cables.
     #[must_use]
     pub fn of(robot: &Robot) -> Self {
@@ -172,12 +172,12 @@ impl TensionRange {
         Self {
             lower_n: 0.1 * reference_n,
             reference_n,
-            // A platform that is held at all needs room above the reference, however soft its cables are.
+            // A loaded platform needs room above the reference tension, however soft its cables are.
             upper_n: (10.0 * reference_n).min(strained_n.max(2.0 * reference_n)),
         }
     }
 
-    /// The range without a part of it at each end; the reference stays inside.
+    /// The range without a fraction `part` at each end; the reference stays inside.
     #[must_use]
     pub fn inner(self, part: f64) -> Self {
         let margin_n = part * (self.upper_n - self.lower_n);
@@ -188,7 +188,7 @@ impl TensionRange {
         }
     }
 
-    /// Tensions that balance the platform at `pose`, if there are any.
+    /// Tensions that balance the platform at `pose`; `None` if there are none.
     ///
     /// # Errors
     /// If the pose is outside the domain of the kinematics.
@@ -200,8 +200,8 @@ impl TensionRange {
         self.tensions_in_motion(robot, pose, &[Twist::zeros(); 2])
     }
 
-    /// Tensions that balance the platform at `pose` while it has a velocity and an acceleration (m, rad, s; base frame), if
-    /// there are any: `A^T T + w = [m a_c; c x m a_c + I alpha + w x I w]`.
+    /// Tensions that balance the platform at `pose` with a velocity and an acceleration (m, rad, s; base frame):
+    /// `A^T T + w = [m a_c; c x m a_c + I alpha + w x I w]`; `None` if there are none.
     pub(super) fn tensions_in_motion(
         self,
         robot: &Robot,
@@ -225,7 +225,7 @@ impl TensionRange {
     }
 }
 
-/// What accelerates the platform, in its free coordinates (N, N m).
+/// Wrench that accelerates the platform, in its free coordinates (N, N m).
 fn inertial_wrench(robot: &Robot, pose: &Pose, motion: &[Twist; 2]) -> DVector<f64> {
     let inertia = inertia(robot, pose, motion);
     let [force, own] = [0, 3].map(|first| inertia.fixed_rows::<3>(first).into_owned());

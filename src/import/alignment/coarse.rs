@@ -1,15 +1,15 @@
-//! Where two recordings of one motion lie: the lag at which the speeds of their channels are most alike.
+//! Coarse alignment of two recordings of one motion: the lag of maximum correlation between the speeds of their channels.
 
 use super::Recording;
 
-/// Points on which speeds are compared, at most: the fit finds the rest.
+/// Maximum number of points at which speeds are compared; the fit refines the lag.
 const POINTS: usize = 3000;
-/// Least part of the shorter recording that both have.
+/// Minimum overlap, as a fraction of the shorter recording.
 const OVERLAP: f64 = 0.3;
-/// Least correlation of recordings of one motion.
+/// Minimum correlation between recordings of one motion.
 const ALIKE: f64 = 0.5;
 
-/// What is added to the times of `other` (s); `None` where no lag makes them alike.
+/// Lag (s) to be added to the times of `other`; `None` if the recordings correlate at no lag.
 pub(super) fn lag(reference: &Recording, other: &Recording) -> Option<f64> {
     let span = |one: &Recording| one.time_s[one.time_s.len() - 1] - one.time_s[0];
     let step = span(reference).max(span(other)) / POINTS as f64;
@@ -29,7 +29,7 @@ pub(super) fn lag(reference: &Recording, other: &Recording) -> Option<f64> {
     Some(reference.time_s[0] - other.time_s[0] + best as f64 * step)
 }
 
-/// How fast all channels change, each in its own standard deviations, in steps of time.
+/// Speed of all channels together on a uniform time grid, each channel scaled by its standard deviation.
 fn activity(recording: &Recording, step: f64) -> Vec<f64> {
     let time_s = &recording.time_s;
     let count = ((time_s[time_s.len() - 1] - time_s[0]) / step) as usize;
@@ -46,14 +46,14 @@ fn activity(recording: &Recording, step: f64) -> Vec<f64> {
             last = next;
         }
     }
-    // Means of three: steps and samples do not coincide.
+    // A moving average of three, because steps and samples do not coincide.
     let smooth = squares
         .windows(3)
         .map(|three| (three.iter().sum::<f64>() / 3.0).sqrt());
     smooth.collect()
 }
 
-/// Correlation of what both have where `b` begins `shift` steps after `a`.
+/// Correlation over the overlap if `b` begins `shift` steps after `a`.
 fn correlation(a: &[f64], b: &[f64], shift: isize) -> f64 {
     let from = shift.max(0) as usize;
     let until = (b.len() as isize + shift).min(a.len() as isize).max(0) as usize;
@@ -81,7 +81,7 @@ fn correlation(a: &[f64], b: &[f64], shift: isize) -> f64 {
     }
 }
 
-/// Values of a channel at ascending times, on straight lines between its samples.
+/// Linear interpolation of a channel at ascending times.
 pub(super) struct Sampler<'a> {
     time_s: &'a [f64],
     values: &'a [f64],
@@ -97,7 +97,7 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// The value at a time, which is not before the last one that was asked for.
+    /// Value at a time, which must not precede that of the previous call.
     pub fn value(&mut self, time: f64) -> f64 {
         while self.at + 2 < self.time_s.len() && self.time_s[self.at + 1] < time {
             self.at += 1;

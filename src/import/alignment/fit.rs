@@ -1,4 +1,4 @@
-//! Offset and drift by least squares, with the polynomial that leads from one recording to the other.
+//! Clock offset and drift by least squares, together with the polynomial that maps one recording to the other.
 
 use std::ops::Range;
 
@@ -7,32 +7,32 @@ use nalgebra::{DMatrix, DVector, Matrix2, SymmetricEigen, Vector2};
 use super::coarse::Sampler;
 use super::{ClockFit, Recording};
 
-/// Most samples of the second recording that are used; more of them are thinned.
+/// Maximum number of samples of the second recording; longer ones are thinned.
 const SAMPLES: usize = 6000;
-/// Most directions of motion of the cables that the polynomial knows: a platform has six.
+/// Maximum number of principal directions in the polynomial: a platform has six degrees of freedom.
 const DIRECTIONS: usize = 6;
-/// A direction counts where its variance is this part of the largest.
+/// Minimum variance of a principal direction relative to the largest.
 const VARIANCE: f64 = 1e-5;
-/// Parts of the recording that the jackknife leaves out one by one.
+/// Number of blocks that the jackknife leaves out in turn.
 const PARTS: usize = 12;
-/// Most steps of the fit.
+/// Maximum number of Gauss-Newton steps.
 const STEPS: usize = 30;
-/// Least part of the variance that has to be explained.
+/// Minimum fraction of the variance that the fit must explain.
 const EXPLAINED: f64 = 0.8;
 
-/// Both recordings at the samples of the second that are within the first.
+/// Both recordings at those samples of the second that lie within the first.
 struct Rows {
-    /// Times of the samples on their own clock, from the middle (s).
+    /// Times of the samples on their own clock, relative to the middle (s).
     time_s: Vec<f64>,
-    /// The polynomial's terms, one row for each sample.
+    /// Terms of the polynomial, one row per sample.
     terms: DMatrix<f64>,
-    /// Terms a little later less those a little earlier, per second.
+    /// Time derivatives of the terms by central differences (1/s).
     rates: DMatrix<f64>,
-    /// Channels of the second recording, one column each.
+    /// Channels of the second recording, one per column.
     values: DMatrix<f64>,
 }
 
-/// The clock of `other`, near to where `lag_s` is added to its times.
+/// Fits the clock of `other`, starting from the coarse lag (s).
 pub(super) fn refine(reference: &Recording, other: &Recording, lag_s: f64) -> Option<ClockFit> {
     let basis = Basis::of(reference);
     let every = other.time_s.len().div_ceil(SAMPLES);
@@ -74,10 +74,10 @@ pub(super) fn refine(reference: &Recording, other: &Recording, lag_s: f64) -> Op
     })
 }
 
-/// The directions in which the channels of the first recording change most, as lengths of about one.
+/// Principal directions of the channels of the first recording, scaled to a variance of about 1.
 struct Basis {
     mean: DVector<f64>,
-    /// A row for each direction.
+    /// One direction per row.
     directions: DMatrix<f64>,
 }
 
@@ -118,7 +118,7 @@ impl Basis {
         Self { mean, directions }
     }
 
-    /// The terms of the polynomial: 1, each direction, products of two.
+    /// Terms of the second-degree polynomial: 1, the coordinates, their pairwise products.
     fn terms(&self, channels: &DVector<f64>) -> Vec<f64> {
         let x = &self.directions * (channels - &self.mean);
         let mut terms = vec![1.0];
@@ -130,7 +130,7 @@ impl Basis {
     }
 }
 
-/// Both recordings at the samples `kept` of the second, by a clock.
+/// Evaluates both recordings at the samples `kept` of the second for a given clock.
 fn rows(
     reference: &Recording,
     other: &Recording,
@@ -184,8 +184,8 @@ fn rows(
     })
 }
 
-/// What a part of the recording contributes to the normal equations of a channel: the polynomial's terms, the slopes of
-/// offset and drift, and what the polynomial leaves of the values.
+/// Contribution of one block to the normal equations of a channel: products of the polynomial's terms, of the slopes by
+/// offset and drift, and of the residuals of the polynomial.
 struct Products {
     mixed: DMatrix<f64>,
     slopes: Matrix2<f64>,
@@ -193,7 +193,7 @@ struct Products {
     slopes_left: Vector2<f64>,
 }
 
-/// Change of offset and drift by all parts but one, the polynomial of each channel adjusted with them.
+/// Step of offset and drift from all blocks but one, with the polynomial of each channel adjusted jointly.
 fn solve(
     grams: &[DMatrix<f64>],
     channels: &[(f64, Vec<Products>)],
@@ -220,11 +220,11 @@ fn solve(
     matrix.try_inverse().map(|inverse| inverse * vector)
 }
 
-/// A step of the fit, with what each part of the recording contributes to it.
+/// Gauss-Newton step with its leave-one-block-out replicates.
 struct Step {
-    /// Change of offset and drift.
+    /// Step of offset (s) and drift (s/s).
     change: Vector2<f64>,
-    /// Changes with one part left out each.
+    /// The same step with each block left out in turn.
     without: Vec<Vector2<f64>>,
     explained: f64,
 }

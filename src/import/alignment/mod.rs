@@ -1,12 +1,12 @@
-//! Offset and drift of the clock of a second recorder, from what both recorded of one motion.
+//! Clock offset and drift between two recorders that observed the same motion.
 //!
-//! What an instrument measures of the platform is a smooth function of what the cables do, whatever its frame and its place
-//! on the platform: `y(t) = f(x(t + offset + drift (t - t0)))` with the channels `x` of the one recorder and `y` of the
-//! other. `f` is a polynomial of the second degree that is estimated as well, so that no geometry has to be known. Where the
-//! recordings lie at all is found by correlating how fast each of them changes; then offset, drift and `f` are fitted by
-//! least squares. The standard deviations are those of a jackknife over parts of the recording that are longer than its
-//! errors are alike (Künsch 1989, The jackknife and the bootstrap for general stationary observations), because neighbouring
-//! samples are not independent. Without a part the polynomial has less hold, so that they are rather too large.
+//! The readings of an instrument are a smooth function of the cable readings, whatever the frame of the instrument and its
+//! target on the platform: `y(t) = f(x(t + offset + drift (t - t0)))` with the channels `x` of one recorder and `y` of the
+//! other. `f` is a second-degree polynomial that is estimated as well, so that no geometry has to be known. A coarse lag
+//! results from the correlation of the speeds; then offset, drift and `f` are fitted by least squares. Standard deviations
+//! come from a jackknife over blocks longer than the correlation length of the errors (Künsch 1989, The jackknife and the
+//! bootstrap for general stationary observations), because neighbouring samples are not independent. They are
+//! conservative, since leaving out a block weakens the polynomial.
 
 mod coarse;
 mod fit;
@@ -21,9 +21,9 @@ use crate::recipe::{Clock, Mapping, Recipe, resolve};
 use crate::source::Source;
 use crate::values::Values;
 
-/// Fewest samples of a recording that can be aligned.
+/// Minimum number of samples of a recording that can be aligned.
 const FEWEST: usize = 100;
-/// Most rows of a recording that are used; of a longer one every so many.
+/// Maximum number of rows; longer recordings are thinned evenly.
 const MOST: usize = 200_000;
 
 /// Channels that were sampled together.
@@ -35,38 +35,38 @@ struct Recording {
     channels: Vec<Vec<f64>>,
 }
 
-/// The clock of a recorder against that of another.
+/// Clock of one recorder relative to another: `offset + drift (t - middle)` is added to its times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClockFit {
-    /// What is added to its times in the middle of what both recorded (s).
+    /// Offset at the middle of the overlap (s).
     pub offset_s: f64,
-    /// Standard deviation of that (s).
+    /// Standard deviation of the offset (s).
     pub offset_sd_s: f64,
-    /// How much slower it runs (s/s).
+    /// Rate difference (s/s), positive if this clock runs slow.
     pub drift: f64,
-    /// Standard deviation of that (s/s).
+    /// Standard deviation of the drift (s/s).
     pub drift_sd: f64,
-    /// The middle of what both recorded, on its own clock (s).
+    /// Middle of the overlap on this clock (s).
     pub middle_s: f64,
-    /// Part of the variance of its channels that the other recording explains.
+    /// Fraction of the variance of its channels explained by the other recording (R²).
     pub explained: f64,
 }
 
-/// A clock that was found, and what to say of it.
+/// Estimated clock of one series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AlignedClock {
     /// The series.
     pub series: String,
-    /// Its clock against that of the series of the cables.
+    /// Its clock relative to the series of the cables.
     pub fit: ClockFit,
     /// One sentence.
     pub sentence: String,
 }
 
-/// Finds the clocks of all series that are used, against that of the cables; the recipe then has them.
+/// Estimates the clocks of all series in use relative to that of the cables and stores them in the recipe.
 ///
 /// # Errors
-/// If a channel of the recipe is not there, there is no second clock, or the recordings have no motion in common.
+/// If a channel of the recipe is missing, there is no second clock, or the recordings share no motion.
 pub fn align_clocks(
     sources: &[Source],
     recipe: &mut Recipe,
@@ -140,7 +140,7 @@ fn sentence(series: &str, main: &str, fit: &ClockFit) -> String {
     )
 }
 
-/// A recipe whose times of a series are those of its recorder.
+/// The recipe without clock correction of a series.
 fn without_clock(recipe: &Recipe, series: &str) -> Recipe {
     let mut recipe = recipe.clone();
     for clock in &mut recipe.clocks {
@@ -151,14 +151,14 @@ fn without_clock(recipe: &Recipe, series: &str) -> Recipe {
     recipe
 }
 
-/// The channels of numbers that are used of a series, at the rows where all have values.
+/// The numeric channels in use of a series, at the rows where all have values.
 fn recording(mapping: &Mapping<'_>, series: usize, recipe: &Recipe) -> Option<Recording> {
     let times = Times::of(mapping, series, recipe).time_s?;
     let one = mapping.series[series];
     let own = mapping.quantities.iter().filter(|(quantity, mapped)| {
         mapped.series == series && !mapped.is_text && !quantity.is_text()
     });
-    // What moves with the platform says most; forces, for example, say something where there is nothing else.
+    // Quantities that move with the platform carry most information; others, such as forces, are a fallback.
     let any_moves = own.clone().any(|(quantity, _)| quantity.moves());
     let used: Vec<&Values> = own
         .filter(|(quantity, _)| quantity.moves() || !any_moves)
@@ -178,7 +178,7 @@ fn recording(mapping: &Mapping<'_>, series: usize, recipe: &Recipe) -> Option<Re
             }
         }
     }
-    // A channel that stays as it is says nothing of time.
+    // A constant channel carries no information about time.
     found.channels.retain(|channel| {
         let first = channel.first().copied().unwrap_or(0.0);
         channel.iter().any(|value| *value != first)
@@ -186,7 +186,7 @@ fn recording(mapping: &Mapping<'_>, series: usize, recipe: &Recipe) -> Option<Re
     (found.time_s.len() >= FEWEST && !found.channels.is_empty()).then_some(found)
 }
 
-/// The clock of `other` against that of `reference`.
+/// Estimates the clock of `other` relative to `reference`.
 fn align(reference: &Recording, other: &Recording) -> Option<ClockFit> {
     let lag_s = coarse::lag(reference, other)?;
     fit::refine(reference, other, lag_s)

@@ -1,4 +1,4 @@
-//! The values that readings should have at the poses.
+//! Expected readings at the poses.
 
 use std::collections::BTreeMap;
 
@@ -9,9 +9,9 @@ use tautline_core::robot::Robot;
 use super::Readings;
 use crate::recipe::{Kind, Quantity};
 
-/// Expected values by column, and the poses that they are of.
+/// Expected readings by column, and the poses at which they are computed.
 pub(super) struct Expected {
-    /// Pose of each row, where it is known.
+    /// Pose of each row, if known.
     pub poses: Vec<Option<Pose>>,
     columns: BTreeMap<Quantity, Vec<f64>>,
 }
@@ -20,7 +20,7 @@ impl Expected {
     pub fn of(readings: &Readings, robot: &Robot) -> Self {
         let commanded = poses(readings, robot, Kind::Commanded);
         let known = commanded.iter().flatten().count();
-        // Without commanded poses those of an instrument; it is not compared with itself then.
+        // Without commanded poses the measured ones are used; the instrument is then not compared with itself.
         let (poses, by_command) = match known * 2 >= readings.labels.len() {
             true => (commanded, true),
             false => (poses(readings, robot, Kind::Tracked), false),
@@ -34,7 +34,7 @@ impl Expected {
         expected
     }
 
-    /// What a column should read.
+    /// Expected readings of a column.
     pub fn column(&self, quantity: Quantity) -> Option<&[f64]> {
         self.columns.get(&quantity).map(Vec::as_slice)
     }
@@ -108,7 +108,7 @@ impl Expected {
     }
 }
 
-/// Poses of a group of columns. The home pose needs no command.
+/// Poses from a group of columns. The home pose needs no command.
 fn poses(readings: &Readings, robot: &Robot, kind: Kind) -> Vec<Option<Pose>> {
     let value = |index: usize, row: usize| {
         readings

@@ -1,4 +1,4 @@
-//! Forces: their unit, their sign and their order, by what holds the platform.
+//! Unit, sign and order of the force channels, checked by the equilibrium of the platform.
 //!
 //! With tensions `T = s (f - bias) / gain` the equilibrium `A^T T + w = 0` holds for one factor `s`: 1 if all is well, 1000
 //! if the forces are in kilonewtons.
@@ -11,16 +11,16 @@ use super::expected::Expected;
 use super::{Change, FEWEST, Readings, Suggestion};
 use crate::recipe::{Kind, Quantity};
 
-/// Factors that make newtons of other units.
+/// Factors from other units to newtons.
 const UNITS: [(f64, &str); 4] = [
     (1e3, "kilonewtons"),
     (9.806_65, "kilograms"),
     (1e-3, "millinewtons"),
-    (1.0 / 9.806_65, "newtons that were multiplied by gravity"),
+    (1.0 / 9.806_65, "newtons multiplied by g"),
 ];
-/// A factor is a known one within this share of it.
+/// Relative tolerance within which a factor counts as a known one.
 const FACTOR: f64 = 0.2;
-/// Forces do not hold the platform where more than this share of the weight is left over, squared.
+/// Maximum squared residual of the equilibrium relative to the squared weight.
 const UNBALANCED: f64 = 0.05;
 
 struct Balance {
@@ -57,21 +57,11 @@ pub(super) fn check(
     if let Some((known, unit)) = unit
         && balance.left(*known, None) < 0.25 * one.min(1.0)
     {
-        let columns: Vec<String> = columns
-            .iter()
-            .map(|(quantity, _)| quantity.column())
-            .collect();
-        let sentence = format!(
-            "{} hold the platform only if they are {unit}, not newtons",
-            columns.join(", ")
-        );
-        found.push(Suggestion::new(
-            sentence,
-            Change::Multiply {
-                columns,
-                factor: *known,
-            },
-        ));
+        let sentence = |forces: &str| {
+            format!("{forces} balance the weight of the platform only as {unit}, not newtons")
+        };
+        let columns = columns.iter().map(|(quantity, _)| quantity.column());
+        found.push(Suggestion::multiply(columns.collect(), *known, sentence));
         return;
     }
     let cables = robot.cable_count();
@@ -91,13 +81,13 @@ pub(super) fn check(
         };
         let (a, b) = (column(i), column(j));
         let sentence = format!(
-            "{a} and {b} hold the platform only the other way round: their channels are exchanged"
+            "{a} and {b} balance the weight of the platform only when swapped: their channels are swapped"
         );
         found.push(Suggestion::new(sentence, Change::Exchange { a, b }));
     }
 }
 
-/// Cables cannot push.
+/// Finds forces that are negative throughout: cables cannot push.
 fn negative(columns: &[(Quantity, &[f64])], found: &mut Vec<Suggestion>) {
     let is_negative = |values: &[f64]| {
         let there = values.iter().filter(|value| !value.is_nan()).count();
@@ -115,7 +105,7 @@ fn negative(columns: &[(Quantity, &[f64])], found: &mut Vec<Suggestion>) {
     };
     for columns in groups {
         let sentence = format!(
-            "{}: negative at nearly all poses, and cables cannot push: the sign is reversed",
+            "{}: negative at nearly all poses, but cables cannot push: the sign is reversed",
             columns.join(", ")
         );
         found.push(Suggestion::new(sentence, Change::Reverse { columns }));
@@ -123,7 +113,7 @@ fn negative(columns: &[(Quantity, &[f64])], found: &mut Vec<Suggestion>) {
 }
 
 impl Balance {
-    /// The poses at which everything is known; `None` if they are few, or the mass or a sensor is not given.
+    /// Equilibrium at the poses with all data; `None` if they are too few, or the mass or a sensor is not stated.
     fn of(readings: &Readings, expected: &Expected, robot: &Robot) -> Option<Self> {
         if !robot.has_force_sensors() {
             return None;
@@ -165,7 +155,7 @@ impl Balance {
                 structure_matrix(robot, pose).ok()?.transpose(),
                 applied_wrench(robot, pose).ok()?,
             );
-            // Torques as forces at the anchors, so that they count alike.
+            // Torques are converted to forces at the anchors, so that they have the same weight.
             for (k, coordinate) in robot.platform.freedom().coordinates().iter().enumerate() {
                 if coordinate.index() >= 3 {
                     matrix.row_mut(k).scale_mut(1.0 / lever);
@@ -184,7 +174,7 @@ impl Balance {
         (balance.tensions.len() >= FEWEST && weight > 0.0).then_some(balance)
     }
 
-    /// What is left of the weight, squared, with tensions times a factor and two cables exchanged.
+    /// Squared residual of the equilibrium, with tensions scaled by a factor and optionally two cables swapped.
     fn left(&self, factor: f64, exchanged: Option<(usize, usize)>) -> f64 {
         let mut left = 0.0;
         let mut weight = 0.0;
@@ -201,7 +191,7 @@ impl Balance {
         left / weight
     }
 
-    /// The factor by which the tensions hold the platform best.
+    /// The factor on the tensions that best balances the weight.
     fn factor(&self) -> f64 {
         let (mut across, mut along) = (0.0, 0.0);
         for ((matrix, wrench), tensions) in

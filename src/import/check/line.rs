@@ -1,4 +1,4 @@
-//! Lines through readings, that a few wrong ones do not turn.
+//! Robust regression lines through readings.
 
 use crate::median::median;
 
@@ -6,29 +6,28 @@ use crate::median::median;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Line {
     pub slope: f64,
-    /// Scatter about the line, as a share of the scatter of the readings.
+    /// Scatter about the line relative to the scatter of the readings.
     pub scatter: f64,
 }
 
 /// A line with a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Step {
-    /// Row from which it is there.
+    /// First row after the step.
     pub row: usize,
-    /// By how much readings are larger from there on.
+    /// Size of the step, positive if readings increase.
     pub size: f64,
     /// Slope of the line.
     pub slope: f64,
 }
 
-/// Fewest readings of a line, and on either side of a step.
+/// Minimum number of readings for a line, and on either side of a step.
 const FEWEST: usize = 6;
 const BESIDE: usize = 3;
-/// Rows at which a step is tried; more are thinned.
+/// Maximum number of rows at which a step is tried.
 const PLACES: usize = 200;
 
-/// The line through the readings, fitted again without those that lie far off; `None` if too few are there or nothing
-/// changes.
+/// Regression line, refitted without outliers; `None` if there are too few readings or they do not vary.
 pub(super) fn fit(expected: &[f64], readings: &[f64]) -> Option<Line> {
     let mut pairs: Vec<(f64, f64)> = expected
         .iter()
@@ -64,7 +63,7 @@ pub(super) fn fit(expected: &[f64], readings: &[f64]) -> Option<Line> {
     })
 }
 
-/// The step by which readings become a line, if it is there: without it they scatter several times as much.
+/// The step that reduces the scatter about a line several times over, if there is one.
 pub(super) fn best_step(expected: &[f64], readings: &[f64]) -> Option<Step> {
     let rows: Vec<usize> = (0..readings.len())
         .filter(|k| expected[*k].is_finite() && readings[*k].is_finite())
@@ -119,7 +118,7 @@ fn least_squares(pairs: &[(f64, f64)]) -> Option<(f64, f64)> {
     (sxx > 0.0 && slope.is_finite()).then_some((my - slope * mx, slope))
 }
 
-/// Line and step at a split, by least squares: on each side the means are taken out, which leaves the slope.
+/// Line and step at a given split by least squares: removing the means of both sides leaves the slope.
 fn with_step(pairs: &[(f64, f64)], split: usize) -> Option<((f64, f64), f64)> {
     let mean = |part: &[(f64, f64)]| {
         let count = part.len() as f64;

@@ -1,10 +1,10 @@
-//! Mistakes that are common in logs, found by comparing the readings with what the poses need.
+//! Common mistakes in logs, found by comparing readings with their expected values at the poses.
 //!
-//! Where the commanded or measured poses are known, every reading has a value that it should have: lengths and swivel
-//! angles by the kinematics, laser distances by the target plane. The reading as a line over that value has a slope: 1 if all
-//! is well, -1 with the wrong sign, 360 in degrees instead of revolutions. Where another channel's value fits and its own
-//! does not, channels are exchanged; where it fits with one step, an encoder has lost counts. Forces have no such value;
-//! they have to hold the platform.
+//! With commanded or measured poses, every reading has an expected value: lengths and swivel angles from the kinematics,
+//! laser distances from the target plane. The regression of the readings on these values has a slope: 1 if all is well, -1
+//! with the wrong sign, 360 in degrees instead of revolutions. If the readings fit the values of another channel instead,
+//! channels are swapped; if they fit with one step, an encoder has lost counts. Forces have no expected values, but must
+//! balance the platform.
 
 mod expected;
 mod forces;
@@ -22,16 +22,16 @@ use expected::Expected;
 use line::{Line, best_step, fit};
 pub use suggestion::{Change, Mistake, Suggestion};
 
-/// Fewest poses that say anything.
+/// Minimum number of poses for a check.
 const FEWEST: usize = 6;
-/// A channel fits where its scatter about the line is below this share of its own.
+/// A channel fits if the scatter about its line is below this fraction of its own scatter.
 const FITS: f64 = 0.25;
-/// A channel does not fit above this share.
+/// A channel does not fit above this fraction.
 const MISFITS: f64 = 0.4;
 /// A slope is a known factor within this share of it. Drums and pulleys are known far better.
 const FACTOR: f64 = 0.12;
 
-/// What was read at the poses, before anything is refused as impossible.
+/// Readings at the poses before any plausibility check.
 #[derive(Clone)]
 pub(crate) struct Readings {
     /// Labels of the poses.
@@ -41,7 +41,7 @@ pub(crate) struct Readings {
 }
 
 impl Readings {
-    /// Columns of a kind with their quantities.
+    /// All columns of one kind with their quantities.
     fn of(&self, kind: Kind) -> Vec<(Quantity, &[f64])> {
         let found = self
             .columns
@@ -53,7 +53,7 @@ impl Readings {
     }
 }
 
-/// Looks for mistakes.
+/// Finds mistakes and suggests corrections.
 pub(crate) fn check(readings: &Readings, robot: &Robot) -> Vec<Suggestion> {
     let mut found = Vec::new();
     dead_channels(readings, &mut found);
@@ -108,14 +108,14 @@ pub(crate) fn check(readings: &Readings, robot: &Robot) -> Vec<Suggestion> {
     found
 }
 
-/// A column and the values that it should have.
+/// A column with its expected values.
 struct Column<'a> {
     quantity: Quantity,
     values: &'a [f64],
     expected: &'a [f64],
 }
 
-/// Factors by which values are wrong in another unit.
+/// Factors by which values differ in common wrong units.
 fn factors(kind: Kind) -> &'static [(f64, &'static str)] {
     match kind {
         Kind::Revolutions => &[(360.0, "degrees"), (std::f64::consts::TAU, "radians")],
@@ -128,7 +128,7 @@ fn factors(kind: Kind) -> &'static [(f64, &'static str)] {
     }
 }
 
-/// Channels that say the same at all poses while others of their kind do not.
+/// Finds channels that are constant while others of their kind vary.
 fn dead_channels(readings: &Readings, found: &mut Vec<Suggestion>) {
     for kind in [Kind::Revolutions, Kind::Length, Kind::Force, Kind::Swivel] {
         let columns = readings.of(kind);
@@ -150,14 +150,14 @@ fn dead_channels(readings: &Readings, found: &mut Vec<Suggestion>) {
         for (quantity, _) in columns.iter().filter(|(_, values)| is_constant(values)) {
             let column = quantity.column();
             let sentence = format!(
-                "{column} is the same at all poses while the other cables change: a dead channel; leave it empty"
+                "{column} is constant over all poses while the other cables change: a dead channel; leave it empty"
             );
             found.push(Suggestion::new(sentence, Change::LeaveEmpty { column }));
         }
     }
 }
 
-/// Positions many times larger than the frame.
+/// Finds positions many times larger than the frame.
 fn positions_in_other_unit(
     readings: &Readings,
     robot: &Robot,
@@ -180,22 +180,19 @@ fn positions_in_other_unit(
         .iter()
         .find(|(factor, _)| largest / factor < 3.0 * frame_m && largest / factor > 1e-3 * frame_m);
     if let Some((factor, unit)) = factor {
-        let columns: Vec<String> = positions.map(|(quantity, _)| quantity.column()).collect();
-        let sentence = format!(
-            "{} are up to {largest:.0} m in a frame of {frame_m:.1} m: {unit}, not metres",
-            columns.join(", ")
-        );
-        found.push(Suggestion::new(
+        let sentence = |names: &str| {
+            format!("{names} reach {largest:.0} m in a frame of {frame_m:.1} m: {unit}, not metres")
+        };
+        let columns = positions.map(|(quantity, _)| quantity.column());
+        found.push(Suggestion::multiply(
+            columns.collect(),
+            1.0 / factor,
             sentence,
-            Change::Multiply {
-                columns,
-                factor: 1.0 / factor,
-            },
         ));
     }
 }
 
-/// Measured positions in a frame of their own: none of their axes is one of the robot's, or its origin is elsewhere.
+/// Finds measured positions in another frame: rotated or shifted relative to the robot's.
 fn frame(readings: &Readings, expected: &Expected, robot: &Robot, found: &mut Vec<Suggestion>) {
     let Some(robot_m) = robot.frame_size_m() else {
         return;
@@ -209,7 +206,7 @@ fn frame(readings: &Readings, expected: &Expected, robot: &Robot, found: &mut Ve
     let column = |index: usize| {
         let kind = Kind::Tracked;
         let values = readings.columns.get(&Quantity { kind, index })?;
-        // Without commands the measured poses themselves are expected.
+        // Without commanded poses the measured ones serve as expected values.
         expected.column(Quantity { kind, index }).map(|_| values)
     };
     let (Some(x), Some(y), Some(z)) = (column(0), column(1), column(2)) else {
@@ -226,7 +223,7 @@ fn frame(readings: &Readings, expected: &Expected, robot: &Robot, found: &mut Ve
     }
 }
 
-/// Angles of an inclinometer beyond a full turn are degrees, however little the platform rotates.
+/// Inclinometer angles beyond a full turn must be degrees.
 fn angles_in_degrees(readings: &Readings, found: &mut Vec<Suggestion>) {
     for kind in [Kind::Inclination, Kind::Swivel] {
         let columns = readings.of(kind);
@@ -240,24 +237,16 @@ fn angles_in_degrees(readings: &Readings, found: &mut Vec<Suggestion>) {
                 suggestion.is_of(kind) && suggestion.mistake == Mistake::WrongUnit
             })
         {
-            let columns: Vec<String> = columns
-                .iter()
-                .map(|(quantity, _)| quantity.column())
-                .collect();
-            let sentence = format!(
-                "{} are beyond a full turn: degrees, not radians",
-                columns.join(", ")
-            );
+            let sentence =
+                |names: &str| format!("{names} exceed a full turn: degrees, not radians");
+            let columns = columns.iter().map(|(quantity, _)| quantity.column());
             let factor = std::f64::consts::PI / 180.0;
-            found.push(Suggestion::new(
-                sentence,
-                Change::Multiply { columns, factor },
-            ));
+            found.push(Suggestion::multiply(columns.collect(), factor, sentence));
         }
     }
 }
 
-/// Compares the columns of a kind with the values that they should have.
+/// Compares the columns of a kind with their expected values.
 fn compare(
     columns: &[Column<'_>],
     readings: &Readings,
@@ -295,7 +284,7 @@ fn compare(
                 exchanged[j] = true;
                 let (a, b) = (columns[j].quantity.column(), columns[i].quantity.column());
                 let sentence = format!(
-                    "{a} follows what {b} should be, and the other way round: their channels are exchanged"
+                    "{a} follows the expected values of {b}, and vice versa: their channels are swapped"
                 );
                 found.push(Suggestion::new(sentence, Change::Exchange { a, b }));
             }
@@ -309,7 +298,7 @@ fn compare(
     units(columns, &fitting, found);
 }
 
-/// A step of an encoder: taken out of the values where there is one.
+/// Finds encoder steps and removes them from the values.
 fn steps(
     column: &Column<'_>,
     values: &mut [f64],
@@ -327,7 +316,7 @@ fn steps(
     let Some(step) = best_step(column.expected, values) else {
         return;
     };
-    // In the unit of the column, whatever unit the values are in.
+    // The size is in the unit of the column, whatever the unit of the values.
     let size_m = step.size / step.slope.abs() * unit_m;
     if size_m.abs() < 5e-3 {
         return;
@@ -335,7 +324,7 @@ fn steps(
     let from_pose = readings.labels[step.row];
     let name = column.quantity.column();
     let sentence = format!(
-        "{name} jumps by {:.4} ({:.1} mm of cable) at pose {from_pose} and stays so: the encoder lost counts, or the cable slipped",
+        "{name} jumps by {:.4} ({:.1} mm of cable) at pose {from_pose} and keeps the offset: the encoder lost counts, or the cable slipped",
         step.size,
         1e3 * size_m
     );
@@ -372,7 +361,7 @@ fn signs(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
             columns.join(", ")
         ),
     };
-    // All of one sign is one mistake; otherwise each channel has its own.
+    // If all signs are reversed it is one mistake; otherwise each channel has its own.
     let whole = negative.len() == fitting.len() && fitting.len() > 1;
     let groups: Vec<Vec<String>> = match whole {
         true => vec![negative.iter().map(|k| name(*k)).collect()],
@@ -402,21 +391,13 @@ fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
             let times = if inverse { 1.0 / factor } else { factor };
             let how = if inverse { "too small" } else { "too large" };
             let why = if inverse {
-                "a unit was converted once too often".to_owned()
+                "a unit was converted twice".to_owned()
             } else {
                 format!("{unit}, not the unit of the column")
             };
-            let sentence = format!(
-                "{}: {times:.4} times {how} for these poses: {why}",
-                columns.join(", ")
-            );
-            found.push(Suggestion::new(
-                sentence,
-                Change::Multiply {
-                    columns,
-                    factor: 1.0 / factor,
-                },
-            ));
+            let sentence =
+                |names: &str| format!("{names}: {times:.4} times {how} for these poses: {why}");
+            found.push(Suggestion::multiply(columns, 1.0 / factor, sentence));
         }
     }
 }

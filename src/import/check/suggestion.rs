@@ -1,40 +1,40 @@
-//! What is wrong, and how the recipe changes to make it right.
+//! Mistakes in the data, and the changes of the recipe that correct them.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::recipe::{Assignment, Clock, Kind, Quantity, Recipe, Step};
 
-/// Kinds of mistakes.
+/// Kind of a mistake in the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Mistake {
-    /// Values in another unit than stated or assumed.
+    /// Values in a unit other than the stated or assumed one.
     WrongUnit,
-    /// Values of the wrong sign.
+    /// Values with the wrong sign.
     ReversedSign,
-    /// Two channels in each other's place.
+    /// Two channels swapped.
     Exchanged,
     /// An encoder that lost or gained counts.
     EncoderStep,
-    /// A clock that was set in between.
+    /// A clock that was adjusted during the recording.
     ClockJump,
-    /// A channel that reads the same always.
+    /// A channel with a constant reading.
     DeadChannel,
-    /// Measured poses in a frame of their own.
+    /// Measured poses in another frame than the robot's.
     OtherFrame,
 }
 
-/// A mistake and what to do about it.
+/// A mistake and its correction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Suggestion {
-    /// What is wrong.
+    /// Kind of mistake.
     pub mistake: Mistake,
-    /// Columns of poses.csv that it is about.
+    /// Columns of `poses.csv` concerned.
     pub columns: Vec<String>,
-    /// The same as a sentence.
+    /// Description in one sentence.
     pub sentence: String,
-    /// What changes in the recipe.
+    /// Change of the recipe that corrects it.
     pub change: Change,
 }
 
@@ -46,28 +46,28 @@ pub enum Change {
     Multiply {
         /// Columns of poses.csv.
         columns: Vec<String>,
-        /// By what.
+        /// Factor.
         factor: f64,
     },
-    /// Turns the sign of columns.
+    /// Reverses the sign of columns.
     Reverse {
         /// Columns of poses.csv.
         columns: Vec<String>,
     },
-    /// Exchanges the channels of two columns.
+    /// Swaps the channels of two columns.
     Exchange {
         /// One column.
         a: String,
         /// The other.
         b: String,
     },
-    /// Takes back a step.
+    /// Compensates a step.
     TakeBack {
         /// Column of poses.csv.
         column: String,
         /// Label of the first pose after the step.
         from_pose: i64,
-        /// What is added from there on.
+        /// Value added from there on, in the unit of the column.
         add: f64,
     },
     /// Leaves a column empty.
@@ -75,7 +75,7 @@ pub enum Change {
         /// Column of poses.csv.
         column: String,
     },
-    /// Brings measured poses into the robot's frame.
+    /// Transforms measured poses into the robot's frame.
     AlignInstrument,
     /// Closes the jumps of a clock.
     CloseJumps {
@@ -85,7 +85,7 @@ pub enum Change {
 }
 
 impl Suggestion {
-    /// The mistake that a change makes good, in the columns that it changes.
+    /// The mistake that a change corrects, in the columns that it affects.
     pub(crate) fn new(sentence: String, change: Change) -> Self {
         let (mistake, columns) = match &change {
             Change::Multiply { columns, .. } => (Mistake::WrongUnit, columns.clone()),
@@ -109,14 +109,26 @@ impl Suggestion {
         }
     }
 
-    /// Whether it is about columns of a kind.
+    /// A factor for columns in a wrong unit; `sentence` describes the mistake, given their names.
+    pub(super) fn multiply(
+        columns: Vec<String>,
+        factor: f64,
+        sentence: impl Fn(&str) -> String,
+    ) -> Self {
+        Self::new(
+            sentence(&columns.join(", ")),
+            Change::Multiply { columns, factor },
+        )
+    }
+
+    /// Whether it concerns columns of a kind.
     pub(super) fn is_of(&self, kind: Kind) -> bool {
         self.columns
             .iter()
             .any(|column| Quantity::parse(column).is_some_and(|quantity| quantity.kind == kind))
     }
 
-    /// Changes a recipe so that it makes the mistake good.
+    /// Applies the correction to a recipe.
     pub fn apply(&self, recipe: &mut Recipe) {
         match &self.change {
             Change::Multiply { columns, factor } => edit(recipe, columns, |entry| {
@@ -164,8 +176,8 @@ impl Suggestion {
     }
 }
 
-/// Changes the entries of columns. A pattern all of whose columns are meant is changed itself; for some of them there are
-/// entries of their own after it.
+/// Changes the entries of columns. A pattern is changed itself if all of its columns are affected; otherwise entries for
+/// single columns are added after it.
 fn edit(recipe: &mut Recipe, columns: &[String], change: impl Fn(&mut Assignment)) {
     let is_meant = |entry: &Assignment, column: &str| {
         entry.quantity == column || pattern_number(entry, column).is_some()
@@ -201,7 +213,7 @@ fn edit(recipe: &mut Recipe, columns: &[String], change: impl Fn(&mut Assignment
     }
 }
 
-/// The entry that holds for a column, as one for it alone.
+/// The effective entry of a column, as an entry for that column alone.
 fn entry_of(recipe: &Recipe, column: &str) -> Option<Assignment> {
     recipe.channels.iter().rev().find_map(|entry| {
         if entry.quantity == column {
@@ -220,7 +232,7 @@ fn entry_of(recipe: &Recipe, column: &str) -> Option<Assignment> {
     })
 }
 
-/// The cable for which a pattern gives a column.
+/// Number of the cable for which a pattern yields a column.
 fn pattern_number(entry: &Assignment, column: &str) -> Option<usize> {
     let quantity = Quantity::parse(column).filter(|quantity| quantity.is_per_cable())?;
     (entry.quantity == quantity.kind.column_of("{i}")).then_some(quantity.index + 1)

@@ -5,26 +5,26 @@ use tautline_session::{Place, ReadError, quoted};
 use crate::median::median;
 use crate::recipe::{Mapping, Recipe, is_series};
 
-/// A step longer than this many usual steps is a gap.
+/// Steps longer than this multiple of the usual step are gaps.
 const GAP: f64 = 5.0;
-/// Steps whose median is taken, at most.
+/// Maximum number of steps from which the median is taken.
 const MOST_STEPS: usize = 100_000;
 
-/// Times of the rows, where there are any, and what is wrong with them.
+/// Times of the rows of a series, with jumps and gaps.
 pub(crate) struct Times {
     /// Times (s); NaN where the row has none.
     pub time_s: Option<Vec<f64>>,
-    /// Rows before which the clock jumps back or ahead, and by how much (s).
+    /// Rows before which the clock jumps, and the size of the jump (s).
     pub jumps: Vec<(usize, f64)>,
-    /// Rows before which rows are missing, and how long (s).
+    /// Rows preceded by a gap, and its length (s).
     pub gaps: Vec<(usize, f64)>,
-    /// Usual time from row to row (s); 0 where there is none.
+    /// Median step between rows (s); 0 if there is none.
     pub usual_s: f64,
     closed: bool,
 }
 
 impl Times {
-    /// Times of a series by the recipe, else by its format.
+    /// Times of a series from the recipe, otherwise from its format.
     pub fn of(mapping: &Mapping<'_>, series: usize, recipe: &Recipe) -> Self {
         let one = mapping.series[series];
         let time_s = match mapping.times[series] {
@@ -55,7 +55,7 @@ impl Times {
         times
     }
 
-    /// Finds jumps and gaps; closes the jumps if that is wanted.
+    /// Finds jumps and gaps; closes the jumps if `close`.
     fn look(&mut self, close: bool) {
         let Some(time_s) = &mut self.time_s else {
             return;
@@ -70,7 +70,7 @@ impl Times {
         for (row, time) in time_s.iter_mut().enumerate().skip(1) {
             let step = *time - last;
             last = *time;
-            // A clock that was set jumps by more than a recording can last; a recorder that paused leaves a gap.
+            // A clock that was set jumps farther than any recording lasts; a paused recorder leaves a gap.
             let jumps = step < -1e-9 * last.abs().max(1.0) || step > 10.0 * whole.max(3600.0);
             if jumps {
                 self.jumps.push((row, step));
@@ -85,7 +85,7 @@ impl Times {
         self.closed = close;
     }
 
-    /// The times, or the sentence that they are expected for something.
+    /// The times, or an error that states what they are needed for.
     pub fn expected_of(
         &self,
         series: &str,
@@ -95,13 +95,13 @@ impl Times {
         self.time_s.as_deref().ok_or_else(|| {
             let series = quoted(series);
             let message = format!(
-                "the series {series} has no times, expected a channel that is time_s {what_for}"
+                "the series {series} has no times, expected a channel assigned to time_s {what_for}"
             );
             ReadError::new(file, Place::File, message)
         })
     }
 
-    /// Sentences about jumps and gaps.
+    /// Notices about jumps and gaps.
     pub fn notices(&self, name: &str) -> Vec<String> {
         let mut notices = Vec::new();
         if let Some((row, step)) = self.jumps.first() {
@@ -129,13 +129,13 @@ impl Times {
 
 fn more(count: usize) -> String {
     if count > 1 {
-        format!(" and {} more times", count - 1)
+        format!(" and {} more", count - 1)
     } else {
         String::new()
     }
 }
 
-/// Median of the steps forward of a clock (s), if there are any; of a long recording that of every so many.
+/// Median of the forward steps of a clock (s), from a sample of them in long recordings.
 pub(super) fn usual_step(time_s: &[f64]) -> Option<f64> {
     let every = time_s.len().div_ceil(MOST_STEPS).max(1);
     let pairs = time_s.windows(2).step_by(every);

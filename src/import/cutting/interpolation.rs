@@ -2,7 +2,7 @@
 
 use crate::values::Values;
 
-/// A step longer than this many usual ones is a gap, across which nothing is interpolated.
+/// Steps longer than this multiple of the usual step are gaps, across which nothing is interpolated.
 const GAP: f64 = 3.0;
 
 /// Value at a time (s) by the cubic through the four samples around it, at the ends through those that there are; nothing where a sample beside

@@ -15,25 +15,25 @@ use crate::source::{Series, Source};
 pub(crate) use clock::Times;
 use rest::Limits;
 
-/// Most samples of a recording in motion: far more than are independent of each other.
+/// Maximum number of samples of a recording in motion: far more than are independent.
 const MOST_SAMPLES: usize = 60_000;
 /// Longest time between samples of a recording in motion (s).
 const LONGEST_STEP_S: f64 = 0.2;
-/// Fewest rows of a recording: fewer are poses, one in each row.
+/// Minimum number of rows of a recording: fewer rows are poses, one per row.
 const RECORDING: usize = 100;
-/// Fewest rests that make a recording one of poses at rest: it may begin and end with one.
+/// Minimum number of standstills of a recording of poses at rest: any recording may begin and end with one.
 const FEWEST_RESTS: usize = 3;
 
-/// A pose and what was read there.
+/// A pose with its mean readings.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CutPose {
-    /// Label, where the recipe gives one.
+    /// Label, if the recipe assigns one.
     pub label: Option<String>,
-    /// Group, where the recipe gives one.
+    /// Group, if the recipe assigns one.
     pub group: Option<String>,
     /// Begin and end (s).
     pub time_s: Option<[f64; 2]>,
-    /// First row of the series that is cut.
+    /// First row in the main series.
     pub first_row: usize,
     /// Number of its rows.
     pub rows: usize,
@@ -41,11 +41,11 @@ pub(crate) struct CutPose {
     pub readings: BTreeMap<Quantity, Averaged>,
 }
 
-/// Mean of readings at a pose.
+/// Mean of the readings of one channel at a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Averaged {
     pub mean: f64,
-    /// Standard deviation of one reading; NaN for a single one.
+    /// Standard deviation of a single reading; NaN if there is only one.
     pub sd: f64,
     pub number: usize,
 }
@@ -55,7 +55,7 @@ pub(crate) fn is_recording(series: &Series) -> bool {
     series.rows >= RECORDING
 }
 
-/// Whether the sources hold poses at rest by a recipe: several rests, and far fewer than rows.
+/// Whether the recipe yields poses at rest: several standstills, and far fewer than rows.
 pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot) -> bool {
     let Ok(mapping) = resolve(sources, recipe, "recipe", robot.cable_count()) else {
         return false;
@@ -70,7 +70,7 @@ pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot
     rests.len() >= FEWEST_RESTS && rests.len() * 5 < time_s.len()
 }
 
-/// Whether the series of the cables is sampled fast enough to know how it moves.
+/// Whether the series of the cables is sampled fast enough for cutting in motion.
 pub(crate) fn sampled_in_motion(sources: &[Source], recipe: &Recipe, robot: &Robot) -> bool {
     let Ok(mapping) = resolve(sources, recipe, "recipe", robot.cable_count()) else {
         return false;
@@ -80,7 +80,7 @@ pub(crate) fn sampled_in_motion(sources: &[Source], recipe: &Recipe, robot: &Rob
     is_recording(mapping.series[main]) && usual_s > 0.0 && usual_s <= LONGEST_STEP_S
 }
 
-/// The series that has most of the quantities that move.
+/// The series with most of the quantities that move with the platform.
 pub(crate) fn main_series(mapping: &Mapping<'_>) -> usize {
     let mut counts = vec![0_usize; mapping.series.len()];
     for (quantity, mapped) in &mapping.quantities {
@@ -95,7 +95,7 @@ pub(crate) fn main_series(mapping: &Mapping<'_>) -> usize {
 /// Cuts sources into poses.
 ///
 /// # Errors
-/// If series cannot be brought together, or no pose is found.
+/// If series cannot be matched, or no pose is found.
 pub(crate) fn cut(
     mapping: &Mapping<'_>,
     recipe: &Recipe,
@@ -104,8 +104,7 @@ pub(crate) fn cut(
     notices: &mut Vec<String>,
 ) -> Result<Vec<CutPose>, ReadError> {
     if mapping.quantities.is_empty() {
-        let message =
-            "no channel is a quantity of the robot: expected a recipe that says which are";
+        let message = "no channel is assigned to a quantity of the robot: expected a recipe that assigns at least one";
         return Err(ReadError::new(file, Place::File, message));
     }
     let main = main_series(mapping);
@@ -128,7 +127,7 @@ pub(crate) fn cut(
             )?;
             let every = rows.div_ceil(MOST_SAMPLES).max(1);
             if every > 1 {
-                notices.push(format!("a recording of {rows} rows: one in {every} is used, which leaves more than {} samples", MOST_SAMPLES / 2));
+                notices.push(format!("a recording of {rows} rows: one row in {every} is used, which leaves more than {} samples", MOST_SAMPLES / 2));
             }
             (0..rows).step_by(every).map(|row| row..row + 1).collect()
         }
@@ -140,13 +139,13 @@ pub(crate) fn cut(
             let found = rest::find(mapping, main, time_s, rest, &limits);
             if found.is_empty() {
                 let message = format!(
-                    "found no rest of {} s among {rows} rows, expected poses at rest (minimum_s, speed_m_s in the recipe), or the cutting \"motion\" for a recording in motion",
+                    "found no standstill of {} s in {rows} rows, expected poses at rest (minimum_s, speed_m_s in the recipe), or \"motion\" as the cutting of a recording in motion",
                     rest.minimum_s
                 );
                 return Err(ReadError::new(file, Place::File, message));
             }
             let kept: usize = found.iter().map(Range::len).sum();
-            notices.push(format!("{} rests with {kept} of {rows} rows; the others, in motion or settling, are not used", found.len()));
+            notices.push(format!("{} standstills with {kept} of {rows} rows; the other rows, in motion or settling, are not used", found.len()));
             found
         }
     };
@@ -171,7 +170,8 @@ fn by_labels(
         quantity.kind == crate::recipe::Kind::Label && mapped.series == main
     });
     let Some((_, label)) = label else {
-        let message = "cutting by labels needs a channel that is pose in the series of the cables";
+        let message =
+            "cutting by labels needs a channel assigned to pose in the series of the cables";
         return Err(ReadError::new(file, Place::File, message));
     };
     let series = mapping.series[main];
@@ -194,7 +194,7 @@ fn by_labels(
     Ok(ranges)
 }
 
-/// What was read in a range of rows of the main series, and in other series at the same time.
+/// Mean readings over a range of rows of the main series, and over the matching rows of the other series.
 fn pose(
     mapping: &Mapping<'_>,
     main: usize,
@@ -250,7 +250,7 @@ fn pose(
     Ok(pose)
 }
 
-/// What was read at a row of the main series, other series interpolated at its time: their clocks are never quite in step.
+/// Readings at one row of the main series; other series are interpolated at its time, since they are never sampled synchronously.
 fn sample(mapping: &Mapping<'_>, main: usize, times: &[Times], row: usize) -> CutPose {
     let at_s = times[main].time_s.as_ref().map(|time_s| time_s[row]);
     let mut sample = CutPose {
@@ -276,7 +276,7 @@ fn sample(mapping: &Mapping<'_>, main: usize, times: &[Times], row: usize) -> Cu
         };
         if let Some(value) = value {
             let mean = mapped.factor * value + mapped.offset;
-            // Two, as what is interpolated is made of several.
+            // An interpolated value is made of several readings, hence two.
             let number = if mapped.series == main { 1 } else { 2 };
             let sd = f64::NAN;
             sample
@@ -295,7 +295,7 @@ fn text_at(series: &Series, mapped: &Mapped, row: usize) -> String {
     }
 }
 
-/// Rows of another series that belong to rows of the main one: by label, by time, or one to one.
+/// Rows of another series that match rows of the main one: by label, by time, or one to one.
 fn other_rows(
     mapping: &Mapping<'_>,
     main: usize,
@@ -324,7 +324,7 @@ fn other_rows(
         return Ok(Some(range.clone()));
     }
     let message = format!(
-        "the series {} has {} rows and {} has {}, expected times or labels of poses in both, or as many rows",
+        "the series {} has {} rows and {} has {}, expected times or pose labels in both, or equal numbers of rows",
         quoted(&mapping.series[main].name),
         mapping.series[main].rows,
         quoted(&series.name),
@@ -333,12 +333,12 @@ fn other_rows(
     Err(ReadError::new(file, Place::File, message))
 }
 
-/// Whether two names are of one pose: equal, or with the same number, as P7 and 7.
+/// Whether two labels denote one pose: equal, or with the same number, such as P7 and 7.
 fn same_label(a: &str, b: &str) -> bool {
     a == b || matches!((number_of(a), number_of(b)), (Some(a), Some(b)) if a == b)
 }
 
-/// The only number of a name.
+/// The number in a label, if there is exactly one.
 pub(crate) fn number_of(label: &str) -> Option<i64> {
     let digits: Vec<&str> = label
         .split(|letter: char| !letter.is_ascii_digit())
@@ -373,8 +373,7 @@ fn average(values: impl Iterator<Item = f64>) -> Option<Averaged> {
     })
 }
 
-/// Makes means of quaternions unit quaternions. Where a recorder changes sign in between, their mean is none, and is left
-/// out.
+/// Normalises the means of quaternions. If the sign changes within a pose the mean is invalid and left out.
 fn align_quaternions(mapping: &Mapping<'_>, pose: &mut CutPose) {
     use crate::recipe::Kind;
     for kind in [Kind::Commanded, Kind::Tracked] {
@@ -400,7 +399,7 @@ fn align_quaternions(mapping: &Mapping<'_>, pose: &mut CutPose) {
     }
 }
 
-/// Subtracts the values of the first pose where the recipe says so.
+/// Subtracts the values at the first pose where the recipe requires it.
 fn from_first_pose(mapping: &Mapping<'_>, poses: &mut [CutPose]) {
     for (quantity, mapped) in mapping
         .quantities

@@ -1,8 +1,8 @@
-//! Where nothing moves.
+//! Detection of standstills.
 //!
 //! The speed of a channel at a row is the difference of its means over the two halves of a window around the row, divided
-//! by half the window: noise averages out, and one outlier is no motion. A row is at rest where every channel that moves
-//! with the platform is slower than its limit.
+//! by half the window: noise averages out, and a single outlier does not count as motion. A row is at rest if every channel
+//! that moves with the platform is slower than its limit.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -14,14 +14,14 @@ use crate::median::median;
 use crate::recipe::{Kind, Mapping, Quantity, Rest};
 use crate::values::Values;
 
-/// Sizes of the noise that a speed may have on top of its limit (standard deviations).
+/// Allowance for noise on top of the speed limit (standard deviations).
 const NOISE: f64 = 4.0;
-/// A step longer than this many usual steps ends a rest.
+/// Steps longer than this multiple of the usual step end a standstill.
 const GAP: f64 = 5.0;
-/// Second differences whose median is the noise, at most.
+/// Maximum number of second differences from which the noise is estimated.
 const MOST_DIFFERENCES: usize = 100_000;
 
-/// Fastest motion at rest, in units of each kind of quantity.
+/// Speed limits of a standstill, for each kind of quantity.
 pub(super) struct Limits {
     revolutions: Vec<f64>,
     speed: f64,
@@ -55,7 +55,7 @@ impl Limits {
     }
 }
 
-/// Ranges of rows of the series `main` at rest, without the time that it takes to settle.
+/// Ranges of rows of the series `main` at rest, without the settling time.
 pub(super) fn find(
     mapping: &Mapping<'_>,
     main: usize,
@@ -83,12 +83,12 @@ pub(super) fn find(
     if !any {
         return Vec::new();
     }
-    // A row whose clock jumps or that follows a gap begins a new rest.
+    // A row after a jump of the clock or a gap begins a new standstill.
     let breaks = |row: usize| {
         let step = time_s[row] - time_s[row - 1];
         !(0.0..=GAP * usual).contains(&step)
     };
-    // A row at rest has half a window of rest before and after it: that long the platform has settled already.
+    // A row at rest is preceded by half a window at rest, which counts as settling time.
     let settle = ((rest.settle_s / usual).round() as usize).saturating_sub(half);
     let window_s = 2.0 * half as f64 * usual;
     let mut found = Vec::new();
@@ -132,11 +132,11 @@ fn mark_motion(values: &Values, half: usize, half_s: f64, limit: f64, still: &mu
     }
 }
 
-/// Sums of the values before a row, relative to the first one, and how many there are: for the rows of a window that moves on.
+/// Running sums and counts of the values before each row, relative to the first value, for a moving window.
 struct Sums<'a> {
     values: Box<dyn Iterator<Item = f64> + 'a>,
     reference: f64,
-    /// Row of the first sum that is kept.
+    /// Row of the first stored sum.
     first: usize,
     kept: VecDeque<(f64, usize)>,
 }
@@ -151,7 +151,7 @@ impl<'a> Sums<'a> {
         }
     }
 
-    /// Goes on to the sum before `to`, and forgets those before `from`.
+    /// Extends the sums to `to` and drops those before `from`.
     fn keep(&mut self, from: usize, to: usize) {
         while self.first + self.kept.len() <= to {
             let (mut sum, mut count) = self.kept.back().copied().unwrap_or_default();
@@ -167,7 +167,7 @@ impl<'a> Sums<'a> {
         }
     }
 
-    /// Mean of the values of some rows, relative to the reference; none where all are missing.
+    /// Mean over rows, relative to the reference; `None` if all values are missing.
     fn mean(&self, from: usize, to: usize) -> Option<f64> {
         let [from, to] = [from, to].map(|row| self.kept.get(row.checked_sub(self.first)?));
         let ((from, before), (to, until)) = (from?, to?);
@@ -176,8 +176,8 @@ impl<'a> Sums<'a> {
     }
 }
 
-/// Standard deviation of the noise: the median of second differences, which motion hardly changes; of long recordings that of
-/// every so many.
+/// Standard deviation of the noise, from the median of second differences, which motion hardly affects; long recordings are
+/// thinned.
 fn noise(values: &Values) -> f64 {
     let every = values.len().div_ceil(MOST_DIFFERENCES).max(1);
     let rows = (0..values.len().saturating_sub(2)).step_by(every);

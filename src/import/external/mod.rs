@@ -1,9 +1,9 @@
-//! Poses by an external instrument: of a body with three or more markers, in a frame of the instrument's own.
+//! Poses measured by an external instrument in its own frame, also of a body with three or more markers.
 //!
-//! Markers give the pose of the body that carries them. Where the frame of the instrument is in that of the robot, and where
-//! the body is on the platform, is found from the poses that were commanded, or else from the lengths of the cables. That is
-//! as good as these are and enough to start from: the effects `tracker_frame`, `tracker_target` and `tracker_tilt` estimate
-//! what is left with everything else.
+//! Markers determine the pose of the body that carries them. The pose of the instrument's frame in the robot's frame, and of
+//! the body on the platform, are estimated from the commanded poses, otherwise from the cable lengths. This is as accurate as
+//! these are, and sufficient as a start: the effects `tracker_frame`, `tracker_target` and `tracker_tilt` estimate the
+//! remainder jointly with all other parameters.
 
 mod placement;
 mod platform_poses;
@@ -19,18 +19,18 @@ use crate::recipe::{Instrument, Kind, Quantity, Recipe};
 use placement::{Alignment, Pair, align};
 use platform_poses::platform_poses;
 pub(crate) use rigid_body::FEWEST as FEWEST_MARKERS;
-use rigid_body::{RigidBody, Seen};
+use rigid_body::{MarkerPositions, RigidBody};
 
-/// Most poses from which a frame or a body is found.
+/// Maximum number of poses used to align a frame or a body.
 const MOST_POSES: usize = 2000;
-/// Measured poses are in another frame where one brings them closer by this factor.
+/// Measured poses are in another frame if an alignment brings them closer by this factor.
 const CLOSER: f64 = 4.0;
-/// Measured poses that are as close to the robot's, as a share of its size, are in its frame, and what they are off by is an
-/// error to be found: that of the home pose, for instance.
+/// Distance relative to the size of the robot below which measured poses are in its frame: the difference is then an error
+/// to be estimated, such as that of the home pose.
 const CLOSE: f64 = 0.05;
 
-/// Brings the measured poses into the robot's frame, and makes them of markers where these were recorded. The recipe comes
-/// back with what was found.
+/// Transforms the measured poses into the robot's frame, computing them from markers where these were recorded. Returns the
+/// recipe with the alignment that was found.
 ///
 /// # Errors
 /// In one sentence, if the markers or the poses do not say enough.
@@ -69,8 +69,8 @@ pub(crate) fn place(
     Ok(recipe)
 }
 
-/// Whether measured positions are those of another frame, or of another point of the platform, for a robot of a size: a
-/// sentence that says so.
+/// A sentence if measured positions are in another frame, or those of another point of the platform, for a robot of a given
+/// size.
 pub(crate) fn other_frame(positions: &[(Vec3, Pose)], robot_m: f64) -> Option<String> {
     let pair = |(measured_m, platform): &(Vec3, Pose)| Pair {
         measured_m: *measured_m,
@@ -86,7 +86,7 @@ pub(crate) fn other_frame(positions: &[(Vec3, Pose)], robot_m: f64) -> Option<St
     let is_other = rms_m > CLOSE * robot_m && alignment.rms_m * CLOSER < rms_m;
     is_other.then(|| {
         format!(
-            "the measured poses are in a frame of their own, or of another point: they are off by {} mm, and by {} mm when brought to the \
+            "the measured poses are in another frame, or are those of another point: they are off by {} mm, and by {} mm when aligned to the \
              robot's frame and the platform's origin",
             millimetres(rms_m),
             millimetres(alignment.rms_m)
@@ -107,12 +107,12 @@ fn words(alignment: &Alignment, given: &Instrument) -> String {
     let how = match (given.frame.is_some(), given.body.is_some()) {
         (true, true) => "given",
         (true, false) | (false, true) => {
-            "given in part, the rest found from the poses of the platform"
+            "partly given, the rest found from the poses of the platform"
         }
         (false, false) => "found from the poses of the platform",
     };
     format!(
-        "frame of the external instrument, {how}: its origin is at {} in the robot's frame, it is turned by {}; the body that it \
+        "frame of the external instrument, {how}: its origin is at {} in the robot's frame, it is rotated by {}; the body that it \
          follows is at {} on the platform. Measured poses then differ by {} mm from those of the platform (identify with the \
          effects tracker_frame and tracker_target, and tracker_tilt where orientations are measured, to estimate the rest)",
         millimetres(alignment.frame.position),
@@ -122,7 +122,7 @@ fn words(alignment: &Alignment, given: &Instrument) -> String {
     )
 }
 
-/// Numbers from 0 of the markers of which a pose has a coordinate.
+/// Indices of the markers with a coordinate at a pose.
 fn numbers_of_markers(pose: &CutPose) -> impl Iterator<Item = usize> {
     let markers = pose
         .readings
@@ -142,7 +142,7 @@ fn poses_of_markers(
         .flat_map(numbers_of_markers)
         .max()
         .map_or(0, |last| last + 1);
-    let seen: Vec<Seen> = poses.iter().map(|pose| seen(pose, count)).collect();
+    let seen: Vec<MarkerPositions> = poses.iter().map(|pose| seen(pose, count)).collect();
     let body = match &instrument.markers_m {
         Some(known) => RigidBody {
             points_m: known.iter().map(|point| point.map(Vec3::from)).collect(),
@@ -159,7 +159,7 @@ fn poses_of_markers(
     }
     let known = body.points_m.iter().flatten().count();
     notices.push(format!(
-        "{known} markers are a rigid body, to {} mm",
+        "{known} markers form a rigid body to within {} mm",
         millimetres(body.rms_m(&thinned(&seen)))
     ));
     if lost > 0 {
@@ -172,7 +172,7 @@ fn poses_of_markers(
     Ok(())
 }
 
-fn seen(pose: &CutPose, count: usize) -> Seen {
+fn seen(pose: &CutPose, count: usize) -> MarkerPositions {
     let coordinate = |index: usize| {
         let kind = Kind::Marker;
         pose.readings
@@ -186,7 +186,7 @@ fn seen(pose: &CutPose, count: usize) -> Seen {
     (0..count).map(place).collect()
 }
 
-/// Takes the readings of the markers out of a pose.
+/// Removes the marker readings from a pose and returns them.
 fn take_markers(pose: &mut CutPose) -> Vec<Averaged> {
     let readings = std::mem::take(&mut pose.readings);
     let (markers, others): (BTreeMap<_, _>, _) = readings
@@ -196,7 +196,7 @@ fn take_markers(pose: &mut CutPose) -> Vec<Averaged> {
     markers.into_values().collect()
 }
 
-/// Standard deviation and number of a coordinate of the middle of some markers.
+/// Standard deviation and number of readings of a coordinate of the centroid of the markers.
 fn typical(markers: &[Averaged]) -> Averaged {
     let variance = markers
         .iter()
@@ -222,7 +222,7 @@ fn set_measured(pose: &mut CutPose, found: &Pose, like: Averaged) {
         .chain(found.orientation_wxyz());
     for (index, mean) in numbers.enumerate() {
         let kind = Kind::Tracked;
-        // How the markers scatter says nothing simple of a quaternion.
+        // The scatter of the markers does not translate simply to a quaternion.
         let sd = if index < 3 { like.sd } else { f64::NAN };
         let reading = Averaged { mean, sd, ..like };
         pose.readings.insert(Quantity { kind, index }, reading);
@@ -242,7 +242,7 @@ fn orientation(pose: &CutPose, kind: Kind) -> Option<nalgebra::UnitQuaternion<f6
     is_there.then(|| Pose::from_parts([0.0; 3], q).orientation)
 }
 
-/// The poses that were measured and of which it is known where the platform was.
+/// The measured poses with a known pose of the platform.
 fn pairs(poses: &[CutPose], robot: &Robot) -> Vec<Pair> {
     let pair = |(pose, platform): (&CutPose, Option<Pose>)| {
         Some(Pair {
@@ -255,7 +255,7 @@ fn pairs(poses: &[CutPose], robot: &Robot) -> Vec<Pair> {
     poses.iter().zip(platform).filter_map(pair).collect()
 }
 
-/// Brings the measured pose of the body to that of the platform's origin, in the robot's frame.
+/// Transforms the measured pose of the body to the pose of the platform in the robot's frame.
 fn bring(pose: &mut CutPose, alignment: &Alignment) {
     let Some(measured) = vector(pose, Kind::Tracked) else {
         return;
@@ -287,8 +287,8 @@ fn bring(pose: &mut CutPose, alignment: &Alignment) {
     }
 }
 
-/// Standard deviations along the axes of the robot's frame, of those along the instrument's: scatter of the readings, or
-/// columns that state them.
+/// Transforms standard deviations along the axes of the instrument's frame to those of the robot's frame: scatter of the
+/// readings, or columns that state them.
 fn turn_deviations(pose: &mut CutPose, kind: Kind, rotation: &nalgebra::Matrix3<f64>) {
     let is_stated = kind == Kind::TrackedSd;
     let sd = |k: usize| {
@@ -310,7 +310,7 @@ fn turn_deviations(pose: &mut CutPose, kind: Kind, rotation: &nalgebra::Matrix3<
     }
 }
 
-/// At most [`MOST_POSES`], evenly.
+/// At most [`MOST_POSES`] elements, evenly spaced.
 fn thinned<T: Clone>(all: &[T]) -> Vec<T> {
     let every = all.len().div_ceil(MOST_POSES).max(1);
     all.iter().step_by(every).cloned().collect()

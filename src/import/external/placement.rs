@@ -1,38 +1,38 @@
-//! Where the frame of an instrument is in that of the robot, and the body that it follows on the platform.
+//! Alignment of an instrument's frame to the robot's frame, and of the tracked body to the platform.
 
 use nalgebra::{Matrix3, Matrix4, Quaternion, SMatrix, SVector, UnitQuaternion};
 use tautline_core::geometry::{Pose, Twist, Vec3};
 
 use super::rigid_body::{fit_pose, is_spread};
 
-/// Fewest poses from which both are found.
+/// Minimum number of poses to estimate both transformations.
 pub(super) const FEWEST: usize = 6;
-/// Most Gauss-Newton steps; a few do.
+/// Maximum number of Gauss-Newton steps; a few suffice.
 const STEPS: usize = 30;
-/// Steps are below this when they have converged (m, rad).
+/// Step size at convergence (m, rad).
 const CONVERGED: f64 = 1e-12;
 /// Standard deviation of the body's place on the platform (m), where the poses do not show it.
 const BODY_SD_M: f64 = 0.5;
 
-/// What an instrument measures, and where the platform is meanwhile.
+/// Measured pose of the body with the pose of the platform.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pair {
     /// Position of the body in the instrument's frame (m).
     pub measured_m: Vec3,
-    /// Its orientation there, if it has one.
+    /// Orientation of the body in the instrument's frame, if measured.
     pub turned: Option<UnitQuaternion<f64>>,
     /// Pose of the platform in the robot's frame.
     pub platform: Pose,
 }
 
-/// The two poses that bring readings of an instrument and a robot together.
+/// Transformations between instrument and robot, and between body and platform.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Alignment {
     /// Pose of the instrument's frame in the robot's.
     pub frame: Pose,
     /// Pose of the body in the platform's frame.
     pub body: Pose,
-    /// Root mean square distance that remains (m).
+    /// Root mean square of the remaining distances (m).
     pub rms_m: f64,
 }
 
@@ -40,7 +40,7 @@ pub(super) struct Alignment {
 /// `(p, R_m)` of the body and poses `(r, R)` of the platform, by least squares; either is given where it is known.
 ///
 /// # Errors
-/// If the poses are too few or on a line.
+/// If the poses are too few or collinear.
 pub(super) fn align(
     pairs: &[Pair],
     known: (Option<Pose>, Option<Pose>),
@@ -84,18 +84,18 @@ pub(super) fn align(
     })
 }
 
-/// The frame that brings the measured positions closest to a point of the platform.
+/// The frame that best aligns the measured positions with a point of the platform.
 fn closest(pairs: &[Pair], body_m: &Vec3) -> Result<Pose, String> {
     let measured: Vec<Vec3> = pairs.iter().map(|pair| pair.measured_m).collect();
     let target = |pair: &Pair| pair.platform.transform(body_m);
     let targets: Vec<Vec3> = pairs.iter().map(target).collect();
     let fitted = fit_pose(&measured, &targets).filter(|_| is_spread(&measured));
     fitted.ok_or_else(|| {
-        "found measured positions on a line, expected poses that spread in two directions".into()
+        "found collinear measured positions, expected poses that spread in two directions".into()
     })
 }
 
-/// What is left of `t + Q p - r - R o` at a pose (m).
+/// Residual `t + Q p - r - R o` at a pose (m).
 fn residual(pair: &Pair, frame: &Pose, body_m: &Vec3) -> Vec3 {
     frame.transform(&pair.measured_m) - pair.platform.transform(body_m)
 }
@@ -107,8 +107,8 @@ fn rms_m(pairs: &[Pair], frame: &Pose, body_m: &Vec3) -> f64 {
     (squares.sum::<f64>() / pairs.len().max(1) as f64).sqrt()
 }
 
-/// Gauss-Newton step of shift, rotation and body, of which some are free (m, rad). A place of the body that the poses do not
-/// show stays where it is.
+/// Gauss-Newton step (m, rad) of shift, rotation and body position, as far as they are free. A body position that the poses
+/// do not determine stays as it is.
 fn step(pairs: &[Pair], frame: &Pose, body_m: &Vec3, is_free: [bool; 3]) -> SVector<f64, 9> {
     let variance = rms_m(pairs, frame, body_m).powi(2) / 3.0;
     let mut normal = SMatrix::<f64, 9, 9>::zeros();
@@ -140,7 +140,7 @@ fn step(pairs: &[Pair], frame: &Pose, body_m: &Vec3, is_free: [bool; 3]) -> SVec
     factor.map_or_else(SVector::zeros, |factor| factor.solve(&right))
 }
 
-/// The rotation closest to all (Markley et al. 2007, DOI 10.2514/1.28949); none is the identity.
+/// Mean rotation (Markley et al. 2007, DOI 10.2514/1.28949); the identity of no rotations.
 fn mean_rotation(rotations: impl Iterator<Item = UnitQuaternion<f64>>) -> UnitQuaternion<f64> {
     let sum = rotations.fold(Matrix4::zeros(), |sum, q| {
         sum + q.coords * q.coords.transpose()

@@ -1,4 +1,4 @@
-//! Where the platform was at each pose: as it was commanded, else by the lengths of its cables.
+//! Pose of the platform at each measured pose: as commanded, otherwise from the cable lengths.
 
 use tautline_core::geometry::Pose;
 use tautline_core::kinematics::{ForwardKinematics, inverse_kinematics};
@@ -11,8 +11,8 @@ use crate::recipe::{Kind, Quantity};
 /// Lengths agree with the drawing within this share of the frame's size.
 const DRAWN_WITHIN: f64 = 0.02;
 
-/// Poses of the platform in the robot's frame; `None` where neither says one. Stretch and sag are left out: what they change is
-/// far below what is looked for.
+/// Poses of the platform in the robot's frame; `None` if neither source yields one. Stretch and sag are neglected: their effect
+/// is far below the accuracy needed.
 pub(super) fn platform_poses(poses: &[CutPose], robot: &Robot) -> Vec<Option<Pose>> {
     let home = robot.home.map(|home| home.pose());
     let upright = home.unwrap_or_else(Pose::identity).orientation;

@@ -1,35 +1,35 @@
-//! The pose of a body by the markers on it.
+//! Pose of a rigid body from the markers on it.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use tautline_core::geometry::{Pose, Vec3};
 
-/// Fewest markers that say how a body is turned.
+/// Minimum number of markers that define an orientation.
 pub(crate) const FEWEST: usize = 3;
-/// Rounds of fitting poses to points and points to poses; they converge like a square.
+/// Alternations between fitting poses and points.
 const ROUNDS: usize = 10;
-/// Points are on a line if they extend by less than this share across it.
+/// Points are collinear if their extent across a line is below this fraction of that along it.
 const ON_A_LINE: f64 = 1e-2;
 
-/// Where markers are at one moment; `None` for those that were not seen.
-pub(super) type Seen = Vec<Option<Vec3>>;
+/// Marker positions at one instant; `None` for those not seen.
+pub(super) type MarkerPositions = Vec<Option<Vec3>>;
 
-/// Markers that keep their distances.
+/// Markers on one rigid body.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RigidBody {
-    /// Positions of the markers in the body's frame (m), for those that were seen with enough others.
-    pub points_m: Seen,
+    /// Positions of the markers in the body's frame (m), for those seen together with enough others.
+    pub points_m: MarkerPositions,
 }
 
 impl RigidBody {
-    /// The body of these markers. Its frame has its origin in their middle and is turned as the instrument's frame at the
-    /// moment when most of them were seen first.
+    /// The rigid body of these markers. The origin of its frame is their centroid, its axes are those of the instrument's frame
+    /// at the first instant at which most of them were seen.
     ///
-    /// Positions are the mean of what all moments say (generalised Procrustes analysis, DOI 10.1007/BF02291478).
+    /// Positions are means over all instants (generalised Procrustes analysis, DOI 10.1007/BF02291478).
     ///
     /// # Errors
-    /// If never three of them were seen at once, or they are on a line.
-    pub fn of(moments: &[Seen]) -> Result<Self, String> {
-        let count = |seen: &Seen| seen.iter().flatten().count();
+    /// If no three of them were ever seen at once, or they are collinear.
+    pub fn of(moments: &[MarkerPositions]) -> Result<Self, String> {
+        let count = |seen: &MarkerPositions| seen.iter().flatten().count();
         let most = moments.iter().map(count).max().unwrap_or(0);
         let first = moments.iter().find(|seen| count(seen) == most);
         let Some(first) = first.filter(|_| most >= FEWEST) else {
@@ -41,7 +41,7 @@ impl RigidBody {
             points_m: centred(first),
         };
         if !is_spread(&body.points_m.iter().flatten().copied().collect::<Vec<_>>()) {
-            return Err("found markers on a line, expected three or more that are not".to_owned());
+            return Err("found collinear markers, expected three or more that are not".to_owned());
         }
         for _ in 0..ROUNDS {
             body = body.refined(moments);
@@ -49,8 +49,8 @@ impl RigidBody {
         Ok(body)
     }
 
-    /// The pose at a moment, or `None` where fewer than three markers were seen.
-    pub fn pose(&self, seen: &Seen) -> Option<Pose> {
+    /// The pose at one instant, or `None` if fewer than three markers were seen.
+    pub fn pose(&self, seen: &MarkerPositions) -> Option<Pose> {
         let (known, found) = self.pairs(seen);
         if known.len() < FEWEST || !is_spread(&known) {
             return None;
@@ -58,8 +58,8 @@ impl RigidBody {
         fit_pose(&known, &found)
     }
 
-    /// Root mean square distance of the markers from where the poses put them (m).
-    pub fn rms_m(&self, moments: &[Seen]) -> f64 {
+    /// Root mean square distance between the markers and their fitted positions (m).
+    pub fn rms_m(&self, moments: &[MarkerPositions]) -> f64 {
         let mut squares = (0.0, 0_usize);
         for seen in moments {
             let Some(pose) = self.pose(seen) else {
@@ -74,13 +74,13 @@ impl RigidBody {
         (squares.0 / squares.1.max(1) as f64).sqrt()
     }
 
-    /// Positions in the body's frame and where they were seen, of the markers of which both are known.
-    fn pairs(&self, seen: &Seen) -> (Vec<Vec3>, Vec<Vec3>) {
+    /// Positions in the body's frame and observed positions of the markers with both.
+    fn pairs(&self, seen: &MarkerPositions) -> (Vec<Vec3>, Vec<Vec3>) {
         let both = self.points_m.iter().zip(seen);
         both.filter_map(|(known, found)| known.zip(*found)).unzip()
     }
 
-    fn refined(&self, moments: &[Seen]) -> Self {
+    fn refined(&self, moments: &[MarkerPositions]) -> Self {
         let mut sums = vec![(Vec3::zeros(), 0_usize); self.points_m.len()];
         for seen in moments {
             let Some(pose) = self.pose(seen) else {
@@ -103,7 +103,7 @@ impl RigidBody {
     }
 }
 
-fn centred(points: &Seen) -> Seen {
+fn centred(points: &MarkerPositions) -> MarkerPositions {
     let known = points.iter().flatten();
     let middle = known.clone().sum::<Vec3>() / known.count().max(1) as f64;
     points
@@ -112,7 +112,7 @@ fn centred(points: &Seen) -> Seen {
         .collect()
 }
 
-/// Whether points extend in two directions at least.
+/// Whether points extend in at least two directions.
 pub(super) fn is_spread(points: &[Vec3]) -> bool {
     let middle = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
     let scatter = points.iter().fold(Matrix3::zeros(), |sum, point| {
@@ -125,7 +125,7 @@ pub(super) fn is_spread(points: &[Vec3]) -> bool {
 }
 
 /// The pose that takes points closest to others, `to = r + R from` by least squares (Umeyama 1991, DOI 10.1109/34.88573).
-/// `None` if they are on a line or none.
+/// `None` if they are collinear or none.
 pub(super) fn fit_pose(from: &[Vec3], to: &[Vec3]) -> Option<Pose> {
     let count = from.len() as f64;
     let [middle, target] = [from, to].map(|points| points.iter().sum::<Vec3>() / count);
@@ -135,7 +135,7 @@ pub(super) fn fit_pose(from: &[Vec3], to: &[Vec3]) -> Option<Pose> {
     });
     let svd = covariance.try_svd(true, true, f64::EPSILON, 0)?;
     let (u, v_t) = (svd.u?, svd.v_t?);
-    // A reflection is no motion: the direction that counts least turns round.
+    // A reflection is not a rotation: the direction of the smallest singular value is reversed.
     let mut sign = Matrix3::identity();
     sign[(2, 2)] = (u * v_t).determinant().signum();
     let rotation = Rotation3::from_matrix_unchecked(u * sign * v_t);

@@ -157,7 +157,7 @@ fn markers_in_a_frame_of_their_own_become_poses_of_the_platform() {
         assert!(
             notices
                 .iter()
-                .any(|n| n.contains("robot:P0, robot:P1, robot:P2, robot:P3 keep")),
+                .any(|n| n.contains("robot:P0, robot:P1, robot:P2, robot:P3 move")),
             "{notices:?}"
         );
         let imported = import(&sources, &recipe, "recipe", &robot).expect("imported");
@@ -169,7 +169,7 @@ fn markers_in_a_frame_of_their_own_become_poses_of_the_platform() {
         );
         let notices = imported.document.notices.join("\n");
         assert!(
-            notices.contains("4 markers are a rigid body, to 0.0 mm"),
+            notices.contains("4 markers form a rigid body to within 0.0 mm"),
             "{notices}"
         );
         // What was found holds for the next recording, even one with too few poses to find it.

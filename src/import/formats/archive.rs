@@ -14,7 +14,7 @@ pub(super) struct Archive<'a> {
 }
 
 impl<'a> Archive<'a> {
-    /// Reads the names of its entries; an error is what is wrong, in words.
+    /// Reads the directory of the archive; the error is a description of the damage.
     pub fn open(bytes: &'a [u8]) -> Result<Self, String> {
         let damaged = |error: rawzip::Error| format!("is a damaged archive ({error})");
         let archive = ZipArchive::from_slice(bytes).map_err(damaged)?;
@@ -31,7 +31,7 @@ impl<'a> Archive<'a> {
         &self.names
     }
 
-    /// Content of an entry; `None` if there is none of this name.
+    /// Content of an entry; `None` if there is no such entry.
     pub fn read(&self, name: &str) -> Result<Option<Vec<u8>>, String> {
         let damaged = |error: &dyn std::fmt::Display| {
             format!("entry {name} of the archive is damaged ({error})")
@@ -61,7 +61,7 @@ impl<'a> Archive<'a> {
                 }
                 _ => {
                     return Err(format!(
-                        "entry {name} of the archive is compressed in another way than by deflate"
+                        "entry {name} of the archive is compressed by a method other than deflate"
                     ));
                 }
             };

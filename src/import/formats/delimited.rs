@@ -35,9 +35,7 @@ pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, 
     let mut notices = layout.notices(file);
     notices.extend(encoding_notice(file, lines.encoding()));
     if !layout.has_header && !layout.is_point_list() {
-        notices.push(format!(
-            "{file}: no header row; the columns go by their number"
-        ));
+        notices.push(format!("{file}: no header row; columns are numbered"));
     }
     let series = columns.finish(&stem(file), &mut notices)?;
     let format = if layout.is_point_list() {

@@ -14,9 +14,9 @@ use crate::source::{Format, Source};
 use crate::table::read_rows;
 use crate::text::Cells;
 
-/// Most columns of a sheet: those of Excel.
+/// Maximum number of columns of a sheet, as in Excel.
 const MAX_COLUMNS: usize = 16_384;
-/// Most cells, with the empty ones between them.
+/// Maximum number of cells, including empty ones in between.
 const MAX_CELLS: usize = 50_000_000;
 
 pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError> {
@@ -72,7 +72,7 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
         };
         let Some(text) = part(&target)? else {
             source.notices.push(format!(
-                "{file}: sheet {} left out: it is no table",
+                "{file}: sheet {} left out: it is not a table",
                 quoted(name)
             ));
             continue;
@@ -104,7 +104,7 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
     }
 }
 
-/// Calls `visit` with each opening tag; `None` if the text is no XML.
+/// Calls `visit` with each opening tag; `None` if the text is not XML.
 fn for_each_tag(text: &str, mut visit: impl FnMut(&BytesStart<'_>)) -> Option<()> {
     let mut reader = Reader::from_str(text);
     loop {
@@ -269,7 +269,7 @@ fn rows(text: &str, shared: &[String], dates: &[bool]) -> Option<Vec<(u64, Cells
     let filled = rows
         .into_iter()
         .filter(|(_, cells)| cells.iter().any(|cell| !cell.is_empty()));
-    // Empty cells at the end of a row are not written; before the table stand titles.
+    // Empty cells at the end of a row are not stored; titles may precede the table.
     let mut in_table = false;
     let padded = filled.map(|(number, mut cells)| {
         in_table |= cells.len() == width;
@@ -281,7 +281,7 @@ fn rows(text: &str, shared: &[String], dates: &[bool]) -> Option<Vec<(u64, Cells
     Some(padded.collect())
 }
 
-/// The text of a cell. Dates are days since 1900, and become seconds.
+/// The text of a cell. Dates are stored as days since 1900 and shown as date and time.
 fn shown(kind: &str, value: &str, is_date: bool, shared: &[String]) -> Option<String> {
     match kind {
         "s" => shared.get(value.trim().parse::<usize>().ok()?).cloned(),
@@ -318,7 +318,7 @@ fn civil(days: i64) -> String {
     format!("{year:04}-{month:02}-{day:02}")
 }
 
-/// Column of a place such as `AB12`, from 0.
+/// Column index, from 0, of a reference such as `AB12`.
 fn column_of(place: &str) -> Option<usize> {
     let letters = place.bytes().take_while(u8::is_ascii_uppercase);
     let column = letters.fold(0_usize, |column, letter| {

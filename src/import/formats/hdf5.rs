@@ -1,4 +1,4 @@
-//! HDF5 files, and MATLAB files of version 7.3, which are such files: arrays in groups, read some rows at a time.
+//! HDF5 files, including MATLAB files of version 7.3: arrays in groups, read in windows of rows.
 //!
 //! MATLAB stores its arrays transposed, names their class in an attribute, and keeps what cells and objects refer to in
 //! groups whose names begin with `#`.
@@ -27,9 +27,9 @@ use crate::values::{Filling, Storage};
 
 /// Bytes of an array that are decoded at a time, where its pieces in the file are not larger.
 const WINDOW: u64 = 1 << 20;
-/// Texts of any length that are decoded at a time.
+/// Number of variable-length texts decoded at a time.
 const TEXTS: u64 = 1 << 12;
-/// Bytes of structure that are kept.
+/// Maximum size of cached metadata (bytes).
 const STRUCTURE: usize = 8 << 20;
 /// Stack of the reader (bytes): the crate follows types in types as deep as the 64 kB of their description go.
 const STACK: usize = 16 << 20;
@@ -37,7 +37,7 @@ const STACK: usize = 16 << 20;
 const MAX_DEPTH: usize = 16;
 /// Most groups and arrays of a file: links may form circles.
 const MAX_OBJECTS: usize = 100_000;
-/// Most columns of an array: pictures have more.
+/// Maximum number of columns of an array: images have more.
 const MAX_COLUMNS: u64 = 4096;
 /// How many times larger than the file its content may be: no stream of gzip holds more.
 const MAX_RATIO: u64 = 1032;
@@ -47,18 +47,20 @@ const FILTERS: [u16; 5] = [1, 2, 3, 6, 32000];
 pub(super) fn read(input: &mut Input<'_>, format: Format, file: &str) -> Result<Source, ReadError> {
     let io = |error: std::io::Error| ReadError::io(file, Place::File, &error);
     let opened = input.file().map_err(io)?;
-    let (teller, told) = channel();
+    let (progress, reports) = channel();
     scope(|threads| {
         let read = || {
-            read_damaged(|| read_file(opened, teller, format, file)).unwrap_or_else(|| {
+            read_damaged(|| read_file(opened, progress, format, file)).unwrap_or_else(|| {
                 let message = "is damaged, expected HDF5";
                 Err(ReadError::new(file, Place::File, message))
             })
         };
         let thread = Builder::new().stack_size(STACK);
         let thread = thread.spawn_scoped(threads, read).map_err(io)?;
-        // Where reading is to end, the thread finds nobody to tell.
-        let ended = told.into_iter().try_for_each(|bytes| input.advance(bytes));
+        // If reading is stopped, the thread fails as it finds the channel closed.
+        let ended = reports
+            .into_iter()
+            .try_for_each(|bytes| input.advance(bytes));
         let read = thread.join();
         ended.map_err(io)?;
         read.unwrap_or_else(|panic| resume_unwind(panic))
@@ -67,7 +69,7 @@ pub(super) fn read(input: &mut Input<'_>, format: Format, file: &str) -> Result<
 
 fn read_file(
     opened: Opened,
-    teller: Sender<u64>,
+    progress: Sender<u64>,
     format: Format,
     file: &str,
 ) -> Result<Source, ReadError> {
@@ -81,7 +83,7 @@ fn read_file(
         file,
         is_matlab: format == Format::Matlab,
         read: Arc::clone(&counted.read),
-        teller,
+        progress,
         bytes,
         left: bytes.saturating_mul(MAX_RATIO),
         objects: 0,
@@ -110,7 +112,7 @@ fn read_file(
     })
 }
 
-/// A file that counts what is read of it.
+/// A file that reports how many bytes are read.
 struct Counted {
     file: Opened,
     read: Arc<AtomicU64>,
@@ -133,13 +135,13 @@ impl Seek for Counted {
 struct Reader<'a> {
     file: &'a str,
     is_matlab: bool,
-    /// Takes the bytes that were read.
-    teller: Sender<u64>,
-    /// Bytes read since it was told.
+    /// Receives the number of bytes read.
+    progress: Sender<u64>,
+    /// Bytes read since the last report.
     read: Arc<AtomicU64>,
     /// Bytes of the file.
     bytes: u64,
-    /// Bytes of content that it may still have.
+    /// Remaining budget for decoded content (bytes).
     left: u64,
     objects: usize,
     storage: Storage,
@@ -148,12 +150,12 @@ struct Reader<'a> {
     notices: Vec<String>,
 }
 
-/// The size of an array, as its readings are meant.
+/// Rows and columns of an array of readings.
 #[derive(Clone, Copy)]
 struct Size {
     rows: u64,
     columns: u64,
-    /// Whether the values of a column follow each other in the file.
+    /// Whether the array is stored column by column.
     by_columns: bool,
 }
 
@@ -177,14 +179,14 @@ impl Reader<'_> {
     fn damaged(&self, error: &Error) -> ReadError {
         self.fail(match error {
             Error::FileMarkedInUse(_) => {
-                "was not closed by the program that wrote it, expected a closed file; h5clear -s <file> says that it is"
+                "was not closed by the program that wrote it, expected a closed file; h5clear -s <file> clears the flag"
                     .to_owned()
             }
             // The place where a link by name would be followed to.
             Error::Format(FormatError::OffsetOverflow {
                 offset: u64::MAX, ..
             }) => "is damaged or has links by name (soft or external links), expected HDF5 without them".to_owned(),
-            error => format!("is damaged or of a version that is not read, expected HDF5 ({error})"),
+            error => format!("is damaged or of an unsupported version, expected HDF5 ({error})"),
         })
     }
 
@@ -317,7 +319,7 @@ impl Reader<'_> {
         let parts = parts_of(&fields);
         if size.columns.saturating_mul(parts as u64) > MAX_COLUMNS {
             let (rows, columns) = (size.rows, size.columns);
-            let why = format!("{rows} x {columns} values, more than {MAX_COLUMNS} in a row");
+            let why = format!("{rows} x {columns} values, more than {MAX_COLUMNS} columns");
             self.leave_out(path, &why);
             return Ok(());
         }
@@ -328,7 +330,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The rows and columns of an array that holds readings; the others are told in a notice.
+    /// Rows and columns of an array of readings; other arrays are reported in a notice.
     fn size(&mut self, path: &str, shape: &[u64]) -> Option<Size> {
         let (rows, columns, by_columns) = match *shape {
             [rows] => (rows, 1, false),
@@ -345,7 +347,7 @@ impl Reader<'_> {
             }
         };
         if rows < 2 || columns == 0 {
-            let why = format!("{rows} x {columns} values, no readings");
+            let why = format!("{rows} x {columns} values, not readings");
             self.leave_out(path, &why);
             return None;
         }
@@ -377,14 +379,14 @@ impl Reader<'_> {
                     ..
                 },
                 _,
-            ) => "several dimensions that may grow, expected one".to_owned(),
+            ) => "several extensible dimensions, expected one".to_owned(),
             _ => String::new(),
         };
         let path = quoted(path);
         if !what.is_empty() {
             return Err(self.fail(format!("array {path} uses {what}")));
         }
-        // The crate makes room for a piece of the size that the file states before it reads it.
+        // The crate allocates a chunk of the size that the file states before reading it.
         if dataset.is_chunked() {
             let pieces = dataset.chunks().map_err(|error| self.damaged(&error))?;
             let ends_in_file = pieces.iter().all(|piece| {
@@ -392,7 +394,7 @@ impl Reader<'_> {
                 end.is_some_and(|end| end <= self.bytes)
             });
             if !ends_in_file {
-                let message = format!("is damaged, array {path} has pieces beyond its end");
+                let message = format!("is damaged, array {path} has chunks beyond its end");
                 return Err(self.fail(message));
             }
         }
@@ -412,9 +414,7 @@ impl Reader<'_> {
                 Ok(())
             }
             _ => {
-                let message = format!(
-                    "array {path} has more values than its file can hold, expected those that it claims"
-                );
+                let message = format!("array {path} claims more values than its file can hold");
                 Err(self.fail(message))
             }
         }
@@ -495,7 +495,7 @@ impl Reader<'_> {
         } else {
             (WINDOW / line_bytes).max(1)
         };
-        // Whole pieces, so that none is decoded twice.
+        // The window spans whole chunks, so that none is decoded twice.
         if let Ok(Some(piece)) = dataset.chunk_shape()
             && let Some(height) = piece.first().filter(|height| **height > 0)
             && !is_far
@@ -505,13 +505,13 @@ impl Reader<'_> {
         if window.saturating_mul(line_bytes) > MAX_WHOLE {
             let (path, limit) = (quoted(path), MAX_WHOLE >> 30);
             let message =
-                format!("array {path} has pieces of more than {limit} GB, expected smaller ones");
+                format!("array {path} has chunks of more than {limit} GB, expected smaller ones");
             return Err(self.fail(message));
         }
         let parts = parts_of(fields);
         let mut found = 0;
         for first in (0..lines).step_by(usize::try_from(window).unwrap_or(usize::MAX)) {
-            // Where each cell of a window belongs.
+            // Maps each cell of a window to its column.
             let column = |k: u64| match size.by_columns {
                 true => (found + k) / size.rows,
                 false => (found + k) % size.columns,
@@ -536,8 +536,8 @@ impl Reader<'_> {
             }
             found += count;
             let read = self.read.swap(0, Ordering::Relaxed);
-            let told = self.teller.send(read);
-            told.map_err(|_| self.fail("was not read to its end"))?;
+            let sent = self.progress.send(read);
+            sent.map_err(|_| self.fail("was not read to its end"))?;
         }
         if found == cells {
             return Ok(());
@@ -546,7 +546,7 @@ impl Reader<'_> {
         Err(self.fail(format!("array {path} has {found} values, expected {cells}")))
     }
 
-    /// Adds an element of an array to the columns from `place` on.
+    /// Adds an element of an array to the columns from index `place` on.
     fn cell(
         &mut self,
         bytes: &[u8],
@@ -628,7 +628,7 @@ impl Reader<'_> {
     }
 }
 
-/// How many columns the fields of a record need.
+/// Number of columns for the fields of a record.
 fn parts_of(fields: &[Field]) -> usize {
     let counts = fields.iter().map(|field| field.count);
     counts.fold(0, usize::saturating_add)
@@ -638,7 +638,7 @@ fn cells_of(columns: &mut [Column], place: usize) -> Option<&mut Filled> {
     columns.get_mut(place).map(|column| &mut column.cells)
 }
 
-/// What a variable of MATLAB is that is no array of numbers.
+/// Describes a MATLAB variable that is not a numeric array.
 fn not_numbers(attributes: &HashMap<String, AttrValue>) -> Option<&'static str> {
     let class = attributes.get("MATLAB_class").and_then(AttrValue::as_str);
     if attributes.contains_key("MATLAB_empty") {

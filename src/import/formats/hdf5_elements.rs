@@ -20,7 +20,7 @@ pub(super) enum Cell {
     Unsigned,
     Float,
     Text,
-    /// A text of any length, which is not in the element.
+    /// A variable-length text, stored outside the element.
     FarText,
 }
 
@@ -32,7 +32,7 @@ pub(super) fn joined(path: &str, name: &str) -> String {
     }
 }
 
-/// Finds the numbers and texts in an element of this type, and what is neither.
+/// Lists the numbers and texts in an element of this type, and unsupported parts.
 pub(super) fn fields_of(
     datatype: &Datatype,
     name: &str,
@@ -88,7 +88,7 @@ pub(super) fn fields_of(
             };
             (cell, *size, *byte_order)
         }
-        // Which PyTables uses for what is true or false.
+        // PyTables uses this type for booleans.
         Datatype::BitField {
             size,
             byte_order,
@@ -107,12 +107,12 @@ pub(super) fn fields_of(
         other => {
             let why = match other {
                 Datatype::FixedPoint { .. } | Datatype::FloatingPoint { .. } => {
-                    "numbers of a rare width"
+                    "numbers of an unusual width"
                 }
                 Datatype::VariableLength {
                     is_string: true, ..
-                } => "texts of any length in a record",
-                Datatype::VariableLength { .. } => "lists of values",
+                } => "variable-length texts in a record",
+                Datatype::VariableLength { .. } => "variable-length lists",
                 Datatype::Reference { .. } => "references to other arrays",
                 _ => "neither numbers nor text",
             };
@@ -129,7 +129,7 @@ pub(super) fn fields_of(
     });
 }
 
-/// Whether an integer fills its bytes, as every usual one does.
+/// Whether an integer uses all of its bits.
 fn is_whole(size: u32, bit_offset: u16, bit_precision: u16) -> bool {
     matches!(size, 1..=8) && bit_offset == 0 && u32::from(bit_precision) == 8 * size
 }
@@ -180,7 +180,7 @@ impl Field {
     }
 }
 
-/// A number of 16 bits.
+/// A half-precision number.
 fn half(bits: u16) -> f64 {
     let mantissa = f64::from(bits & 0x3ff);
     let size = match bits >> 10 & 0x1f {

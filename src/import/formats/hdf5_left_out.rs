@@ -1,4 +1,4 @@
-//! What is said of HDF5 files where the program was built without their reader.
+//! Errors for HDF5 files in builds without the HDF5 reader.
 
 use tautline_session::{Place, ReadError};
 
@@ -10,7 +10,7 @@ pub(super) fn read(_: &mut Input<'_>, format: Format, file: &str) -> Result<Sour
         Format::Matlab => {
             "is a MATLAB file of version 7.3 (HDF5), expected version 7: save(name, vars{:}, '-v7')"
         }
-        _ => "is an HDF5 file, which is not read, expected a table, for example as CSV",
+        _ => "is an HDF5 file, which this build cannot read, expected a table, for example as CSV",
     };
     Err(ReadError::new(file, Place::File, message))
 }

@@ -52,7 +52,7 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Source, ReadError> {
                 inflated.map_err(|_| {
                     fail(
                         at,
-                        "found compressed data that are damaged, expected a whole variable",
+                        "found damaged compressed data, expected a complete variable",
                     )
                 })?;
                 let Some((MATRIX, data, _)) = element(&plain, swapped) else {
@@ -62,18 +62,12 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Source, ReadError> {
                     ));
                 };
                 found.array(data, "", 0).ok_or_else(|| {
-                    fail(
-                        at,
-                        "found an array that is damaged, expected a whole variable",
-                    )
+                    fail(at, "found a damaged array, expected a complete variable")
                 })?;
             }
-            MATRIX => found.array(data, "", 0).ok_or_else(|| {
-                fail(
-                    at,
-                    "found an array that is damaged, expected a whole variable",
-                )
-            })?,
+            MATRIX => found
+                .array(data, "", 0)
+                .ok_or_else(|| fail(at, "found a damaged array, expected a complete variable"))?,
             _ => found.skipped.push(format!("an element of type {kind}")),
         }
         rest = next;
@@ -217,7 +211,7 @@ impl Found {
                     3 => "object",
                     5 => "sparse",
                     16 => "function",
-                    _ => "of a class that is not documented",
+                    _ => "of an undocumented class",
                 }));
                 Some(())
             }
@@ -310,7 +304,7 @@ fn series(arrays: Vec<Array>, stem: &str, file: &str, notices: &mut Vec<String>)
         } = array;
         if rows < 2 || columns == 0 {
             notices.push(format!(
-                "{file}: variable {} of {rows} x {columns} left out: no readings",
+                "{file}: variable {} of {rows} x {columns} left out: not readings",
                 quoted(&path)
             ));
             continue;

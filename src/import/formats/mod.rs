@@ -1,4 +1,4 @@
-//! One reader for each format, and which of them a file needs.
+//! File format recognition, and one reader for each format.
 
 mod archive;
 mod c3d;
@@ -30,32 +30,32 @@ use crate::input::{Input, Watch};
 use crate::source::{Format, Source};
 use crate::text::decoded;
 
-/// Bytes from the beginning of a file by which its format is known.
+/// Number of leading bytes from which the format is recognised.
 const HEAD: u64 = 64 << 10;
-/// Largest file that is read as a whole (bytes): the formats that are not read row by row.
+/// Largest file (bytes) in a format that has to be read as a whole.
 const MAX_WHOLE: u64 = 2 << 30;
 
 /// Beginning of a MATLAB file that is an HDF5 file.
 const MATLAB_73: &[u8] = b"MATLAB 7.3";
 
-/// What a file is.
+/// Recognised kind of a file.
 enum Kind {
     Readable(Format),
-    /// A description of a robot, and not readings.
+    /// A robot description rather than readings.
     RobotDescription,
-    /// A format that is known and not read: what it is, and what to do.
+    /// A recognised but unsupported format: what was found and what to do.
     Refused(&'static str),
 }
 
-/// Reads a file, whatever it is.
+/// Reads a file in any supported format.
 ///
 /// # Errors
-/// If its format is not known or its content is wrong, in one sentence with the place.
+/// If its format is unknown or its content is invalid; names the place.
 pub fn read_source(path: &Path) -> Result<Source, ReadError> {
     read_watched(path, &Watch::new(0, &|_| true))
 }
 
-/// Reads a file while `watch` follows.
+/// Reads a file, reporting progress to `watch`.
 ///
 /// # Errors
 /// As [`read_source`], and if it was stopped.
@@ -90,17 +90,17 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
         Format::RosBag => ros::bag::read(&mut input, &file),
         #[cfg(not(feature = "ros"))]
         Format::Mcap => refuse(
-            "is an MCAP recording of ROS 2, which is not read, expected its topics as CSV (ros2 topic echo --csv)",
+            "is an MCAP recording of ROS 2, which this build cannot read, expected its topics as CSV (ros2 topic echo --csv)",
         ),
         #[cfg(not(feature = "ros"))]
         Format::RosBag => refuse(
-            "is a bag of ROS 1, which is not read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>)",
+            "is a bag of ROS 1, which this build cannot read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>)",
         ),
         Format::Excel => excel::read(input, &file),
     }
 }
 
-/// Whether a file describes a robot in the XML of other programs.
+/// Whether a file is a robot description in the XML of CASPR or WireX.
 ///
 /// # Errors
 /// If it cannot be read.
@@ -109,7 +109,7 @@ pub fn is_robot_description(path: &Path) -> Result<bool, ReadError> {
     Ok(matches!(recognise(&head, path), Kind::RobotDescription))
 }
 
-/// The beginning of a file, and the file at its beginning.
+/// Opens a file and returns its first bytes and the rewound file.
 fn open(path: &Path, file: &str) -> Result<(Vec<u8>, File), ReadError> {
     let mut input = open_input(path, file)?;
     let failed = |error| ReadError::io(file, Place::File, &error);
@@ -144,7 +144,7 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
         .is_some_and(|extension| extension.eq_ignore_ascii_case("svdx"))
     {
         return Refused(
-            "is a recording of TwinCAT Scope in its closed format, expected its export: \
+            "is a recording of TwinCAT Scope in its proprietary format, expected its export: \
              TC3ScopeExportTool.exe \"svd=<file>\" target=<csv> silent",
         );
     }
@@ -169,13 +169,11 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
         }
         _ if head.starts_with(b"SQLite format 3") => {
             return Refused(
-                "is a database, which is not read, expected CSV; a recording of ROS 2: mcap convert <db3> <mcap>",
+                "is a database, which cannot be imported, expected CSV; a recording of ROS 2: mcap convert <db3> <mcap>",
             );
         }
         [0xd0, 0xcf, 0x11, 0xe0, ..] => {
-            return Refused(
-                "is an old Excel file (.xls), expected .xlsx: save it under that format",
-            );
+            return Refused("is an old Excel file (.xls), expected .xlsx: save it in that format");
         }
         [2..=8, 0x50, ..] => return Readable(Format::C3d),
         _ => {}
@@ -231,7 +229,7 @@ fn stem(file: &str) -> String {
         .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
 }
 
-/// The notice that a text is in a rare encoding.
+/// The notice about an unusual encoding.
 fn encoding_notice(file: &str, encoding: crate::text::Encoding) -> Option<String> {
     encoding
         .name()

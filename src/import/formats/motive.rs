@@ -34,8 +34,7 @@ pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, 
         } else if cells.get(0) == "Frame" {
             break cells;
         } else if line as usize > HEADER_LINES {
-            let message =
-                "found no row that begins with \"Frame\" so far, expected the header of the data";
+            let message = "found no row that begins with \"Frame\" in the first lines, expected the header of the data";
             return Err(ReadError::new(file, Place::Line(line), message));
         } else if !cells.are_blank() {
             rows.push(cells.iter().map(str::to_owned).collect());
@@ -194,7 +193,7 @@ fn data(
     Ok(times.into())
 }
 
-/// Whether a row may be one that was cut off: rows in the middle of a file end with all their separators.
+/// Whether a row may be truncated: complete rows end with all their separators.
 fn lines_are_over(text: &str) -> bool {
     !text.ends_with(',')
 }
@@ -219,11 +218,7 @@ impl Frames {
 
     /// The sentence about frames that are missing.
     pub fn notice(&self, file: &str) -> Option<String> {
-        (self.missing > 0.0).then(|| {
-            format!(
-                "{file}: {} frames are missing between the others",
-                self.missing
-            )
-        })
+        (self.missing > 0.0)
+            .then(|| format!("{file}: {} frames are missing in between", self.missing))
     }
 }

@@ -89,7 +89,7 @@ fn section(
             )
         })
     };
-    let (line, text) = next(lines, "the rate of sampling")?;
+    let (line, text) = next(lines, "the sampling rate")?;
     let separator = |text: &str| Separator::Character(if text.contains('\t') { '\t' } else { ',' });
     let rate = Cells::of(&text, separator(&text));
     let Some(rate_hz) = parse_number(rate.get(0))
@@ -99,10 +99,7 @@ fn section(
         return Err(ReadError::new(
             file,
             Place::Line(line),
-            format!(
-                "found {}, expected the rate of sampling in Hz",
-                quoted(&text)
-            ),
+            format!("found {}, expected the sampling rate in Hz", quoted(&text)),
         ));
     };
     let (_, text) = next(lines, "the names of what was recorded")?;

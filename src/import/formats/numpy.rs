@@ -28,7 +28,7 @@ pub(super) fn read(mut input: Input<'_>, head: &[u8], file: &str) -> Result<Sour
             let Some(array) = name.strip_suffix(".npy") else {
                 source
                     .notices
-                    .push(format!("{file}: {} left out: no array", quoted(name)));
+                    .push(format!("{file}: {} left out: not an array", quoted(name)));
                 continue;
             };
             let bytes = archive.read(name).map_err(fail)?.unwrap_or_default();
@@ -45,14 +45,14 @@ pub(super) fn read(mut input: Input<'_>, head: &[u8], file: &str) -> Result<Sour
     Ok(source)
 }
 
-/// Type of a field: its letter and its size in bytes.
+/// Type of a field: type character and size in bytes.
 #[derive(Debug, Clone, PartialEq)]
 struct Field {
     name: String,
     letter: u8,
     size: usize,
     big_endian: bool,
-    /// How many of them there are in a row.
+    /// Number of elements per row.
     count: usize,
 }
 
@@ -80,14 +80,14 @@ fn add(source: &mut Source, name: &str, bytes: &[u8]) -> Result<(), ReadError> {
         _ => {
             let shape = &header.shape;
             source.notices.push(format!(
-                "{file}: {what}an array of shape {shape:?} left out: no table"
+                "{file}: {what}an array of shape {shape:?} left out: not a table"
             ));
             return Ok(());
         }
     };
     if rows < 2 || columns == 0 {
         source.notices.push(format!(
-            "{file}: {what}{rows} x {columns} values left out: no readings"
+            "{file}: {what}{rows} x {columns} values left out: not readings"
         ));
         return Ok(());
     }
@@ -208,7 +208,7 @@ fn number(field: &Field, bytes: &[u8]) -> f64 {
 fn header(bytes: &[u8]) -> Result<(Header, &[u8]), String> {
     let cut = || "ends in its header, expected an array".to_owned();
     if !bytes.starts_with(b"\x93NUMPY") {
-        return Err("found no mark of NumPy at its beginning, expected an array".into());
+        return Err("found no NumPy magic number at its beginning, expected an array".into());
     }
     let (start, length) = match bytes.get(6) {
         Some(1) => (
@@ -249,7 +249,7 @@ fn header(bytes: &[u8]) -> Result<(Header, &[u8]), String> {
         .map(|size| size.trim_end_matches('L').parse());
     let shape: Vec<usize> = shape
         .collect::<Result<_, _>>()
-        .map_err(|_| "found a shape that is none in its header".to_owned())?;
+        .map_err(|_| "found an invalid shape in its header".to_owned())?;
     Ok((
         Header {
             fields,
@@ -271,7 +271,9 @@ fn fields(descr: &str) -> Result<(Vec<Field>, bool), String> {
             .unwrap_or_default();
         return Ok((vec![field("", name, 1)?], false));
     }
-    let end = descr.find(']').ok_or("found no end of its types")?;
+    let end = descr
+        .find(']')
+        .ok_or("found an unterminated list of types")?;
     let mut fields = Vec::new();
     for record in descr[1..end].split("('").skip(1) {
         let mut parts = record.split('\'');
@@ -295,7 +297,7 @@ fn fields(descr: &str) -> Result<(Vec<Field>, bool), String> {
                     .map(str::parse::<usize>);
                 let sizes: Vec<usize> = sizes
                     .collect::<Result<_, _>>()
-                    .map_err(|_| "found a shape that is none in its header".to_owned())?;
+                    .map_err(|_| "found an invalid shape in its header".to_owned())?;
                 sizes
                     .iter()
                     .try_fold(1_usize, |product, size| product.checked_mul(*size))

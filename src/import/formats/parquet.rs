@@ -19,7 +19,7 @@ use crate::values::{Filling, Storage};
 /// Rows that are decoded at a time.
 const ROWS: usize = 1 << 13;
 
-/// A column of the file and what it is filled into.
+/// A column of the file with its destination.
 struct Column {
     /// Its number in the file.
     number: usize,
@@ -45,8 +45,8 @@ pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadErro
 fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let damaged = |error: ParquetError| {
         let message = match error {
-            // Says which compressor it was.
-            ParquetError::NYI(what) => format!("uses what is not read ({what})"),
+            // The message names the compressor.
+            ParquetError::NYI(what) => format!("uses an unsupported feature ({what})"),
             error => format!("is damaged, expected Parquet ({error})"),
         };
         ReadError::new(file, Place::File, message)
@@ -114,7 +114,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     })
 }
 
-/// The columns that are read; the others are told in notices.
+/// The columns to read; the others are reported in notices.
 fn columns(
     reader: &SerializedFileReader<File>,
     file: &str,
@@ -128,7 +128,7 @@ fn columns(
             notices.push(format!("{file}, column {}: {why}, left out", quoted(&path)));
         };
         if descriptor.max_rep_level() > 0 {
-            leave_out("lists of values");
+            leave_out("variable-length lists");
             continue;
         }
         let (name, stated) = split_heading(&path);
@@ -156,11 +156,11 @@ fn columns(
     columns
 }
 
-/// How the cells of a column are meant.
+/// Conversion of the cells of a column.
 #[derive(Clone, Copy)]
 enum Scale {
     Plain,
-    /// Integers without sign.
+    /// Unsigned integers.
     Unsigned,
     /// Times in this unit (s).
     Time(f64),
@@ -234,7 +234,7 @@ impl From<ParquetError> for Failed {
 }
 
 impl Column {
-    /// Adds the cells of a group of rows; how many there are.
+    /// Adds the cells of a row group and returns their number.
     fn fill(&mut self, reader: ColumnReader, storage: &mut Storage) -> Result<usize, Failed> {
         let level = self.level;
         match (&mut self.cells, reader) {
@@ -275,7 +275,7 @@ impl Column {
     }
 }
 
-/// Visits the cells of a column, `None` where there is no value; how many there are.
+/// Visits the cells of a column, `None` for null, and returns their number.
 fn each<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     level: i16,

@@ -22,7 +22,7 @@ struct Header {
     names: Vec<String>,
     units: Vec<Option<String>>,
     sample_ms: Vec<Option<f64>>,
-    /// Channels whose values the program that shows them multiplies.
+    /// Channels with a display scale factor.
     scaled: Vec<String>,
 }
 
@@ -42,7 +42,7 @@ pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, 
     if !header.scaled.is_empty() {
         let names = header.scaled.join(", ");
         notices.push(format!(
-            "{file}: a ScaleFactor other than 1 is stated for {names}; values are taken as written"
+            "{file}: a ScaleFactor other than 1 is stated for {names}; the values are used as written"
         ));
     }
     let series = by_time(channels, &header, &stem(file));
@@ -54,7 +54,7 @@ pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, 
     })
 }
 
-/// What follows the first key, `Name`.
+/// The separator, which follows the first key, `Name`.
 fn separator(first: &str) -> Separator {
     match first
         .trim_start_matches("Name")
@@ -117,8 +117,7 @@ fn header(lines: &mut Lines<'_>, separator: Separator) -> Result<Header, ReadErr
         }
     }
     if header.names.is_empty() || blocks < 2 {
-        let message =
-            "found no header of channels that begins with \"Name\" between two empty lines";
+        let message = "found no channel header that begins with \"Name\" between two empty lines";
         return Err(ReadError::new(file, Place::File, message));
     }
     Ok(header)
@@ -168,12 +167,12 @@ fn data(
                 .or_else(|| parse_timestamp(at).map(|s| s * 1e3));
             let time = match time {
                 Some(time) => time,
-                // A file that was cut off ends in the middle of a pair.
+                // A truncated file ends within a pair.
                 None if lines_end(text, at) => {
                     unread += 1;
                     continue;
                 }
-                None => return Err(unexpected(at, "the number or the time of a sample")),
+                None => return Err(unexpected(at, "a sample number or time")),
             };
             let value = match parse_number(value) {
                 Some((value, sign)) => {
@@ -257,7 +256,7 @@ fn by_time(channels: Vec<Pairs<Values>>, header: &Header, stem: &str) -> Vec<Ser
     series
 }
 
-/// Times (s) of what stands before the values: the number of the sample, or the time in milliseconds.
+/// Times (s) from the first cell of each pair: sample number, or time in milliseconds.
 fn seconds(at: &Values, sample_ms: Option<f64>) -> Values {
     let counts = at
         .iter()

@@ -1,4 +1,4 @@
-//! What names of channels say.
+//! Interpretation of channel names.
 
 mod names;
 pub(crate) mod words;
@@ -6,7 +6,7 @@ pub(crate) mod words;
 pub use names::pattern_of;
 pub(crate) use names::{Family, families, words as words_of};
 
-/// Whether a column is called as labels of poses are.
+/// Whether a column name denotes pose labels.
 pub(crate) fn is_label(name: &str) -> bool {
     words_of(name)
         .iter()

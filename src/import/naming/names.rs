@@ -9,11 +9,11 @@ pub(crate) struct Family {
     pub pattern: String,
     /// Smallest number.
     pub first: usize,
-    /// How many follow each other from there.
+    /// Number of members.
     pub count: usize,
 }
 
-/// The families among names: names that are equal but for one number, and these numbers without a hole.
+/// The families among names: names that differ in one number only, with consecutive numbers.
 pub(crate) fn families<'a>(names: impl Iterator<Item = &'a str>) -> Vec<Family> {
     let mut patterns: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for name in names {
@@ -41,8 +41,8 @@ pub(crate) fn families<'a>(names: impl Iterator<Item = &'a str>) -> Vec<Family> 
     families
 }
 
-/// The pattern of the channels to which a name belongs, of which there is one for each of so many cables, and the number
-/// of the first; where a name has several numbers, that with as many channels as cables.
+/// The pattern of a family with one channel per cable to which a name belongs, and the number of its first channel; if the
+/// name contains several numbers, the pattern with as many channels as cables.
 pub fn pattern_of<'a>(
     names: impl Iterator<Item = &'a str>,
     name: &str,

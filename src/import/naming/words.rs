@@ -64,7 +64,7 @@ pub(crate) const PER_CABLE: &[(Kind, &[&str])] = &[
     ),
 ];
 
-/// Words of channels that are no reading of position or force.
+/// Words of channels that are readings of neither position nor force.
 pub(crate) const OTHER: &[&str] = &[
     "vel",
     "velocity",
@@ -97,7 +97,7 @@ pub(crate) const OTHER: &[&str] = &[
     "rpm",
 ];
 
-/// Words of what a controller wants.
+/// Words of commanded values.
 pub(crate) const WANTED: &[&str] = &[
     "cmd",
     "command",
@@ -117,7 +117,7 @@ pub(crate) const WANTED: &[&str] = &[
     "planned",
 ];
 
-/// Words of what is measured.
+/// Words of measured values.
 pub(crate) const ACTUAL: &[&str] = &[
     "act", "actual", "ist", "meas", "measured", "real", "fbk", "feedback",
 ];

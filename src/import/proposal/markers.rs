@@ -1,11 +1,11 @@
-//! Which markers are on the platform: those that keep their distances while they move.
+//! Markers on the platform: those at constant distances from each other while they move.
 
 use crate::external::FEWEST_MARKERS;
 use crate::source::Channel;
 
 /// Most rows that are looked at.
 const MOST_ROWS: usize = 300;
-/// Fewest rows in which two markers were seen.
+/// Minimum number of rows in which two markers were both seen.
 const FEWEST_ROWS: usize = 3;
 /// Distances of markers on one body change by less than this share of them, and of how far the markers move.
 const RIGID: f64 = 0.01;
@@ -54,7 +54,7 @@ pub(super) fn on_platform(markers: &[Marker<'_>]) -> Vec<usize> {
     best.1
 }
 
-/// Mean distance of two markers that keep it.
+/// Mean distance of two markers if it is constant.
 fn distances(a: &[[f64; 3]], b: &[[f64; 3]]) -> Option<f64> {
     let distance = |(a, b): (&[f64; 3], &[f64; 3])| {
         let squares = a.iter().zip(b).map(|(a, b)| (a - b).powi(2));

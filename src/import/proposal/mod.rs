@@ -1,4 +1,4 @@
-//! A recipe from names, units and ranges.
+//! Proposal of a recipe from names, units and ranges.
 
 mod markers;
 mod recognition;
@@ -18,7 +18,7 @@ use crate::units::{Dimension, parse_unit};
 use markers::{Marker, on_platform};
 use recognition::{Body, component, is_any, is_whole, kind_name, kind_of};
 
-/// Proposes a recipe; the sentences say what was assumed.
+/// Proposes a recipe; the sentences state the assumptions.
 #[must_use]
 pub fn propose(sources: &[Source], robot: &Robot) -> (Recipe, Vec<String>) {
     let mut proposal = Proposal {
@@ -69,7 +69,7 @@ fn topic(series: &Series, format: Format) -> Vec<String> {
 struct Proposal<'a> {
     robot: &'a Robot,
     recipe: Recipe,
-    /// Columns that have a channel.
+    /// Columns that already have a channel.
     given: BTreeSet<String>,
     notices: Vec<String>,
 }
@@ -84,7 +84,7 @@ impl Proposal<'_> {
         self.given.contains(column)
     }
 
-    /// Channels that are called as the columns of `poses.csv`.
+    /// Channels with the names of the columns of `poses.csv`.
     fn own_names(&mut self, series: &Series) {
         let cables = self.robot.cable_count();
         for (kind, _) in PER_CABLE {
@@ -134,7 +134,7 @@ impl Proposal<'_> {
                 candidates.push((kind, score, family));
             } else if family.count + 1 >= cables || family.count > 2 {
                 self.notices.push(format!(
-                    "{}: {} channels {} could be the {} of cables, but the robot has {cables}: not used",
+                    "{}: {} channels {} could be the {} of cables, but the robot has {cables} cables: not used",
                     series.name,
                     family.count,
                     family.pattern,
@@ -159,7 +159,7 @@ impl Proposal<'_> {
         }
     }
 
-    /// The unit of a family without one, where its values fit to a unit other than that of the quantity.
+    /// The unit of a family without a stated one, if its values suggest a unit other than that of the quantity.
     fn unit_by_range(
         &mut self,
         series: &Series,
@@ -191,10 +191,10 @@ impl Proposal<'_> {
             Kind::Revolutions => {
                 let per_revolution = self.robot.cables[0].winch.cable_per_revolution_m();
                 let frames = widest(&|range| range[1] - range[0]) * per_revolution / frame_m;
-                // A calibration moves cables by a part of the frame's size, and not by several times that.
+                // A calibration moves cables by a fraction of the frame's size, never by a multiple of it.
                 if frames > 30.0 {
                     Some("deg")
-                // Joints of ROS turn in radians, however little.
+                // ROS states joint angles in radians.
                 } else if frames > 2.0 || is_ros && family.pattern.starts_with("position[") {
                     Some("rad")
                 } else {
@@ -204,29 +204,29 @@ impl Proposal<'_> {
             _ => None,
         }?;
         let reason = match format {
-            Format::Mcap | Format::RosBag => "by its range and the usage of ROS",
+            Format::Mcap | Format::RosBag => "by its range and the conventions of ROS",
             _ => "by its range",
         };
         self.notices.push(format!(
-            "{}: no unit is stated for {}; {reason} it is taken as {unit}",
+            "{}: no unit is stated for {}; {reason} it is assumed to be {unit}",
             series.name, family.pattern
         ));
         Some(unit.into())
     }
 
-    /// Channels that there is one of.
+    /// Quantities with a single channel.
     fn singles(&mut self, series: &Series, format: Format) {
         for text in &series.texts {
-            let spoken = words_of(&text.name);
+            let words = words_of(&text.name);
             let column = match () {
-                () if is_any(&spoken, GROUP) => "group",
-                () if is_any(&spoken, LABEL) => "pose",
+                () if is_any(&words, GROUP) => "group",
+                () if is_any(&words, LABEL) => "pose",
                 () => continue,
             };
             self.single(series, &text.name, column, None);
         }
         for channel in &series.channels {
-            let spoken = words_of(&channel.name);
+            let words = words_of(&channel.name);
             let dimension = channel
                 .unit
                 .as_deref()
@@ -235,23 +235,23 @@ impl Proposal<'_> {
             let fits = |expected: Dimension| {
                 dimension.is_none_or(|found| found == expected || found == Dimension::Number)
             };
-            let column = if is_any(&spoken, LABEL) && is_whole(channel) && spoken.len() <= 2 {
+            let column = if is_any(&words, LABEL) && is_whole(channel) && words.len() <= 2 {
                 Some("pose")
             } else if series.time_s.is_none()
                 && fits(Dimension::Time)
-                && (is_any(&spoken[..spoken.len().min(1)], TIME)
+                && (is_any(&words[..words.len().min(1)], TIME)
                     || dimension == Some(Dimension::Time))
             {
                 Some("time_s")
-            } else if (is_any(&spoken, LASER) || spoken == ["range"]) && fits(Dimension::Length) {
+            } else if (is_any(&words, LASER) || words == ["range"]) && fits(Dimension::Length) {
                 Some("laser_m")
-            } else if is_any(&spoken, TEMPERATURE) && fits(Dimension::Temperature) {
+            } else if is_any(&words, TEMPERATURE) && fits(Dimension::Temperature) {
                 Some("temperature_c")
             } else {
                 ANGLES
                     .iter()
-                    .position(|angle| is_any(&spoken, angle))
-                    .filter(|_| fits(Dimension::Angle) && !is_any(&spoken, WANTED))
+                    .position(|angle| is_any(&words, angle))
+                    .filter(|_| fits(Dimension::Angle) && !is_any(&words, WANTED))
                     .map(|k| ["roll_rad", "pitch_rad", "yaw_rad"][k])
             };
             if let Some(column) = column {
@@ -286,7 +286,7 @@ impl Proposal<'_> {
         });
     }
 
-    /// The unit of a channel without one, by its range.
+    /// The unit of a channel without a stated one, from its range.
     fn single_unit(&mut self, channel: &Channel, column: &str) -> Option<&'static str> {
         if channel.unit.is_some() {
             return None;
@@ -300,13 +300,13 @@ impl Proposal<'_> {
             _ => return None,
         };
         self.notices.push(format!(
-            "no unit is stated for {}; by its range it is taken as {unit}",
+            "no unit is stated for {}; by its range it is assumed to be {unit}",
             channel.name
         ));
         Some(unit)
     }
 
-    /// Coordinates of poses: those that a controller wants, and those that an instrument measures.
+    /// Coordinates of poses: commanded, and measured by an instrument.
     fn poses(&mut self, series: &Series, format: Format) {
         if self.markers(series, format) {
             return;
@@ -325,11 +325,11 @@ impl Proposal<'_> {
             .iter()
             .filter(|channel| !given.contains(&channel.name));
         for channel in free {
-            let spoken = words_of(&channel.name);
+            let words = words_of(&channel.name);
             let (Some((component, owner)), false) = (
-                component(&channel.name, &spoken),
+                component(&channel.name, &words),
                 is_any(
-                    &spoken,
+                    &words,
                     &[
                         "vel",
                         "velocity",
@@ -346,16 +346,16 @@ impl Proposal<'_> {
             ) else {
                 continue;
             };
-            let is_wanted = is_any(&spoken, WANTED) || is_any(&topic, WANTED);
+            let is_wanted = is_any(&words, WANTED) || is_any(&topic, WANTED);
             let is_known = is_wanted
-                || is_any(&spoken, EXTERNAL)
+                || is_any(&words, EXTERNAL)
                 || is_any(&topic, EXTERNAL)
                 || matches!(
                     format,
                     Format::Motive | Format::Nexus | Format::C3d | Format::PointList
                 )
                 || owner.is_empty();
-            if !is_known || is_any(&spoken, &["marker"]) {
+            if !is_known || is_any(&words, &["marker"]) {
                 continue;
             }
             match bodies.iter_mut().find(|(known, ..)| *known == owner) {
@@ -400,12 +400,12 @@ impl Proposal<'_> {
                 });
             }
             if up_is_y {
-                self.notices.push(format!("{}: the y axis of the capture is taken as up: x, y, z of the robot are x, -z, y there", series.name));
+                self.notices.push(format!("{}: the y axis of the capture is assumed to point up: x, y, z of the robot are x, -z, y there", series.name));
             }
         }
     }
 
-    /// Three or more markers on the platform, where no body has an orientation of its own; whether there are.
+    /// Assigns three or more markers on the platform if no body has an orientation; returns whether there are any.
     fn markers(&mut self, series: &Series, format: Format) -> bool {
         let mut owners: BTreeMap<String, [Option<&Channel>; 3]> = BTreeMap::new();
         let mut has_orientation = false;
@@ -454,7 +454,7 @@ impl Proposal<'_> {
                 .join(", ")
         };
         let mut notice = format!(
-            "{}: {} keep their distances while they move: taken as markers on the platform",
+            "{}: {} move at constant distances from each other: assumed to be markers on the platform",
             series.name,
             names(true)
         );
@@ -489,7 +489,7 @@ impl Proposal<'_> {
             owner
         };
         self.notices.push(format!(
-            "no unit is stated for {of}; by their range they are taken as mm"
+            "no unit is stated for {of}; by their range they are assumed to be in mm"
         ));
         Some("mm")
     }
@@ -560,9 +560,9 @@ impl Proposal<'_> {
         self.recipe.first_pose_is_home = true;
         if largest > 0.02 * span {
             assignment.from_first_pose = true;
-            self.notices.push("the revolutions do not begin at 0: they are counted from the first pose, which is taken as the home pose".into());
+            self.notices.push("the revolutions do not begin at 0: they are counted from the first pose, which is assumed to be the home pose".into());
         } else {
-            self.notices.push("the first pose is taken as the home pose, because the revolutions begin at 0 there".into());
+            self.notices.push("the first pose is assumed to be the home pose, because the revolutions begin at 0 there".into());
         }
     }
 }

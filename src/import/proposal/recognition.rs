@@ -1,4 +1,4 @@
-//! What one channel is, by its name, its unit and its values.
+//! Recognition of one channel by its name, unit and values.
 
 use crate::naming::words::{ACTUAL, OTHER, PER_CABLE, WANTED};
 use crate::naming::words_of;
@@ -6,11 +6,11 @@ use crate::recipe::Kind;
 use crate::source::Channel;
 use crate::units::{Dimension, parse_unit};
 
-/// Name of a body, whether it is wanted rather than measured, and its components.
+/// Name of a body, whether it is commanded rather than measured, and its components.
 pub(super) type Body<'a> = (String, bool, Vec<(usize, &'a Channel)>);
 
-pub(super) fn is_any(spoken: &[String], known: &[&str]) -> bool {
-    spoken.iter().any(|word| known.contains(&word.as_str()))
+pub(super) fn is_any(words: &[String], known: &[&str]) -> bool {
+    words.iter().any(|word| known.contains(&word.as_str()))
 }
 
 pub(super) fn is_whole(channel: &Channel) -> bool {
@@ -26,15 +26,15 @@ pub(super) fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
-/// What one channel for each cable is, and how surely.
+/// Kind of a channel that exists once per cable, with a score.
 pub(super) fn kind_of(channel: &Channel) -> Option<(Kind, i32)> {
-    let spoken = words_of(&channel.name);
-    if is_any(&spoken, OTHER) {
+    let words = words_of(&channel.name);
+    if is_any(&words, OTHER) {
         return None;
     }
-    let said = PER_CABLE
+    let named = PER_CABLE
         .iter()
-        .find(|(_, known)| is_any(&spoken, known))
+        .find(|(_, known)| is_any(&words, known))
         .map(|(kind, _)| *kind);
     let dimension = channel
         .unit
@@ -43,9 +43,9 @@ pub(super) fn kind_of(channel: &Channel) -> Option<(Kind, i32)> {
     let kind = match dimension {
         Some(Some(Dimension::Force)) => Kind::Force,
         Some(Some(Dimension::Length)) => Kind::Length,
-        Some(Some(Dimension::Angle)) if said == Some(Kind::Swivel) => Kind::Swivel,
+        Some(Some(Dimension::Angle)) if named == Some(Kind::Swivel) => Kind::Swivel,
         Some(Some(Dimension::Angle)) => Kind::Revolutions,
-        Some(Some(Dimension::Number)) | None => match (said, &spoken[..]) {
+        Some(Some(Dimension::Number)) | None => match (named, &words[..]) {
             (Some(kind), _) => kind,
             // `F1` and `l1` are what equations call forces and lengths.
             (None, [letter]) if letter == "f" => Kind::Force,
@@ -54,20 +54,20 @@ pub(super) fn kind_of(channel: &Channel) -> Option<(Kind, i32)> {
         },
         Some(_) => return None,
     };
-    let score = i32::from(said.is_some()) + 2 * i32::from(is_any(&spoken, ACTUAL))
-        - 4 * i32::from(is_any(&spoken, WANTED));
+    let score = i32::from(named.is_some()) + 2 * i32::from(is_any(&words, ACTUAL))
+        - 4 * i32::from(is_any(&words, WANTED));
     Some((kind, score))
 }
 
 /// The component of a pose that a name ends with, x, y, z, and w, x, y, z of a quaternion, and the name without it.
-pub(super) fn component(name: &str, spoken: &[String]) -> Option<(usize, String)> {
-    let last = spoken.last()?;
+pub(super) fn component(name: &str, words: &[String]) -> Option<(usize, String)> {
+    let last = words.last()?;
     // A unit may follow: `ee_x_m`.
     let (last, dropped) = match parse_unit(last) {
-        Some(_) if spoken.len() > 1 && last != "x" => (&spoken[spoken.len() - 2], last.len() + 1),
+        Some(_) if words.len() > 1 && last != "x" => (&words[words.len() - 2], last.len() + 1),
         _ => (last, 0),
     };
-    let is_rotation = spoken.iter().any(|word| {
+    let is_rotation = words.iter().any(|word| {
         matches!(
             word.as_str(),
             "rotation" | "quat" | "quaternion" | "orientation" | "q"

@@ -1,18 +1,18 @@
-//! Changes of a recipe: what a channel is, and what the channels of a pattern are.
+//! Edits of a recipe: assignments of single channels and of patterns.
 
 use super::{Assignment, Quantity, Recipe};
 
-/// Where the number of the cable is in names of channels and columns.
+/// Placeholder of the cable number in names of channels and columns.
 const NUMBER: &str = "{i}";
 
 impl Assignment {
-    /// Whether it holds for one channel of every cable.
+    /// Whether it assigns one channel per cable.
     #[must_use]
     pub fn is_pattern(&self) -> bool {
         self.quantity.contains(NUMBER)
     }
 
-    /// The same for one cable from 0; itself where it is no pattern.
+    /// The entry of one cable, counted from 0; the entry itself if it is not a pattern.
     #[must_use]
     pub fn of_cable(&self, cable: usize) -> Self {
         if !self.is_pattern() {
@@ -26,14 +26,14 @@ impl Assignment {
         }
     }
 
-    /// The channel of a cable from 0.
+    /// The channel of a cable, counted from 0.
     #[must_use]
     pub fn channel_of(&self, cable: usize) -> String {
         let number = (cable + self.first).to_string();
         self.channel.replacen(NUMBER, &number, 1)
     }
 
-    /// One entry for each of its channels, for a robot with so many cables.
+    /// One entry per channel, for a robot with `cables` cables.
     fn singles(&self, cables: usize) -> Vec<Self> {
         let count = if self.is_pattern() { cables } else { 1 };
         (0..count).map(|cable| self.of_cable(cable)).collect()
@@ -46,7 +46,7 @@ impl Assignment {
 }
 
 impl Recipe {
-    /// The entry that says what a channel is, as it stands in the recipe; `None` where the channel is not used.
+    /// The entry that assigns a channel; `None` if the channel is not used.
     #[must_use]
     pub fn entry_of(&self, series: &str, channel: &str, cables: usize) -> Option<&Assignment> {
         self.channels
@@ -56,7 +56,7 @@ impl Recipe {
             .find_map(|(k, entry)| {
                 let singles = entry.singles(cables);
                 let own = singles.iter().find(|one| one.is_of(series, channel))?;
-                // What a later entry makes of another channel, this one is no more.
+                // A later entry with the same quantity supersedes this one.
                 let is_replaced = self.channels[k + 1..]
                     .iter()
                     .flat_map(|later| later.singles(cables))
@@ -65,7 +65,7 @@ impl Recipe {
             })
     }
 
-    /// Says what a channel or those of a pattern are; what they and their quantities were before is forgotten.
+    /// Assigns a channel or the channels of a pattern, replacing earlier assignments of these channels and quantities.
     pub fn assign(&mut self, series: &str, assignment: Assignment, cables: usize) {
         for one in assignment.singles(cables) {
             self.release(series, &one.channel, cables);
@@ -80,7 +80,7 @@ impl Recipe {
         self.channels.push(assignment);
     }
 
-    /// Uses a channel no more. A pattern that has it becomes entries of the other cables.
+    /// Removes the assignment of a channel. A pattern that contains it is split into entries for the other cables.
     pub fn release(&mut self, series: &str, channel: &str, cables: usize) {
         let mut kept = Vec::with_capacity(self.channels.len());
         for entry in self.channels.drain(..) {
@@ -95,7 +95,7 @@ impl Recipe {
         self.channels = kept;
     }
 
-    /// What can be used for another recording: without what happened in this one, steps of encoders and clocks.
+    /// The recipe for another recording: without encoder steps and clocks, which belong to this one.
     #[must_use]
     pub fn for_another(&self) -> Self {
         Self {

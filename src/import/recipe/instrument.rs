@@ -1,28 +1,28 @@
-//! What a recipe says of an external instrument.
+//! Placement of an external instrument.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::geometry::Pose;
 
-/// What is known of an external instrument; what is absent is found.
+/// Known placement of an external instrument; absent fields are estimated.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Instrument {
-    /// Where its frame is in the robot's.
+    /// Pose of the instrument's frame in the robot's frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<Placement>,
-    /// Where the body that it follows is on the platform.
+    /// Pose of the tracked body in the platform's frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<Placement>,
-    /// Where the markers are on that body (m), from the first; null for one that is not known.
+    /// Positions of the markers on that body (m), in order; null if unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub markers_m: Option<Vec<Option<[f64; 3]>>>,
 }
 
-/// Place and orientation of a frame in another.
+/// Pose of a frame in another.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Placement {
-    /// Its origin (m).
+    /// Position of its origin (m).
     pub position_m: [f64; 3],
     /// Rotation from it to the other frame, quaternion with w first.
     pub orientation_wxyz: [f64; 4],

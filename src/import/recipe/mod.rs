@@ -1,4 +1,4 @@
-//! Recipes: which channel is which quantity of the robot.
+//! Recipes: the assignment of channels to quantities of the robot.
 
 mod edit;
 mod instrument;
@@ -16,11 +16,11 @@ pub use instrument::{Instrument, Placement};
 pub use quantity::{Kind, Quantity};
 pub(crate) use resolve::{Mapped, Mapping, is_series, resolve};
 
-/// How channels of foreign files become quantities of `poses.csv`.
+/// Assignment of channels of foreign files to columns of `poses.csv`, and how rows become poses.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Recipe {
-    /// Channels and their quantities. Where two entries give one quantity the later one holds, so that an entry for one
-    /// cable corrects an entry for all.
+    /// Channels and their quantities. If two entries assign the same quantity the later one holds, so that an entry for one
+    /// cable overrides an entry for all.
     pub channels: Vec<Assignment>,
     /// How rows become poses.
     #[serde(default)]
@@ -34,16 +34,16 @@ pub struct Recipe {
     /// Columns of `poses.csv` that stay empty, because their channel is dead.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_empty: Vec<String>,
-    /// What is known of the external instrument; absent: its poses are those of the platform in the robot's frame, and what
+    /// Placement of the external instrument; absent: its poses are those of the platform in the robot's frame, and what
     /// markers need is found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instrument: Option<Box<Instrument>>,
-    /// Steps of encoders that are taken back.
+    /// Encoder steps that are compensated.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<Step>,
 }
 
-/// A channel and what it is.
+/// Assignment of a channel to a quantity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Assignment {
     /// Name of the channel; `{i}` stands for the number of the cable.
@@ -59,10 +59,10 @@ pub struct Assignment {
     /// Factor by which the values are multiplied, after the unit.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub factor: f64,
-    /// Whether the sign is turned.
+    /// Whether the sign is reversed.
     #[serde(default, skip_serializing_if = "is_false")]
     pub reversed: bool,
-    /// What is added, in the unit of the quantity.
+    /// Offset added after unit, factor and sign, in the unit of the quantity.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub offset: f64,
     /// Whether values count from that of the first pose.
@@ -74,7 +74,7 @@ pub struct Assignment {
 }
 
 impl Assignment {
-    /// A channel that is a quantity as it stands.
+    /// Assigns a channel without any conversion.
     #[must_use]
     pub fn new(channel: impl Into<String>, quantity: impl Into<String>) -> Self {
         Self {
@@ -98,25 +98,25 @@ pub enum Cutting {
     /// Every row is a pose.
     #[default]
     Rows,
-    /// Rows that follow each other with the same label are one pose.
+    /// Consecutive rows with the same label are one pose.
     Labels,
-    /// Where nothing moves for a time is a pose.
+    /// Every standstill is a pose.
     Rest(Rest),
     /// Every row is a sample of a recording in motion; other series are interpolated at its times.
     Motion,
 }
 
-/// What counts as rest.
+/// Criteria of a standstill.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Rest {
-    /// Shortest rest that is a pose (s).
+    /// Minimum duration of a standstill (s).
     pub minimum_s: f64,
-    /// Time that is left out at the beginning and at the end of a rest, while the platform settles (s).
+    /// Time left out at the beginning and at the end of a standstill, while the platform settles (s).
     pub settle_s: f64,
-    /// Fastest motion of cables and platform at rest (m/s).
+    /// Maximum speed of cables and platform at rest (m/s).
     pub speed_m_s: f64,
-    /// Fastest rotation of pulleys and platform at rest (rad/s).
+    /// Maximum angular speed of pulleys and platform at rest (rad/s).
     pub turn_rad_s: f64,
 }
 
@@ -136,16 +136,16 @@ impl Default for Rest {
 pub struct Clock {
     /// Name of the series, or the end of the name.
     pub series: String,
-    /// What is added to its times (s).
+    /// Offset added to its times (s).
     #[serde(default)]
     pub offset_s: f64,
-    /// How much slower it runs than the common clock (s/s): `drift (t - drift_from_s)` is added as well.
+    /// Rate difference (s/s), positive if it runs slower than the common clock: `drift (t - drift_from_s)` is added as well.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub drift: f64,
     /// Time on its own clock from which the drift counts (s).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub drift_from_s: f64,
-    /// Whether jumps of the clock are closed: the step to the next row is then that of the other rows.
+    /// Whether jumps of the clock are closed, i.e. replaced by the usual step between rows.
     #[serde(default)]
     pub close_jumps: bool,
 }
@@ -157,7 +157,7 @@ pub struct Step {
     pub quantity: String,
     /// Label of the first pose after the step.
     pub from_pose: i64,
-    /// What is added from there on, in the unit of the quantity.
+    /// Value added from there on, in the unit of the quantity.
     pub add: f64,
 }
 
@@ -214,7 +214,7 @@ impl VersionedFile for Recipe {
             };
             if channel.matches("{i}").count() != quantity.matches("{i}").count() {
                 let message = format!(
-                    "found \"{channel}\" for \"{quantity}\", expected one {{i}} in both or in none"
+                    "found \"{channel}\" for \"{quantity}\", expected {{i}} once in both or in neither"
                 );
                 return fail(at("channel"), message);
             }
@@ -264,7 +264,7 @@ impl VersionedFile for Recipe {
                 if value.is_nan() || value.abs() > most {
                     return fail(
                         format!("/clocks/{k}/{key}"),
-                        format!("found {value}, expected a number of a clock"),
+                        format!("found {value}, expected a finite number"),
                     );
                 }
             }
@@ -294,7 +294,7 @@ impl VersionedFile for Recipe {
 /// Reads a recipe.
 ///
 /// # Errors
-/// If the file cannot be read or is no recipe.
+/// If the file cannot be read or is not a recipe.
 pub fn read_recipe(path: &Path) -> Result<Loaded<Recipe>, ReadError> {
     read_versioned(path)
 }

@@ -1,4 +1,4 @@
-//! The quantities that a channel can be: the columns of `poses.csv`, and coordinates of markers.
+//! The quantities to which a channel can be assigned: the columns of `poses.csv`, and coordinates of markers.
 
 use std::f64::consts::TAU;
 
@@ -7,13 +7,13 @@ use crate::units::{Dimension, Unit, parse_unit};
 /// A column of `poses.csv`, or a coordinate of a marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Quantity {
-    /// What it is.
+    /// Kind.
     pub kind: Kind,
-    /// Cable from 0, or component of a group of columns; those of markers follow each other.
+    /// Index of the cable, from 0, or component within a group of columns; three components per marker in sequence.
     pub index: usize,
 }
 
-/// Kinds of columns.
+/// Kind of a column, each with its names in `poses.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
     /// `pose`
@@ -42,7 +42,7 @@ pub enum Kind {
     TrackedSd,
     /// `group`
     Group,
-    /// `marker_1_x_m` to `marker_99_z_m`: no column of `poses.csv`, but what measured poses are made of
+    /// `marker_1_x_m` to `marker_99_z_m`: not in `poses.csv`; measured poses are computed from them
     Marker,
 }
 
@@ -76,9 +76,9 @@ const PER_CABLE: [(Kind, &str, &str); 4] = [
     (Kind::Swivel, "swivel_", "_rad"),
 ];
 
-/// Most markers.
+/// Maximum number of markers.
 const MARKERS: usize = 99;
-/// Markers that a list of all quantities has.
+/// Number of markers in a list of all quantities.
 const LISTED_MARKERS: usize = 6;
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -126,7 +126,7 @@ impl Quantity {
         (!column.contains("{i}") || parsed.is_per_cable()).then_some(parsed)
     }
 
-    /// Its column.
+    /// Name of the column.
     #[must_use]
     pub fn column(self) -> String {
         let single = SINGLE.iter().find(|(kind, _)| *kind == self.kind);
@@ -140,19 +140,19 @@ impl Quantity {
         self.kind.column_of(&(self.index + 1).to_string())
     }
 
-    /// Whether there is one for each cable.
+    /// Whether there is one per cable.
     #[must_use]
     pub fn is_per_cable(self) -> bool {
         PER_CABLE.iter().any(|(kind, ..)| *kind == self.kind)
     }
 
-    /// Whether it is a text.
+    /// Whether its values are text.
     #[must_use]
     pub fn is_text(self) -> bool {
         matches!(self.kind, Kind::Label | Kind::Group)
     }
 
-    /// The dimension, and base units per unit of the column.
+    /// Dimension, and base units per unit of the column.
     #[must_use]
     pub fn dimension(self) -> (Dimension, f64) {
         match self.kind {
@@ -177,7 +177,7 @@ impl Quantity {
     pub fn conversion(self, unit: &str) -> Option<(f64, f64)> {
         let unit: Unit = parse_unit(unit)?;
         let (dimension, native) = self.dimension();
-        // Counts of an encoder need a factor; the number as such is taken.
+        // Encoder counts are plain numbers, scaled by the factor of the entry.
         if unit.dimension == Dimension::Number {
             return Some((1.0, 0.0));
         }
@@ -193,7 +193,7 @@ impl Quantity {
         Some((factor, unit.offset / native))
     }
 
-    /// The units that it can have, in words.
+    /// The permitted units, in words.
     #[must_use]
     pub fn expected_unit(self) -> &'static str {
         match self.dimension().0 {
@@ -206,7 +206,7 @@ impl Quantity {
         }
     }
 
-    /// Units that are usual for it.
+    /// Usual units.
     #[must_use]
     pub fn usual_units(self) -> &'static [&'static str] {
         match self.dimension().0 {
@@ -219,7 +219,7 @@ impl Quantity {
         }
     }
 
-    /// One of each kind, those of cables for the first cable.
+    /// One quantity of each kind and component, for the first cable.
     #[must_use]
     pub fn all() -> Vec<Self> {
         let per_cable = PER_CABLE.iter().map(|(kind, ..)| Self {
@@ -236,7 +236,7 @@ impl Quantity {
         per_cable.chain(single).chain(markers).collect()
     }
 
-    /// What people call it, without the number of the cable.
+    /// Title without the number of the cable.
     #[must_use]
     pub fn title(self) -> String {
         let axis = |of: &str| {
@@ -261,7 +261,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it changes when the platform moves.
+    /// Whether it varies with the pose of the platform.
     #[must_use]
     pub fn moves(self) -> bool {
         matches!(
@@ -278,7 +278,7 @@ impl Quantity {
 }
 
 impl Kind {
-    /// Column of the cable with this number, or `{i}`.
+    /// Column for a cable number, or for `{i}`.
     #[must_use]
     pub fn column_of(self, number: &str) -> String {
         let found = PER_CABLE.iter().find(|(kind, ..)| *kind == self);

@@ -1,4 +1,4 @@
-//! A recipe and sources to the channel of each quantity.
+//! Finds the channel of each quantity in the sources.
 
 use std::collections::BTreeMap;
 
@@ -18,11 +18,11 @@ pub(crate) struct Mapped {
     pub is_text: bool,
     /// `value = factor x + offset` in the unit of the quantity.
     pub factor: f64,
-    /// See there.
+    /// Offset in the unit of the quantity.
     pub offset: f64,
     /// Whether values count from that of the first pose.
     pub from_first_pose: bool,
-    /// The entry of the recipe.
+    /// Index of the entry in the recipe.
     pub assignment: usize,
 }
 
@@ -30,14 +30,14 @@ pub(crate) struct Mapped {
 pub(crate) struct Mapping<'a> {
     pub series: Vec<&'a Series>,
     pub quantities: BTreeMap<Quantity, Mapped>,
-    /// Time of each series, for the entry of the recipe that gives one.
+    /// Time channel of each series, if the recipe assigns one.
     pub times: Vec<Option<Mapped>>,
 }
 
 /// Finds the channels of a recipe; `recipe_file` is its name for messages.
 ///
 /// # Errors
-/// The first entry whose channel is not there, or is there more than once, or whose unit does not fit.
+/// For the first entry whose channel is missing or ambiguous, or whose unit does not match.
 pub(crate) fn resolve<'a>(
     sources: &'a [Source],
     recipe: &Recipe,
@@ -90,7 +90,7 @@ pub(crate) fn resolve<'a>(
                 return Err(fail(
                     "channel",
                     format!(
-                        "found {}, which is text, expected numbers",
+                        "found {}, which is a text column, expected numbers",
                         quoted(&channel)
                     ),
                 ));
@@ -137,7 +137,7 @@ pub(crate) fn resolve<'a>(
     Ok(mapping)
 }
 
-/// Whether the name of a series is meant by a text of a recipe.
+/// Whether a name in a recipe refers to a series.
 pub(crate) fn is_series(series: &Series, meant: &str) -> bool {
     series.name == meant || series.name.ends_with(meant)
 }

@@ -19,7 +19,7 @@ pub(super) fn robot(
     let mut notices = Vec::new();
     let body = bodies.map(|(file, root)| body(file, root)).transpose()?;
     let platform = body.unwrap_or_else(|| {
-        notices.push(format!("{file}: without the file of the bodies the platform has six degrees of freedom and no mass"));
+        notices.push(format!("{file}: without the file of the bodies the platform is assumed to have six degrees of freedom and no mass"));
         Platform { free: Coordinate::ALL.to_vec(), mass_kg: None, center_of_mass_m: [0.0; 3], inertia_kg_m2: None, wrench_sd: None }
     });
     let set = cable_set(file, cables)?;
@@ -32,12 +32,12 @@ pub(super) fn robot(
         .iter()
         .find(|element| element.name != "cable_ideal")
     {
-        notices.push(format!("{file}, line {}: stiffness of <{}> left out: cables are inelastic until robot.json says otherwise", element.line, element.name));
+        notices.push(format!("{file}, line {}: stiffness of <{}> left out: cables are inelastic unless robot.json states their stiffness", element.line, element.name));
     }
     robot_of(file, platform, cables, notices)
 }
 
-/// The set of cables that is the default, or the first one.
+/// The default set of cables, or the first one.
 fn cable_set<'a>(file: &str, root: &'a Element) -> Result<&'a Element, ReadError> {
     let mut sets = root
         .children
@@ -72,7 +72,7 @@ fn body(file: &str, root: &Element) -> Result<Platform, ReadError> {
     let child = |of: &'_ Element, name: &str| of.child(name).is_some();
     let joint = link
         .child("joint")
-        .ok_or_else(|| link.error(file, "found no joint, expected how the platform moves"))?;
+        .ok_or_else(|| link.error(file, "found no joint, expected the joint of the platform"))?;
     let kind = joint.attribute("type").unwrap_or_default();
     let free = freedom(kind).ok_or_else(|| {
         joint.error(
@@ -103,7 +103,7 @@ fn body(file: &str, root: &Element) -> Result<Platform, ReadError> {
     {
         return Err(link.error(
             file,
-            "found a platform whose joint is not at the origin of the base, expected it there",
+            "found a platform whose joint is not at the origin of the base, expected no offset",
         ));
     }
     Ok(Platform {
@@ -115,7 +115,7 @@ fn body(file: &str, root: &Element) -> Result<Platform, ReadError> {
     })
 }
 
-/// Free coordinates of a joint. The ways to write rotations differ, the freedom does not.
+/// Free coordinates of a joint. Joint types with different rotation parameters have the same freedom.
 fn freedom(joint: &str) -> Option<Vec<Coordinate>> {
     use Coordinate::{Rx, Ry, Rz, X, Y, Z};
     Some(match joint {
@@ -168,7 +168,7 @@ fn cable(
     let (entry_point_m, radius_m, axis) = match base.name.as_str() {
         "attachment" => {
             on_link(base, 0.0)?;
-            // The axis of an eyelet has no meaning.
+            // An eyelet has no swivel axis; the value is arbitrary.
             (need(base, "location")?, 0.0, [0.0, 0.0, 1.0])
         }
         "base_rotating_pulley" => {
@@ -204,7 +204,7 @@ fn cable(
     let name = element.attribute("name").map(str::to_owned);
     let axis = Vec3::from(axis)
         .try_normalize(1e-9)
-        .ok_or_else(|| base.error(file, "found a cable_entry_vector without direction"))?;
+        .ok_or_else(|| base.error(file, "found a cable_entry_vector of zero length"))?;
     let guide = Guide {
         entry_point_m,
         swivel_axis: axis.into(),

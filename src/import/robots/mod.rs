@@ -14,13 +14,13 @@ use xml::Element;
 /// Largest description that is read (bytes).
 const MAX_BYTES: u64 = 16 << 20;
 
-/// Standard deviation of a length reading (m) where nobody has said any: what good winches reach.
+/// Default standard deviation of a length reading (m): what good winches reach.
 const LENGTH_SD_M: f64 = 1e-3;
 
-/// Reads the robot that files describe: cables and bodies of CASPR, which are two files, or a model of WireX.
+/// Reads a robot description: the two files of cables and bodies of CASPR, or a model of WireX.
 ///
 /// # Errors
-/// If a file is none of these, or describes no robot with one platform.
+/// If a file is none of these, or does not describe a robot with one platform.
 pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadError> {
     let (mut cables, mut bodies) = (None, None);
     for path in paths {
@@ -54,7 +54,7 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
             Err(ReadError::new(
                 &file,
                 Place::File,
-                "describes bodies only, expected the file of the cables beside it",
+                "describes bodies only, expected the file of the cables as well",
             ))
         }
     }
@@ -68,7 +68,7 @@ struct Guide {
     radius_m: f64,
 }
 
-/// A cable of which only the geometry is known, with the winch and the noise that [`robot_of`] tells of.
+/// A cable with known geometry and the default winch and noise that [`robot_of`] reports.
 fn cable_of(
     name: Option<String>,
     number: usize,
@@ -106,7 +106,7 @@ fn name_of(file: &str) -> String {
     stem.strip_suffix("_cables").unwrap_or(&stem).to_owned()
 }
 
-/// The robot of a description that knows its geometry only.
+/// The robot of a description that states the geometry only.
 fn robot_of(
     file: &str,
     platform: Platform,
@@ -114,7 +114,7 @@ fn robot_of(
     mut notices: Vec<String>,
 ) -> Result<Loaded<Robot>, ReadError> {
     notices.push(format!(
-        "{file}: says nothing of winches, noise and how well pulleys are known: a motor revolution is 1 m of cable, a length has a standard deviation of {} mm, entry points are unknown; correct robot.json",
+        "{file}: does not state winches, noise and tolerances of the pulleys: a motor revolution is assumed to wind 1 m of cable, a length to have a standard deviation of {} mm, and entry points to be unknown; correct robot.json",
         1e3 * LENGTH_SD_M
     ));
     let robot = Robot {

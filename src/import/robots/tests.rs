@@ -128,12 +128,12 @@ fn what_is_wrong_is_named_with_its_place() {
         (
             CABLES.replace("</cables>", ""),
             BODIES.to_owned(),
-            "a.xml: ends before its elements do",
+            "a.xml: ends within an element",
         ),
         (
             CABLES.replace("</cable_set>\n</cables>", "</cables>"),
             BODIES.to_owned(),
-            "is no XML",
+            "is not XML",
         ),
         (
             CABLES.to_owned(),
@@ -205,10 +205,10 @@ fn lengths_of_a_model_of_wirex_are_those_of_its_own_equations() {
         assert!((lengths[1].length_m - straight).abs() < 1e-12);
     }
     for part in [
-        "line 9: gives no rotation",
+        "line 9: states no rotation",
         "line 14: inertia left out",
-        "does not say whether WireX computes with pulleys",
-        "says nothing of winches",
+        "does not state whether WireX models pulleys",
+        "does not state winches",
     ] {
         let told = read.notices.iter().filter(|notice| notice.contains(part));
         assert_eq!(told.count(), 1, "{part}: {:?}", read.notices);
@@ -239,7 +239,7 @@ fn variants_of_models_of_wirex() {
         robot
             .notices
             .iter()
-            .any(|notice| notice.contains("line 5: gives no radius"))
+            .any(|notice| notice.contains("line 5: states no radius"))
     );
 }
 
@@ -266,8 +266,8 @@ fn what_is_wrong_with_a_model_of_wirex_is_named_with_its_place() {
             "a13=\"2\"",
             "line 5: <base>: found a13, a23, a33 of length 2.0000",
         ),
-        ("<robot generator", "<wireRobot generator", "is no XML"),
-        ("</models>", "", "ends before its elements do"),
+        ("<robot generator", "<wireRobot generator", "is not XML"),
+        ("</models>", "", "ends within an element"),
     ] {
         let text = WIREX.replace(found, replacement);
         let error = read(&[("a.wcrfx", &text)]).expect_err(part);

@@ -12,13 +12,13 @@ use tautline_session::{Loaded, ReadError, quoted};
 
 use super::{Element, Guide, cable_of, robot_of};
 
-/// What WireX takes for the radius of a pulley (m) where the file gives none.
+/// Default pulley radius of WireX (m).
 const RADIUS_M: f64 = 0.1;
 
-/// What WireX writes for a platform of which nobody has said anything: mass (kg), centre of mass (m).
-const UNTOLD_PLATFORM: (f64, [f64; 3]) = (25.0, [0.0, 1.0, 0.2]);
+/// Default platform of WireX: mass (kg), centre of mass (m).
+const DEFAULT_PLATFORM: (f64, [f64; 3]) = (25.0, [0.0, 1.0, 0.2]);
 
-/// Largest difference of the length of a swivel axis from 1: what is left by numbers of four digits.
+/// Maximum deviation of the length of a swivel axis from 1, due to rounding to four digits.
 const AXIS_TOLERANCE: f64 = 1e-3;
 
 pub(super) fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadError> {
@@ -33,7 +33,7 @@ pub(super) fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadE
     };
     if let Some(other) = others.first() {
         notices.push(format!(
-            "{file}, line {}: describes {} robots, the first is taken",
+            "{file}, line {}: describes {} robots; the first is used",
             other.line,
             robots.len()
         ));
@@ -59,7 +59,7 @@ pub(super) fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadE
             swivel_axis: swivel_axis(file, base, &mut notices)?,
             radius_m: base.number(file, "radius")?.unwrap_or_else(|| {
                 notices.push(format!(
-                    "{file}, line {}: gives no radius, WireX takes {RADIUS_M} m",
+                    "{file}, line {}: states no radius; {RADIUS_M} m is used, the default of WireX",
                     base.line
                 ));
                 RADIUS_M
@@ -75,7 +75,7 @@ pub(super) fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadE
     }
     if radii.iter().any(|radius| *radius > 0.0) {
         notices.push(format!(
-            "{file}: does not say whether WireX computes with pulleys; they are taken with the radius of the file: set radius_m to 0 in robot.json if cables leave fixed points"
+            "{file}: does not state whether WireX models pulleys; they are modelled with the radius in the file: set radius_m to 0 in robot.json if the cables leave from fixed points"
         ));
     }
     robot_of(file, platform, cables, notices)
@@ -94,7 +94,7 @@ fn swivel_axis(
 ) -> Result<[f64; 3], ReadError> {
     let Some(axis) = base.vector(file, ["a13", "a23", "a33"])? else {
         notices.push(format!(
-            "{file}, line {}: gives no rotation, the pulley swivels about z",
+            "{file}, line {}: states no rotation; the pulley is assumed to swivel about z",
             base.line
         ));
         return Ok([0.0, 0.0, 1.0]);
@@ -134,14 +134,15 @@ fn platform(file: &str, model: &Element, notices: &mut Vec<String>) -> Result<Pl
         .and_then(|element| element.child("centerofgravity"))
         .map(|place| point(file, place))
         .transpose()?;
-    let untold = (mass_kg, center_of_mass_m) == (Some(UNTOLD_PLATFORM.0), Some(UNTOLD_PLATFORM.1));
+    let untold =
+        (mass_kg, center_of_mass_m) == (Some(DEFAULT_PLATFORM.0), Some(DEFAULT_PLATFORM.1));
     if untold {
         notices.push(format!(
-            "{file}: the platform of 25 kg is what WireX writes where nobody has given one: left out"
+            "{file}: the platform of 25 kg is the default of WireX and is left out"
         ));
     } else if let Some(inertia) = element.and_then(|element| element.child("inertiatensor")) {
         notices.push(format!(
-            "{file}, line {}: inertia left out: the file does not say about which point",
+            "{file}, line {}: inertia left out: the file does not state about which point",
             inertia.line
         ));
     }

@@ -123,7 +123,7 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Element, ReadError> {
         let at = reader.buffer_position();
         let event = reader
             .read_event()
-            .map_err(|error| fail(reader.error_position(), &format!("is no XML ({error})")))?;
+            .map_err(|error| fail(reader.error_position(), &format!("is not XML ({error})")))?;
         match event {
             Event::Start(tag) => {
                 if open.len() > MAX_DEPTH {
@@ -145,7 +145,7 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Element, ReadError> {
             Event::Text(text) => {
                 let text = text
                     .decode()
-                    .map_err(|_| fail(at, "found text that is no UTF-8"))?;
+                    .map_err(|_| fail(at, "found text that is not UTF-8"))?;
                 if let Some(element) = open.last_mut() {
                     element.text.push_str(&text);
                 }
@@ -168,7 +168,7 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Element, ReadError> {
         _ => Err(ReadError::new(
             file,
             Place::File,
-            "ends before its elements do, expected the whole file",
+            "ends within an element, expected the complete file",
         )),
     }
 }

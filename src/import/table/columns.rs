@@ -12,7 +12,7 @@ pub(crate) struct Columns {
     file: String,
     columns: Vec<Column>,
     rows: usize,
-    /// Rows with another number of cells than columns: the first one's line and cells, and how many.
+    /// Rows whose number of cells differs from that of the columns: line and cells of the first one, and how many.
     broken: Option<(u64, usize, usize)>,
     /// Line of the last row.
     last_line: u64,
@@ -25,7 +25,7 @@ struct Column {
     name: String,
     unit: Option<String>,
     cells: Filled,
-    /// Cells that are no reading: the first one's line and text, and how many.
+    /// Cells that are not readings: line and text of the first one, and how many.
     not_read: Option<(u64, String, usize)>,
 }
 
@@ -62,8 +62,7 @@ impl Columns {
         }
     }
 
-    /// Adds a row. Rows without a text and comments are no rows; a row with another number of cells is counted and left
-    /// out.
+    /// Adds a row. Blank rows and comments are skipped; a row with a different number of cells is counted and left out.
     ///
     /// # Errors
     /// If some numbers have decimal points and others decimal commas: one of the two would be misread.
@@ -104,10 +103,10 @@ impl Columns {
         Ok(())
     }
 
-    /// The series of these columns; what was not read is told in notices.
+    /// The series of these columns; what was not read is reported in notices.
     ///
     /// # Errors
-    /// If there is no row, or most rows have another number of cells.
+    /// If there is no row, or most rows have a different number of cells.
     pub fn finish(self, name: &str, notices: &mut Vec<String>) -> Result<Series, ReadError> {
         let (file, width) = (&self.file, self.columns.len());
         if let Some((line, found, count)) = self.broken {
@@ -145,7 +144,7 @@ impl Columns {
                     String::new()
                 };
                 notices.push(format!(
-                    "{place}: line {line} holds {}{more}, taken as no reading",
+                    "{place}: line {line} holds {}{more}, treated as missing",
                     quoted(&text)
                 ));
             }
@@ -171,7 +170,7 @@ impl Columns {
 }
 
 impl Filled {
-    /// Columns that hold what most of these cells are.
+    /// The type of column that matches most of these cells.
     fn like<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Self {
         let filled = cells.filter(|cell| !is_gap(cell));
         let count = filled.clone().count();
@@ -193,7 +192,7 @@ impl Filled {
 }
 
 impl Column {
-    /// Adds a cell; the decimal sign of a number that has one.
+    /// Adds a cell and returns the decimal separator of its number.
     fn push(
         &mut self,
         line: u64,

@@ -1,4 +1,4 @@
-//! Where the data of a table begin, and what its columns are called.
+//! Layout of a table: where its data begin, and the headings of its columns.
 
 use std::collections::HashMap;
 
@@ -7,7 +7,7 @@ use tautline_session::{Place, ReadError};
 use crate::text::{Cells, Separator, is_gap, parse_number, parse_timestamp};
 use crate::units::{are_units, bare, split_heading};
 
-/// How a table is laid out.
+/// Layout of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Layout {
     /// Name and unit of each column.
@@ -18,12 +18,12 @@ pub(crate) struct Layout {
     pub first_data_line: u64,
     /// Lines before the header row that are not part of the table.
     preamble: Vec<(u64, String)>,
-    /// The first of several rows of readings before the table that have another number of cells.
+    /// Line and number of cells of the first row of another table before this one.
     other_table: Option<(u64, usize)>,
 }
 
 impl Layout {
-    /// The separator by which most cells of these lines become numbers.
+    /// The separator that yields the most numeric cells.
     pub fn separator(lines: &[(u64, &str)]) -> Separator {
         let score = |separator: &Separator| {
             let split: Vec<Cells> = lines
@@ -127,7 +127,7 @@ impl Layout {
     /// Refuses a file of two tables: one of them would be dropped.
     ///
     /// # Errors
-    /// If several rows before the table have readings in another number of cells.
+    /// If several rows before the table have readings but a different number of cells.
     pub fn check(&self, file: &str) -> Result<(), ReadError> {
         let Some((line, found)) = self.other_table else {
             return Ok(());
@@ -179,7 +179,7 @@ fn is_data(cells: &Cells) -> bool {
     readings > 0 && readings * 2 >= filled
 }
 
-/// A header row whose first cell is the sign of a comment.
+/// Whether a header row begins with a comment sign.
 fn is_commented(cells: &Cells, width: usize) -> bool {
     matches!(cells.get(0), "#" | "%") && cells.len() == width + 1
 }
@@ -208,7 +208,7 @@ fn name_points(headings: &mut [(String, Option<String>)], row: &Cells) {
     }
 }
 
-/// Gives columns without a name their number, and repeated names a number too.
+/// Numbers unnamed columns and repeated names.
 fn make_unique(headings: &mut [(String, Option<String>)]) {
     let mut seen: HashMap<String, usize> = HashMap::new();
     for (k, (name, _)) in headings.iter_mut().enumerate() {

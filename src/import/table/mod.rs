@@ -10,13 +10,13 @@ use crate::text::Cells;
 pub(crate) use columns::Columns;
 pub(crate) use layout::Layout;
 
-/// Rows that a layout is recognised by.
+/// Number of rows from which a layout is recognised.
 pub(crate) const SAMPLE: usize = 200;
 
-/// A table as rows of cells, each with the number of its line, to a series.
+/// Converts rows of cells, each with its line number, to a series.
 ///
 /// # Errors
-/// If no row has numbers, or the decimal signs contradict each other.
+/// If no row has numbers, or decimal points and commas are mixed.
 pub(crate) fn read_rows(
     file: &str,
     name: &str,

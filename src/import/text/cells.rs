@@ -1,6 +1,6 @@
 //! One line as cells.
 
-/// What stands between cells.
+/// Separator of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Separator {
     /// This character.
@@ -10,7 +10,7 @@ pub(crate) enum Separator {
 }
 
 impl Separator {
-    /// Those that are tried, the likeliest first.
+    /// The separators to try, most likely first.
     pub const ALL: [Self; 5] = [
         Self::Character('\t'),
         Self::Character(';'),
@@ -20,7 +20,7 @@ impl Separator {
     ];
 }
 
-/// The cells of one line; the memory is kept from line to line.
+/// The cells of one line; the buffers are reused from line to line.
 #[derive(Debug, Default)]
 pub(crate) struct Cells {
     text: String,

@@ -5,7 +5,7 @@ use std::io::{Read, Result as IoResult};
 /// How a text is encoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Encoding {
-    /// UTF-8, or Windows-1252 (Latin-1 with the characters that Windows adds) in lines that are no UTF-8.
+    /// UTF-8, or Windows-1252 (Latin-1 with the characters that Windows adds) in lines that are not UTF-8.
     Bytes {
         /// Whether such a line was found.
         latin: bool,
@@ -49,7 +49,7 @@ impl Encoding {
         std::io::Cursor::new(first.split_off(skipped)).chain(reader)
     }
 
-    /// Its name where a reader may want to know it.
+    /// Its name if it is unusual.
     pub fn name(self) -> Option<&'static str> {
         match self {
             Self::Bytes { latin: false } => None,
@@ -109,7 +109,7 @@ pub(super) struct Utf16Reader<R> {
     big_endian: bool,
     /// The first half of a pair whose second half is still to come.
     high: Option<u16>,
-    /// UTF-8 that is still to be given out, from `given` on.
+    /// Decoded UTF-8, pending from `given` on.
     ready: Vec<u8>,
     given: usize,
 }

@@ -18,7 +18,7 @@ pub(crate) use timestamp::parse_timestamp;
 /// Longest line that is read (bytes): thousands of channels, but not a file without line ends.
 const MAX_LINE: u64 = 4 << 20;
 
-/// The lines of a text file, decoded, without their ends; some can be looked at before they are read.
+/// The decoded lines of a text file, without line ends, with look-ahead.
 pub(crate) struct Lines<'a> {
     reader: Box<dyn BufRead + 'a>,
     file: &'a str,

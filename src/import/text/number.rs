@@ -1,6 +1,6 @@
-//! Numbers as recorders write them.
+//! Parsing of numbers as written by recorders.
 
-/// The decimal sign of a number.
+/// Decimal separator of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Decimal {
     /// None: a whole number.
@@ -11,7 +11,7 @@ pub(crate) enum Decimal {
     Comma,
 }
 
-/// What recorders write where there is no reading.
+/// Texts that recorders write for a missing reading.
 const GAPS: [&str; 16] = [
     "",
     "-",
@@ -31,7 +31,7 @@ const GAPS: [&str; 16] = [
     "-1.#ind",
 ];
 
-/// Whether a cell says that there is no reading.
+/// Whether a cell denotes a missing reading.
 pub(crate) fn is_gap(cell: &str) -> bool {
     cell.is_empty() || (cell.len() <= 9 && GAPS.contains(&cell.to_ascii_lowercase().as_str()))
 }

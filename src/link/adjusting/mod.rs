@@ -1,12 +1,12 @@
-//! Writing identified values to a controller, so that it holds either all old or all new ones.
+//! Writing identified values to a controller so that it holds either all old or all new values.
 //!
 //! Controllers have no transactions. So the old values are read first, the new ones are written and read back, and if
 //! any does not read back as written, the old ones are restored and read back. If the connection breaks, it is
-//! re-established and the values are read again: either all are new, or all are old, or they are mixed. Then only the
-//! operator arms the controller again, after which [`settle_adjustment`] restores the old ones.
+//! re-established and the values are read again: they are all new, all old, or mixed. A mixture requires that the
+//! operator arms the controller again, after which [`settle_adjustment`] restores the old values.
 //!
-//! A controller may hold what is no number (NaN or infinity). It is overwritten like any other value, but cannot be
-//! restored, because nothing is written that is no number.
+//! A controller may hold NaN or infinity. Such a value is overwritten like any other, but cannot be
+//! restored, because only finite numbers are written.
 
 use tautline_core::estimation::{ParameterId, Solution};
 use tautline_core::robot::Robot;
@@ -16,34 +16,34 @@ use crate::error::LinkError;
 use crate::parameters::{ParameterInfo, home_lengths, parameters_of};
 use crate::reconnecting::ReconnectPolicy;
 
-/// The controller holds a value if the difference is below this (m, rad, 1), so that rounding to single precision is
-/// allowed.
+/// Largest difference (m, rad, 1) at which the controller counts as holding a value; it allows for rounding to single
+/// precision.
 const TOLERANCE: f64 = 1e-9;
-/// The same relative to the value.
+/// The same, relative to the value.
 const RELATIVE_TOLERANCE: f64 = 2e-7;
-/// Most attempts to find out what the controller holds after the connection broke.
+/// Largest number of attempts to read the values after the connection broke.
 const MAX_ATTEMPTS: usize = 8;
 
-/// One parameter at the controller and as identified.
+/// One parameter with its values in the controller and as identified.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
     /// Name; see [`crate::parameters`].
     pub name: String,
     /// SI unit; "1" for a ratio.
     pub unit: &'static str,
-    /// Value in the controller, which may be no number; `None` if it has no such parameter, so that the value cannot be
+    /// Value in the controller, which may be NaN or infinite; `None` if it has no such parameter, so that the value cannot be
     /// written.
     pub controller: Option<f64>,
     /// Identified value.
     pub identified: f64,
     /// Identified less controller.
     pub difference: Option<f64>,
-    /// Standard deviation of the identified value, where the parameter was estimated and the data determine it.
+    /// Standard deviation of the identified value, if the parameter was estimated and the data determine it.
     pub sd: Option<f64>,
 }
 
 impl Difference {
-    /// Whether the controller holds another value that can be overwritten.
+    /// Whether the controller holds a different value that can be overwritten.
     #[must_use]
     pub fn is_writable_change(&self) -> bool {
         self.controller
@@ -77,9 +77,9 @@ pub fn plan_adjustment(
         .collect()
 }
 
-/// Standard deviation of an estimated parameter by its name at the controller.
+/// Standard deviation of an estimated parameter, by its name in the controller.
 ///
-/// That of a component of the home rotation is that of the small rotation by which it was estimated: the same
+/// For a component of the home rotation it is that of the estimated small rotation, which is equal
 /// for the small angles of a home pose.
 fn deviation(solution: &Solution, robot: &Robot, name: &str) -> Option<f64> {
     let axes = ["x", "y", "z"];
@@ -105,7 +105,7 @@ fn deviation(solution: &Solution, robot: &Robot, name: &str) -> Option<f64> {
     solution.standard_deviation(index)
 }
 
-/// Name at the controller of an effect's parameter; free effects come after the held ones.
+/// Name of an effect's parameter in the controller; free effects come after the held ones.
 fn effect_named(solution: &Solution, robot: &Robot, id: &ParameterId) -> Option<String> {
     let ParameterId::Effect { effect, parameter } = id else {
         return None;
@@ -122,40 +122,39 @@ fn effect_named(solution: &Solution, robot: &Robot, id: &ParameterId) -> Option<
     Some(crate::parameters::effect_name(&setting, known.name))
 }
 
-/// What the controller holds after an attempt to write.
+/// State of the controller's values after an attempt to write.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Holds {
+pub enum ControllerValues {
     /// All new values.
     New,
     /// All old values, as if nothing had been written.
     Old,
-    /// Some of both: these parameters do not have their old value.
+    /// Some of both; lists the parameters that do not have their old value.
     Mixed(Vec<String>),
-    /// Unknown, because the controller no longer answers.
+    /// Unknown, as the controller no longer answers.
     Unknown,
 }
 
-const OLD_VALUES: &str =
-    "The controller holds its old values: look for the cause, then write again.";
+const OLD_VALUES: &str = "The controller holds its old values: find the cause, then write again.";
 const UNKNOWN_VALUES: &str = "Do not move the robot: connect and arm it again, which brings the old values back; they are saved here.";
 
 /// Outcome of an attempt to write.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adjustment {
-    /// What the controller holds now.
-    pub holds: Holds,
-    /// The values before, to be restored by hand or with [`write_adjustment`].
+    /// State of the values.
+    pub holds: ControllerValues,
+    /// The previous values, to be restored by hand or with [`write_adjustment`].
     pub old: Vec<(String, f64)>,
-    /// What went wrong, where something did.
+    /// What went wrong, if anything.
     pub problem: Option<String>,
-    /// What to do next: one sentence.
+    /// What to do next, in one sentence.
     pub advice: String,
 }
 
 /// Writes new values and reads them back, or restores the old ones.
 ///
 /// # Errors
-/// If nothing was written: the controller is not armed or the old values cannot be read.
+/// If nothing was written: the controller is not armed, or the old values cannot be read.
 pub fn write_adjustment(
     controller: &mut dyn Controller,
     new: &[(String, f64)],
@@ -173,7 +172,7 @@ pub fn write_adjustment(
     let problem = match write_and_compare(controller, new) {
         Ok(wrong) if wrong.is_empty() => {
             return Ok(Adjustment {
-                holds: Holds::New,
+                holds: ControllerValues::New,
                 old,
                 problem: None,
                 advice: "Verify the new values with a verification run.".to_owned(),
@@ -188,19 +187,19 @@ pub fn write_adjustment(
     Ok(roll_back(controller, old, problem))
 }
 
-/// As [`write_adjustment`]; if the connection breaks, it is re-established, not armed, and the values are read until two
-/// results agree, because what was sent before may still arrive late. A mixture of old and new values is left as it is
+/// As [`write_adjustment`]; if the connection breaks, it is re-established without arming, and the values are read until two
+/// results agree, because writes sent before may still arrive late. A mixture of old and new values is left
 /// for [`settle_adjustment`].
 ///
 /// # Errors
-/// As those of [`write_adjustment`]: nothing was written.
+/// As [`write_adjustment`]: nothing was written.
 pub fn write_adjustment_reconnecting(
     controller: &mut dyn Controller,
     new: &[(String, f64)],
     policy: &mut dyn ReconnectPolicy,
 ) -> Result<Adjustment, LinkError> {
     let written = write_adjustment(controller, new)?;
-    if written.holds != Holds::Unknown {
+    if written.holds != ControllerValues::Unknown {
         return Ok(written);
     }
     let mut last = None;
@@ -213,8 +212,8 @@ pub fn write_adjustment_reconnecting(
                 ..written
             });
         }
-        // Lost again before anything could be read: another attempt.
-        let found = holds(controller, &written.old, new).ok();
+        // If the connection is lost again before anything could be read, another attempt is made.
+        let found = check_values(controller, &written.old, new).ok();
         if let Some(holds) = found.clone().filter(|_| found == last) {
             return Ok(Adjustment {
                 advice: found_advice(&holds),
@@ -228,40 +227,40 @@ pub fn write_adjustment_reconnecting(
     Ok(written)
 }
 
-/// What a controller holds after `new` values may have replaced `old` ones.
+/// Determines the state of the values after `new` values may have replaced `old` ones.
 ///
 /// # Errors
 /// If the values cannot be read.
-pub fn holds(
+pub fn check_values(
     controller: &mut dyn Controller,
     old: &[(String, f64)],
     new: &[(String, f64)],
-) -> Result<Holds, LinkError> {
+) -> Result<ControllerValues, LinkError> {
     if differing(controller, new)?.is_empty() {
-        return Ok(Holds::New);
+        return Ok(ControllerValues::New);
     }
     let others = differing(controller, old)?;
     Ok(match others.is_empty() {
-        true => Holds::Old,
-        false => Holds::Mixed(others),
+        true => ControllerValues::Old,
+        false => ControllerValues::Mixed(others),
     })
 }
 
-/// What to do about values that were found after the connection was lost.
-fn found_advice(holds: &Holds) -> String {
+/// Advice on the values found after the connection was lost.
+fn found_advice(holds: &ControllerValues) -> String {
     match holds {
-        Holds::New => "All new values arrived before the connection was lost: verify them with a verification run.".to_owned(),
-        Holds::Old => OLD_VALUES.to_owned(),
-        Holds::Mixed(names) => format!(
+        ControllerValues::New => "All new values arrived before the connection was lost: verify them with a verification run.".to_owned(),
+        ControllerValues::Old => OLD_VALUES.to_owned(),
+        ControllerValues::Mixed(names) => format!(
             "Do not move the robot: {} of its values are not the old ones. Arm the controller again to bring the old values back.",
             names.len()
         ),
-        Holds::Unknown => UNKNOWN_VALUES.to_owned(),
+        ControllerValues::Unknown => UNKNOWN_VALUES.to_owned(),
     }
 }
 
-/// Finds out what a controller holds after writing `new` values instead of `old` ones was interrupted. If all are new or
-/// all are old, nothing is changed; in a mixture the old ones are restored, for which the controller has to be armed.
+/// Settles an interrupted attempt to replace `old` values by `new` ones. If all are new or
+/// all are old, nothing changes; in a mixture the old ones are restored, for which the controller must be armed.
 ///
 /// # Errors
 /// If the values cannot be read.
@@ -271,8 +270,8 @@ pub fn settle_adjustment(
     new: &[(String, f64)],
 ) -> Result<Adjustment, LinkError> {
     let problem = "Writing was interrupted before.".to_owned();
-    let found = holds(controller, old, new)?;
-    if matches!(found, Holds::Mixed(_)) && controller.state().armed {
+    let found = check_values(controller, old, new)?;
+    if matches!(found, ControllerValues::Mixed(_)) && controller.state().armed {
         return Ok(roll_back(controller, old.to_vec(), problem));
     }
     Ok(Adjustment {
@@ -295,20 +294,22 @@ fn roll_back(
         .partition(|(_, value)| value.is_finite());
     let others: Vec<String> = others.into_iter().map(|(name, _)| name).collect();
     let (holds, advice) = match write_and_compare(controller, &numbers) {
-        Ok(wrong) if wrong.is_empty() && others.is_empty() => (Holds::Old, OLD_VALUES.to_owned()),
+        Ok(wrong) if wrong.is_empty() && others.is_empty() => {
+            (ControllerValues::Old, OLD_VALUES.to_owned())
+        }
         Ok(wrong) if wrong.is_empty() => {
             let list = others.join(", ");
             let advice = format!(
-                "The controller holds its old values, but for those that were no numbers and cannot be written: {list}."
+                "The controller holds its old values, except for those that were not numbers and cannot be written: {list}."
             );
-            (Holds::Old, advice)
+            (ControllerValues::Old, advice)
         }
         Ok(wrong) => {
             let list = former(&numbers, &wrong);
             let advice = format!(
                 "Do not move the robot: set these values at the controller by hand: {list}."
             );
-            (Holds::Mixed(wrong), advice)
+            (ControllerValues::Mixed(wrong), advice)
         }
         Err(error) => after_failed_rollback(controller, &numbers, &error),
     };
@@ -320,7 +321,7 @@ fn roll_back(
     }
 }
 
-/// Values as they are to be set by hand: every digit, so that the controller holds the same number again.
+/// Values for setting by hand, with all digits, so that the controller holds the same numbers again.
 fn former(old: &[(String, f64)], names: &[String]) -> String {
     let wanted = old.iter().filter(|(name, _)| names.contains(name));
     let list: Vec<String> = wanted
@@ -329,22 +330,22 @@ fn former(old: &[(String, f64)], names: &[String]) -> String {
     list.join(", ")
 }
 
-/// What the controller holds when the old values could not be written: reading may still work.
+/// State of the values when the old ones could not be written; reading may still work.
 fn after_failed_rollback(
     controller: &mut dyn Controller,
     old: &[(String, f64)],
     error: &LinkError,
-) -> (Holds, String) {
+) -> (ControllerValues, String) {
     match differing(controller, old) {
-        Ok(wrong) if wrong.is_empty() => (Holds::Old, OLD_VALUES.to_owned()),
+        Ok(wrong) if wrong.is_empty() => (ControllerValues::Old, OLD_VALUES.to_owned()),
         Ok(wrong) => {
             let list = former(old, &wrong);
             let advice = format!(
                 "Do not move the robot: the old values could not be written ({error}). Write them again, or set them at the controller by hand: {list}."
             );
-            (Holds::Mixed(wrong), advice)
+            (ControllerValues::Mixed(wrong), advice)
         }
-        Err(_) => (Holds::Unknown, UNKNOWN_VALUES.to_owned()),
+        Err(_) => (ControllerValues::Unknown, UNKNOWN_VALUES.to_owned()),
     }
 }
 

@@ -43,7 +43,10 @@ fn differs(times: usize) -> Fault {
 #[test]
 fn all_values_arrive() {
     let (adjustment, mut robot) = attempt(Vec::new());
-    assert_eq!((adjustment.holds, adjustment.problem), (Holds::New, None));
+    assert_eq!(
+        (adjustment.holds, adjustment.problem),
+        (ControllerValues::New, None)
+    );
     assert_eq!(held(&mut robot), vec![-0.49, -0.37, -0.45]);
 }
 
@@ -51,7 +54,7 @@ fn all_values_arrive() {
 fn a_write_that_fails_midway_is_taken_back() {
     for after in 0..3 {
         let (adjustment, mut robot) = attempt(vec![Fault::WriteFails { after }]);
-        assert_eq!(adjustment.holds, Holds::Old);
+        assert_eq!(adjustment.holds, ControllerValues::Old);
         assert!(adjustment.problem.unwrap().contains("did not answer"));
         assert_eq!(held(&mut robot), OLD);
     }
@@ -60,7 +63,7 @@ fn a_write_that_fails_midway_is_taken_back() {
 #[test]
 fn a_value_that_arrives_changed_is_taken_back() {
     let (adjustment, mut robot) = attempt(vec![differs(1)]);
-    assert_eq!(adjustment.holds, Holds::Old);
+    assert_eq!(adjustment.holds, ControllerValues::Old);
     let problem = adjustment.problem.unwrap();
     assert!(problem.contains("cable-2.entry_point.y_m"), "{problem}");
     assert_eq!(held(&mut robot), OLD);
@@ -70,7 +73,7 @@ fn a_value_that_arrives_changed_is_taken_back() {
 fn old_values_that_cannot_be_brought_back_are_named() {
     let (adjustment, _) = attempt(vec![differs(9)]);
     let names = vec!["cable-2.entry_point.y_m".to_owned()];
-    assert_eq!(adjustment.holds, Holds::Mixed(names));
+    assert_eq!(adjustment.holds, ControllerValues::Mixed(names));
     let by_hand = format!("by hand: cable-2.entry_point.y_m = {}.", OLD[1]);
     let advice = adjustment.advice;
     assert!(advice.ends_with(&by_hand), "{advice} lacks {by_hand}");
@@ -79,13 +82,13 @@ fn old_values_that_cannot_be_brought_back_are_named() {
 #[test]
 fn after_a_lost_connection_nothing_is_claimed() {
     let (adjustment, mut robot) = attempt(vec![Fault::WriteDisconnects { after: 1 }]);
-    assert_eq!(adjustment.holds, Holds::Unknown);
+    assert_eq!(adjustment.holds, ControllerValues::Unknown);
     assert!(adjustment.advice.contains("connect and arm it again"));
     robot.inner_mut().set_faults(Vec::new());
     robot.connect().unwrap();
     robot.arm().unwrap();
     let again = write_adjustment(&mut robot, &adjustment.old).unwrap();
-    assert_eq!(again.holds, Holds::New);
+    assert_eq!(again.holds, ControllerValues::New);
     assert_eq!(held(&mut robot), OLD);
 }
 
@@ -145,7 +148,10 @@ fn a_lost_connection_is_made_anew_and_only_the_operator_arms_it() {
     let new = new_values();
     let adjustment = write_adjustment_reconnecting(&mut robot, &new, &mut policy).unwrap();
     drop(policy);
-    assert_eq!(adjustment.holds, Holds::Mixed(vec![new[0].0.clone()]));
+    assert_eq!(
+        adjustment.holds,
+        ControllerValues::Mixed(vec![new[0].0.clone()])
+    );
     assert!(adjustment.advice.contains("Arm the controller again"));
     let problem = adjustment.problem.unwrap();
     assert!(problem.contains("connection"), "{problem}");
@@ -155,7 +161,7 @@ fn a_lost_connection_is_made_anew_and_only_the_operator_arms_it() {
     robot.inner_mut().set_faults(Vec::new());
     robot.arm().unwrap();
     let settled = settle_adjustment(&mut robot, &adjustment.old, &new).unwrap();
-    assert_eq!(settled.holds, Holds::Old);
+    assert_eq!(settled.holds, ControllerValues::Old);
     assert_eq!(held(&mut robot), OLD);
 }
 
@@ -171,7 +177,7 @@ fn nobody_waits_for_a_controller_once_it_is_given_up() {
     };
     let adjustment = write_adjustment_reconnecting(&mut robot, &new_values(), &mut policy);
     let adjustment = adjustment.unwrap();
-    assert_eq!(adjustment.holds, Holds::Unknown);
+    assert_eq!(adjustment.holds, ControllerValues::Unknown);
     assert!(adjustment.problem.unwrap().contains("interrupted"));
 }
 
@@ -243,15 +249,15 @@ fn what_is_no_number_is_overwritten_and_cannot_be_restored() {
     let mut odd = Odd(named([f64::NAN, 1.0, 3.0]));
     let new = named([4.0, 5.0, 3.0]);
     let written = write_adjustment(&mut odd, &new).unwrap();
-    assert_eq!(written.holds, Holds::New);
+    assert_eq!(written.holds, ControllerValues::New);
     // The value that does not arrive brings the others back, as far as they were numbers.
     let mut odd = Odd(named([f64::INFINITY, 1.0, 3.0]));
     let adjustment = write_adjustment(&mut odd, &named([4.0, 5.0, 6.0])).unwrap();
-    assert_eq!(adjustment.holds, Holds::Old);
+    assert_eq!(adjustment.holds, ControllerValues::Old);
     assert!(
         adjustment
             .advice
-            .contains("no numbers and cannot be written: a.")
+            .contains("not numbers and cannot be written: a.")
     );
     assert_eq!(odd.0, named([4.0, 1.0, 3.0]));
 }
@@ -267,7 +273,7 @@ fn a_controller_that_does_not_come_back_is_told_so() {
         fn pause(&mut self) {}
     }
     let adjustment = write_adjustment_reconnecting(&mut robot, &new_values(), &mut Never).unwrap();
-    assert_eq!(adjustment.holds, Holds::Unknown);
+    assert_eq!(adjustment.holds, ControllerValues::Unknown);
     assert!(adjustment.problem.unwrap().contains("Reconnecting failed"));
 }
 
@@ -278,16 +284,19 @@ fn what_a_controller_holds_is_settled() {
     let old: Vec<(String, f64)> = names.zip(OLD).collect();
     let (mut robot, _) = robot(Vec::new());
     let settled = settle_adjustment(&mut robot, &old, &new).unwrap();
-    assert_eq!(settled.holds, Holds::Old);
+    assert_eq!(settled.holds, ControllerValues::Old);
     robot.write(&new).unwrap();
     let settled = settle_adjustment(&mut robot, &old, &new).unwrap();
-    assert_eq!(settled.holds, Holds::New);
+    assert_eq!(settled.holds, ControllerValues::New);
     robot.write(&old[..2]).unwrap();
     robot.disarm();
     let settled = settle_adjustment(&mut robot, &old, &new).unwrap();
-    assert_eq!(settled.holds, Holds::Mixed(vec![old[2].0.clone()]));
+    assert_eq!(
+        settled.holds,
+        ControllerValues::Mixed(vec![old[2].0.clone()])
+    );
     robot.arm().unwrap();
     let settled = settle_adjustment(&mut robot, &old, &new).unwrap();
-    assert_eq!(settled.holds, Holds::Old);
+    assert_eq!(settled.holds, ControllerValues::Old);
     assert_eq!(held(&mut robot), OLD);
 }

@@ -1,11 +1,11 @@
-//! Where a controller that speaks ADS is found.
+//! Address of an ADS controller.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::error::LinkError;
 
-/// Port on which routers listen.
+/// Default TCP port of routers.
 const TCP_PORT: u16 = 48898;
 /// Port of the first PLC program in TwinCAT 3.
 const PLC_PORT: u16 = 851;
@@ -13,13 +13,13 @@ const PLC_PORT: u16 = 851;
 /// Address of a controller: `HOST[:PORT]/NETID[:AMSPORT]`, like `192.168.0.5/192.168.0.5.1.1`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AdsAddress {
-    /// Name or number of the computer.
+    /// Host name or address.
     pub host: String,
-    /// Its TCP port; 48898 by default.
+    /// TCP port; 48898 by default.
     pub port: u16,
-    /// The six numbers of the AMS Net ID.
+    /// AMS Net ID, six numbers.
     pub net_id: [u8; 6],
-    /// The AMS port of the program; 851 by default.
+    /// AMS port of the program; 851 by default.
     pub ams_port: u16,
 }
 
@@ -36,7 +36,7 @@ impl FromStr for AdsAddress {
             .trim()
             .split_once('/')
             .ok_or_else(|| wrong("has no Net ID"))?;
-        // A numeric IPv6 host has colons of its own and stands in brackets.
+        // A numeric IPv6 host contains colons and is written in brackets.
         let (host, port) = match place.rsplit_once(':') {
             Some((host, port)) if !port.ends_with(']') => (host, port_of(port)),
             _ => (place, Some(TCP_PORT)),
@@ -53,9 +53,9 @@ impl FromStr for AdsAddress {
         let net_id = numbers.and_then(|numbers| numbers.try_into().ok());
         Ok(Self {
             host: host.to_owned(),
-            port: port.ok_or_else(|| wrong("has a port that is none"))?,
+            port: port.ok_or_else(|| wrong("has an invalid port"))?,
             net_id: net_id.ok_or_else(|| wrong("has a Net ID that is not six numbers"))?,
-            ams_port: ams_port.ok_or_else(|| wrong("has an AMS port that is none"))?,
+            ams_port: ams_port.ok_or_else(|| wrong("has an invalid AMS port"))?,
         })
     }
 }
@@ -109,9 +109,9 @@ mod tests {
             ("/1.2.3.4.5.6", "has no host"),
             ("plc/1.2.3.4.5", "not six numbers"),
             ("plc/1.2.3.4.5.256", "not six numbers"),
-            ("plc:0/1.2.3.4.5.6", "has a port"),
-            ("plc:a/1.2.3.4.5.6", "has a port"),
-            ("plc/1.2.3.4.5.6:70000", "has an AMS port"),
+            ("plc:0/1.2.3.4.5.6", "has an invalid port"),
+            ("plc:a/1.2.3.4.5.6", "has an invalid port"),
+            ("plc/1.2.3.4.5.6:70000", "has an invalid AMS port"),
         ] {
             let told = text.parse::<AdsAddress>().unwrap_err().to_string();
             assert!(

@@ -1,6 +1,6 @@
-//! One connection: requests and answers, in as few frames as possible.
+//! A connection: requests and responses, in as few frames as possible.
 //!
-//! After a [`RequestError::Lost`] the client has to be dropped: a late answer must never be taken for that of a later
+//! After a [`RequestError::Lost`] the client must be dropped, so that a late response is never taken for that to a later
 //! request.
 
 use super::address::AdsAddress;
@@ -10,22 +10,22 @@ use super::options::AdsOptions;
 use super::symbols::{Place, Symbol};
 use super::wire::{AmsAddress, Command, Wire, words};
 use crate::error::LinkError;
-use crate::timed_socket::{Broken, addresses_of, timeout_of};
+use crate::timed_socket::{SocketError, addresses_of, timeout_of};
 
-/// Most parts of one request; controllers allow 500.
+/// Largest number of parts per request; controllers allow 500.
 const PARTS: usize = 256;
-/// Most bytes that one answer may carry.
+/// Largest response (bytes).
 const BYTES: usize = 1 << 16;
-/// Longest description of a symbol (bytes).
+/// Largest description of a symbol (bytes).
 const ENTRY: usize = 8192;
-/// Bytes of the error code that every answer begins with.
+/// Length of the error code at the start of every response (bytes).
 const CODE: usize = 4;
-/// Bytes of the answer about the state: error code, state of the device, state of its hardware.
+/// Length of a state response (bytes): error code, state of the device, state of its hardware.
 const STATE: usize = 8;
 
-/// Index groups: what a request is about.
+/// Index groups, which select the kind of request.
 mod group {
-    /// The description of a symbol by its name.
+    /// Description of a symbol by its name.
     pub const SYMBOL: u32 = 0xF009;
     /// Several reads, with an error for each.
     pub const READ_TOGETHER: u32 = 0xF083;
@@ -33,12 +33,12 @@ mod group {
     pub const WRITE_TOGETHER: u32 = 0xF081;
 }
 
-/// Why a request failed.
+/// Errors of a request.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum RequestError {
-    /// The connection cannot be used any more.
+    /// The connection can no longer be used.
     Lost(LinkError),
-    /// The controller refused.
+    /// The controller rejected the request.
     Refused(AdsCode),
 }
 
@@ -48,15 +48,15 @@ type Answer<T> = Result<T, RequestError>;
 pub(super) struct AdsClient {
     wire: Wire,
     timeout_s: f64,
-    /// Whether the controller takes several parts in one request.
+    /// Whether the controller accepts several parts in one request.
     sums: bool,
-    /// Handles of what is subscribed to.
+    /// Handles of the subscriptions.
     handles: Vec<u32>,
     rows: Rows,
 }
 
 impl AdsClient {
-    /// Connects to a server that speaks ADS: it is asked for the state of the program.
+    /// Connects to an ADS server and requests the state of the program.
     pub fn open(address: &AdsAddress, options: &AdsOptions) -> Result<Self, LinkError> {
         let timeout = timeout_of(options.timeout_s)?;
         let target = AmsAddress {
@@ -68,7 +68,7 @@ impl AdsClient {
         for place in addresses_of(&address.host, address.port)? {
             let opened =
                 Wire::connect(place, target, options.own_net_id, timeout).and_then(|mut wire| {
-                    // An error, too, is said in ADS.
+                    // An ADS error is also proof of an ADS server.
                     wire.exchange(Command::ReadState, &[], STATE).map(|_| wire)
                 });
             match opened {
@@ -81,12 +81,12 @@ impl AdsClient {
                         rows: Rows::default(),
                     });
                 }
-                Err(Broken::Invalid(_)) => {
+                Err(SocketError::Invalid(_)) => {
                     last = LinkError::Disconnected(format!(
                         "the server at {place} does not speak ADS"
                     ));
                 }
-                Err(Broken::Io(error)) => {
+                Err(SocketError::Io(error)) => {
                     last = LinkError::Disconnected(format!("{place} cannot be reached ({error})"));
                 }
                 Err(broken) => last = lost(broken, options.timeout_s),
@@ -95,7 +95,7 @@ impl AdsClient {
         Err(last)
     }
 
-    /// Sends a request and returns what follows the error code in its answer, at most `longest` bytes.
+    /// Sends a request and returns its response after the error code, at most `longest` bytes.
     fn ask(&mut self, command: Command, data: &[u8], longest: usize) -> Answer<Vec<u8>> {
         let reply = self.wire.exchange(command, data, CODE + longest);
         let reply = reply.map_err(|broken| RequestError::Lost(lost(broken, self.timeout_s)))?;
@@ -110,7 +110,7 @@ impl AdsClient {
         }
     }
 
-    /// The data of an answer that has a length of its own before them, at most `longest` bytes.
+    /// The data of a response with a length field, at most `longest` bytes.
     fn ask_for_data(
         &mut self,
         command: Command,
@@ -144,7 +144,7 @@ impl AdsClient {
         self.ask_for_data(Command::ReadWrite, &request, longest)
     }
 
-    /// The state of the ADS device, and its name; the program runs in state "Run".
+    /// Whether the ADS device runs, and the name of its state; a running program is in the state "Run".
     pub fn state(&mut self) -> Answer<(bool, String)> {
         let state = self.ask(Command::ReadState, &[], STATE - CODE)?;
         let Ok([low, high, _, _]) = <[u8; 4]>::try_from(state) else {
@@ -154,7 +154,7 @@ impl AdsClient {
         Ok((number == RUN, state_name(number)))
     }
 
-    /// Looks a symbol up.
+    /// Looks up a symbol.
     pub fn symbol(&mut self, name: &str) -> Answer<Symbol> {
         let mut asked = name.as_bytes().to_vec();
         asked.push(0);
@@ -163,7 +163,7 @@ impl AdsClient {
             .ok_or_else(|| broken("the description of a symbol is incomplete"))
     }
 
-    /// Reads places: the bytes of each, or why it was refused.
+    /// Reads places; returns the bytes of each, or the reason of its rejection.
     pub fn read(&mut self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
         let mut all = Vec::with_capacity(places.len());
         for part in batches(places, |place| place.size) {
@@ -188,7 +188,8 @@ impl AdsClient {
         let longest = 8 * places.len() + sizes;
         let request = (group::READ_TOGETHER, size_word(places.len()));
         let answer = self.read_write(request, longest, &heads)?;
-        split(&answer, places).ok_or_else(|| broken("an answer has another length than its parts"))
+        split(&answer, places)
+            .ok_or_else(|| broken("the length of an answer differs from that of its parts"))
     }
 
     fn read_singly(&mut self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
@@ -198,14 +199,14 @@ impl AdsClient {
             place.size,
         ) {
             Ok(bytes) if bytes.len() == place.size => Ok(Ok(bytes)),
-            Ok(_) => Err(broken("an answer is shorter than what was asked for")),
+            Ok(_) => Err(broken("an answer is shorter than requested")),
             Err(RequestError::Refused(code)) => Ok(Err(code)),
             Err(lost) => Err(lost),
         };
         places.iter().map(&mut read).collect()
     }
 
-    /// Subscribes to places, which are sent every so many seconds; all of them or, after a refusal, none. Returns the
+    /// Subscribes to places, sent every `every_s` seconds; all of them or, after a rejection, none. Returns the
     /// handle of each.
     pub fn subscribe(&mut self, places: &[Place], every_s: f64) -> Answer<Vec<u32>> {
         self.unsubscribe()?;
@@ -224,7 +225,7 @@ impl AdsClient {
         Ok(self.handles.clone())
     }
 
-    /// Ends all subscriptions. That a controller does not know one of them any more is as good.
+    /// Ends all subscriptions. It does not matter if the controller no longer knows one of them.
     pub fn unsubscribe(&mut self) -> Answer<()> {
         for handle in std::mem::take(&mut self.handles) {
             match self.ask(Command::Unsubscribe, &handle.to_le_bytes(), 0) {
@@ -235,7 +236,7 @@ impl AdsClient {
         Ok(())
     }
 
-    /// The values that were sent of moments of which all subscribed places have arrived, the oldest first.
+    /// The values received at times for which all subscribed places have arrived, the oldest first.
     pub fn notified(&mut self) -> Answer<Vec<Row>> {
         let frames = self.wire.take_notifications();
         let frames = frames.map_err(|broken| RequestError::Lost(lost(broken, self.timeout_s)))?;
@@ -244,7 +245,7 @@ impl AdsClient {
         Ok(rows.collect())
     }
 
-    /// Writes places in their order and stops after the batch of the first that is refused, whose index is returned.
+    /// Writes places in order and stops after the batch of the first rejected one, whose index is returned.
     pub fn write(&mut self, values: &[(Place, Vec<u8>)]) -> Result<(), (RequestError, usize)> {
         let mut done = 0;
         for part in batches(values, |(place, _)| place.size) {
@@ -267,7 +268,7 @@ impl AdsClient {
         Ok(())
     }
 
-    /// Whether the controller takes several parts in one request, asked by reading.
+    /// Whether the controller accepts several parts in one request, found out by a read.
     fn knows_sums(&mut self) -> bool {
         self.read_together(&[Place::VERSION]).is_ok()
     }
@@ -281,7 +282,10 @@ impl AdsClient {
         let answer = self.read_write(asked, longest, &request);
         let answer = answer.map_err(|error| (error, 0))?;
         if answer.len() != longest {
-            return Err((broken("an answer has another length than its parts"), 0));
+            return Err((
+                broken("the length of an answer differs from that of its parts"),
+                0,
+            ));
         }
         let codes = answer.chunks_exact(4).map(word);
         match codes.enumerate().find(|(_, code)| *code != 0) {
@@ -306,8 +310,8 @@ fn broken(what: &str) -> RequestError {
     )))
 }
 
-/// What a broken connection means to the operator.
-fn lost(broken: Broken, timeout_s: f64) -> LinkError {
+/// Converts a broken connection to an error for the operator.
+fn lost(broken: SocketError, timeout_s: f64) -> LinkError {
     broken.into_error(timeout_s, " (does it have an ADS route to this computer?)")
 }
 
@@ -319,7 +323,7 @@ fn word(bytes: &[u8]) -> u32 {
     bytes.try_into().map_or(u32::MAX, u32::from_le_bytes)
 }
 
-/// Parts of a list that fit into one request.
+/// Splits a list into batches that fit into one request each.
 fn batches<T>(list: &[T], size: impl Fn(&T) -> usize) -> Vec<&[T]> {
     let mut parts = Vec::new();
     let mut rest = list;
@@ -337,8 +341,8 @@ fn batches<T>(list: &[T], size: impl Fn(&T) -> usize) -> Vec<&[T]> {
     parts
 }
 
-/// The parts of an answer: an error and a length for each, then the bytes. Controllers either pad or leave out the bytes
-/// of a refused part.
+/// The parts of a response: an error code and a length for each, then the bytes. Controllers either pad or omit the bytes
+/// of a rejected part.
 fn split(answer: &[u8], places: &[Place]) -> Option<Vec<Result<Vec<u8>, AdsCode>>> {
     let (heads, mut rest) = answer.split_at_checked(8 * places.len())?;
     let heads: Vec<(u32, usize)> = heads

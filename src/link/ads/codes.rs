@@ -1,18 +1,18 @@
-//! Error codes and states of ADS devices in words, as Beckhoff's information system lists them.
+//! Error codes and states of ADS devices in words, from Beckhoff's information system.
 
-/// An error code of the controller: one part was refused, the connection is still good.
+/// An error code of the controller: a request was rejected, but the connection is intact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct AdsCode(pub u32);
 
 impl AdsCode {
-    /// What it means, in words.
+    /// Its meaning in words.
     pub fn explain(self) -> String {
         let known = MEANINGS.binary_search_by_key(&self.0, |(code, _)| *code);
         let meaning = known.map_or("unknown error", |at| MEANINGS[at].1);
         format!("{meaning} (ADS error {:#x})", self.0)
     }
 
-    /// Whether the controller does not know such a request.
+    /// Whether the code means that the controller does not support the request.
     pub fn is_unknown_request(self) -> bool {
         matches!(self.0, 0x8 | 0xB | 0x701 | 0x702)
     }
@@ -21,7 +21,7 @@ impl AdsCode {
 /// The ADS state in which a program runs.
 pub(super) const RUN: u16 = 5;
 
-/// Name of the state of a device.
+/// Name of a device state.
 pub(super) fn state_name(state: u16) -> String {
     let name = STATES.get(usize::from(state));
     name.map_or_else(|| format!("number {state}"), |name| (*name).to_owned())
@@ -50,7 +50,7 @@ const STATES: [&str; 20] = [
     "Exception",
 ];
 
-/// Codes in ascending order.
+/// Codes with their meanings, in ascending order.
 const MEANINGS: &[(u32, &str)] = &[
     (0x1, "Internal error"),
     (0x2, "No real-time"),

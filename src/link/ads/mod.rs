@@ -1,12 +1,12 @@
-//! Controllers that speak ADS, Beckhoff's protocol.
+//! Controllers over ADS, Beckhoff's protocol.
 //!
-//! A [`tautline_session::SymbolMapping`] says which symbol holds what; `docs/ADS.md` describes the handshake between this
-//! program and that of the controller. Requests are sent only by calls from outside, and each is over, answered or not,
-//! after at most [`AdsOptions::timeout_s`]. There is no thread: an answer is read by whoever asked. Nothing is written
+//! A [`tautline_session::SymbolMapping`] states which symbol holds which quantity; `docs/ADS.md` describes the handshake with
+//! the controller's program. Requests are sent only by calls of the caller, and each ends, answered or not,
+//! after at most [`AdsOptions::timeout_s`]. There is no thread: whoever sends a request reads the response. Nothing is written
 //! before [`crate::Controller::arm`].
 //!
-//! Whatever decides is polled: one request returns all readings of one moment, and an answer proves that the controller is
-//! there. Notifications, which the controller sends in every cycle, are for display only.
+//! Readings on which decisions depend are polled: one request returns all readings of one instant, and the response proves that
+//! the connection works. Notifications, which the controller sends in every cycle, are for display only.
 
 mod address;
 mod client;
@@ -30,10 +30,10 @@ use crate::error::LinkError;
 use crate::symbols::{self as found, SymbolCheck, SymbolController};
 use program::AdsServer;
 
-/// A controller that is not connected. The clock tells a late acknowledgement.
+/// Creates a controller that is not connected. The clock detects missing acknowledgements.
 ///
 /// # Errors
-/// If the mapping does not fit the robot or names a parameter that it does not have.
+/// If the mapping does not fit the robot, or names an unknown parameter.
 pub fn controller(
     address: AdsAddress,
     mapping: &SymbolMapping,
@@ -45,10 +45,10 @@ pub fn controller(
     SymbolController::new(server, (mapping, robot), options.acknowledge_s, clock)
 }
 
-/// Connects, looks up every symbol of a mapping and closes the connection. Nothing is armed and nothing is written.
+/// Connects, looks up every symbol of a mapping, and disconnects. Nothing is armed and nothing is written.
 ///
 /// # Errors
-/// If the mapping does not fit the robot, the controller cannot be connected or its program does not run.
+/// If the mapping does not fit the robot, the connection fails, or the controller's program does not run.
 pub fn check_symbols(
     address: AdsAddress,
     mapping: &SymbolMapping,

@@ -1,39 +1,39 @@
-//! Notifications: values that a controller sends in every one of its cycles, without being asked each time.
+//! Notifications: values that a controller sends in every cycle.
 //!
-//! A frame holds stamps, each the values of one moment; a stamp holds samples, each the bytes of one subscribed symbol.
+//! A frame holds stamps, each with the values of one instant; a stamp holds samples, each with the bytes of one subscribed symbol.
 
 use std::collections::BTreeMap;
 
-/// Units of time in a subscription for each second.
+/// Time units of a subscription per second.
 const UNITS_PER_S: f64 = 1e7;
-/// The controller sends in every cycle, whether values have changed or not.
+/// Transmission mode: the controller sends in every cycle, whether values have changed or not.
 const EVERY_CYCLE: u32 = 3;
-/// Bytes of a subscription that are kept for later.
+/// Length of the reserved part of a subscription (bytes).
 const RESERVED: usize = 16;
 
-/// The end of a request to subscribe, after the place: how and how often it is sent.
+/// The end of a subscription request, after the place: transmission mode and interval.
 pub(super) fn cycle(every_s: f64) -> Vec<u8> {
-    // Saturates, as wanted.
+    // The cast saturates, as intended.
     let units = (every_s * UNITS_PER_S).round() as u32;
-    // No delay beyond the cycle: what is sent is shown at once.
+    // No delay beyond the cycle, so that values are shown at once.
     let words = [EVERY_CYCLE, 0, units].map(u32::to_le_bytes);
     [words.concat(), vec![0; RESERVED]].concat()
 }
 
-/// The values of one moment that have arrived so far, by their subscriptions.
+/// The values of one instant received so far, by subscription.
 pub(super) type Row = BTreeMap<u32, Vec<u8>>;
 
-/// Collects what belongs to one moment, which may arrive in several frames.
+/// Collects the values of one instant, which may arrive in several frames.
 #[derive(Debug, Default)]
 pub(super) struct Rows {
-    /// Moment of the row that is being collected.
+    /// Time stamp of the incomplete row.
     stamp: u64,
     row: Row,
 }
 
 impl Rows {
-    /// Takes a frame and returns the rows that have a value of each of so many subscriptions. A frame that contradicts
-    /// itself and rows with gaps are left out.
+    /// Adds a frame and returns the rows that have a value for each of `subscriptions` subscriptions. Inconsistent
+    /// frames and rows with gaps are dropped.
     pub fn take(&mut self, frame: &[u8], subscriptions: usize) -> Vec<Row> {
         let mut full = Vec::new();
         for (stamp, samples) in parse(frame).unwrap_or_default() {
@@ -55,7 +55,7 @@ impl Rows {
 
 type Stamp<'a> = (u64, Vec<(u32, &'a [u8])>);
 
-/// The stamps of a frame; `None` if its lengths do not add up.
+/// The stamps of a frame; `None` if its lengths are inconsistent.
 fn parse(frame: &[u8]) -> Option<Vec<Stamp<'_>>> {
     let mut bytes = Bytes(frame);
     let (length, count) = (bytes.word()?, bytes.word()?);

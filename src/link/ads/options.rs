@@ -3,12 +3,12 @@
 /// Options of an ADS connection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdsOptions {
-    /// Longest time of one exchange, from the request to the last byte of its answer, and of connecting (s).
+    /// Timeout for connecting and for one exchange, from the request to the last byte of its response (s).
     pub timeout_s: f64,
-    /// Timeout of the acknowledgement of a command (s).
+    /// Timeout for the acknowledgement of a command (s).
     pub acknowledge_s: f64,
-    /// The AMS Net ID by which this computer presents itself, as the controller's route names it; absent: the address
-    /// of its network card with 1.1 after it.
+    /// AMS Net ID of this computer in the controller's route; `None`: its IP address followed by
+    /// 1.1.
     pub own_net_id: Option<[u8; 6]>,
 }
 

@@ -1,4 +1,4 @@
-//! A connection to a running program whose symbols are known.
+//! A connection to a running program with known symbols.
 
 use super::address::AdsAddress;
 use super::client::{AdsClient, RequestError};
@@ -8,7 +8,7 @@ use super::options::AdsOptions;
 use super::symbols::{Place, Symbol, encode};
 use crate::error::LinkError;
 use crate::symbols::{
-    Failure, Slot, SymbolAccess, SymbolFound, SymbolServer, SymbolValues, Wanted, each_once,
+    Failure, RequiredSymbol, Slot, SymbolAccess, SymbolFound, SymbolServer, SymbolValues, each_once,
 };
 
 fn failure(error: RequestError, what: &str) -> Failure {
@@ -22,7 +22,7 @@ fn refused(code: AdsCode, what: &str) -> Failure {
     Failure::refused(format!("{what}: {}", code.explain()))
 }
 
-/// A program that can be connected.
+/// A program to connect to.
 pub(super) struct AdsServer {
     pub address: AdsAddress,
     pub options: AdsOptions,
@@ -35,13 +35,13 @@ impl SymbolServer for AdsServer {
 
     fn connect(&self) -> Result<Box<dyn SymbolAccess>, LinkError> {
         let what = format!("the program at {}", self.address);
-        let told = |error| failure(error, &what).into_error();
+        let to_error = |error| failure(error, &what).into_error();
         let mut client = AdsClient::open(&self.address, &self.options)?;
-        let (running, state) = client.state().map_err(told)?;
+        let (running, state) = client.state().map_err(to_error)?;
         if !running {
             return Err(LinkError::Refused(not_running(&state)));
         }
-        let version = client.read(&[Place::VERSION]).map_err(told)?;
+        let version = client.read(&[Place::VERSION]).map_err(to_error)?;
         let version = version.into_iter().next().and_then(Result::ok);
         Ok(Box::new(Program {
             client,
@@ -52,18 +52,18 @@ impl SymbolServer for AdsServer {
     }
 }
 
-/// A program of a controller.
+/// A connected program.
 pub(super) struct Program {
     client: AdsClient,
     symbols: Vec<Symbol>,
-    /// The handle of each subscription and the index of its symbol.
+    /// The handle of each subscription, with the index of its symbol.
     subscribed: Vec<(u32, usize)>,
-    /// Number that changes with the program, where the controller has one.
+    /// Number that changes with the program, if the controller has one.
     version: Option<u8>,
 }
 
 impl SymbolAccess for Program {
-    fn look_up(&mut self, wanted: &[Wanted]) -> Result<Vec<SymbolFound>, LinkError> {
+    fn look_up(&mut self, wanted: &[RequiredSymbol]) -> Result<Vec<SymbolFound>, LinkError> {
         self.symbols.clear();
         let mut all = Vec::with_capacity(wanted.len());
         for want in wanted {
@@ -159,7 +159,7 @@ impl SymbolAccess for Program {
     }
 
     fn close(&mut self) {
-        // The end of the connection ends them as well, later.
+        // Otherwise they end later, with the connection.
         let _ = self.client.unsubscribe();
     }
 

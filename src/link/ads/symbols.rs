@@ -1,11 +1,11 @@
-//! Symbols of a controller: their addresses, their types and the numbers in their bytes.
+//! Symbols of a controller: addresses, types, and conversion of their bytes to numbers.
 
-use crate::symbols::{Content, Expected, ValueKind, Wanted};
+use crate::symbols::{Content, Expected, RequiredSymbol, ValueKind};
 
-/// More bytes than any symbol that is used has, so that a wrong answer cannot fill the memory.
+/// Largest symbol (bytes), so that an invalid response cannot fill the memory.
 const LARGEST: usize = 1 << 20;
 
-/// The address of bytes in the controller.
+/// The address of data in the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Place {
     pub group: u32,
@@ -14,14 +14,14 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The version of the symbols, which changes with the program, so that no address is used in another program.
+    /// The version of the symbols, which changes with the program, so that addresses are never used in another program.
     pub const VERSION: Self = Self {
         group: 0xF008,
         offset: 0,
         size: 1,
     };
 
-    /// As requests carry it.
+    /// The address as three words of a request.
     pub fn head(&self) -> [[u8; 4]; 3] {
         let size = u32::try_from(self.size).unwrap_or(u32::MAX);
         [self.group, self.offset, size].map(u32::to_le_bytes)
@@ -42,14 +42,14 @@ pub(super) enum Elementary {
     U64,
     F32,
     F64,
-    /// Characters; one element is the whole text.
+    /// Characters; the whole text is one element.
     Text,
     /// Anything else.
     Other,
 }
 
 impl Elementary {
-    /// By the name of the type (for arrays, that of the elements), or by the number of the base type where the name is an
+    /// The type according to its name (for arrays, that of the elements), or to the number of the base type if the name is an
     /// alias.
     fn of(type_name: &str, base: u32) -> Self {
         let upper = type_name.to_ascii_uppercase();
@@ -75,7 +75,7 @@ impl Elementary {
         }
     }
 
-    /// Bytes of one element; 1 for texts.
+    /// Size of one element (bytes); 1 for texts.
     fn size(self) -> usize {
         match self {
             Self::Bool | Self::I8 | Self::U8 | Self::Text | Self::Other => 1,
@@ -85,7 +85,7 @@ impl Elementary {
         }
     }
 
-    /// What it is, whatever the protocol.
+    /// Kind of value, independent of the protocol.
     fn value_kind(self) -> ValueKind {
         match self {
             Self::Bool => ValueKind::Flag,
@@ -100,7 +100,7 @@ impl Elementary {
     }
 }
 
-/// The types of a controller that are what is expected.
+/// The types of the controller that match an expectation, in words.
 fn types_of(expected: Expected) -> &'static str {
     match expected {
         Expected::Flag => "BOOL",
@@ -112,16 +112,16 @@ fn types_of(expected: Expected) -> &'static str {
     }
 }
 
-/// A symbol as the controller describes it.
+/// A symbol as described by the controller.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Symbol {
     pub name: String,
     pub group: u32,
     pub offset: u32,
-    /// All its bytes.
+    /// Total size (bytes).
     pub size: usize,
     pub kind: Elementary,
-    /// The type as the controller calls it.
+    /// Name of its type in the controller.
     pub type_name: String,
 }
 
@@ -144,7 +144,7 @@ impl Symbol {
         })
     }
 
-    /// Its elements.
+    /// Number of elements.
     pub fn count(&self) -> usize {
         match self.kind {
             Elementary::Text => 1,
@@ -152,8 +152,8 @@ impl Symbol {
         }
     }
 
-    /// What is wrong with its type, to be read after the name of the type.
-    pub fn problem(&self, wanted: &Wanted) -> Option<String> {
+    /// The problem with its type, to be appended to the name of the type.
+    pub fn problem(&self, wanted: &RequiredSymbol) -> Option<String> {
         let found = (self.kind.value_kind(), self.count());
         let too_large = || {
             let size = self.size;
@@ -162,7 +162,7 @@ impl Symbol {
         wanted.problem(found, types_of).or_else(too_large)
     }
 
-    /// Where all its bytes are.
+    /// Address of all its data.
     pub fn place(&self) -> Place {
         Place {
             group: self.group,
@@ -171,7 +171,7 @@ impl Symbol {
         }
     }
 
-    /// Where the bytes of an element are.
+    /// Address of an element.
     pub fn element_place(&self, element: usize) -> Option<Place> {
         let size = self.kind.size();
         let offset = u32::try_from(element.checked_mul(size)?).ok()?;
@@ -182,7 +182,7 @@ impl Symbol {
         })
     }
 
-    /// What its bytes hold.
+    /// Converts its bytes.
     pub fn content(&self, bytes: &[u8]) -> Content {
         if self.kind == Elementary::Text {
             return Content::Text(text_of(bytes));
@@ -193,7 +193,7 @@ impl Symbol {
     }
 }
 
-/// The characters of a text up to its end.
+/// The characters of a text up to its terminator.
 fn text_of(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|b| *b == 0).unwrap_or(bytes.len());
     // Texts of a controller have one byte per character, as in Windows-1252.
@@ -218,11 +218,11 @@ fn decode(kind: Elementary, bytes: &[u8]) -> Option<f64> {
     })
 }
 
-/// The bytes of a number; integers take the nearest. `None` if the type has no such number.
+/// The bytes of a number, rounded for integer types. `None` if the type cannot represent it.
 pub(super) fn encode(kind: Elementary, value: f64) -> Option<Vec<u8>> {
     let whole = value.round();
     let within = |lower: f64, upper: f64| (lower..=upper).contains(&whole);
-    /// Two to the power of 63: the first number that is too large.
+    /// Two to the power of 63: the smallest number that is too large.
     const TOP: f64 = 9_223_372_036_854_775_808.0;
     match kind {
         Elementary::Bool if value == 0.0 || value == 1.0 => Some(vec![u8::from(value == 1.0)]),
@@ -278,7 +278,7 @@ mod tests {
         let last = array.element_place(23).unwrap();
         assert_eq!((last.offset, last.size), (16 + 184, 8));
         assert_eq!(array.element_place(24), None);
-        let wanted = |expected, count| Wanted {
+        let wanted = |expected, count| RequiredSymbol {
             name: "G.x".into(),
             expected,
             count,

@@ -1,37 +1,37 @@
-//! Frames of AMS over TCP: one request at a time, and its answer by a deadline.
+//! Frames of AMS over TCP: one request at a time, with its response before a deadline.
 //!
-//! Nothing that arrives is believed: a length is compared with its limit before anything is allocated and with what
-//! arrived before anything is read, and time is taken of the whole exchange, not of its parts. A connection that broke
-//! any of this has to be dropped, so that a late answer is never taken for that of a later request. No thread is
-//! needed: what nobody asked for is read on the way to the answer, and thrown away unless it was subscribed to.
+//! Received data are not trusted: a length is compared with its limit before memory is allocated and with the size of the
+//! data before they are read, and the deadline applies to the whole exchange. After any violation the connection must be
+//! dropped, so that a late response is never taken for that to a later request. No thread is
+//! needed: unsolicited frames are read while waiting for the response, and dropped unless they belong to a subscription.
 
 use std::collections::VecDeque;
 use std::net::{IpAddr, SocketAddr};
 use std::time::{Duration, Instant};
 
 use super::codes::AdsCode;
-use crate::timed_socket::{Broken, TimedSocket};
+use crate::timed_socket::{SocketError, TimedSocket};
 
 /// The AMS port of this computer.
 const OWN_PORT: u16 = 58913;
-/// Bytes of the header of TCP: two that name the kind of frame, and the length of the rest.
+/// Length of the TCP header (bytes): two for the kind of frame, then the length of the rest.
 const OUTER: usize = 6;
-/// Bytes of the header of AMS.
+/// Length of the AMS header (bytes).
 const HEADER: usize = 32;
-/// More than what a router tells unasked.
+/// Upper limit of unsolicited frames of a router (bytes).
 const LONGEST_UNASKED: usize = 1 << 12;
-/// Longest notification (bytes).
+/// Largest notification (bytes).
 const LONGEST_NOTIFICATION: usize = 1 << 16;
-/// Most notifications that wait until they are taken; of more, the oldest are lost.
+/// Largest number of queued notifications; the oldest in excess are dropped.
 const MOST_NOTIFICATIONS: usize = 1024;
-/// The Net ID that stands for the computer it is used on.
+/// The Net ID of the local computer.
 const LOCAL: [u8; 6] = [127, 0, 0, 1, 1, 1];
-/// Set in the flags of an answer.
+/// Flag of a response.
 const ANSWER: u16 = 1;
-/// Flags of a request: it is an ADS command.
+/// Flag of an ADS command.
 const COMMAND: u16 = 4;
 
-/// Commands of ADS.
+/// ADS commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Command {
     Read = 2,
@@ -39,12 +39,12 @@ pub(super) enum Command {
     ReadState = 4,
     Subscribe = 6,
     Unsubscribe = 7,
-    /// What a device sends unasked.
+    /// Sent by a device without a request.
     Notification = 8,
     ReadWrite = 9,
 }
 
-/// An address of AMS: Net ID and port.
+/// AMS address: Net ID and port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct AmsAddress {
     pub net_id: [u8; 6],
@@ -59,7 +59,7 @@ impl AmsAddress {
     }
 }
 
-/// A connection.
+/// An AMS connection.
 pub(super) struct Wire {
     socket: TimedSocket,
     target: AmsAddress,
@@ -67,21 +67,21 @@ pub(super) struct Wire {
     timeout: Duration,
     /// Number of the last request.
     number: u32,
-    /// Notifications that nobody has taken yet; `None` while nothing is subscribed to.
+    /// Queued notifications; `None` without subscriptions.
     notifications: Option<VecDeque<Vec<u8>>>,
 }
 
-/// An answer, without its headers; or the error that the router gives in its place.
+/// A response without its headers, or the error that the router returned instead.
 pub(super) type Reply = Result<Vec<u8>, AdsCode>;
 
 impl Wire {
-    /// Connects; `own` is the Net ID by which this computer presents itself, that of its address if absent.
+    /// Connects; `own` is the Net ID of this computer, derived from its IP address if absent.
     pub fn connect(
         place: SocketAddr,
         target: AmsAddress,
         own: Option<[u8; 6]>,
         timeout: Duration,
-    ) -> Result<Self, Broken> {
+    ) -> Result<Self, SocketError> {
         let socket = TimedSocket::connect(place, timeout)?;
         let net_id = own.unwrap_or(match socket.own_address()? {
             IpAddr::V4(ip) => {
@@ -111,19 +111,19 @@ impl Wire {
         })
     }
 
-    /// Keeps notifications from now on.
+    /// Queues notifications from now on.
     pub fn keep_notifications(&mut self) {
         self.notifications.get_or_insert_default();
     }
 
-    /// The notifications that have arrived, the oldest first. Does not wait for more.
-    pub fn take_notifications(&mut self) -> Result<VecDeque<Vec<u8>>, Broken> {
+    /// Takes the queued notifications, the oldest first, without waiting for more.
+    pub fn take_notifications(&mut self) -> Result<VecDeque<Vec<u8>>, SocketError> {
         while self.notifications.is_some() && self.socket.has_received()? {
-            // The rest of a frame whose first byte is there.
+            // Only the rest of a frame whose first byte has arrived is waited for.
             let until = Instant::now() + self.timeout;
             let (kind, frame) = self.receive(LONGEST_UNASKED, until)?;
             if is_ads(kind)? && !self.keep(&Frame::parse(&frame)?) {
-                return Err(invalid("an answer to no request".to_owned()));
+                return Err(SocketError::Invalid("an answer to no request".to_owned()));
             }
         }
         Ok(self
@@ -133,7 +133,7 @@ impl Wire {
             .unwrap_or_default())
     }
 
-    /// Keeps a notification if anything is subscribed to; whether the frame is one.
+    /// Queues a notification if there are subscriptions; returns whether the frame is one.
     fn keep(&mut self, frame: &Frame) -> bool {
         let is_notification =
             frame.command == Command::Notification as u16 && frame.flags & ANSWER == 0;
@@ -146,13 +146,13 @@ impl Wire {
         is_notification
     }
 
-    /// Sends a request and returns its answer, which has at most `longest` bytes.
+    /// Sends a request and returns its response of at most `longest` bytes.
     pub fn exchange(
         &mut self,
         command: Command,
         data: &[u8],
         longest: usize,
-    ) -> Result<Reply, Broken> {
+    ) -> Result<Reply, SocketError> {
         let until = Instant::now() + self.timeout;
         self.number = self.number.wrapping_add(1);
         let frame = self.request(command, data)?;
@@ -170,7 +170,7 @@ impl Wire {
             let is_answer = frame.command == command as u16 && frame.flags & ANSWER != 0;
             if !is_answer || frame.number != self.number {
                 let text = "a frame that does not belong to the request";
-                return Err(invalid(text.to_owned()));
+                return Err(SocketError::Invalid(text.to_owned()));
             }
             return Ok(match frame.code {
                 0 => Ok(frame.data.to_vec()),
@@ -179,11 +179,11 @@ impl Wire {
         }
     }
 
-    fn request(&self, command: Command, data: &[u8]) -> Result<Vec<u8>, Broken> {
+    fn request(&self, command: Command, data: &[u8]) -> Result<Vec<u8>, SocketError> {
         let sizes = u32::try_from(data.len()).ok();
         let sizes = sizes.and_then(|size| Some((size, size.checked_add(HEADER as u32)?)));
         let (size, whole) =
-            sizes.ok_or_else(|| invalid("a request of ours is too long".to_owned()))?;
+            sizes.ok_or_else(|| SocketError::Invalid("the request is too long".to_owned()))?;
         let mut frame = Vec::with_capacity(OUTER + HEADER + data.len());
         frame.extend_from_slice(&[0, 0]);
         frame.extend_from_slice(&whole.to_le_bytes());
@@ -198,8 +198,8 @@ impl Wire {
         Ok(frame)
     }
 
-    /// The next frame: its kind and what follows the length.
-    fn receive(&mut self, limit: usize, until: Instant) -> Result<(u16, Vec<u8>), Broken> {
+    /// The next frame: its kind, and the data after the length.
+    fn receive(&mut self, limit: usize, until: Instant) -> Result<(u16, Vec<u8>), SocketError> {
         let mut outer = [0; OUTER];
         self.socket.fill(&mut outer, until)?;
         let [low, high, length @ ..] = outer;
@@ -210,8 +210,8 @@ impl Wire {
         };
         let size = usize::try_from(length).ok().filter(|size| *size <= limit);
         let size = size.ok_or_else(|| {
-            invalid(format!(
-                "a frame of {length} bytes, at most {limit} are possible"
+            SocketError::Invalid(format!(
+                "a frame of {length} bytes, expected at most {limit}"
             ))
         })?;
         let mut frame = vec![0; size];
@@ -220,30 +220,32 @@ impl Wire {
     }
 }
 
-/// Whether a frame of this kind carries ADS; what a router tells unasked may arrive at any time.
-fn is_ads(kind: u16) -> Result<bool, Broken> {
+/// Whether a frame of this kind contains ADS data; other frames of a router may arrive at any time.
+fn is_ads(kind: u16) -> Result<bool, SocketError> {
     match kind {
         0 => Ok(true),
         1 | 0x1000..=0x1002 => Ok(false),
-        _ => Err(invalid(format!("a frame of the unknown kind {kind:#x}"))),
+        _ => Err(SocketError::Invalid(format!(
+            "a frame of the unknown kind {kind:#x}"
+        ))),
     }
 }
 
-/// A frame of AMS.
+/// An AMS frame.
 struct Frame<'a> {
     command: u16,
     flags: u16,
-    /// The error that the router gives in place of an answer; 0: none.
+    /// Error of the router in place of a response; 0: none.
     code: u32,
-    /// Number of the request that it answers.
+    /// Number of the request that it responds to.
     number: u32,
     data: &'a [u8],
 }
 
 impl<'a> Frame<'a> {
-    fn parse(frame: &'a [u8]) -> Result<Self, Broken> {
+    fn parse(frame: &'a [u8]) -> Result<Self, SocketError> {
         let short = || {
-            invalid(format!(
+            SocketError::Invalid(format!(
                 "a frame of {} bytes, shorter than its header",
                 frame.len()
             ))
@@ -255,7 +257,7 @@ impl<'a> Frame<'a> {
         };
         let length = word(20);
         if usize::try_from(length) != Ok(data.len()) {
-            return Err(invalid(format!(
+            return Err(SocketError::Invalid(format!(
                 "a frame announces {length} bytes of data and has {}",
                 data.len()
             )));
@@ -270,11 +272,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-fn invalid(what: String) -> Broken {
-    Broken::Invalid(what)
-}
-
-/// Words of a request, as it carries them.
+/// Words of a request in transmission format.
 pub(super) fn words(words: &[u32]) -> Vec<u8> {
     words.iter().flat_map(|word| word.to_le_bytes()).collect()
 }
@@ -290,8 +288,8 @@ mod tests {
         port: 851,
     };
 
-    /// What comes of a request for the state to a server that takes it, says this and then holds its tongue.
-    fn asked(says: Vec<u8>, closes: bool, timeout_ms: u64) -> Result<Reply, Broken> {
+    /// Result of a state request to a server that accepts it, answers with `says` and then falls silent.
+    fn asked(says: Vec<u8>, closes: bool, timeout_ms: u64) -> Result<Reply, SocketError> {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let place = listener.local_addr().unwrap();
         let server = std::thread::spawn(move || {
@@ -336,7 +334,7 @@ mod tests {
 
     fn refused(says: Vec<u8>) -> String {
         match asked(says, false, 20_000) {
-            Err(Broken::Invalid(what)) => what,
+            Err(SocketError::Invalid(what)) => what,
             other => panic!("{other:?}"),
         }
     }
@@ -366,10 +364,7 @@ mod tests {
         for length in [u32::MAX, 1 << 31, 4097] {
             let mut says = vec![0, 0];
             says.extend_from_slice(&length.to_le_bytes());
-            assert!(
-                refused(says).contains("at most 4096 are possible"),
-                "{length}"
-            );
+            assert!(refused(says).contains("expected at most 4096"), "{length}");
         }
         let told = refused(frame(0, (4, 5, 1), 8, &[0; 4]));
         assert_eq!(told, "a frame announces 8 bytes of data and has 4");
@@ -390,10 +385,13 @@ mod tests {
 
     #[test]
     fn time_is_taken_of_the_whole_exchange() {
-        assert!(matches!(asked(Vec::new(), false, 200), Err(Broken::Late)));
+        assert!(matches!(
+            asked(Vec::new(), false, 200),
+            Err(SocketError::Late)
+        ));
         assert!(matches!(
             asked(vec![0, 0, 32], true, 20_000),
-            Err(Broken::Closed)
+            Err(SocketError::Closed)
         ));
     }
 }

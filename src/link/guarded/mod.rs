@@ -1,12 +1,12 @@
-//! A controller as the rest of the program uses it: with rules of our own, whatever the controller itself allows.
+//! A controller guarded by the rules of this program, whatever the controller itself allows.
 //!
-//! * No pose outside the limits is commanded, and an overloaded cable stops the motion, each time until the operator has
-//!   decided.
+//! * No pose outside the limits is commanded, and an overloaded cable stops the motion, each time until the operator
+//!   decides.
 //! * Nothing moves and nothing is written unless it was armed here, in this connection: a controller that lost its
-//!   connection and re-established it by itself is not armed, even if it reports that it is.
-//! * A controller that was restarted goes nowhere but home, where its encoders are zeroed anew.
-//! * Readings have the channels that the robot has.
-//! * An external laser replaces the controller's own.
+//!   connection and re-established it on its own is not armed, even if it reports that it is.
+//! * A controller that was restarted can only go home, where its encoders are zeroed again.
+//! * Readings have the channels of the robot.
+//! * An external laser replaces that of the controller.
 
 mod restart;
 #[cfg(test)]
@@ -21,9 +21,9 @@ use crate::error::LinkError;
 use crate::laser::LaserSource;
 use crate::limits::Limits;
 use crate::parameters::{ParameterInfo, check_finite};
-pub use restart::Seen;
+pub use restart::LastState;
 
-/// A controller behind our own limits, with the external laser and the latest sample.
+/// A controller guarded by limits, with the external laser and the latest sample.
 pub struct GuardedController<C: ?Sized> {
     inner: Box<C>,
     limits: Limits,
@@ -31,18 +31,18 @@ pub struct GuardedController<C: ?Sized> {
     last: Option<Sample>,
     /// Whether the platform was stopped because of the present overload.
     stopped: bool,
-    /// Readings of the force sensors that the operator has accepted although a cable is overloaded.
+    /// Force readings that the operator accepted although a cable is overloaded.
     accepted: Vec<f64>,
-    /// The controller as it was seen last, also in an earlier connection or run.
-    seen: Option<Seen>,
-    /// By what a restart was recognised after which it was not homed.
+    /// Last known state of the controller, possibly from an earlier connection or run.
+    seen: Option<LastState>,
+    /// Evidence of a restart after which the robot was not homed.
     restarted: Option<String>,
-    /// Whether it was armed here and the connection was not seen to end since, not even by reading the state.
+    /// Whether it was armed here and its connection has not ended since, as far as observed.
     armed: Cell<bool>,
 }
 
 impl<C: Controller + ?Sized> GuardedController<C> {
-    /// A guard around a controller.
+    /// Guards a controller.
     #[must_use]
     pub fn new(inner: Box<C>, limits: Limits) -> Self {
         Self {
@@ -58,14 +58,14 @@ impl<C: Controller + ?Sized> GuardedController<C> {
         }
     }
 
-    /// The same controller as it was seen at the end of an earlier run, by which a restart since then is recognised.
+    /// Sets the state of the controller at the end of an earlier run, from which a restart since then is recognised.
     #[must_use]
-    pub fn seen_before(mut self, seen: Option<Seen>) -> Self {
+    pub fn seen_before(mut self, seen: Option<LastState>) -> Self {
         self.seen = seen;
         self
     }
 
-    /// The same controller with an external laser whose distance replaces its own.
+    /// Adds an external laser whose distance replaces that of the controller.
     #[must_use]
     pub fn with_laser(mut self, laser: Option<Box<dyn LaserSource>>) -> Self {
         self.laser = laser;
@@ -90,12 +90,12 @@ impl<C: Controller + ?Sized> GuardedController<C> {
         self.last.as_ref()
     }
 
-    /// The controller itself, without any rules.
+    /// The controller without the guard.
     pub fn inner_mut(&mut self) -> &mut C {
         &mut self.inner
     }
 
-    /// Passes an answer on; a lost connection disarms.
+    /// Passes on a result; a lost connection disarms.
     fn noted<T>(&self, answer: Result<T, LinkError>) -> Result<T, LinkError> {
         if answer.as_ref().is_err_and(LinkError::is_disconnection) {
             self.armed.set(false);
@@ -103,7 +103,7 @@ impl<C: Controller + ?Sized> GuardedController<C> {
         answer
     }
 
-    /// Whether it may move and change values; a controller that is armed on its own side only is disarmed.
+    /// Checks that it may move and change values; a controller that is armed only on its own side is disarmed.
     fn check_armed(&mut self) -> Result<(), LinkError> {
         let inner = self.inner.state();
         let state = self.state();
@@ -123,7 +123,7 @@ impl<C: Controller + ?Sized> GuardedController<C> {
         }
     }
 
-    /// Resets what belongs to a connection.
+    /// Resets the state that belongs to a connection.
     fn forget(&mut self) {
         self.armed.set(false);
         self.last = None;
@@ -134,17 +134,17 @@ impl<C: Controller + ?Sized> GuardedController<C> {
         }
     }
 
-    /// Remembers the controller as it is now; by what a restart since it was seen last is recognised.
+    /// Stores the present state of the controller; returns the evidence of a restart since the last one.
     fn note_restart(&mut self, sample: &Sample) -> Option<String> {
         let moving = self.inner.state().activity == Activity::Moving;
-        let now = Seen::of(sample, moving);
+        let now = LastState::of(sample, moving);
         let seen = self.seen.replace(now.clone())?;
         let reason = seen.restart(&now, &self.limits.robot)?;
         self.restarted = Some(reason.clone());
         Some(reason)
     }
 
-    /// Stops the platform if a cable is overloaded, more than the operator has accepted.
+    /// Stops the platform if a cable is overloaded more than the operator accepted.
     fn check_overload(&mut self, force_n: &[f64]) -> Result<(), LinkError> {
         let Err(limit) = self.limits.check_forces(force_n, &self.accepted) else {
             if self.limits.check_forces(force_n, &[]).is_ok() {
@@ -153,7 +153,7 @@ impl<C: Controller + ?Sized> GuardedController<C> {
             self.stopped = false;
             return Ok(());
         };
-        // Once for each motion: a stop is a command, too.
+        // Once per motion, as a stop is a command, too.
         if !std::mem::replace(&mut self.stopped, true) {
             self.stop()?;
         }
@@ -166,7 +166,7 @@ impl<C: Controller + ?Sized> GuardedController<C> {
         }
     }
 
-    /// Whether a sample has a time and as many values as there are cables.
+    /// Checks that a sample has a time and as many values as there are cables.
     fn check_channels(&self, sample: &Sample) -> Result<(), LinkError> {
         let cables = self.limits.robot.cable_count();
         if !sample.time_s.is_finite() {
@@ -174,7 +174,7 @@ impl<C: Controller + ?Sized> GuardedController<C> {
             return Err(LinkError::Refused(text));
         }
         let swivels = sample.swivel_rad.as_ref().map_or(cables, Vec::len);
-        // A robot without force sensors has no forces at all.
+        // A robot without force sensors has no force readings at all.
         let forces = Some(sample.force_n.len()).filter(|count| *count > 0);
         for (what, count) in [
             ("revolutions", sample.revolutions.len()),
@@ -227,7 +227,7 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
     }
 
     fn arm(&mut self) -> Result<(), LinkError> {
-        // Also a restarted controller is armed, to be sent home; what it has lost is known from here on.
+        // A restarted controller may be armed so that it can go home; its lost zero is recorded here.
         if self.seen.as_ref().is_some_and(|seen| seen.was_away) {
             let sample = self.inner.sample();
             let sample = self.noted(sample)?;
@@ -256,8 +256,8 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
         self.inner.disarm();
     }
 
-    /// The controller's sample with the external laser. A restart disarms the controller; an overloaded cable stops the
-    /// platform. Both are errors, and the sample is kept all the same.
+    /// The controller's sample with the external laser. A restart disarms the controller, an overloaded cable stops the
+    /// platform; both are errors, but the sample is kept.
     fn sample(&mut self) -> Result<Sample, LinkError> {
         let sample = self.inner.sample();
         let mut sample = self.noted(sample)?;
@@ -279,7 +279,7 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
         self.noted(answer)
     }
 
-    /// Readings with other channels than the robot has are left out; the external laser is not among them.
+    /// Drops readings whose channels do not fit the robot; they do not include the external laser.
     fn sent(&mut self) -> Result<Vec<Sample>, LinkError> {
         let sent = self.inner.sent();
         let mut sent = self.noted(sent)?;
@@ -295,7 +295,7 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
         self.discard_reading();
         let answer = self.inner.home();
         self.noted(answer)?;
-        // The encoders count from there: what they showed before says nothing any more.
+        // Revolutions before homing are no longer comparable, as the encoders are zeroed there.
         self.seen = None;
         self.restarted = None;
         self.stopped = false;

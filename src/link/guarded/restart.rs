@@ -1,32 +1,32 @@
-//! By what a controller is recognised as restarted: then its encoders have lost their zero.
+//! Detection of a controller restart, after which its encoders have lost their zero.
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 
 use crate::controller::Sample;
 
-/// Change of a length without a connection that is more than creep, in standard deviations of a mean reading: the same
-/// that is a jump between two samples at rest.
+/// Change of a length without connection that exceeds creep, in standard deviations of a mean reading: the threshold
+/// of a jump between two samples at rest.
 const JUMP: f64 = 50.0;
-/// Two poses are the same if they differ by less (m and rad).
+/// Difference below which two poses are equal (m and rad).
 const SAME: f64 = 1e-6;
 
-/// A controller as it was seen last.
+/// Last known state of a controller.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Seen {
-    /// Its clock (s), if that is its own.
+pub struct LastState {
+    /// Time on its clock (s), if it has its own.
     pub time_s: Option<f64>,
-    /// What changes with every start, if it says so.
+    /// Value that changes with every start, if it reports one.
     pub started: Option<f64>,
-    /// Where it had been told to go, if it stood still there.
+    /// Commanded pose at which it stood still, if any.
     pub resting: Option<Pose>,
-    /// Motor revolutions then.
+    /// Motor revolutions at that time.
     pub revolutions: Vec<f64>,
     /// Whether the connection has ended since.
     pub was_away: bool,
 }
 
-impl Seen {
+impl LastState {
     pub(super) fn of(sample: &Sample, moving: bool) -> Self {
         Self {
             time_s: Some(sample.time_s),
@@ -37,14 +37,14 @@ impl Seen {
         }
     }
 
-    /// By what it is recognised that the controller was restarted since it was seen like this.
+    /// Evidence that the controller was restarted since this state.
     pub(super) fn restart(&self, now: &Self, robot: &Robot) -> Option<String> {
         if let Some((then, now)) = self
             .started
             .zip(now.started)
             .filter(|(then, now)| then != now)
         {
-            return Some(format!("its start is now {now}, it was {then}"));
+            return Some(format!("its reported start changed from {then} to {now}"));
         }
         if let Some((then_s, now_s)) = self.time_s.zip(now.time_s).filter(|(then, now)| now < then)
         {
@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn starts_clocks_and_encoders_tell_a_restart() {
         let robot = preset("mini").robot;
-        let seen = Seen {
+        let seen = LastState {
             time_s: Some(100.0),
             started: Some(7.0),
             resting: Some(Pose::identity()),
@@ -86,7 +86,7 @@ mod tests {
             was_away: true,
         };
         assert_eq!(seen.restart(&seen, &robot), None);
-        let told = |change: fn(&mut Seen)| {
+        let told = |change: fn(&mut LastState)| {
             let mut now = seen.clone();
             change(&mut now);
             seen.restart(&now, &robot)
@@ -104,7 +104,7 @@ mod tests {
         assert!(told(|now| now.revolutions[3] += 1e-4).is_none());
         // Elsewhere, or in motion, encoders may show anything.
         assert!(told(|now| (now.resting, now.revolutions[3]) = (None, 9.0)).is_none());
-        let never_away = Seen {
+        let never_away = LastState {
             was_away: false,
             ..seen.clone()
         };

@@ -1,19 +1,19 @@
-//! A distance that the operator reads and types.
+//! A laser distance read and typed by the operator.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::source::{LONGEST_M, LaserReading, LaserSource};
 use crate::error::LinkError;
 
-/// A laser whose distance the operator types; clones share it.
+/// A laser whose distance is typed by the operator; clones share it.
 ///
-/// A value belongs to the pose at which it was asked for: it is gone when the platform is sent elsewhere.
+/// A value belongs to the pose for which it was requested; it is discarded when the platform is sent elsewhere.
 #[derive(Debug, Clone, Default)]
 pub struct ManualLaser {
     asked: Arc<Mutex<Option<Asked>>>,
 }
 
-/// What is asked for.
+/// A pending request.
 #[derive(Debug, Clone, Copy)]
 struct Asked {
     label: i64,
@@ -25,7 +25,7 @@ impl ManualLaser {
         self.asked.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Asks for the distance at the pose of this label, where the platform stands still now.
+    /// Requests the distance at the pose with this label, where the platform is at rest now.
     pub fn ask(&self, label: i64) {
         *self.asked() = Some(Asked {
             label,
@@ -33,29 +33,29 @@ impl ManualLaser {
         });
     }
 
-    /// Label of the pose at which a distance is waited for.
+    /// Label of the pose whose distance is pending.
     #[must_use]
     pub fn wanted(&self) -> Option<i64> {
         let asked = self.asked().filter(|asked| asked.answer.is_none());
         asked.map(|asked| asked.label)
     }
 
-    /// Whether the distance at the pose of this label was typed.
+    /// Whether the distance at the pose with this label was typed.
     #[must_use]
     pub fn is_answered(&self, label: i64) -> bool {
         let asked = self.asked().filter(|asked| asked.label == label);
         asked.is_some_and(|asked| asked.answer.is_some())
     }
 
-    /// Takes the distance (m) at the pose of this label; `None`: the sensor has no return. A second value at the same pose
+    /// Sets the distance (m) at the pose with this label; `None`: the sensor has no return. A second value at the same pose
     /// replaces the first.
     ///
     /// # Errors
-    /// If it is no distance, or not asked for any more.
+    /// If it is not a possible distance, or no longer requested.
     pub fn answer(&self, label: i64, distance_m: Option<f64>) -> Result<(), LinkError> {
         if let Some(typed) = distance_m.filter(|typed| !(0.0..=LONGEST_M).contains(typed)) {
             return Err(LinkError::Laser(format!(
-                "{} mm is no distance, expected 0 mm to {:.0} mm",
+                "{} mm is not a possible distance, expected 0 mm to {:.0} mm",
                 typed * 1e3,
                 LONGEST_M * 1e3
             )));
@@ -69,7 +69,7 @@ impl ManualLaser {
                 Ok(())
             }
             None => Err(LinkError::Laser(format!(
-                "the distance at pose {label} is not asked for any more, the platform has left it"
+                "the distance at pose {label} is no longer requested, as the platform has left it"
             ))),
         }
     }
@@ -93,7 +93,7 @@ impl LaserSource for ManualLaser {
         self.asked().as_ref()?.answer
     }
 
-    /// A typed value does not age: it is gone when the platform leaves.
+    /// A typed value does not age; it is discarded when the platform leaves.
     fn max_age_s(&self) -> f64 {
         f64::INFINITY
     }
@@ -122,7 +122,7 @@ mod tests {
         assert!(window.answer(2, Some(0.5)).is_err());
         for wrong in [f64::NAN, f64::INFINITY, -0.1, 1e6] {
             let told = window.answer(3, Some(wrong)).unwrap_err().to_string();
-            assert!(told.contains("is no distance"), "{told}");
+            assert!(told.contains("is not a possible distance"), "{told}");
         }
         assert_eq!((laser.distance_m(), laser.is_answered(3)), (None, false));
         window.answer(3, Some(0.5)).unwrap();

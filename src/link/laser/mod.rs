@@ -1,7 +1,7 @@
 //! External laser distance sensors.
 //!
-//! A [`LaserSource`] gets the distance from another device than the controller; a [`crate::GuardedController`] puts it
-//! into the samples.
+//! A [`LaserSource`] gets the distance from a device other than the controller; a [`crate::GuardedController`] adds it
+//! to the samples.
 
 mod line;
 mod manual;
@@ -19,16 +19,16 @@ pub use manual::ManualLaser;
 pub use port::serial_ports;
 pub use source::{LaserReading, LaserSource};
 
-/// A laser that does not belong to the controller.
+/// A laser that is not connected to the controller.
 pub enum ExternalLaser {
-    /// The operator types the distance: hand a clone to [`crate::measuring::MeasuringRun::asking`].
+    /// The operator types the distance; pass a clone to [`crate::measuring::MeasuringRun::asking`].
     Manual(ManualLaser),
-    /// A device sends it.
+    /// A device sends the distance.
     Line(Box<LineLaser>),
 }
 
 impl ExternalLaser {
-    /// The laser of these settings, not connected; `None` where it is the controller's own.
+    /// The laser with these settings, not connected; `None` if it is read by the controller.
     #[must_use]
     pub fn of(settings: &LaserSettings, clock: Arc<dyn Clock>) -> Option<Self> {
         match settings {
@@ -40,7 +40,7 @@ impl ExternalLaser {
         }
     }
 
-    /// The laser whose distance the operator types.
+    /// The laser whose distance is typed by the operator.
     #[must_use]
     pub fn manual(&self) -> Option<ManualLaser> {
         match self {
@@ -49,7 +49,7 @@ impl ExternalLaser {
         }
     }
 
-    /// For [`crate::GuardedController::with_laser`].
+    /// Converts it for [`crate::GuardedController::with_laser`].
     #[must_use]
     pub fn into_source(self) -> Box<dyn LaserSource> {
         match self {

@@ -1,4 +1,4 @@
-//! What bytes come from: a network connection or a serial port.
+//! Byte streams of lasers: network connections and serial ports.
 
 use std::io::{Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -7,17 +7,17 @@ use std::time::Duration;
 use serial2::{CharSize, FlowControl, Parity, SerialPort, StopBits};
 use tautline_session::{LaserParity, LaserPort};
 
-/// Longest wait for bytes, after which somebody may ask the thread to end.
+/// Longest wait for bytes, after which the thread checks whether it should end.
 pub(super) const READ_WAIT: Duration = Duration::from_millis(50);
-/// Longest wait for a connection, and for bytes to go out.
+/// Longest wait for a connection, and for sending.
 const LONGEST_WAIT: Duration = Duration::from_secs(2);
 
-/// Bytes in and out; reading waits for at most [`READ_WAIT`].
+/// A byte stream; reading waits for at most [`READ_WAIT`].
 pub(super) trait Port: Read + Write + Send {}
 
 impl<P: Read + Write + Send> Port for P {}
 
-/// Names of the serial ports of this computer; none where the system does not tell.
+/// Names of the serial ports of this computer; empty if the system does not list them.
 #[must_use]
 pub fn serial_ports() -> Vec<String> {
     let mut ports: Vec<String> = SerialPort::available_ports()
@@ -37,7 +37,7 @@ pub(super) fn name(port: &LaserPort) -> String {
     }
 }
 
-/// Opens a port; the error says why not.
+/// Opens a port; the error states why it cannot be opened.
 pub(super) fn open(port: &LaserPort) -> Result<Box<dyn Port>, String> {
     let opened = match port {
         LaserPort::Tcp { host, port } => open_tcp(host, *port),
@@ -88,7 +88,7 @@ fn open_serial(device: &str, bits: (u32, LaserParity, u8)) -> std::io::Result<Bo
     })?;
     port.set_read_timeout(READ_WAIT)?;
     port.set_write_timeout(LONGEST_WAIT)?;
-    // What waited there is old.
+    // Buffered input is outdated.
     port.discard_input_buffer()?;
     Ok(Box::new(port))
 }

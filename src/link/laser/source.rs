@@ -1,16 +1,16 @@
-//! What every laser distance sensor has to do.
+//! The interface of laser distance sensors.
 
 use crate::error::LinkError;
 
 /// Longest plausible distance (m).
 pub(super) const LONGEST_M: f64 = 1000.0;
 
-/// A distance, and how old it is.
+/// A distance and its age.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LaserReading {
     /// Time since it was read (s).
     pub age_s: f64,
-    /// Distance (m); `None` where the sensor says that it has no return.
+    /// Distance (m); `None` if the sensor reports no return.
     pub distance_m: Option<f64>,
 }
 
@@ -19,28 +19,28 @@ pub trait LaserSource: Send {
     /// Name shown to the operator.
     fn identity(&self) -> String;
 
-    /// Connects, unless it is connected.
+    /// Connects if not connected.
     ///
     /// # Errors
-    /// If the device cannot be connected.
+    /// If the connection fails.
     fn connect(&mut self) -> Result<(), LinkError>;
 
     /// Ends the connection.
     fn disconnect(&mut self);
 
-    /// The latest reading since the platform was sent to its present place or the connection was made.
+    /// The latest reading since the platform was sent to its present pose or the connection was made.
     fn latest(&self) -> Option<LaserReading>;
 
-    /// Age from which a reading is not used any more (s).
+    /// Age beyond which a reading is no longer used (s).
     fn max_age_s(&self) -> f64;
 
-    /// The platform leaves: the latest reading belongs to the place before.
+    /// Discards the latest reading, because the platform leaves the pose it belongs to.
     fn discard_reading(&mut self);
 
-    /// Why there is no distance, as one sentence.
+    /// Reason why there is no distance, as one sentence.
     fn problem(&self) -> Option<String>;
 
-    /// The distance (m), where it is fresh, a number, and not negative.
+    /// The distance (m), if it is recent, finite and not negative.
     fn distance_m(&self) -> Option<f64> {
         let reading = self.latest()?;
         let fresh = (0.0..=self.max_age_s()).contains(&reading.age_s);

@@ -1,4 +1,4 @@
-//! The steps of a run at a pose: approaching, asking, sampling, checking.
+//! The steps of a run at a pose: approaching, prompting, sampling, checking.
 
 use tautline_session::MeasuredPose;
 
@@ -56,7 +56,7 @@ impl MeasuringRun {
         });
     }
 
-    /// Warns of a jump since the previous sample, once per channel and pose.
+    /// Warns of a jump since the previous sample, once per channel and pose; returns whether there was one.
     fn note_jump(&mut self, sample: &Sample) -> bool {
         let averaged = self.options.samples;
         let before = self.samples.last().or(self.window.last());
@@ -79,7 +79,7 @@ impl MeasuringRun {
         true
     }
 
-    /// Returns to settling after a jump; whether there was one.
+    /// Returns to settling after a jump; returns whether there was one.
     fn settle_anew(&mut self, sample: &Sample) -> bool {
         let jumped = self.note_jump(sample);
         if jumped {
@@ -90,7 +90,7 @@ impl MeasuringRun {
         jumped
     }
 
-    /// Continues when the laser distance was typed.
+    /// Continues once the laser distance has been typed.
     pub(super) fn wait_for_answer(&mut self, sample: &Sample) {
         if self.settle_anew(sample) {
             return;
@@ -119,7 +119,7 @@ impl MeasuringRun {
         }
     }
 
-    /// Checks the mean of the samples and passes it to the caller unless it cannot be used.
+    /// Checks the mean of the samples and passes it to the caller, unless it cannot be used.
     fn accept(&mut self, laser_problem: Option<String>) {
         let Some((label, pose)) = self.current else {
             return;

@@ -8,17 +8,17 @@ use super::mean::mean_and_sd;
 use super::options::{MeasuringOptions, Prediction};
 use crate::controller::Sample;
 
-/// Standard deviations of a mean tension that count as noise.
+/// Number of standard deviations of a mean tension that count as noise.
 const TENSION_NOISE: f64 = 3.0;
-/// Difference of two samples of a platform at rest that is a jump, in standard deviations of one sample.
+/// Difference between two samples at rest that counts as a jump, in standard deviations of one sample.
 const JUMP: f64 = 15.0;
-/// A winch that should turn by more than this many standard deviations of its length must show something else.
+/// A winch that is expected to turn by more than this many standard deviations of its length must show a change.
 const TURNS: f64 = 20.0;
 
-/// From this multiple of what was expected a reading has another unit.
+/// Ratio to the prediction beyond which a reading has a wrong unit.
 const MULTIPLE: f64 = 10.0;
 
-/// Part of its standard deviation below which a force sensor shows no noise.
+/// Fraction of its standard deviation below which a force sensor shows no noise.
 const SILENT: f64 = 1e-3;
 
 /// A warning for the operator.
@@ -26,11 +26,11 @@ const SILENT: f64 = 1e-3;
 pub struct Warning {
     /// Label of the pose.
     pub label: i64,
-    /// Index of the cable, where it is about one.
+    /// Index of the cable, if it concerns one.
     pub cable: Option<usize>,
-    /// One sentence.
+    /// The warning in one sentence.
     pub text: String,
-    /// Whether the pose cannot be used like this.
+    /// Whether the pose cannot be used.
     pub refuses: bool,
 }
 
@@ -44,13 +44,13 @@ pub(super) struct MotionRecord {
     laser_changed: bool,
 }
 
-/// Whether a reading changed; a missing one says nothing.
+/// Whether a reading changed; a missing reading does not count.
 fn differs(now: f64, then: f64) -> bool {
     now.is_finite() && now.to_bits() != then.to_bits()
 }
 
 impl MotionRecord {
-    /// From the first sample; `expected` is the prediction at the pose before.
+    /// Starts with the first sample; `expected` is the prediction at the previous pose.
     pub fn from(first: Sample, expected: Option<Prediction>) -> Self {
         Self {
             revolutions_changed: vec![false; first.revolutions.len()],
@@ -61,7 +61,7 @@ impl MotionRecord {
         }
     }
 
-    /// Records another sample.
+    /// Adds a sample.
     pub fn record(&mut self, sample: &Sample) {
         let first = &self.first;
         for (changed, now, then) in [
@@ -81,7 +81,7 @@ impl MotionRecord {
     }
 
     /// A sentence if the encoder of a cable or the laser changed by a multiple of the prediction. The noise of such a
-    /// channel is multiplied, too, so that it never seems to be at rest.
+    /// channel is also multiplied, so that it never seems to be at rest.
     pub fn multiple(
         &self,
         robot: &Robot,
@@ -104,7 +104,7 @@ impl MotionRecord {
     }
 }
 
-/// Checks of the readings of a robot.
+/// Checks of the mean readings at a pose.
 pub(super) struct Checks<'a> {
     pub robot: &'a Robot,
     pub options: &'a MeasuringOptions,
@@ -112,9 +112,9 @@ pub(super) struct Checks<'a> {
     pub at: &'a Measurements,
     /// Label of the pose.
     pub label: i64,
-    /// What the means are of.
+    /// The averaged samples.
     pub samples: &'a [Sample],
-    /// Why there is no laser distance, where the reason is known.
+    /// Reason why there is no laser distance, if known.
     pub laser_problem: Option<String>,
 }
 
@@ -207,8 +207,8 @@ impl Checks<'_> {
         found
     }
 
-    /// Force sensors that did not change by a single bit while most others show noise at rest. Without noise, a cable that
-    /// is kept at the lowest tension has the same reading everywhere.
+    /// Force sensors that did not change by a single bit while most others show noise at rest. Without noise, a cable
+    /// kept at the lowest tension has the same reading everywhere.
     fn frozen_forces(&self, motion: &MotionRecord) -> Vec<Warning> {
         let changed = &motion.forces_changed;
         let noisy = self
@@ -235,7 +235,7 @@ impl Checks<'_> {
             .collect()
     }
 
-    /// The most specific fault of a winch's reading.
+    /// The most specific fault of a winch reading.
     fn winch(
         &self,
         index: usize,

@@ -5,7 +5,7 @@ use tautline_core::measurement::{Grid, Measurements};
 
 use crate::controller::Sample;
 
-/// The mean readings at a pose, as one row; a quantity that was not read at all has no column.
+/// The mean readings at a pose, as one row; quantities that were not read have no column.
 pub(super) fn mean_readings(label: i64, commanded: Pose, samples: &[Sample]) -> Measurements {
     let mean = |get: &dyn Fn(&Sample) -> Option<f64>| mean_and_sd(samples, get).0;
     let column = |get: &dyn Fn(&Sample) -> Option<f64>| -> Vec<f64> {
@@ -36,12 +36,12 @@ pub(super) fn mean_readings(label: i64, commanded: Pose, samples: &[Sample]) -> 
     }
 }
 
-/// Mean and standard deviation of what was read; NaN where nothing was, and for the deviation of one value.
+/// Mean and standard deviation of the readings present; NaN without readings, the deviation also with a single one.
 pub(super) fn mean_and_sd(samples: &[Sample], get: &dyn Fn(&Sample) -> Option<f64>) -> (f64, f64) {
     let values = samples.iter().filter_map(get);
     let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
     let n = values.len() as f64;
-    // About the first value: bit-identical readings have themselves as mean and no deviation.
+    // Relative to the first value, so that bit-identical readings have exactly their value as mean and no deviation.
     let first = values.first().copied().unwrap_or(f64::NAN);
     let mean = first + values.iter().map(|v| v - first).sum::<f64>() / n;
     let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();

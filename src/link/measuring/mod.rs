@@ -1,9 +1,9 @@
 //! The guided measuring run: from pose to pose, each settled, averaged, checked, and stored before the next.
 //!
-//! The caller calls [`MeasuringRun::tick`] again and again, at least as often as it wants samples, and stores every
-//! [`MeasuringEvent::Measured`] pose before it confirms it. A pose is commanded only when that before it
-//! is confirmed: so a crash loses at most the pose under way. The pose labelled 0 is home: there the controller
-//! is told to go home, where its encoders are zeroed; put it first in the plan.
+//! The caller calls [`MeasuringRun::tick`] repeatedly, at least as often as it wants samples, and stores every
+//! [`MeasuringEvent::Measured`] pose before it confirms it. A pose is commanded only after the previous one
+//! is confirmed, so a crash loses at most the pose in progress. The pose labelled 0 is home: there the controller
+//! is sent home, where its encoders are zeroed; it should be first in the plan.
 
 mod at_pose;
 mod channels;
@@ -24,7 +24,7 @@ use tautline_session::MeasuredPose;
 pub use checks::Warning;
 pub use options::{MeasuringOptions, Prediction, Predictor, Rates, predict_by};
 pub use precision::largest_sd_m;
-pub use settling::{Settled, SettlingWindow};
+pub use settling::{SettlingState, SettlingWindow};
 
 use crate::controller::{Activity, Controller, Sample};
 use crate::error::LinkError;
@@ -32,7 +32,7 @@ use crate::laser::ManualLaser;
 use channels::Channels;
 use checks::MotionRecord;
 
-/// Consecutive missing answers after which the run fails.
+/// Number of consecutive missing responses after which the run fails.
 const LOST_ANSWERS: usize = 5;
 
 /// Reason of a pause after the connection was lost.
@@ -49,23 +49,23 @@ pub enum MeasuringEvent {
         /// Label of the pose.
         label: i64,
     },
-    /// The platform has arrived and comes to rest.
+    /// The platform has arrived and is settling.
     Settling {
-        /// How fast readings change; `None` until there are enough samples.
+        /// Rates of change of the readings; `None` until there are enough samples.
         rates: Option<Rates>,
-        /// How fast they may change at rest.
+        /// Limits of the rates at rest.
         limits: Rates,
         /// Shortest remaining time (s).
         remaining_s: f64,
     },
     /// A sample was taken.
     Sampling {
-        /// Samples taken.
+        /// Number of samples taken.
         taken: usize,
-        /// Samples wanted.
+        /// Number of samples wanted.
         of: usize,
     },
-    /// The platform is at rest: the operator has to read the laser distance and answer the [`ManualLaser`] of the run.
+    /// The platform is at rest: the operator must read the laser distance and answer the [`ManualLaser`] of the run.
     /// Nothing moves until then.
     LaserWanted {
         /// Label of the pose.
@@ -73,7 +73,7 @@ pub enum MeasuringEvent {
     },
     /// A pose was measured: store it and call [`MeasuringRun::confirm_stored`].
     Measured(Box<MeasuredPose>),
-    /// Something does not look right.
+    /// A reading is implausible.
     Warning(Warning),
     /// A pose was skipped.
     Skipped {
@@ -84,12 +84,12 @@ pub enum MeasuringEvent {
     Paused {
         /// The reason, for the operator.
         reason: String,
-        /// Whether only the operator may decide to go on, by [`Controller::accept_overload`].
+        /// Whether only the operator may decide to continue, by [`Controller::accept_overload`].
         is_overload: bool,
     },
     /// All poses are measured or skipped.
     Finished,
-    /// The run has failed; the text says why. A new run can continue with what is measured.
+    /// The run has failed; the text states why. A new run can continue from the measured poses.
     Failed(String),
 }
 
@@ -100,7 +100,7 @@ pub enum Stage {
     Ready,
     /// Moving or settling.
     Approaching,
-    /// At rest, waiting for the laser distance that the operator types.
+    /// At rest, waiting for the laser distance typed by the operator.
     Asking,
     /// Samples are taken.
     Sampling,
@@ -116,7 +116,7 @@ pub struct MeasuringRun {
     plan: Vec<(i64, Pose)>,
     options: MeasuringOptions,
     predictor: Predictor,
-    /// The laser whose distance the operator types, if there is one.
+    /// The laser whose distance is typed by the operator, if there is one.
     asked: Option<ManualLaser>,
     queue: VecDeque<(i64, Pose)>,
     current: Option<(i64, Pose)>,
@@ -127,20 +127,20 @@ pub struct MeasuringRun {
     motion: Option<MotionRecord>,
     /// Cables whose encoders jumped on the way to the present pose; `None` is the laser.
     jumped: Vec<Option<usize>>,
-    /// The pose before the present one.
+    /// The previous pose.
     before: Option<Pose>,
     commanded_at_s: Option<f64>,
     /// Caller's time of the last new sample, and the controller's time in it.
-    heard: Option<(f64, f64)>,
+    last_sample: Option<(f64, f64)>,
     lost_answers: usize,
-    /// Whether it has failed because the controller was restarted.
+    /// Whether the run has failed because the controller was restarted.
     restarted: bool,
     channels: Channels,
     pending: Vec<MeasuringEvent>,
 }
 
 impl MeasuringRun {
-    /// A run over labelled poses; readings are predicted by `robot` unless [`Self::predicting`] replaces it.
+    /// A run over labelled poses; `robot` predicts the readings unless [`Self::predicting`] replaces it.
     #[must_use]
     pub fn new(plan: Vec<(i64, Pose)>, robot: &Robot, options: MeasuringOptions) -> Self {
         Self {
@@ -159,7 +159,7 @@ impl MeasuringRun {
             jumped: Vec::new(),
             before: None,
             commanded_at_s: None,
-            heard: None,
+            last_sample: None,
             lost_answers: 0,
             restarted: false,
             channels: Channels::default(),
@@ -167,21 +167,21 @@ impl MeasuringRun {
         }
     }
 
-    /// The same run with another prediction, such as by an identified model.
+    /// Replaces the prediction, for example by that of an identified model.
     #[must_use]
     pub fn predicting(mut self, predictor: Predictor) -> Self {
         self.predictor = predictor;
         self
     }
 
-    /// The same run with a laser distance that the operator types; `laser` is a clone of that in the station.
+    /// Uses a laser distance typed by the operator; `laser` is a clone of that in the station.
     #[must_use]
     pub fn asking(mut self, laser: Option<ManualLaser>) -> Self {
         self.asked = laser;
         self
     }
 
-    /// The same run without the poses that are measured already.
+    /// Leaves out the poses that are already measured.
     #[must_use]
     pub fn continuing(mut self, measured: &[i64]) -> Self {
         self.queue.retain(|(label, _)| !measured.contains(label));
@@ -200,7 +200,7 @@ impl MeasuringRun {
         self.paused
     }
 
-    /// Whether it has failed because the controller was restarted, so that another run cannot continue it.
+    /// Whether the run has failed because the controller was restarted, so that another run cannot continue it.
     #[must_use]
     pub fn was_restarted(&self) -> bool {
         self.restarted
@@ -219,13 +219,13 @@ impl MeasuringRun {
         self.current().or_else(next)
     }
 
-    /// Poses that are still to be measured, the present one included.
+    /// Number of poses still to be measured, including the present one.
     #[must_use]
     pub fn remaining(&self) -> usize {
         self.queue.len() + usize::from(self.current.is_some())
     }
 
-    /// The measured pose is stored: the next one may be commanded.
+    /// Confirms that the measured pose is stored, so that the next one may be commanded.
     pub fn confirm_stored(&mut self, label: i64) {
         if self.stage == Stage::Storing && self.current() == Some(label) {
             self.before = self.current.take().map(|(_, pose)| pose);
@@ -253,10 +253,10 @@ impl MeasuringRun {
         }
     }
 
-    /// Resumes. The present pose is approached again, unless it waits to be stored.
+    /// Resumes. The present pose is approached again, unless it is waiting to be stored.
     pub fn resume(&mut self) {
         if std::mem::take(&mut self.paused) {
-            self.heard = None;
+            self.last_sample = None;
             self.approach_anew();
         }
     }
@@ -283,7 +283,7 @@ impl MeasuringRun {
         self.paused = false;
     }
 
-    /// Measures a pose of the plan again, next; `false` if the plan has no such pose or the run has ended.
+    /// Measures a pose of the plan again, as the next one; `false` if the plan has no such pose or the run has ended.
     pub fn repeat(&mut self, label: i64) -> bool {
         let Some(pose) = self.plan.iter().find(|(known, _)| *known == label) else {
             return false;
@@ -309,9 +309,9 @@ impl MeasuringRun {
         controller.stop()
     }
 
-    /// Advances the run by at most one sample and returns what happened.
+    /// Advances the run by at most one sample and returns the events.
     ///
-    /// `now_s` is the caller's time, by which a silent controller is detected; rates and the settling time are measured by
+    /// `now_s` is the caller's time, by which a silent controller is detected; rates and the settling time are measured on
     /// the controller's own clock.
     pub fn tick(&mut self, controller: &mut dyn Controller, now_s: f64) -> Vec<MeasuringEvent> {
         let waits = self.paused || matches!(self.stage, Stage::Storing | Stage::Ended);
@@ -326,13 +326,13 @@ impl MeasuringRun {
         self.pending.push(MeasuringEvent::Failed(text));
     }
 
-    /// What is measured cannot be continued.
+    /// Fails because the measured poses cannot be continued.
     fn fail_restarted(&mut self, error: &LinkError) {
         self.restarted = true;
         self.fail(format!("{error}."));
     }
 
-    /// The connection is lost.
+    /// Handles a lost connection.
     fn lose(&mut self, text: String) {
         if self.options.waits_for_connection {
             self.lost_answers = 0;
@@ -368,7 +368,7 @@ impl MeasuringRun {
         let Some(sample) = self.listen(controller, now_s) else {
             return;
         };
-        // The sample itself may say that it does not count: then the pose is not measured.
+        // The sample itself may reveal a state in which it does not count; the pose is then not measured.
         let now = controller.state();
         if let Activity::Fault(text) = now.activity {
             return self.fail(format!("The controller reports a fault: {text}."));
@@ -388,14 +388,16 @@ impl MeasuringRun {
         }
     }
 
-    /// A new sample.
+    /// Waits for a new sample.
     fn listen(&mut self, controller: &mut dyn Controller, now_s: f64) -> Option<Sample> {
         match controller.sample() {
             Ok(sample) => {
                 self.lost_answers = 0;
-                let seen = self.heard.filter(|(_, time_s)| *time_s == sample.time_s);
+                let seen = self
+                    .last_sample
+                    .filter(|(_, time_s)| *time_s == sample.time_s);
                 let Some((since_s, _)) = seen else {
-                    self.heard = Some((now_s, sample.time_s));
+                    self.last_sample = Some((now_s, sample.time_s));
                     return Some(sample);
                 };
                 if now_s - since_s > self.options.timeout_s {
@@ -424,11 +426,11 @@ impl MeasuringRun {
             self.pending.push(MeasuringEvent::Finished);
             return;
         };
-        let told = match label {
+        let result = match label {
             0 => controller.home(),
             _ => controller.command(&pose),
         };
-        if let Err(error) = told {
+        if let Err(error) = result {
             self.queue.push_front((label, pose));
             if error.is_disconnection() {
                 self.lose(error.to_string());
@@ -446,7 +448,7 @@ impl MeasuringRun {
         self.jumped.clear();
         self.commanded_at_s = Some(sample.time_s);
         let expected = self.before.and_then(|before| (self.predictor)(&before));
-        // At home the encoders are zeroed, so that their change says nothing.
+        // At home the encoders are zeroed, so their change is meaningless.
         self.motion = (label != 0).then(|| MotionRecord::from(sample, expected));
         self.pending.push(MeasuringEvent::Commanded { label });
     }

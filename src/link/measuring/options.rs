@@ -4,50 +4,50 @@ use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{Epoch, QuasiStaticRobot, TensionRange, ambient_temperature_c};
 
-/// A single sample's standard deviations that a rate may show while the platform stands still, per settling time.
+/// Rate limit at rest, in standard deviations of a single sample per settling time.
 const STILL: f64 = 6.5;
 /// Largest plausible error of a prediction, in prior standard deviations.
 const PLAUSIBLE: f64 = 4.0;
 
-/// Rates of change, of the fastest channel of each kind.
+/// Rates of change of the fastest channel of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Rates {
-    /// Of the cable lengths (m/s).
+    /// Cable lengths (m/s).
     pub length_m_per_s: f64,
-    /// Of the tensions (N/s).
+    /// Tensions (N/s).
     pub tension_n_per_s: f64,
-    /// Of the laser distance (m/s).
+    /// Laser distance (m/s).
     pub laser_m_per_s: f64,
 }
 
 /// Options of a measuring run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuringOptions {
-    /// Samples that are averaged at each pose.
+    /// Number of samples averaged at each pose.
     pub samples: usize,
     /// Rates below which the platform is at rest.
     pub still: Rates,
-    /// Time for which it has to be at rest (s), by the controller's clock.
+    /// Time for which it must be at rest (s), on the controller's clock.
     pub settle_time_s: f64,
-    /// Timeout from command to rest (s), by the controller's clock; and of new readings, by the caller's.
+    /// Timeout from command to rest (s), on the controller's clock; and for new readings, on the caller's.
     pub timeout_s: f64,
-    /// Tensions without a warning.
+    /// Range of tensions without a warning.
     pub tension: TensionRange,
-    /// Whether a pose without laser distance is refused.
+    /// Whether a pose without laser distance is rejected.
     pub laser_required: bool,
     /// Whether a run pauses when the connection is lost, instead of failing.
     pub waits_for_connection: bool,
-    /// Largest deviation of a length or laser distance from its prediction without a warning (m).
+    /// Largest plausible deviation of a length or laser distance from its prediction (m).
     pub plausible_m: f64,
 }
 
 impl MeasuringOptions {
-    /// Options that suit the noise and the priors of a robot.
+    /// Default options for the noise and the priors of a robot.
     #[must_use]
     pub fn of(robot: &Robot) -> Self {
         let samples = 10;
         let settle_time_s = 1.0;
-        // Of one sample, when the description's is that of the mean.
+        // For one sample, as the described standard deviation is that of the mean.
         let per_second = STILL * f64::from(samples).sqrt() / settle_time_s;
         let cables = robot.cables.iter();
         let length_sd_m = largest(cables.clone().map(|c| c.winch.length_sd_m));
@@ -86,11 +86,11 @@ pub struct Prediction {
     pub laser_m: Option<f64>,
 }
 
-/// Predicts the readings at a commanded pose; `None` where it cannot.
+/// Predicts the readings at a commanded pose; `None` if it cannot.
 pub type Predictor = Box<dyn Fn(&Pose) -> Option<Prediction> + Send>;
 
-/// Prediction by a robot or model with tensions in a range, elasticity and sag included; effects are as at the beginning
-/// of the run. Nothing is predicted for a robot without a home pose.
+/// Prediction by a robot or model with tensions in a range, elasticity and sag included; effects are as at the start
+/// of the run. Returns `None` for a robot without a home pose.
 #[must_use]
 pub fn predict_by(robot: &Robot, tension: TensionRange) -> Predictor {
     let begin = Epoch {

@@ -1,12 +1,12 @@
-//! When enough is measured.
+//! Criterion for ending a run.
 
 use tautline_core::estimation::{ParameterId, Solution};
 
-/// The largest standard deviation of a coordinate of an entry point (m) that the readings so far lead to: a run may end
-/// where it is small enough.
+/// The largest standard deviation of a coordinate of an entry point (m) that results from the readings so far: a run may end
+/// once it is small enough.
 ///
-/// It is that of the readings' noise as described; whether the model explains the readings is another question. `None`
-/// while the readings leave a coordinate open, and where no entry point is identified.
+/// It assumes the described noise of the readings, whether or not the model explains them. `None`
+/// while the readings leave a coordinate undetermined, and if no entry point is identified.
 #[must_use]
 pub fn largest_sd_m(solution: &Solution) -> Option<f64> {
     let parameters = solution.parameters.iter().enumerate();

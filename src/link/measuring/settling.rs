@@ -7,10 +7,10 @@ use tautline_core::robot::Robot;
 use super::options::Rates;
 use crate::controller::Sample;
 
-/// Fewest samples for a rate.
+/// Smallest number of samples for a rate.
 const FEWEST: usize = 5;
 
-/// The latest samples of a platform that may still settle.
+/// The latest samples of a platform that may still be settling.
 #[derive(Debug, Clone, Default)]
 pub struct SettlingWindow {
     samples: VecDeque<Sample>,
@@ -18,12 +18,12 @@ pub struct SettlingWindow {
 
 /// Rates of change, and the reading that exceeds its limit most.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Settled {
+pub struct SettlingState {
     /// Rates of change over the window.
     pub rates: Rates,
-    /// Whether none exceeds its limit.
+    /// Whether no rate exceeds its limit.
     pub still: bool,
-    /// What changes too fast, as a sentence.
+    /// The reading that changes too fast, as a sentence.
     pub restless: Option<String>,
 }
 
@@ -44,7 +44,7 @@ impl Worst {
 }
 
 impl SettlingWindow {
-    /// Forgets all samples.
+    /// Drops all samples.
     pub fn clear(&mut self) {
         self.samples.clear();
     }
@@ -55,7 +55,7 @@ impl SettlingWindow {
         self.samples.back()
     }
 
-    /// Adds a sample and drops those that are no longer needed to span `span_s`.
+    /// Adds a sample and drops those not needed to span `span_s`.
     pub fn push(&mut self, sample: Sample, span_s: f64) {
         let now_s = sample.time_s;
         self.samples.push_back(sample);
@@ -75,15 +75,15 @@ impl SettlingWindow {
         ends.map_or(0.0, |(first, last)| last.time_s - first.time_s)
     }
 
-    /// Time until the window is long enough (s).
+    /// Time until the window spans `span_s` (s).
     #[must_use]
     pub fn missing_s(&self, span_s: f64) -> f64 {
         (span_s - self.span_s()).max(0.0)
     }
 
-    /// Rates over the window against limits; `None` until it spans `span_s` with enough samples.
+    /// Compares the rates over the window with limits; `None` until it spans `span_s` with enough samples.
     #[must_use]
-    pub fn settled(&self, robot: &Robot, limits: &Rates, span_s: f64) -> Option<Settled> {
+    pub fn settled(&self, robot: &Robot, limits: &Rates, span_s: f64) -> Option<SettlingState> {
         if self.samples.len() < FEWEST || self.missing_s(span_s) > 0.0 {
             return None;
         }
@@ -120,14 +120,14 @@ impl SettlingWindow {
                 )
             });
         }
-        Some(Settled {
+        Some(SettlingState {
             rates,
             still: worst.reading.is_none(),
             restless: worst.reading,
         })
     }
 
-    /// Size of the slope of a channel by least squares; 0 where it was not read.
+    /// Magnitude of the least-squares slope of a channel; 0 if it was not read.
     fn slope(&self, get: impl Fn(&Sample) -> Option<f64>) -> f64 {
         let read = self
             .samples

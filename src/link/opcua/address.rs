@@ -1,23 +1,23 @@
-//! Where a controller that speaks OPC UA is found.
+//! Address of an OPC UA controller.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::error::LinkError;
 
-/// How addresses begin.
+/// Prefix of addresses.
 const SCHEME: &str = "opc.tcp://";
-/// The port that the standard reserves.
+/// Default port of the standard.
 const PORT: u16 = 4840;
 
 /// Address of a controller: `opc.tcp://HOST[:PORT][/PATH]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OpcUaAddress {
-    /// Name or number of the computer.
+    /// Host name or address.
     pub host: String,
-    /// Its TCP port; 4840 by default.
+    /// TCP port; 4840 by default.
     pub port: u16,
-    /// What follows, with its slash; empty for most controllers.
+    /// Path with its leading slash; empty for most controllers.
     pub path: String,
 }
 
@@ -33,7 +33,7 @@ impl FromStr for OpcUaAddress {
         let rest = text.trim().strip_prefix(SCHEME);
         let rest = rest.ok_or_else(|| wrong("does not begin with opc.tcp://"))?;
         let (place, path) = rest.split_at(rest.find('/').unwrap_or(rest.len()));
-        // A numeric IPv6 host has colons of its own and stands in brackets.
+        // A numeric IPv6 host contains colons and is written in brackets.
         let (host, port) = match place.rsplit_once(':') {
             Some((host, port)) if !port.ends_with(']') => {
                 (host, port.parse().ok().filter(|port| *port != 0))
@@ -43,11 +43,11 @@ impl FromStr for OpcUaAddress {
         let host = host.trim_start_matches('[').trim_end_matches(']');
         let strange = |c: char| c.is_whitespace() || c.is_control() || c == '@';
         if host.is_empty() || rest.contains(strange) {
-            return Err(wrong("has no host, or a sign that is not allowed"));
+            return Err(wrong("has no host, or a character that is not allowed"));
         }
         Ok(Self {
             host: host.to_owned(),
-            port: port.ok_or_else(|| wrong("has a port that is none"))?,
+            port: port.ok_or_else(|| wrong("has an invalid port"))?,
             path: path.to_owned(),
         })
     }
@@ -84,7 +84,7 @@ mod tests {
         for (text, why) in [
             ("plc:4840", "does not begin"),
             ("opc.tcp://", "has no host"),
-            ("opc.tcp://plc:0", "a port that is none"),
+            ("opc.tcp://plc:0", "an invalid port"),
             ("opc.tcp://user:secret@plc", "not allowed"),
         ] {
             let told = text.parse::<OpcUaAddress>().expect_err(text).to_string();

@@ -1,6 +1,6 @@
-//! A session at a server: values of nodes are read and written.
+//! A session with a server, for reading and writing the values of nodes.
 //!
-//! After a [`RequestError::Lost`] the client has to be dropped.
+//! After a [`RequestError::Lost`] the client must be dropped.
 
 use opcua_types::{
     ActivateSessionRequest, ActivateSessionResponse, AnonymousIdentityToken,
@@ -14,20 +14,20 @@ use super::address::OpcUaAddress;
 use super::options::OpcUaOptions;
 use super::wire::{Answer, Wire, explain};
 use crate::error::LinkError;
-use crate::timed_socket::{Broken, addresses_of, timeout_of};
+use crate::timed_socket::{SocketError, addresses_of, timeout_of};
 
-/// Most nodes in one request; controllers allow some hundreds.
+/// Largest number of nodes per request; controllers allow some hundreds.
 const NODES: usize = 256;
-/// How long the server keeps a session of which it hears nothing (ms).
+/// Time for which the server keeps an idle session (ms).
 const SESSION_MS: f64 = 300_000.0;
 const NAME: &str = "Tautline";
 
-/// Why a request failed.
+/// Errors of a request.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum RequestError {
-    /// The connection cannot be used any more.
+    /// The connection can no longer be used.
     Lost(LinkError),
-    /// The server refused.
+    /// The server rejected the request.
     Refused(StatusCode),
 }
 
@@ -40,7 +40,7 @@ pub(super) struct OpcUaClient {
 }
 
 impl OpcUaClient {
-    /// Connects, and makes a session without a name of a user.
+    /// Connects and creates an anonymous session.
     pub fn open(address: &OpcUaAddress, options: OpcUaOptions) -> Result<Self, LinkError> {
         let timeout = timeout_of(options.timeout_s)?;
         let url = address.to_string();
@@ -57,12 +57,12 @@ impl OpcUaClient {
                     client.begin(&url)?;
                     return Ok(client);
                 }
-                Err(Broken::Invalid(what)) => {
+                Err(SocketError::Invalid(what)) => {
                     last = Some(LinkError::Disconnected(format!(
                         "the server at {place} does not speak OPC UA ({what})"
                     )));
                 }
-                Err(Broken::Io(error)) => {
+                Err(SocketError::Io(error)) => {
                     let text = format!("{place} cannot be reached ({error})");
                     last = Some(LinkError::Disconnected(text));
                 }
@@ -74,7 +74,7 @@ impl OpcUaClient {
     }
 
     fn begin(&mut self, url: &str) -> Result<(), LinkError> {
-        let told = |error| match error {
+        let to_error = |error| match error {
             RequestError::Lost(error) => error,
             RequestError::Refused(status) => LinkError::Refused(explain(status)),
         };
@@ -93,7 +93,7 @@ impl OpcUaClient {
             requested_session_timeout: SESSION_MS,
             ..Default::default()
         };
-        let created: CreateSessionResponse = self.ask(&request).map_err(told)?;
+        let created: CreateSessionResponse = self.ask(&request).map_err(to_error)?;
         self.token = created.authentication_token.clone();
         let policy_id = anonymous(&created).ok_or_else(|| {
             let text = "it does not take clients without encryption and without a user: allow the security policy None with anonymous users";
@@ -108,7 +108,7 @@ impl OpcUaClient {
         };
         self.ask::<ActivateSessionResponse>(&request)
             .map(drop)
-            .map_err(told)
+            .map_err(to_error)
     }
 
     fn ask<A: Answer>(
@@ -122,7 +122,7 @@ impl OpcUaClient {
         answer.map_err(|status| self.refusal(status))
     }
 
-    /// A refusal; of the whole session it ends the connection.
+    /// Converts a rejection; that of the whole session ends the connection.
     fn refusal(&mut self, status: StatusCode) -> RequestError {
         use SubStatusCode as S;
         match status.sub_code() {
@@ -143,7 +143,7 @@ impl OpcUaClient {
 
     fn other_length(&mut self) -> RequestError {
         self.is_lost = true;
-        let text = "its answer is invalid: it has another length than its request";
+        let text = "its answer is invalid: its length differs from that of the request";
         RequestError::Lost(LinkError::Disconnected(text.to_owned()))
     }
 
@@ -172,7 +172,7 @@ impl OpcUaClient {
         Ok(values)
     }
 
-    /// Writes values of nodes in one request; what the server says of each.
+    /// Writes the values of nodes in one request; returns the status of each.
     pub fn write(
         &mut self,
         values: Vec<(NodeId, Variant)>,
@@ -181,7 +181,7 @@ impl OpcUaClient {
         let written = values.into_iter().map(|(node_id, value)| WriteValue {
             node_id,
             attribute_id: AttributeId::Value as u32,
-            // Many controllers refuse to be told when a value was made.
+            // Many controllers reject writes with time stamps.
             value: DataValue {
                 value: Some(value),
                 ..DataValue::null()
@@ -206,7 +206,7 @@ impl Drop for OpcUaClient {
         if self.is_lost {
             return;
         }
-        // Servers have few sessions: without this they would keep it for minutes.
+        // Servers allow few sessions and would otherwise keep this one for minutes.
         let request = CloseSessionRequest {
             request_header: self.wire.header(&self.token),
             delete_subscriptions: true,
@@ -217,7 +217,7 @@ impl Drop for OpcUaClient {
     }
 }
 
-/// The policy under which a server takes users without a name on a channel without security.
+/// Token policy for anonymous users on a channel without security.
 fn anonymous(created: &CreateSessionResponse) -> Option<UAString> {
     let endpoints = created.server_endpoints.as_deref().unwrap_or_default();
     let open = endpoints

@@ -1,10 +1,10 @@
-//! Controllers that speak OPC UA.
+//! Controllers over OPC UA.
 //!
-//! Symbols are nodes, named by their identifiers; all else is as with ADS, see [`crate::symbols`]. There is no thread, no
-//! subscription and no encryption: values are read and written by requests, each of which is over, answered or not, after
+//! Symbols are nodes, named by their identifiers; everything else is as with ADS, see [`crate::symbols`]. There is no thread, no
+//! subscription and no encryption: values are read and written by requests, each of which ends, answered or not, after
 //! at most [`OpcUaOptions::timeout_s`]. The messages are encoded and decoded by `async-opcua-types`; their transport is
-//! ours, because the client of that project buffers as many bytes as a server announces, connects again by itself, and
-//! needs a runtime with threads of its own.
+//! implemented here, because the client of that project buffers as many bytes as a server announces, reconnects on its own, and
+//! needs a runtime with threads.
 
 mod address;
 mod client;
@@ -28,10 +28,10 @@ use crate::error::LinkError;
 use crate::symbols::{self as found, SymbolCheck, SymbolController};
 use program::OpcUaServer;
 
-/// A controller that is not connected. The clock tells a late acknowledgement.
+/// Creates a controller that is not connected. The clock detects missing acknowledgements.
 ///
 /// # Errors
-/// If the mapping does not fit the robot or names a parameter that it does not have.
+/// If the mapping does not fit the robot, or names an unknown parameter.
 pub fn controller(
     address: OpcUaAddress,
     mapping: &SymbolMapping,
@@ -43,10 +43,10 @@ pub fn controller(
     SymbolController::new(server, (mapping, robot), options.acknowledge_s, clock)
 }
 
-/// Connects, looks up every node of a mapping and closes the connection. Nothing is armed and nothing is written.
+/// Connects, looks up every node of a mapping, and disconnects. Nothing is armed and nothing is written.
 ///
 /// # Errors
-/// If the mapping does not fit the robot, or the controller cannot be connected.
+/// If the mapping does not fit the robot, or the connection fails.
 pub fn check_symbols(
     address: OpcUaAddress,
     mapping: &SymbolMapping,

@@ -3,9 +3,9 @@
 /// Options of an OPC UA connection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OpcUaOptions {
-    /// Longest time of one exchange, from the request to the last byte of its answer, and of connecting (s).
+    /// Timeout for connecting and for one exchange, from the request to the last byte of its response (s).
     pub timeout_s: f64,
-    /// Timeout of the acknowledgement of a command (s).
+    /// Timeout for the acknowledgement of a command (s).
     pub acknowledge_s: f64,
 }
 

@@ -9,7 +9,7 @@ use super::values::{Shape, types_of};
 use super::wire::explain;
 use crate::error::LinkError;
 use crate::symbols::{
-    Failure, Slot, SymbolAccess, SymbolFound, SymbolServer, SymbolValues, Wanted, each_once,
+    Failure, RequiredSymbol, Slot, SymbolAccess, SymbolFound, SymbolServer, SymbolValues, each_once,
 };
 
 /// States of a server, in the order of their numbers.
@@ -34,7 +34,7 @@ fn refused(status: StatusCode, what: &str) -> Failure {
     Failure::refused(format!("{what}: {}", explain(status)))
 }
 
-/// A server that can be connected.
+/// A server to connect to.
 pub(super) struct OpcUaServer {
     pub address: OpcUaAddress,
     pub options: OpcUaOptions,
@@ -57,21 +57,21 @@ impl SymbolServer for OpcUaServer {
     }
 }
 
-/// A node that is used.
+/// A node in use.
 struct Node {
     name: String,
     id: NodeId,
     shape: Shape,
 }
 
-/// A session with the nodes that are used.
+/// A session with the nodes in use.
 struct Program {
     client: OpcUaClient,
     nodes: Vec<Node>,
 }
 
 impl Program {
-    /// The values of nodes by their indices; every one has to be good.
+    /// The values of nodes by their indices; all must have a good status.
     fn values(&mut self, indices: &[usize]) -> Result<Vec<Variant>, Failure> {
         let ids: Vec<NodeId> = indices.iter().map(|k| self.nodes[*k].id.clone()).collect();
         let answers = self.client.read(&ids);
@@ -88,7 +88,7 @@ impl Program {
 }
 
 impl SymbolAccess for Program {
-    fn look_up(&mut self, wanted: &[Wanted]) -> Result<Vec<SymbolFound>, LinkError> {
+    fn look_up(&mut self, wanted: &[RequiredSymbol]) -> Result<Vec<SymbolFound>, LinkError> {
         self.nodes.clear();
         let ids: Vec<Option<NodeId>> = wanted.iter().map(|w| w.name.parse().ok()).collect();
         let known: Vec<NodeId> = ids.iter().flatten().cloned().collect();
@@ -98,7 +98,7 @@ impl SymbolAccess for Program {
         let mut all = Vec::with_capacity(wanted.len());
         for (want, id) in wanted.iter().zip(ids) {
             let Some((id, answer)) = id.and_then(|id| Some((id, answers.next()?))) else {
-                let text = "this is no node id, which would be like ns=4;s=GVL_Tautline.moving";
+                let text = "this is not a node id such as ns=4;s=GVL_Tautline.moving";
                 all.push(SymbolFound::Missing(text.to_owned()));
                 continue;
             };
@@ -134,11 +134,11 @@ impl SymbolAccess for Program {
                 let name = name.copied().unwrap_or("Unknown");
                 Some(format!("its server does not run, its state is {name:?}"))
             }
-            _ => Some("its server does not tell whether it runs".to_owned()),
+            _ => Some("its server does not report its state".to_owned()),
         })
     }
 
-    /// Nodes are addressed by their identifiers, which mean the same after a change of the program.
+    /// Nodes are addressed by identifiers, which keep their meaning after a change of the program.
     fn check_unchanged(&mut self) -> Result<(), Failure> {
         Ok(())
     }
@@ -154,7 +154,7 @@ impl SymbolAccess for Program {
         Ok(SymbolValues(contents))
     }
 
-    /// Arrays are read, changed and written as a whole: not every server can write an element.
+    /// Arrays are read, changed and written as a whole, as not every server can write an element.
     fn write(&mut self, values: &[(Slot, f64)]) -> Result<(), Failure> {
         let mut order: Vec<usize> = Vec::new();
         for (slot, _) in values {

@@ -9,7 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::wire::Wire;
-use crate::timed_socket::Broken;
+use crate::timed_socket::SocketError;
 
 const CHANNEL: u32 = 9;
 
@@ -75,7 +75,7 @@ fn asked(
     says: Vec<Vec<u8>>,
     drips: bool,
     timeout_ms: u64,
-) -> Result<Result<ReadResponse, StatusCode>, Broken> {
+) -> Result<Result<ReadResponse, StatusCode>, SocketError> {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let place = listener.local_addr().expect("an address");
     let server = std::thread::spawn(move || {
@@ -117,7 +117,7 @@ fn greeting() -> Vec<u8> {
 
 fn invalid(says: Vec<Vec<u8>>) -> String {
     match asked(says, false, 20_000) {
-        Err(Broken::Invalid(what)) => what,
+        Err(SocketError::Invalid(what)) => what,
         other => panic!("{other:?}"),
     }
 }
@@ -143,10 +143,7 @@ fn lengths_of_messages_are_checked_before_anything_is_allocated() {
         for before in [vec![], vec![greeting()], vec![greeting(), opened()]] {
             let mut says = before;
             says.push([&b"MSGF"[..], &length.to_le_bytes()].concat());
-            assert!(
-                invalid(says).contains("possible are 8 to 65536"),
-                "{length}"
-            );
+            assert!(invalid(says).contains("expected 8 to 65536"), "{length}");
         }
     }
     // Chunk after chunk, without an end.
@@ -159,8 +156,8 @@ fn lengths_of_messages_are_checked_before_anything_is_allocated() {
 fn messages_of_others_are_refused() {
     for (says, why) in [
         (chunk(b"MSGF", 3, &[]), "does not belong to the request"),
-        (chunk(b"MSGA", 2, &[]), "gave up amid an answer"),
-        (chunk(b"OPNF", 2, &[]), "nobody asked for"),
+        (chunk(b"MSGA", 2, &[]), "aborted an answer"),
+        (chunk(b"OPNF", 2, &[]), "of an unexpected kind"),
         (message(b"MSGF", &[0; 3]), "shorter than its header"),
         (chunk(b"MSGF", 2, &read(2)[24..40]), "cannot be read"),
         (
@@ -173,7 +170,7 @@ fn messages_of_others_are_refused() {
         assert!(told.contains(why), "{told} lacks {why}");
     }
     let told = invalid(vec![b"SSH-2.0-OpenSSH_9.2p1\r\n".to_vec()]);
-    assert!(told.contains("possible are"), "{told}");
+    assert!(told.contains("bytes, expected"), "{told}");
 }
 
 #[test]
@@ -182,7 +179,7 @@ fn a_server_says_why_it_ends_the_connection() {
     content.extend_from_slice(&4_u32.to_le_bytes());
     content.extend_from_slice(b"no\x1b!");
     let told = asked(vec![message(b"ERRF", &content)], false, 20_000);
-    let Err(Broken::Ended(why)) = told else {
+    let Err(SocketError::Ended(why)) = told else {
         panic!("{told:?}");
     };
     assert!(
@@ -199,7 +196,7 @@ fn every_exchange_ends_in_time() {
         let begun = Instant::now();
         assert!(matches!(
             asked(says, true, 300),
-            Err(Broken::Late | Broken::Invalid(_))
+            Err(SocketError::Late | SocketError::Invalid(_))
         ));
         assert!(begun.elapsed() < Duration::from_secs(10));
     }
@@ -218,6 +215,6 @@ fn damaged_answers_are_errors_or_values() {
         }
         // Whatever becomes of it, it is over at once and nothing panics.
         let told = asked(vec![greeting(), opened(), damaged], false, 20_000);
-        assert!(!matches!(told, Err(Broken::Late)), "{told:?}");
+        assert!(!matches!(told, Err(SocketError::Late)), "{told:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Values of nodes: their types, the numbers in them, and values that are written.
+//! Values of nodes: types, conversion to numbers, and values to write.
 
 use opcua_types::{Array, Variant, VariantScalarTypeId as Scalar};
 
@@ -13,7 +13,7 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// That of a value.
+    /// The shape of a value.
     pub fn of(value: &Variant) -> Self {
         match value {
             Variant::Array(array) => Self {
@@ -29,7 +29,7 @@ impl Shape {
         }
     }
 
-    /// What it is, whatever the protocol, and how many elements it has.
+    /// Kind of value, independent of the protocol, and number of elements.
     pub fn kind(&self) -> (ValueKind, usize) {
         use Scalar as S;
         let kind = match self.scalar {
@@ -45,7 +45,7 @@ impl Shape {
         (kind, self.count)
     }
 
-    /// Its name, as the standard calls it.
+    /// Name of the type in the standard.
     pub fn name(&self) -> String {
         let name = self
             .scalar
@@ -56,7 +56,7 @@ impl Shape {
         }
     }
 
-    /// What a value holds; `None` if it has another type than this.
+    /// Content of a value; `None` if its type differs from this shape.
     pub fn content(&self, value: &Variant) -> Option<Content> {
         if Self::of(value) != *self {
             return None;
@@ -70,7 +70,7 @@ impl Shape {
         })
     }
 
-    /// The value with other elements, to be written; `None` if its type cannot hold one of them.
+    /// A value to write, with some elements changed; `None` if its type cannot hold one of them.
     pub fn with(&self, held: &Variant, changes: &[(usize, f64)]) -> Option<Variant> {
         if Self::of(held) != *self {
             return None;
@@ -88,7 +88,7 @@ impl Shape {
     }
 }
 
-/// The types that are what is expected.
+/// The types that match an expectation, in words.
 pub(super) fn types_of(expected: Expected) -> &'static str {
     match expected {
         Expected::Flag => "Boolean",
@@ -100,7 +100,7 @@ pub(super) fn types_of(expected: Expected) -> &'static str {
     }
 }
 
-/// The number that a value without elements is; NaN if it is none. Times are seconds since 1601.
+/// A scalar value as a number, NaN if it is not numeric. Times are seconds since 1601.
 fn number(value: &Variant) -> f64 {
     match value {
         Variant::Boolean(on) => f64::from(u8::from(*on)),
@@ -119,7 +119,7 @@ fn number(value: &Variant) -> f64 {
     }
 }
 
-/// A value of a type; integers take the nearest. `None` if the type has no such number.
+/// A value of a type, rounded for integer types. `None` if the type cannot represent the number.
 fn made(scalar: Scalar, value: f64) -> Option<Variant> {
     fn whole<T: TryFrom<i128>>(value: f64) -> Option<T> {
         let is_possible = value.is_finite() && value.abs() < 1e20;

@@ -1,7 +1,7 @@
-//! Messages of OPC UA over TCP: one request at a time, and its answer by a deadline.
+//! Messages of OPC UA over TCP: one request at a time, with its response before a deadline.
 //!
-//! The messages themselves are those of `async-opcua-types`; their transport is ours, so that no length is believed before
-//! it was compared with its limit and time is taken of whole exchanges. The security policy is None.
+//! The messages are encoded by `async-opcua-types`; their transport is implemented here, so that every length is
+//! compared with its limit first and the deadline applies to whole exchanges. The security policy is None.
 
 use std::io::Cursor;
 use std::net::SocketAddr;
@@ -14,23 +14,23 @@ use opcua_types::{
     ServiceFault, StatusCode, UAString,
 };
 
-use crate::timed_socket::{Broken, TimedSocket};
+use crate::timed_socket::{SocketError, TimedSocket};
 
-/// Bytes before the content of every message: its kind, whether more follows, its length.
+/// Length of the header of every message (bytes): kind, continuation flag, length.
 const HEADER: usize = 8;
-/// Bytes of channel, token, number of the chunk and number of the request.
+/// Length of channel, token, chunk number and request number (bytes).
 const CHUNK: usize = 16;
-/// Largest chunk that is taken.
+/// Largest accepted chunk (bytes).
 const LARGEST_CHUNK: usize = 1 << 16;
-/// Longest answer that is taken, all its chunks together.
+/// Largest accepted response (bytes), all chunks together.
 const LONGEST: usize = 1 << 21;
-/// Smallest buffer that a server may have.
+/// Smallest buffer that the standard allows (bytes).
 const SMALLEST_BUFFER: usize = 8192;
-/// How long a channel is to live before it is renewed (ms).
+/// Requested lifetime of a channel before it is renewed (ms).
 const LIFETIME_MS: u32 = 3_600_000;
 const NO_SECURITY: &str = "http://opcfoundation.org/UA/SecurityPolicy#None";
 
-/// An answer of a server.
+/// A response of a server.
 pub(super) trait Answer: BinaryDecodable {
     const ID: ObjectId;
     fn header(&self) -> &ResponseHeader;
@@ -55,7 +55,7 @@ answers! {
     WriteResponse WriteResponse_Encoding_DefaultBinary
 }
 
-/// A connection with a secure channel, whose security is none.
+/// A connection with a secure channel of the policy None.
 pub(super) struct Wire {
     socket: TimedSocket,
     timeout: Duration,
@@ -66,13 +66,13 @@ pub(super) struct Wire {
     /// Number of the last chunk and of the last request.
     chunk: u32,
     request: u32,
-    /// Bytes of the largest chunk that the server takes.
+    /// Largest chunk that the server accepts (bytes).
     largest: usize,
 }
 
 impl Wire {
     /// Connects and opens a channel.
-    pub fn connect(place: SocketAddr, url: &str, timeout: Duration) -> Result<Self, Broken> {
+    pub fn connect(place: SocketAddr, url: &str, timeout: Duration) -> Result<Self, SocketError> {
         let mut wire = Self {
             socket: TimedSocket::connect(place, timeout)?,
             timeout,
@@ -89,8 +89,8 @@ impl Wire {
         Ok(wire)
     }
 
-    /// Tells how large messages may be, and hears it of the server.
-    fn greet(&mut self, url: &str) -> Result<(), Broken> {
+    /// Negotiates the sizes of messages.
+    fn greet(&mut self, url: &str) -> Result<(), SocketError> {
         let until = Instant::now() + self.timeout;
         let mut hello = Vec::new();
         for number in [
@@ -105,17 +105,17 @@ impl Wire {
         hello.extend(UAString::from(url).encode_to_vec(&self.context.context()));
         self.socket.send(&message(*b"HELF", &hello), until)?;
         let (kind, content) = self.receive(until)?;
-        // Version, the buffers for receiving and for sending, and two limits.
+        // Version, receive and send buffer, and two limits.
         if kind != *b"ACKF" || content.len() != 20 {
-            return Err(Broken::Invalid("its greeting is none".to_owned()));
+            return Err(SocketError::Invalid("its greeting is invalid".to_owned()));
         }
         let buffer = usize::try_from(word(&content[4..8])).unwrap_or(usize::MAX);
         self.largest = buffer.clamp(SMALLEST_BUFFER, LARGEST_CHUNK);
         Ok(())
     }
 
-    /// Opens the channel, or renews it.
-    fn open(&mut self, request_type: SecurityTokenRequestType) -> Result<(), Broken> {
+    /// Opens or renews the channel.
+    fn open(&mut self, request_type: SecurityTokenRequestType) -> Result<(), SocketError> {
         let until = Instant::now() + self.timeout;
         let request = OpenSecureChannelRequest {
             request_header: self.header(&NodeId::null()),
@@ -133,25 +133,26 @@ impl Wire {
         self.socket.send(&message(*b"OPNF", &content), until)?;
         let (kind, content) = self.receive(until)?;
         if kind != *b"OPNF" {
-            return Err(Broken::Invalid(
-                "it does not answer to the opening of a channel".to_owned(),
+            return Err(SocketError::Invalid(
+                "it did not answer the request to open a channel".to_owned(),
             ));
         }
         let body = self.opened(&content)?;
         let answer: OpenSecureChannelResponse = self.decode(body)?.map_err(refused)?;
         let token = answer.security_token;
         (self.channel, self.token) = (token.channel_id, token.token_id);
-        // Well before its end, which a server may set to a time so short that nothing else would be said.
+        // Renewal well before expiry; a server may set a lifetime so short that nothing else could be sent.
         let life = Duration::from_millis(u64::from(token.revised_lifetime)).mul_f64(0.75);
         self.renew_at = Instant::now() + life.max(self.timeout);
         Ok(())
     }
 
-    /// The body of an answer to the opening of a channel.
-    fn opened<'c>(&self, content: &'c [u8]) -> Result<&'c [u8], Broken> {
-        let short = || Broken::Invalid("the opening of a channel is cut off".to_owned());
+    /// The body of the response to opening a channel.
+    fn opened<'c>(&self, content: &'c [u8]) -> Result<&'c [u8], SocketError> {
+        let short =
+            || SocketError::Invalid("the answer to opening a channel is cut off".to_owned());
         let (_, mut rest) = content.split_at_checked(4).ok_or_else(short)?;
-        // The policy and two certificates, each with its length, which is -1 where it is absent.
+        // The policy and two certificates, each preceded by its length, which is -1 if absent.
         for _ in 0..3 {
             let (length, left) = rest.split_at_checked(4).ok_or_else(short)?;
             let length = i32::from_le_bytes(length.try_into().map_err(|_| short())?);
@@ -174,11 +175,11 @@ impl Wire {
         }
     }
 
-    /// Sends a request and returns its answer; or the status that the server gives in its place.
+    /// Sends a request and returns its response, or the status that the server returned instead.
     pub fn exchange<A: Answer>(
         &mut self,
         request: &(impl BinaryEncodable + MessageInfo),
-    ) -> Result<Result<A, StatusCode>, Broken> {
+    ) -> Result<Result<A, StatusCode>, SocketError> {
         if Instant::now() > self.renew_at {
             self.open(SecurityTokenRequestType::Renew)?;
         }
@@ -189,7 +190,7 @@ impl Wire {
         self.decode(&answer)
     }
 
-    /// Ends the connection; the server is told, but not waited for.
+    /// Ends the connection; notifies the server without waiting for it.
     pub fn close(&mut self) {
         let request = CloseSecureChannelRequest {
             request_header: self.header(&NodeId::null()),
@@ -208,7 +209,7 @@ impl Wire {
         body
     }
 
-    /// The numbers of the next chunk and request.
+    /// Numbers of the next chunk and request.
     fn numbers(&mut self) -> Vec<u8> {
         self.request = self.request.wrapping_add(1);
         self.next_chunk()
@@ -224,8 +225,8 @@ impl Wire {
         [channel, self.next_chunk()].concat()
     }
 
-    /// Sends a request, in chunks that the server takes.
-    fn send(&mut self, body: &[u8], until: Instant) -> Result<(), Broken> {
+    /// Sends a request in chunks that the server accepts.
+    fn send(&mut self, body: &[u8], until: Instant) -> Result<(), SocketError> {
         self.request = self.request.wrapping_add(1);
         let parts: Vec<&[u8]> = body.chunks(self.largest - HEADER - CHUNK).collect();
         for (k, part) in parts.iter().enumerate() {
@@ -237,26 +238,28 @@ impl Wire {
         Ok(())
     }
 
-    /// The body of the answer to the last request, put together of its chunks.
-    fn answer(&mut self, until: Instant) -> Result<Vec<u8>, Broken> {
+    /// The body of the response to the last request, assembled from its chunks.
+    fn answer(&mut self, until: Instant) -> Result<Vec<u8>, SocketError> {
         let mut body = Vec::new();
         loop {
             let (kind, content) = self.receive(until)?;
             let [b'M', b'S', b'G', more @ (b'F' | b'C')] = kind else {
-                return Err(Broken::Invalid(match kind {
-                    [b'M', b'S', b'G', b'A'] => "it gave up amid an answer".to_owned(),
-                    _ => "a message of a kind that nobody asked for".to_owned(),
+                return Err(SocketError::Invalid(match kind {
+                    [b'M', b'S', b'G', b'A'] => "it aborted an answer".to_owned(),
+                    _ => "a message of an unexpected kind".to_owned(),
                 }));
             };
-            let (head, part) = content
-                .split_at_checked(CHUNK)
-                .ok_or_else(|| Broken::Invalid("a chunk shorter than its header".to_owned()))?;
+            let (head, part) = content.split_at_checked(CHUNK).ok_or_else(|| {
+                SocketError::Invalid("a chunk shorter than its header".to_owned())
+            })?;
             if word(&head[..4]) != self.channel {
-                return Err(Broken::Invalid("a chunk of another channel".to_owned()));
+                return Err(SocketError::Invalid(
+                    "a chunk of another channel".to_owned(),
+                ));
             }
             self.check_number(&head[12..])?;
             if body.len() + part.len() > LONGEST {
-                return Err(Broken::Invalid(format!(
+                return Err(SocketError::Invalid(format!(
                     "an answer of more than {LONGEST} bytes"
                 )));
             }
@@ -267,17 +270,17 @@ impl Wire {
         }
     }
 
-    fn check_number(&self, number: &[u8]) -> Result<(), Broken> {
+    fn check_number(&self, number: &[u8]) -> Result<(), SocketError> {
         match word(number) == self.request {
             true => Ok(()),
-            false => Err(Broken::Invalid(
+            false => Err(SocketError::Invalid(
                 "a message that does not belong to the request".to_owned(),
             )),
         }
     }
 
-    /// The next message: its kind and what follows the length.
-    fn receive(&mut self, until: Instant) -> Result<([u8; 4], Vec<u8>), Broken> {
+    /// The next message: its kind, and the data after the length.
+    fn receive(&mut self, until: Instant) -> Result<([u8; 4], Vec<u8>), SocketError> {
         let mut header = [0; HEADER];
         self.socket.fill(&mut header, until)?;
         let [a, b, c, d, length @ ..] = header;
@@ -285,8 +288,8 @@ impl Wire {
         let size = usize::try_from(length).ok();
         let size = size.filter(|size| (HEADER..=LARGEST_CHUNK).contains(size));
         let size = size.ok_or_else(|| {
-            Broken::Invalid(format!(
-                "a message of {length} bytes, possible are {HEADER} to {LARGEST_CHUNK}"
+            SocketError::Invalid(format!(
+                "a message of {length} bytes, expected {HEADER} to {LARGEST_CHUNK}"
             ))
         })?;
         let mut content = vec![0; size - HEADER];
@@ -297,24 +300,24 @@ impl Wire {
         }
     }
 
-    /// The server says why it ends the connection.
-    fn ended(&self, content: &[u8]) -> Broken {
+    /// The server's reason for ending the connection.
+    fn ended(&self, content: &[u8]) -> SocketError {
         let Some((code, reason)) = content.split_at_checked(4) else {
-            return Broken::Invalid("an error without its code".to_owned());
+            return SocketError::Invalid("an error without its code".to_owned());
         };
         let text = UAString::decode(&mut Cursor::new(reason), &self.context.context());
         let text = text.map_or(String::new(), |text| text.to_string());
         let text: String = text.chars().filter(|c| !c.is_control()).take(200).collect();
         let why = explain(StatusCode::from(word(code)));
-        Broken::Ended(match text.is_empty() {
+        SocketError::Ended(match text.is_empty() {
             true => why,
             false => format!("{why}: {text}"),
         })
     }
 
-    fn decode<A: Answer>(&self, body: &[u8]) -> Result<Result<A, StatusCode>, Broken> {
+    fn decode<A: Answer>(&self, body: &[u8]) -> Result<Result<A, StatusCode>, SocketError> {
         let context = self.context.context();
-        let wrong = |_| Broken::Invalid("its content cannot be read".to_owned());
+        let wrong = |_| SocketError::Invalid("its content cannot be read".to_owned());
         let mut content = Cursor::new(body);
         let kind = NodeId::decode(&mut content, &context).map_err(wrong)?;
         let is = |id: ObjectId| kind == NodeId::new(0, id as u32);
@@ -323,11 +326,13 @@ impl Wire {
             return Ok(Err(fault.response_header.service_result));
         }
         if !is(A::ID) {
-            return Err(Broken::Invalid("an answer to another request".to_owned()));
+            return Err(SocketError::Invalid(
+                "an answer to another request".to_owned(),
+            ));
         }
         let answer = A::decode(&mut content, &context).map_err(wrong)?;
         if content.position() != body.len() as u64 {
-            return Err(Broken::Invalid(
+            return Err(SocketError::Invalid(
                 "an answer is longer than its content".to_owned(),
             ));
         }
@@ -338,11 +343,11 @@ impl Wire {
     }
 }
 
-fn refused(status: StatusCode) -> Broken {
-    Broken::Ended(explain(status))
+fn refused(status: StatusCode) -> SocketError {
+    SocketError::Ended(explain(status))
 }
 
-/// What a status means, in words.
+/// Meaning of a status in words.
 pub(super) fn explain(status: StatusCode) -> String {
     let meaning = status.sub_code().description().trim().trim_end_matches('.');
     format!("{meaning} (OPC UA {})", status.sub_code())

@@ -2,7 +2,7 @@
 //!
 //! Only recorded poses can be commanded: the nearest one is looked up, moving to it takes some time, and then the
 //! recorded readings are returned. If the recording has time stamps, the controller's clock shows them, as long as the
-//! pauses between poses are short enough to wait for. Parameters are those of the recorded robot; they are read only.
+//! pauses between poses are acceptably short. Parameters are those of the recorded robot and read-only.
 
 mod recording;
 #[cfg(test)]
@@ -19,11 +19,11 @@ use crate::error::LinkError;
 use crate::parameters::{ParameterInfo, parameters_of, values_of};
 use recording::Recording;
 
-/// Duration of a motion where the recording has no time stamps (s).
+/// Duration of a motion if the recording has no time stamps (s).
 const WAY_S: f64 = 1.0;
-/// Shortest and longest duration of a motion (s): longer pauses of the recording are cut.
+/// Shortest and longest duration of a motion (s); longer pauses of the recording are shortened.
 const WAY_LIMITS_S: [f64; 2] = [0.1, 30.0];
-/// The platform arrives so long (s) before the recorded time, which is that of the mean of the samples.
+/// Time (s) by which the platform arrives before the recorded time, which is that of the mean of the samples.
 const REST_S: f64 = 1.5;
 
 /// A motion between two recorded poses.
@@ -41,7 +41,7 @@ pub struct ReplayController {
     name: String,
     parameters: Vec<ParameterInfo>,
     clock: Arc<dyn Clock>,
-    /// Corresponding times of the clock and of the controller (s).
+    /// Corresponding start times of the clock and of the controller (s).
     start_s: (f64, f64),
     way: Way,
     commanded: Option<Pose>,
@@ -50,17 +50,17 @@ pub struct ReplayController {
 }
 
 impl ReplayController {
-    /// Plays `dataset` back as fast as `clock` runs; not connected.
+    /// Plays `dataset` back at the speed of `clock`; not connected.
     ///
     /// # Errors
-    /// If no pose is recorded with the pose that was commanded, or lengths were recorded instead of revolutions.
+    /// If no row has a commanded pose, or lengths were recorded instead of revolutions.
     pub fn new(dataset: Dataset, clock: Arc<dyn Clock>) -> Result<Self, LinkError> {
         let name = format!("Recording of {}", dataset.robot.name);
         let parameters = parameters_of(&dataset.robot);
         let recording = Recording::new(dataset)?;
         let first = recording.first();
         let begins_s = recording.time_s(first).map_or(0.0, |time_s| {
-            // So that the first pose, too, arrives as early as the others.
+            // So that the first pose also arrives as early as the others.
             time_s - REST_S - WAY_LIMITS_S[0]
         });
         Ok(Self {
@@ -86,7 +86,7 @@ impl ReplayController {
         self.clock.now_s() - clock_s + begins_s
     }
 
-    /// Completed part of the motion.
+    /// Completed fraction of the motion.
     fn part(&self, now_s: f64) -> f64 {
         let passed_s = now_s - self.way.start_s;
         if passed_s < self.way.duration_s {
@@ -197,7 +197,7 @@ impl Controller for ReplayController {
         Ok(())
     }
 
-    /// A recording has no drives: it is at the pose that was commanded last.
+    /// A recording has no drives: it stays at the last commanded pose.
     fn stop(&mut self) -> Result<(), LinkError> {
         self.check_connected()?;
         self.way.duration_s = 0.0;

@@ -1,4 +1,4 @@
-//! The recorded rows and how they are found.
+//! The recorded rows and their lookup.
 
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::{Dataset, Grid, Measurements};
@@ -6,11 +6,11 @@ use tautline_core::measurement::{Dataset, Grid, Measurements};
 use crate::controller::Sample;
 use crate::error::LinkError;
 
-/// A commanded pose is a recorded one up to this distance (m) and rotation (rad).
+/// Distance (m) and rotation (rad) up to which a commanded pose matches a recorded one.
 const SAME_M: f64 = 1e-4;
 const SAME_RAD: f64 = 1e-4;
 
-/// Measurements and how often each was given.
+/// Measurements, and how often each row was returned.
 pub(super) struct Recording {
     measurements: Measurements,
     /// Rows by label.
@@ -43,7 +43,7 @@ impl Recording {
         })
     }
 
-    /// The row with the least label.
+    /// The row with the smallest label.
     pub fn first(&self) -> usize {
         self.order[0]
     }
@@ -53,7 +53,7 @@ impl Recording {
         self.measurements.home_row()
     }
 
-    /// When a row was measured (s).
+    /// Time at which a row was measured (s).
     pub fn time_s(&self, row: usize) -> Option<f64> {
         known(self.measurements.time_s.get(row))
     }
@@ -66,7 +66,7 @@ impl Recording {
         self.visits[row] += 1;
     }
 
-    /// The row that was measured at a pose; of several that which was given least often, then that of the least label.
+    /// The row measured at a pose; among several, the one returned least often, then the one with the smallest label.
     pub fn nearest(&self, pose: &Pose) -> Result<usize, LinkError> {
         let off = |row: usize| {
             let twist = self.commanded(row)?.difference(pose);
@@ -133,7 +133,7 @@ impl Recording {
     }
 }
 
-/// A reading that is there.
+/// A reading, unless it is missing.
 fn known(value: Option<&f64>) -> Option<f64> {
     value.copied().filter(|value| value.is_finite())
 }

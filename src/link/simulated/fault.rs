@@ -1,17 +1,17 @@
-//! What can go wrong with a simulated robot on request.
+//! Faults of a simulated robot, set on request.
 
 use crate::controller::Sample;
 
-/// One thing that is wrong. Cables are counted from 0.
+/// A fault. Cables are counted from 0.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Fault {
     /// The laser has no return.
     LaserLost,
-    /// An encoder shows what it showed when this began.
+    /// An encoder is stuck at its reading when the fault began.
     StuckEncoder {
         /// Cable.
         cable: usize,
-        /// What it shows.
+        /// Reading.
         revolutions: f64,
     },
     /// An encoder's reading is not a number.
@@ -19,11 +19,11 @@ pub enum Fault {
         /// Cable.
         cable: usize,
     },
-    /// An encoder's reading is off by so much.
+    /// An encoder's reading has an offset.
     Jump {
         /// Cable.
         cable: usize,
-        /// By how much.
+        /// Offset.
         revolutions: f64,
     },
     /// An encoder counts backwards.
@@ -31,7 +31,7 @@ pub enum Fault {
         /// Cable.
         cable: usize,
     },
-    /// Two encoders are connected to each other's channel.
+    /// The encoders of two cables are swapped.
     Exchanged {
         /// The two cables.
         cables: [usize; 2],
@@ -40,79 +40,79 @@ pub enum Fault {
     Restless {
         /// Cable.
         cable: usize,
-        /// How fast it turns.
+        /// Speed.
         revolutions_per_s: f64,
     },
-    /// A force sensor shows another tension.
+    /// A force sensor has a fixed reading.
     Tension {
         /// Cable.
         cable: usize,
         /// Raw reading (N).
         reading_n: f64,
     },
-    /// The force sensors of two cables are connected to each other's channel.
+    /// The force sensors of two cables are swapped.
     ForcesExchanged {
         /// The two cables.
         cables: [usize; 2],
     },
-    /// A force sensor shows a multiple, a negative one where its sign is reversed.
+    /// A force sensor reads a multiple, negative if its sign is reversed.
     ForceFactor {
         /// Cable.
         cable: usize,
         /// Factor.
         factor: f64,
     },
-    /// An encoder counts a multiple.
+    /// An encoder reads a multiple.
     EncoderFactor {
         /// Cable.
         cable: usize,
         /// Factor.
         factor: f64,
     },
-    /// The laser shows this and nothing else.
+    /// The laser is stuck.
     LaserStuck {
-        /// What it shows (m).
+        /// Reading (m).
         distance_m: f64,
     },
-    /// The laser shows a multiple and something more.
+    /// The laser reads a multiple plus an offset.
     LaserOff {
         /// Factor.
         factor: f64,
-        /// What is added (m).
+        /// Offset (m).
         by_m: f64,
     },
-    /// The time of the readings stands still.
+    /// The time of the readings does not advance.
     ClockStands {
-        /// What it shows (s).
+        /// Time (s).
         time_s: f64,
     },
     /// There is no connection.
     ConnectionLost,
     /// A drive has stopped.
     Drive(String),
-    /// After so many values the next cannot be written, once.
+    /// Writing fails once after a number of values.
     WriteFails {
-        /// Values that are written before.
+        /// Number of values written before.
         after: usize,
     },
-    /// After so many values the connection breaks.
+    /// The connection breaks after a number of values.
     WriteDisconnects {
-        /// Values that are written before.
+        /// Number of values written before.
         after: usize,
     },
-    /// A value arrives changed.
+    /// A written value is changed.
     WriteDiffers {
-        /// Which.
+        /// Name of the parameter.
         name: String,
-        /// By how much.
+        /// Change.
         by: f64,
-        /// How often.
+        /// Number of times.
         times: usize,
     },
 }
 
 impl Fault {
-    /// Changes what is read.
+    /// Applies the fault to a sample.
     pub(super) fn change(&self, sample: &mut Sample) {
         let revolutions = &mut sample.revolutions;
         match self {

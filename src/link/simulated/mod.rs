@@ -1,12 +1,12 @@
-//! A controller and its robot, simulated.
+//! A simulated controller with its robot.
 //!
-//! The controller believes its own parameters. A commanded pose becomes motor revolutions by its inverse
+//! The controller uses its own parameters. A commanded pose becomes motor revolutions by its inverse
 //! kinematics, with the tensions that it distributes; the true robot rests where these revolutions put it (see
-//! [`QuasiStaticRobot::at_revolutions`]). So the platform misses its target by as much as the parameters are wrong.
+//! [`QuasiStaticRobot::at_revolutions`]). So the platform misses its target by the error of the parameters.
 //! Readings follow the same prediction as [`tautline_core::simulation::simulate`]; how the noise of single
-//! samples makes that of their mean says [`SimulatedSetup::repeating_share`]. Effects that name a pose count
-//! commanded poses since home, from 1. Exchanged channels concern what is shown, not how the drives are
-//! regulated.
+//! samples relates to that of their mean is described at [`SimulatedSetup::repeating_share`]. Effects at a pose count
+//! commanded poses since home, from 1. Swapped channels affect the readings, not the regulation of the
+//! drives.
 
 mod fault;
 mod motion;
@@ -37,12 +37,12 @@ use crate::parameters::{ParameterInfo, parameters_of, set_parameter, values_of};
 use motion::{Motion, Pace, Place};
 use readings::{Noise, row_of, sample_of};
 
-/// Pieces of a way, between which readings are interpolated while the platform moves.
+/// Number of pieces of a path, between which readings are interpolated while the platform moves.
 const PIECES: usize = 8;
-/// Between the two moments at which drifting readings are found at rest (s).
+/// Time between the two instants at which drifting readings are computed at rest (s).
 const DRIFT_S: f64 = 10.0;
 
-/// What the robot and the instruments that watch it share.
+/// State shared by the robot and the instruments that observe it.
 struct Shared {
     clock: Arc<dyn Clock>,
     start_s: f64,
@@ -70,9 +70,9 @@ pub struct SimulatedRobot {
     shared: Arc<Shared>,
     noise: Noise,
     zeroed: Epoch,
-    /// Commanded poses since home.
+    /// Number of commanded poses since home.
     visits: i64,
-    /// Where the platform rested last, and where the controller believed that was.
+    /// Last rest pose of the platform, and the corresponding pose in the controller.
     rested: Pose,
     commanded: Pose,
     connected: bool,
@@ -100,7 +100,7 @@ impl SimulatedRobot {
     /// A robot at home with zeroed encoders, not connected.
     ///
     /// # Errors
-    /// If the robot has no home pose, cannot be held there, an effect or parameter does not exist, or a speed is
+    /// If the robot has no home pose or cannot be held there, an effect or parameter does not exist, or a speed is
     /// not positive.
     pub fn new(setup: SimulatedSetup, clock: Arc<dyn Clock>) -> Result<Self, LinkError> {
         setup.check()?;
@@ -142,13 +142,13 @@ impl SimulatedRobot {
         Ok(robot)
     }
 
-    /// Where the platform truly is now.
+    /// True pose of the platform now.
     #[must_use]
     pub fn true_pose(&self) -> Pose {
         self.shared.motion().at(self.shared.now_s()).pose
     }
 
-    /// An external instrument that watches the platform, with the standard deviations of its position (m) and
+    /// An external instrument that observes the platform, with the standard deviations of its position (m) and
     /// rotation vector (rad).
     #[must_use]
     pub fn tracker(
@@ -161,7 +161,7 @@ impl SimulatedRobot {
         SimulatedTracker::new(Arc::clone(&self.shared), sds, seed)
     }
 
-    /// What is wrong from now on, instead of what was.
+    /// Replaces the present faults.
     pub fn set_faults(&mut self, faults: Vec<Fault>) {
         self.faults = faults;
         if self.faults.contains(&Fault::ConnectionLost) {
@@ -185,7 +185,7 @@ impl SimulatedRobot {
         self.halt();
     }
 
-    /// The drives stop at once; losing the connection stops them too.
+    /// Stops the drives at once, as losing the connection does.
     fn halt(&mut self) {
         let now_s = self.shared.now_s();
         let mut motion = self.shared.motion();
@@ -228,7 +228,7 @@ impl SimulatedRobot {
         }
     }
 
-    /// The rest to which a commanded pose leads at a moment, and whether it can be reached.
+    /// The rest state after a commanded pose at a time, if it can be reached.
     fn rest_for(&self, pose: &Pose, at: Epoch) -> Result<RestState, SimulationError> {
         let wanted = self.believed.at(at, &self.commanded, pose)?;
         let revolutions = wanted.readings.revolutions.row(0);
@@ -236,12 +236,12 @@ impl SimulatedRobot {
             .at_revolutions(at, &self.rested, (revolutions, pose))
     }
 
-    /// Starts the motion from here to a rest.
+    /// Starts the motion from the present place to a rest state.
     fn start(&mut self, (start_s, duration_s): (f64, f64), rest: &RestState, label: i64) {
         let from = self.shared.motion().at(start_s);
         let way = rest.pose.difference(&from.pose);
         let mut places = vec![from.clone()];
-        // A piece that the kinematics refuses is left out: the platform is only passing.
+        // A piece without a kinematic solution is left out, as the platform only passes there.
         for piece in 1..PIECES {
             let part = piece as f64 / PIECES as f64;
             let pose = from.pose.perturbed(&(way * part));
@@ -250,7 +250,7 @@ impl SimulatedRobot {
                 places.push(place_of(&self.real, &passed));
             }
         }
-        // Parts of the way are equal: with one left out only the two ends are used.
+        // Pieces must be equally long, so if one is left out only the two ends are used.
         if places.len() < PIECES {
             places.truncate(1);
         }
@@ -283,7 +283,7 @@ impl SimulatedRobot {
         Ok(())
     }
 
-    /// What a fault does to the value that is to be written as number `index`, from 0.
+    /// Applies a fault to the writing of value number `index`, from 0.
     fn fail_write(&mut self, index: usize) -> Result<(), LinkError> {
         let fails = |fault: &Fault| *fault == Fault::WriteFails { after: index };
         if let Some(at) = self.faults.iter().position(fails) {
@@ -405,7 +405,7 @@ impl Controller for SimulatedRobot {
         let range = self.setup.tension;
         let real = standing(self.real.truth().clone(), range, self.zeroed)?;
         let rest = real.at_home().map_err(|e| refused(&e))?;
-        // The readings on the way still count from the former zero.
+        // Until arrival, the readings still count from the previous zero.
         self.start((now_s, duration_s), &rest, 0);
         self.real = real;
         self.visits = 0;

@@ -1,10 +1,10 @@
-//! The way of the platform from one rest to the next.
+//! The motion of the platform from one rest to the next.
 
 use tautline_core::geometry::Pose;
 
 use super::readings::Row;
 
-/// After it arrives the platform swings along its way: amplitude (m), frequency (Hz), decay (s).
+/// After arrival the platform oscillates along its path: amplitude (m), frequency (Hz), decay time (s).
 const SWING_M: f64 = 3e-4;
 const SWING_HZ: f64 = 6.0;
 const SWING_DECAY_S: f64 = 0.12;
@@ -13,10 +13,10 @@ const PEAK_VELOCITY: f64 = 1.875;
 const PEAK_ACCELERATION: f64 = 5.773_502_7;
 /// Shortest motion (s).
 const SHORTEST_S: f64 = 0.05;
-/// At rest, what changes with time is followed this long (s) beyond the second of its two moments.
+/// Time (s) beyond the second of its two instants for which drift is followed at rest.
 const FOLLOWED_S: f64 = 60.0;
 
-/// The platform at a point of its way: true pose and exact readings.
+/// A point of the path: true pose and exact readings.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Place {
     pub pose: Pose,
@@ -24,7 +24,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The place at a part of the way to another one; beyond it for parts above 1.
+    /// Interpolates towards another place; extrapolates for fractions above 1.
     fn toward(&self, other: &Self, part: f64) -> Self {
         let mix = |(from, to): (&f64, &f64)| from + part * (to - from);
         Self {
@@ -41,15 +41,15 @@ impl Place {
 pub(super) struct Motion {
     pub start_s: f64,
     pub duration_s: f64,
-    /// Places at equal parts of the way, at least one: straight pieces between them.
+    /// Places at equal fractions of the path, at least one, connected linearly.
     pub places: Vec<Place>,
-    /// The last place some time (s) after arriving, where readings drift.
+    /// The last place some time (s) after arrival, for drifting readings.
     pub later: Option<(f64, Place)>,
-    /// Amplitude of the swing, as a part of the way.
+    /// Amplitude of the oscillation, as a fraction of the path.
     swing: f64,
 }
 
-/// Limits of the profile.
+/// Limits of the motion profile.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pace {
     pub velocity_m_s: f64,
@@ -58,7 +58,7 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// Time for a way (s).
+    /// Duration of a motion (s).
     pub fn duration_s(&self, from: &Pose, to: &Pose) -> f64 {
         let twist = to.difference(from);
         let way = twist.fixed_rows::<3>(0).norm();
@@ -74,7 +74,7 @@ impl Pace {
 }
 
 impl Motion {
-    /// At rest since ever.
+    /// A platform that has always been at rest.
     pub fn resting(place: Place, now_s: f64) -> Self {
         Self {
             start_s: now_s,
@@ -85,7 +85,7 @@ impl Motion {
         }
     }
 
-    /// On the way along places; `docks` where the platform is held at the end and cannot swing.
+    /// A motion along places; `docks` if the platform is held at the end and cannot oscillate.
     pub fn along(places: Vec<Place>, (start_s, duration_s): (f64, f64), docks: bool) -> Self {
         let ends = places.first().zip(places.last());
         let way = ends.map_or(0.0, |(a, b)| (b.pose.position - a.pose.position).norm());
@@ -99,12 +99,12 @@ impl Motion {
         }
     }
 
-    /// Whether the drives are on the way.
+    /// Whether the drives are moving.
     pub fn is_moving(&self, now_s: f64) -> bool {
         now_s < self.start_s + self.duration_s
     }
 
-    /// Where the platform is and what is read.
+    /// Place of the platform and its readings.
     pub fn at(&self, now_s: f64) -> Place {
         let since = now_s - self.start_s;
         let rested = since - self.duration_s;
@@ -136,7 +136,7 @@ impl Motion {
     }
 }
 
-/// Part of the way at a part of the time: no jump of velocity or acceleration at the ends.
+/// Fraction of the path at a fraction of the time, with continuous velocity and acceleration at the ends.
 fn profile(part: f64) -> f64 {
     let p = part.clamp(0.0, 1.0);
     p * p * p * (10.0 - 15.0 * p + 6.0 * p * p)

@@ -1,4 +1,4 @@
-//! Readings as one row of numbers, so that they can be interpolated.
+//! Readings as one row of numbers, for interpolation.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -9,8 +9,8 @@ use tautline_core::robot::Robot;
 use super::setup::SimulatedSetup;
 use crate::controller::Sample;
 
-/// One value per channel: revolutions, forces, swivel angles of the cables, laser, three inclinations; NaN where
-/// there is no such instrument.
+/// One value per channel: revolutions, forces, swivel angles of the cables, laser, three inclinations; NaN without
+/// the instrument.
 pub(super) type Row = Vec<f64>;
 
 fn channels(cables: usize) -> usize {
@@ -30,7 +30,7 @@ pub(super) fn row_of(data: &Measurements, cables: usize) -> Row {
         .collect()
 }
 
-/// The sample that a row makes, without time, temperature and commanded pose.
+/// The sample for a row, without time, temperature and commanded pose.
 pub(super) fn sample_of(row: &[f64], cables: usize, laser_range_m: [f64; 2]) -> Sample {
     let part = |index: usize| row[index * cables..(index + 1) * cables].to_vec();
     let known = |values: Vec<f64>| values.iter().all(|v| !v.is_nan()).then_some(values);
@@ -50,9 +50,9 @@ pub(super) fn sample_of(row: &[f64], cables: usize, laser_range_m: [f64; 2]) -> 
     }
 }
 
-/// Noise: a part that stays while the platform stays, and one of each sample.
+/// Noise with a part that is constant while the platform stays, and an independent part per sample.
 ///
-/// With the standard deviation `s` of the description, the share `q` and `n` averaged samples the parts have
+/// With the standard deviation `s` of the description, the share `q` and `n` averaged samples, the parts have
 /// the variances `q s^2` and `(1 - q) n s^2`: so the mean of `n` samples has `s`, that of many `sqrt(q) s`.
 pub(super) struct Noise {
     rng: ChaCha8Rng,
@@ -84,12 +84,12 @@ impl Noise {
             .collect()
     }
 
-    /// The platform has another place.
+    /// Draws the constant part anew, for another place of the platform.
     pub fn renew(&mut self) {
         self.offset = self.draw(self.repeating);
     }
 
-    /// Adds noise to a row; encoders that were just zeroed have none.
+    /// Adds noise to a row; encoders that have just been zeroed have none.
     pub fn add_to(&mut self, row: &mut [f64], zeroed_cables: usize) {
         let fleeting = self.draw(self.fleeting);
         let noise = self.offset.iter().zip(fleeting);

@@ -1,4 +1,4 @@
-//! What a simulated robot is made of.
+//! Setup of a simulated robot.
 
 use tautline_core::robot::Robot;
 use tautline_core::robot::presets::Preset;
@@ -8,43 +8,43 @@ use tautline_core::simulation::{
 
 use crate::error::LinkError;
 
-/// Fastest platform by default (m/s).
+/// Default of the highest speed (m/s).
 const FASTEST_M_S: f64 = 2.0;
 
-/// Everything that makes a simulated robot.
+/// Setup of a simulated robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedSetup {
-    /// The description: what the controller believes at first, and whose standard deviations the noise has.
-    /// Effects in it, neutral or not, are those that the controller can correct.
+    /// The description: initial parameters of the controller, and standard deviations of the noise.
+    /// Its effects, neutral or not, are those that the controller can correct.
     pub nominal: Robot,
-    /// The robot as it is, its effects included.
+    /// The true robot, including its effects.
     pub truth: Robot,
     /// Seed of the noise.
     pub seed: u64,
-    /// Values that the controller holds instead of those of the description, by name.
+    /// Values of the controller that replace those of the description, by name.
     pub parameters: Vec<(String, f64)>,
-    /// Tensions that the controller distributes.
+    /// Tension limits of the controller's distribution.
     pub tension: TensionRange,
     /// Simulated seconds per second of the clock.
     pub speed: f64,
-    /// Fastest motion (m/s).
+    /// Highest speed (m/s).
     pub velocity_m_s: f64,
-    /// Fastest rotation (rad/s).
+    /// Highest angular speed (rad/s).
     pub turning_rad_s: f64,
-    /// Strongest acceleration (m/s^2).
+    /// Largest acceleration (m/s^2).
     pub acceleration_m_s2: f64,
     /// Whether readings have noise.
     pub noise: bool,
-    /// Samples whose mean has the standard deviation of the description.
+    /// Number of samples whose mean has the standard deviation of the description.
     pub averaged_samples: usize,
-    /// Part of that variance which repeats in all samples of one pose: no averaging removes it.
+    /// Fraction of that variance that is common to all samples at one pose and is not removed by averaging.
     pub repeating_share: f64,
-    /// Distances at which the laser has a return (m).
+    /// Range of distances with a laser return (m).
     pub laser_range_m: [f64; 2],
 }
 
 impl SimulatedSetup {
-    /// A setup with defaults that suit the size of the robot.
+    /// A setup with defaults for the size of the robot.
     #[must_use]
     pub fn new(nominal: Robot, truth: Robot, seed: u64) -> Self {
         let reach = Workspace::of(&nominal).half_extent_m;
@@ -69,11 +69,11 @@ impl SimulatedSetup {
         }
     }
 
-    /// Whether such a robot can be simulated.
+    /// Checks that such a robot can be simulated.
     pub(super) fn check(&self) -> Result<(), LinkError> {
         let refuse = |text: &str| Err(LinkError::Setup(text.to_owned()));
         if self.truth.cable_count() != self.nominal.cable_count() {
-            return refuse("the true robot has another number of cables than the description");
+            return refuse("the true robot and its description have different numbers of cables");
         }
         let paces = [
             self.speed,
@@ -88,7 +88,7 @@ impl SimulatedSetup {
         }
     }
 
-    /// A preset whose true geometry is the measured one where there is one, else drawn from its priors.
+    /// A preset whose true geometry is the measured one if there is one, else drawn from its priors.
     #[must_use]
     pub fn of_preset(preset: &Preset, seed: u64) -> Self {
         let mut options = SimulationOptions::new(0, seed);

@@ -1,4 +1,4 @@
-//! An external instrument that watches a simulated robot.
+//! An external instrument that observes a simulated robot.
 
 use std::sync::Arc;
 

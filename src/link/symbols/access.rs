@@ -1,37 +1,37 @@
-//! What a protocol has to offer: connections to a server of symbols, which are looked up, read and written.
+//! Interface of protocols: connections to a symbol server, for looking up, reading and writing symbols.
 
-use super::layout::{Slot, Wanted};
+use super::layout::{RequiredSymbol, Slot};
 use crate::error::LinkError;
 
-/// A symbol of a mapping and what the controller says about it.
+/// A symbol of a mapping, and the controller's answer about it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SymbolCheck {
-    /// Its name, that of one cable where there is one for each.
+    /// Name; for patterns that of one cable.
     pub name: String,
-    /// What the controller says.
+    /// The controller's answer.
     pub found: SymbolFound,
 }
 
-/// What a controller says about a symbol.
+/// A controller's answer about a symbol.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SymbolFound {
     /// It exists and can be used.
     Good {
-        /// Its type as the controller calls it.
+        /// Name of its type in the controller.
         type_name: String,
     },
-    /// It does not exist; the controller's answer.
+    /// It does not exist; contains the controller's response.
     Missing(String),
     /// It exists but cannot be used.
     Wrong {
-        /// Its type as the controller calls it.
+        /// Name of its type in the controller.
         type_name: String,
-        /// What is wrong with the type.
+        /// The problem with the type.
         why: String,
     },
 }
 
-/// What a symbol has to be.
+/// Required type of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Expected {
     /// A truth value.
@@ -48,11 +48,11 @@ pub(crate) enum Expected {
     Text,
 }
 
-/// What kind of value a symbol has, whatever the protocol calls it.
+/// Kind of a symbol's value, independent of the protocol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ValueKind {
     Flag,
-    /// An integer without sign of 32 bits.
+    /// An unsigned integer of 32 bits.
     Counter,
     /// Any other integer.
     Integer,
@@ -75,16 +75,16 @@ impl Expected {
     }
 }
 
-/// How many elements a symbol has to have.
+/// Required number of elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Count {
     Exactly(usize),
     AtLeast(usize),
 }
 
-impl Wanted {
-    /// What is wrong with a symbol of this kind and so many elements, to be read after the name of its type; `names`
-    /// are those of the types that the protocol has for what is expected.
+impl RequiredSymbol {
+    /// The problem with a symbol of this kind and number of elements, to be appended to the name of its type; `names`
+    /// are the protocol's names for the required types.
     pub fn problem(
         &self,
         (kind, has): (ValueKind, usize),
@@ -105,22 +105,22 @@ impl Wanted {
     }
 }
 
-/// Why a request to a program failed.
+/// Errors of a request to a program.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Failure {
-    /// The connection cannot be used any more.
+    /// The connection can no longer be used.
     Lost(LinkError),
-    /// The connection is still good.
+    /// The request was rejected, but the connection is intact.
     Refused(LinkError),
 }
 
 impl Failure {
-    /// A refusal in words.
+    /// A rejection with the given text.
     pub fn refused(text: String) -> Self {
         Self::Refused(LinkError::Refused(text))
     }
 
-    /// The error alone.
+    /// Returns the error.
     pub fn into_error(self) -> LinkError {
         match self {
             Self::Lost(error) | Self::Refused(error) => error,
@@ -128,18 +128,18 @@ impl Failure {
     }
 }
 
-/// What a symbol held when it was read.
+/// Content of a symbol when it was read.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Content {
     Numbers(Vec<f64>),
     Text(String),
 }
 
-/// What symbols held when they were read, by the symbols' indices.
+/// Contents of symbols when they were read, by the symbols' indices.
 pub(crate) struct SymbolValues(pub Vec<Option<Content>>);
 
 impl SymbolValues {
-    /// A number; NaN where its symbol was not read.
+    /// A number; NaN if its symbol was not read.
     pub fn number(&self, slot: Slot) -> f64 {
         match self.0.get(slot.symbol) {
             Some(Some(Content::Numbers(numbers))) => {
@@ -149,7 +149,7 @@ impl SymbolValues {
         }
     }
 
-    /// A text; empty where its symbol was not read.
+    /// A text; empty if its symbol was not read.
     pub fn text(&self, slot: Slot) -> &str {
         match self.0.get(slot.symbol) {
             Some(Some(Content::Text(text))) => text,
@@ -160,50 +160,50 @@ impl SymbolValues {
 
 /// A server of symbols. Nothing is sent before [`SymbolServer::connect`].
 pub(crate) trait SymbolServer: Send {
-    /// Where it is, for the operator.
+    /// Its address, for the operator.
     fn place(&self) -> String;
 
-    /// Connects to a program that runs.
+    /// Connects to a running program.
     fn connect(&self) -> Result<Box<dyn SymbolAccess>, LinkError>;
 }
 
-/// A connection to a server of symbols. Each call is over, answered or not, after a bounded time.
+/// A connection to a symbol server. Each call ends, answered or not, after a bounded time.
 pub(crate) trait SymbolAccess: Send {
-    /// Looks symbols up, which are known by their index after that. They can be read and written only if all are good.
-    fn look_up(&mut self, wanted: &[Wanted]) -> Result<Vec<SymbolFound>, LinkError>;
+    /// Looks up symbols, which are then known by their index. They can be read and written only if all are good.
+    fn look_up(&mut self, wanted: &[RequiredSymbol]) -> Result<Vec<SymbolFound>, LinkError>;
 
-    /// Why the program does not run, if it does not.
+    /// Reason why the program does not run, if it does not.
     fn problem(&mut self) -> Result<Option<String>, Failure>;
 
     /// Checks that the symbols are still those that were looked up, before they are written without being read first.
     fn check_unchanged(&mut self) -> Result<(), Failure>;
 
-    /// Reads symbols in one request, at the same moment where the controller can do that.
+    /// Reads symbols in one request, at the same instant if the controller supports that.
     fn read(&mut self, indices: &mut dyn Iterator<Item = usize>) -> Result<SymbolValues, Failure>;
 
-    /// Has symbols sent every so many seconds, in place of those before.
+    /// Subscribes to symbols, sent every `every_s` seconds, replacing earlier subscriptions.
     fn subscribe(
         &mut self,
         _indices: &mut dyn Iterator<Item = usize>,
         _every_s: f64,
     ) -> Result<(), Failure> {
-        let text = "it sends nothing of its own accord";
+        let text = "it does not send readings on its own";
         Err(Failure::refused(text.to_owned()))
     }
 
-    /// What was sent since this was last asked, the oldest first. Does not wait.
+    /// The values sent since the last call, the oldest first. Does not wait.
     fn sent(&mut self) -> Result<Vec<SymbolValues>, Failure> {
         Ok(Vec::new())
     }
 
-    /// Ends what the controller would go on with after the connection.
+    /// Ends what the controller would otherwise continue after the connection.
     fn close(&mut self) {}
 
-    /// Writes numbers in their order.
+    /// Writes numbers in order.
     fn write(&mut self, values: &[(Slot, f64)]) -> Result<(), Failure>;
 }
 
-/// Indices of symbols, each once and in order, that are among so many.
+/// Indices of known symbols, each once and in order.
 pub(crate) fn each_once(indices: &mut dyn Iterator<Item = usize>, known: usize) -> Vec<usize> {
     let mut wanted: Vec<usize> = indices.filter(|index| *index < known).collect();
     wanted.sort_unstable();
@@ -211,13 +211,13 @@ pub(crate) fn each_once(indices: &mut dyn Iterator<Item = usize>, known: usize) 
     wanted
 }
 
-/// Most names in one message.
+/// Largest number of names in one message.
 const NAMES: usize = 4;
 
-/// Connects and looks all symbols up; all that are missing are named together.
+/// Connects and looks up all symbols; missing ones are reported together.
 pub(super) fn connect(
     server: &dyn SymbolServer,
-    wanted: &[Wanted],
+    wanted: &[RequiredSymbol],
 ) -> Result<Box<dyn SymbolAccess>, LinkError> {
     let mut access = server.connect()?;
     let found = access.look_up(wanted)?;

@@ -1,4 +1,4 @@
-//! The symbols of a mapping for one robot: which element of which symbol holds which quantity.
+//! Layout of the symbols of a mapping for one robot: which element of which symbol holds which quantity.
 
 use tautline_core::effect;
 use tautline_core::robot::Robot;
@@ -11,9 +11,9 @@ use super::access::{Count, Expected};
 use crate::error::LinkError;
 use crate::parameters::{EffectName, parameters_and_home_lengths};
 
-/// A symbol that the controller has to have.
+/// A required symbol.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Wanted {
+pub(crate) struct RequiredSymbol {
     pub name: String,
     pub expected: Expected,
     /// Number of its elements.
@@ -23,7 +23,7 @@ pub(crate) struct Wanted {
 /// One number: an element of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Slot {
-    /// Index of the symbol among those that are wanted.
+    /// Index of the symbol among the required symbols.
     pub symbol: usize,
     pub element: usize,
 }
@@ -36,7 +36,7 @@ pub(super) struct Channel {
     pub offset: f64,
 }
 
-/// A pose and how it is written.
+/// A pose and its representation.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PoseSlots {
     pub slots: Vec<Slot>,
@@ -52,7 +52,7 @@ pub(super) struct CommandSlots {
     pub acknowledged: Slot,
 }
 
-/// A parameter and its place.
+/// A parameter and its slot.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ParameterSlot {
     pub name: String,
@@ -73,23 +73,23 @@ pub(super) struct ReadingSlots {
     pub time: Option<Channel>,
     pub inclination: Option<Channel>,
     pub pose: Option<PoseSlots>,
-    /// What changes with every start of the controller.
+    /// Value that changes with every start of the controller.
     pub started: Option<Slot>,
 }
 
-/// State of the controller, read at every sample.
+/// Status of the controller, read with every sample.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct StatusSlots {
     pub moving: Option<Slot>,
     pub fault: Option<Slot>,
     pub fault_text: Option<Slot>,
     pub acknowledged: Option<Slot>,
-    /// Whether we may move and write; written when armed.
+    /// Permission to move and write; written when armed.
     pub release: Option<Slot>,
 }
 
 impl StatusSlots {
-    /// Indices of its symbols.
+    /// Indices of the status symbols.
     pub fn symbols(&self) -> impl Iterator<Item = usize> {
         let all = [
             self.moving,
@@ -102,13 +102,13 @@ impl StatusSlots {
     }
 }
 
-/// Everything that is read and written.
+/// All symbols that are read and written.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
-    pub wanted: Vec<Wanted>,
-    /// Number of symbols, the first ones, of the readings that are shown.
+    pub wanted: Vec<RequiredSymbol>,
+    /// Number of symbols, starting from the first, with readings for display.
     pub shown: usize,
-    /// Number of symbols, the first ones, that are read at every sample.
+    /// Number of symbols, starting from the first, read with every sample.
     pub sampled: usize,
     pub readings: ReadingSlots,
     pub status: StatusSlots,
@@ -149,14 +149,15 @@ impl Layout {
 }
 
 /// Collects the symbols.
-struct Symbols(Vec<Wanted>);
+struct Symbols(Vec<RequiredSymbol>);
 
 impl Symbols {
-    /// Index of a symbol, wanted once however often it is named.
+    /// Index of a required symbol, which is included once however often it is named.
     fn want(&mut self, name: &str, expected: Expected, count: Count) -> usize {
-        let known = |w: &Wanted| w.name == name && w.expected == expected && w.count == count;
+        let known =
+            |w: &RequiredSymbol| w.name == name && w.expected == expected && w.count == count;
         self.0.iter().position(known).unwrap_or_else(|| {
-            self.0.push(Wanted {
+            self.0.push(RequiredSymbol {
                 name: name.to_owned(),
                 expected,
                 count,
@@ -277,7 +278,7 @@ impl Symbols {
                     false => parameter.name.clone(),
                 };
                 let listed = known.iter().find(|p| p.name == name).map(|p| p.unit);
-                // A correction for some cables only is no mistake.
+                // A correction for only some cables is not an error.
                 let Some(unit) = listed.or_else(|| unit_of_effect(&name)) else {
                     continue;
                 };
@@ -309,11 +310,11 @@ impl Symbols {
         };
         // One entry for all elements of an array, so that it is read once.
         let least = element.saturating_add(1);
-        let same = |w: &Wanted| w.name == symbol && matches!(w.count, Count::AtLeast(_));
+        let same = |w: &RequiredSymbol| w.name == symbol && matches!(w.count, Count::AtLeast(_));
         let known = self.0.iter().position(same);
         let index =
             known.unwrap_or_else(|| self.want(&symbol, Expected::Number, Count::AtLeast(least)));
-        if let Some(Wanted {
+        if let Some(RequiredSymbol {
             count: Count::AtLeast(count),
             ..
         }) = self.0.get_mut(index)
@@ -327,7 +328,7 @@ impl Symbols {
     }
 }
 
-/// Unit of the parameter of an effect that the robot at hand does not have, but could.
+/// Unit of the parameter of an effect that this robot does not have, but could have.
 fn unit_of_effect(name: &str) -> Option<&'static str> {
     let read = EffectName::read(name)?;
     let effect = effect::find(read.effect)?;

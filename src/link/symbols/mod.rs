@@ -1,8 +1,8 @@
-//! Controllers whose readings, commands and parameters are symbols with names, whatever the protocol.
+//! Controllers whose readings, commands and parameters are named symbols, independent of the protocol.
 //!
-//! A [`tautline_session::SymbolMapping`] says which symbol holds what; `docs/ADS.md` describes the handshake between
-//! this program and that of the controller. A protocol implements two traits: a server that can be connected, and the
-//! connection that looks symbols up, reads and writes them. Requests are sent only by calls from outside, and nothing
+//! A [`tautline_session::SymbolMapping`] states which symbol holds which quantity; `docs/ADS.md` describes the handshake with
+//! the controller's program. A protocol implements two traits: a server to connect to, and the
+//! connection that looks up, reads and writes symbols. Requests are sent only by calls of the caller, and nothing
 //! is written before [`crate::Controller::arm`].
 
 pub(crate) mod access;
@@ -20,11 +20,11 @@ pub(crate) use access::{
 pub use access::{SymbolCheck, SymbolFound};
 pub use controller::SymbolController;
 use layout::Layout;
-pub(crate) use layout::{Slot, Wanted};
+pub(crate) use layout::{RequiredSymbol, Slot};
 
 use crate::error::LinkError;
 
-/// Connects, looks up every symbol of a mapping and closes the connection.
+/// Connects, looks up every symbol of a mapping, and disconnects.
 pub(crate) fn check(
     server: &dyn SymbolServer,
     mapping: &SymbolMapping,

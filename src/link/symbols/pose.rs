@@ -1,10 +1,10 @@
-//! Poses in the notation of a controller.
+//! Poses in the representation of a controller.
 
-use nalgebra::{Unit, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 use tautline_core::geometry::Pose;
 use tautline_session::{SymbolPose, SymbolRotation};
 
-/// The numbers of a pose at the controller.
+/// The numbers of a pose in the controller.
 pub(super) fn numbers_of(pose: &Pose, written: &SymbolPose) -> Vec<f64> {
     let mut numbers: Vec<f64> = pose
         .position
@@ -24,7 +24,7 @@ pub(super) fn numbers_of(pose: &Pose, written: &SymbolPose) -> Vec<f64> {
     numbers
 }
 
-/// The pose of a controller's numbers; `None` if they are none.
+/// The pose for the controller's numbers; `None` if they are not a valid pose.
 pub(super) fn pose_of(numbers: &[f64], written: &SymbolPose) -> Option<Pose> {
     if numbers.iter().any(|number| !number.is_finite()) {
         return None;
@@ -41,9 +41,9 @@ pub(super) fn pose_of(numbers: &[f64], written: &SymbolPose) -> Option<Pose> {
             UnitQuaternion::from_scaled_axis(Vector3::new(x, y, z) * written.angle_scale)
         }
         (SymbolRotation::RollPitchYaw, &[roll, pitch, yaw]) => {
-            turn(Vector3::x_axis(), roll * written.angle_scale)
-                * turn(Vector3::y_axis(), pitch * written.angle_scale)
-                * turn(Vector3::z_axis(), yaw * written.angle_scale)
+            UnitQuaternion::from_axis_angle(&Vector3::x_axis(), roll * written.angle_scale)
+                * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), pitch * written.angle_scale)
+                * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw * written.angle_scale)
         }
         _ => return None,
     };
@@ -53,17 +53,13 @@ pub(super) fn pose_of(numbers: &[f64], written: &SymbolPose) -> Option<Pose> {
     })
 }
 
-fn turn(axis: Unit<Vector3<f64>>, angle_rad: f64) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_axis_angle(&axis, angle_rad)
-}
-
 /// Angles (rad) of `R = Rx(roll) Ry(pitch) Rz(yaw)`.
 fn roll_pitch_yaw(orientation: &UnitQuaternion<f64>) -> [f64; 3] {
     let r = orientation.to_rotation_matrix();
     let cosine = r[(0, 0)].hypot(r[(0, 1)]);
     let pitch = r[(0, 2)].atan2(cosine);
     if cosine < 1e-9 {
-        // Roll and yaw turn about the same axis: all of it is roll.
+        // Gimbal lock: roll and yaw rotate about the same axis, so all of it is assigned to roll.
         return [r[(1, 0)].atan2(r[(1, 1)]) * r[(0, 2)].signum(), pitch, 0.0];
     }
     let roll = (-r[(1, 2)]).atan2(r[(2, 2)]);

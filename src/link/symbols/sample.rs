@@ -1,17 +1,17 @@
-//! Symbol values to readings and to the state of the controller.
+//! Conversion of symbol values to readings and status of the controller.
 
 use super::access::SymbolValues;
 use super::layout::{Channel, ReadingSlots, StatusSlots};
 use super::pose::pose_of;
 use crate::controller::Sample;
 
-/// State of the controller when it was last read.
+/// Status of the controller when it was last read.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Status {
     pub moving: Option<bool>,
     pub fault: Option<String>,
     pub acknowledged: u32,
-    /// Whether motion and writing are still allowed; true where there is no such symbol.
+    /// Whether motion and writing are still permitted; true if there is no such symbol.
     pub released: bool,
 }
 
@@ -26,7 +26,7 @@ fn value(raw: &SymbolValues, channel: &Option<Channel>) -> Option<f64> {
     values(raw, channel.as_ref()?).first().copied()
 }
 
-/// The readings; the time is 0 where the controller has none.
+/// The readings; the time is 0 if the controller has none.
 pub(super) fn sample_of(raw: &SymbolValues, slots: &ReadingSlots) -> Sample {
     let list = |channel: &Option<Channel>| channel.as_ref().map(|c| values(raw, c));
     let laser_valid = slots.laser_valid.is_none_or(|slot| raw.number(slot) == 1.0);
@@ -58,7 +58,7 @@ pub(super) fn status_of(raw: &SymbolValues, slots: &StatusSlots) -> Status {
     Status {
         moving: slots.moving.map(|slot| raw.number(slot) == 1.0),
         fault,
-        // A counter of 32 bits, whatever was read.
+        // The cast wraps the value into a 32-bit counter.
         acknowledged: slots.acknowledged.map_or(0, |slot| raw.number(slot) as u32),
         released: slots.release.is_none_or(|slot| raw.number(slot) == 1.0),
     }

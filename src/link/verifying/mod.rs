@@ -1,7 +1,7 @@
 //! Verification: the platform moves to targets, where an external instrument measures its pose.
 //!
-//! Every target is approached in the given order, once per cycle, and measured at rest; so are the points of a path:
-//! its figures are those of the geometry, without what a controller adds while it moves.
+//! Every target is approached in the given order, once per cycle, and measured at rest, also the points of a path:
+//! the figures are those of the geometry, without dynamic errors of the controller.
 
 mod targets;
 #[cfg(test)]
@@ -20,18 +20,18 @@ use crate::error::LinkError;
 /// Options of a verification run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerifyingOptions {
-    /// How often every target is approached; ISO 9283 asks for 30.
+    /// Number of approaches to each target; ISO 9283 requires 30.
     pub cycles: usize,
-    /// Measurements of the instrument that are averaged at each target.
+    /// Number of measurements averaged at each target.
     pub measurements: usize,
-    /// Time at rest before the instrument measures (s), by the controller's clock.
+    /// Time at rest before the instrument measures (s), on the controller's clock.
     pub settle_time_s: f64,
-    /// Longest time from command to rest (s), by the controller's clock.
+    /// Timeout from command to rest (s), on the controller's clock.
     pub timeout_s: f64,
 }
 
 impl VerifyingOptions {
-    /// For poses that the operator reads and types: each target once.
+    /// Options for poses typed by the operator: each target once.
     #[must_use]
     pub fn typed() -> Self {
         Self {
@@ -58,21 +58,21 @@ impl Default for VerifyingOptions {
 pub enum VerifyingEvent {
     /// The controller was sent to a target.
     Commanded {
-        /// Targets commanded so far, this one included, over all cycles.
+        /// Number of targets commanded so far, including this one, over all cycles.
         done: usize,
-        /// Targets over all cycles.
+        /// Number of targets over all cycles.
         of: usize,
     },
-    /// The platform is at rest: the operator has to read its pose and answer the [`TypedInstrument`] of the run.
+    /// The platform is at rest: the operator must read its pose and answer the [`TypedInstrument`] of the run.
     Wanted {
-        /// Number of the target, that of [`Self::Commanded`].
+        /// Number of the target, as in [`Self::Commanded`].
         number: usize,
     },
     /// The instrument has measured a target.
     Attained(CheckRow),
-    /// Everything is measured.
+    /// All targets are measured.
     Finished,
-    /// The run has failed; the text says why.
+    /// The run has failed; the text states why.
     Failed(String),
 }
 
@@ -81,14 +81,14 @@ pub enum VerifyingEvent {
 pub struct VerifyingRun {
     targets: Vec<CheckTarget>,
     options: VerifyingOptions,
-    /// Targets commanded so far.
+    /// Number of targets commanded so far.
     done: usize,
-    /// Controller's time of the command under way, and since when the platform rests.
+    /// Controller's times of the command in progress, and of the start of rest.
     under_way: Option<(f64, Option<f64>)>,
     measured: Vec<CheckPose>,
     /// The instrument whose readings are typed, if there is one.
     asked: Option<TypedInstrument>,
-    /// Whether the target under way was asked for.
+    /// Whether the pose at the present target was requested.
     asks: bool,
     ended: bool,
 }
@@ -109,14 +109,14 @@ impl VerifyingRun {
         }
     }
 
-    /// The same run with poses that the operator types; `instrument` is a clone of that of [`Self::tick`].
+    /// Uses poses typed by the operator; `instrument` is a clone of that passed to [`Self::tick`].
     #[must_use]
     pub fn asking(mut self, instrument: Option<TypedInstrument>) -> Self {
         self.asked = instrument;
         self
     }
 
-    /// Whether it is over.
+    /// Whether the run has ended.
     #[must_use]
     pub fn has_ended(&self) -> bool {
         self.ended
@@ -158,7 +158,7 @@ impl VerifyingRun {
             return Err(LinkError::Fault(text));
         }
         let sample = controller.sample()?;
-        // The sample itself may say that the platform is not where it was told to go.
+        // The sample itself may reveal that the platform is not where it was sent.
         if let Activity::Fault(text) = controller.state().activity {
             return Err(LinkError::Fault(text));
         }
@@ -192,7 +192,7 @@ impl VerifyingRun {
         Ok(self.row(&sample).map(VerifyingEvent::Attained))
     }
 
-    /// Goes on once the pose was typed.
+    /// Continues once the pose has been typed.
     fn wait_for_answer(
         &mut self,
         instrument: &mut dyn Instrument,
@@ -226,7 +226,7 @@ impl VerifyingRun {
         })
     }
 
-    /// The row of the target under way, which ends it.
+    /// The row of the present target, which completes it.
     fn row(&mut self, sample: &Sample) -> Option<CheckRow> {
         self.under_way = None;
         let index = self.done.checked_sub(1)?;
@@ -247,7 +247,7 @@ impl VerifyingRun {
     }
 }
 
-/// Mean of poses near a reference; its orientation where all have one.
+/// Mean of poses near a reference, with an orientation if all have one.
 fn mean(reference: &Pose, measured: &[CheckPose]) -> CheckPose {
     let count = measured.len() as f64;
     let oriented = measured.iter().all(|pose| pose.orientation_wxyz.is_some());

@@ -1,18 +1,18 @@
-//! Where a verification drives: the poses of ISO 9283 in three cubes, a circle and a line.
+//! Targets of a verification: the poses of ISO 9283 in three cubes, a circle and a line.
 
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::Robot;
 use tautline_core::simulation::Workspace;
 use tautline_session::CheckKind;
 
-/// Edge of the full cube per shortest extent of the workspace: 312 mm of 400 mm on the MINI robot (Jin et al.
+/// Edge of the full cube relative to the shortest extent of the workspace: 312 mm of 400 mm on the MINI robot (Jin et al.
 /// 2018, section 6).
 const CUBE: f64 = 0.78;
-/// Parts of the full cube.
+/// Edges of the cubes relative to the full cube.
 const PARTS: [(f64, &str); 3] = [(1.0, "100 %"), (0.8, "80 %"), (0.5, "50 %")];
-/// Distance of poses from the centre, per half diagonal (ISO 9283: a tenth of the diagonal from its ends).
+/// Distance of poses from the centre, relative to half the diagonal (ISO 9283: a tenth of the diagonal from its ends).
 const ON_DIAGONAL: f64 = 0.8;
-/// The five poses in a diagonal plane of the cube, the last first as the standard has it.
+/// The five poses in a diagonal plane of the cube, with the last one first as in the standard.
 const CORNERS: [(&str, [f64; 3]); 5] = [
     ("P5", [1.0, -1.0, -1.0]),
     ("P4", [-1.0, -1.0, -1.0]),
@@ -30,7 +30,7 @@ pub struct CheckTarget {
     pub target: String,
     /// Number of the point along the path; 0 for a pose.
     pub sample: i64,
-    /// What is commanded.
+    /// Commanded pose.
     pub pose: Pose,
 }
 
@@ -53,7 +53,7 @@ fn free_axes(robot: &Robot) -> impl Iterator<Item = usize> {
     (0..3).filter(move |k| freedom.coordinates().iter().any(|c| c.index() == *k))
 }
 
-/// The centre of the workspace moved along the free axes.
+/// The centre of the workspace shifted along the free axes.
 fn shifted(robot: &Robot, workspace: &Workspace, offset: [f64; 3]) -> Pose {
     let mut shift = Vec3::zeros();
     for axis in free_axes(robot) {

@@ -6,7 +6,7 @@ use tautline_core::accuracy::iso9283::{Target, path_accuracy, pose_accuracy};
 use tautline_session::CheckKind;
 
 use super::*;
-use crate::adjusting::{Holds, plan_adjustment, write_adjustment};
+use crate::adjusting::{ControllerValues, plan_adjustment, write_adjustment};
 use crate::clock::ManualClock;
 use crate::simulated::{SimulatedSetup, SimulatedTracker};
 use crate::testing::{armed, identified, measured, preset};
@@ -69,7 +69,7 @@ fn before_and_after(change: impl FnOnce(&mut SimulatedSetup)) -> [(f64, f64); 2]
     let changes = plan.iter().filter(|d| d.is_writable_change());
     let values: Vec<_> = changes.map(|d| (d.name.clone(), d.identified)).collect();
     let adjustment = write_adjustment(&mut robot, &values).unwrap();
-    assert_eq!(adjustment.holds, Holds::New);
+    assert_eq!(adjustment.holds, ControllerValues::New);
     let after = figures(&verify(&targets, &mut robot, &mut tracker, &clock));
     [before, after]
 }

@@ -7,15 +7,15 @@ use tautline_session::CheckPose;
 use crate::controller::Instrument;
 use crate::error::LinkError;
 
-/// An instrument whose readings the operator types; clones share them.
+/// An instrument whose readings are typed by the operator; clones share them.
 ///
-/// A reading belongs to the target at which it was asked for.
+/// A reading belongs to the target for which it was requested.
 #[derive(Debug, Clone, Default)]
 pub struct TypedInstrument {
     asked: Arc<Mutex<Option<Asked>>>,
 }
 
-/// What is asked for.
+/// A pending request.
 #[derive(Debug)]
 struct Asked {
     number: usize,
@@ -27,7 +27,7 @@ impl TypedInstrument {
         self.asked.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Asks for the pose at a target of the run, by its number.
+    /// Requests the pose at a target of the run, by its number.
     pub fn ask(&self, number: usize) {
         *self.asked() = Some(Asked {
             number,
@@ -35,22 +35,22 @@ impl TypedInstrument {
         });
     }
 
-    /// Whether a target was asked for and not answered.
+    /// Whether a request is pending.
     #[must_use]
     pub fn waits(&self) -> bool {
         let asked = self.asked();
         asked.as_ref().is_some_and(|asked| asked.answer.is_none())
     }
 
-    /// Takes the pose at the target of this number.
+    /// Sets the pose at the target with this number.
     ///
     /// # Errors
-    /// If a number is none, or the target is not asked for.
+    /// If a number is not finite, or the target is not requested.
     pub fn answer(&self, number: usize, pose: CheckPose) -> Result<(), LinkError> {
         let mut numbers = pose.position_m.iter();
         let orientation = pose.orientation_wxyz.iter().flatten();
         if !numbers.all(|n| n.is_finite()) || !orientation.clone().all(|n| n.is_finite()) {
-            let text = "the typed pose has a number that is none";
+            let text = "the typed pose contains an invalid number";
             return Err(LinkError::Setup(text.to_owned()));
         }
         match self.asked().as_mut().filter(|a| a.number == number) {
@@ -59,7 +59,7 @@ impl TypedInstrument {
                 Ok(())
             }
             None => {
-                let text = "the pose at this target is not asked for any more";
+                let text = "the pose at this target is no longer requested";
                 Err(LinkError::Setup(text.to_owned()))
             }
         }
@@ -71,7 +71,7 @@ impl Instrument for TypedInstrument {
         "Poses typed by the operator".to_owned()
     }
 
-    /// The answer, once.
+    /// The typed pose, only once.
     fn measure(&mut self) -> Result<CheckPose, LinkError> {
         let asked = self.asked().take();
         let missing = || LinkError::Setup("no pose was typed".to_owned());

@@ -14,7 +14,7 @@ use crate::phases::{self, PhaseData};
 use crate::poses::{read_poses, write_poses};
 use crate::robot_file::{read_robot, write_robot};
 
-/// The files of a dataset folder.
+/// Names of the files of a dataset folder.
 pub(crate) const ROBOT: &str = "robot.json";
 pub(crate) const POSES: &str = "poses.csv";
 const WINCH: &str = "winch.csv";
@@ -23,21 +23,21 @@ const HOME: &str = "home.csv";
 const ELONGATION: &str = "elongation.csv";
 const CHECK: &str = "check.csv";
 
-/// Everything in a dataset folder.
+/// Content of a dataset folder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DatasetFolder {
-    /// The robot and what was measured on it.
+    /// The robot and the measurements.
     pub dataset: Dataset,
-    /// The optional tables; empty where the file is absent.
+    /// The optional tables; empty if the file is absent.
     pub phases: PhaseData,
-    /// What the operator should know, one sentence each.
+    /// Notices for the operator, one sentence each.
     pub notices: Vec<String>,
 }
 
-/// Reads a dataset folder; `robot.json` and `poses.csv` have to be there.
+/// Reads a dataset folder; `robot.json` and `poses.csv` are required.
 ///
 /// # Errors
-/// The first file that is missing or wrong, with the place in it.
+/// Names the first file that is missing or invalid, and the place in it.
 pub fn read_dataset(folder: &Path) -> Result<DatasetFolder, ReadError> {
     require_folder(folder)?;
     let robot = read_robot(&folder.join(ROBOT))?;
@@ -62,11 +62,11 @@ pub fn read_dataset(folder: &Path) -> Result<DatasetFolder, ReadError> {
     })
 }
 
-/// Reads the robot and the tables of phases 1 and 2 of a dataset folder, which come before any pose
-/// is measured: `poses.csv` and `check.csv` need not be there and are not read.
+/// Reads the robot and the tables of phases 1 and 2 of a dataset folder, which precede the measured
+/// poses: `poses.csv` and `check.csv` are not required and not read.
 ///
 /// # Errors
-/// The first file that is missing or wrong, with the place in it.
+/// Names the first file that is missing or invalid, and the place in it.
 pub fn read_calibration_tables(folder: &Path) -> Result<Loaded<(Robot, PhaseData)>, ReadError> {
     require_folder(folder)?;
     let robot = read_robot(&folder.join(ROBOT))?;
@@ -83,18 +83,18 @@ pub fn read_calibration_tables(folder: &Path) -> Result<Loaded<(Robot, PhaseData
     })
 }
 
-/// Reads a `check.csv` by itself.
+/// Reads a single `check.csv`.
 ///
 /// # Errors
-/// If the file cannot be read or a row is wrong.
+/// If the file cannot be read or a row is invalid.
 pub fn read_check_file(path: &Path) -> Result<Loaded<Vec<phases::CheckRow>>, ReadError> {
     read_table_file(path, phases::read_check)
 }
 
-/// Reads any table by itself, wherever it lies; `read` gets its content and its name for messages.
+/// Reads a single table at any path; `read` gets its content and its name for messages.
 ///
 /// # Errors
-/// If the file cannot be read or a row is wrong.
+/// If the file cannot be read or a row is invalid.
 pub fn read_table_file<T>(
     path: &Path,
     read: impl FnOnce(BufReader<File>, &str) -> Result<T, ReadError>,
@@ -119,7 +119,7 @@ fn open(path: &Path, file: &str) -> Result<BufReader<File>, ReadError> {
     Ok(BufReader::with_capacity(1 << 16, input))
 }
 
-/// The tables of one folder, with the notices so far.
+/// The tables of one folder, and the notices so far.
 struct Files<'a> {
     folder: &'a Path,
     robot: &'a Robot,
@@ -167,8 +167,8 @@ impl Files<'_> {
 /// Writes a dataset folder, creating it if necessary; each file is written atomically.
 ///
 /// # Errors
-/// If a file cannot be written, or the folder holds a table that these data do not have: it would
-/// be read as a part of them, and it is not for this program to delete.
+/// If a file cannot be written, or the folder contains a table that these data do not have: it would
+/// be read as a part of them, and this program must not delete it.
 pub fn write_dataset(
     folder: &Path,
     dataset: &Dataset,

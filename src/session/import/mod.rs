@@ -21,14 +21,14 @@ use crate::poses::{Column, Group, LABEL, read_poses};
 use crate::session::{PlannedPose, Session, SessionFile, checked};
 use crate::table::Table;
 
-/// What was imported.
+/// Imported content.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Import {
     /// A session file.
     Session(Box<Session>),
     /// A `robot.json` or model file.
     Robot(Box<Robot>),
-    /// A dataset folder; without `poses.csv` nothing is measured yet.
+    /// A dataset folder; without `poses.csv` it has no measurements.
     Dataset(Box<DatasetFolder>),
     /// A table of measured poses.
     Poses(Box<Measurements>),
@@ -42,11 +42,11 @@ pub enum Import {
     Elongation(Vec<ElongationPoint>),
     /// Poses and paths checked by an external instrument.
     Check(Vec<CheckRow>),
-    /// Poses that are to be measured.
+    /// Poses to be measured.
     Plan(Vec<PlannedPose>),
 }
 
-/// The tables that are recognised.
+/// Kinds of tables that are recognised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum TableKind {
     Poses,
@@ -58,7 +58,7 @@ enum TableKind {
     Check,
 }
 
-/// Tables other than those of poses, and the columns by which they are known.
+/// Tables other than those of poses, and the columns that identify them.
 const MARKS: [(TableKind, &[&str]); 5] = [
     (TableKind::Winch, &["cable", "rev", "length_m"]),
     (TableKind::Force, &["cable", "reading_n", "load_n"]),
@@ -77,11 +77,11 @@ const EXPECTED: &str = "expected a session, a robot, a dataset folder, or a tabl
                           a plan, or winch, force, home, elongation or check readings";
 const OTHERS: &str = "files of other programs are read by `tautline import`";
 
-/// Reads whatever `path` is; tables are read for the robot of the session `into`.
+/// Reads a file or folder of any kind; tables are read for the robot of the session `into`.
 ///
 /// # Errors
-/// If it is not recognised, a table needs a robot and there is no session, or the
-/// content is wrong, with the place in the file.
+/// If the kind is not recognised, a table needs a robot and there is no session, or the
+/// content is invalid, with the place in the file.
 pub fn import(path: &Path, into: Option<&Session>) -> Result<Loaded<Import>, ReadError> {
     let file = path.display().to_string();
     let fail = |error| ReadError::io(&file, Place::File, &error);
@@ -101,8 +101,8 @@ pub fn import(path: &Path, into: Option<&Session>) -> Result<Loaded<Import>, Rea
     }
 }
 
-/// Whether a file or folder is one of Tautline's, right or wrong, rather than one of another program: [`import`] says
-/// what is wrong with it then.
+/// Whether a file or folder is of a format of Tautline, valid or not, rather than of another program; [`import`] then reports
+/// what is wrong with it.
 ///
 /// # Errors
 /// If it cannot be read.
@@ -205,7 +205,7 @@ fn import_table(
     })
 }
 
-/// Images and programs have zero bytes early on. UTF-16 has them too, but the table reader says what to do about it.
+/// Binary files have zero bytes early on. UTF-16 text has them too, but for that the table reader has a better message.
 fn is_binary(bytes: &[u8]) -> bool {
     let is_utf_16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     !is_utf_16 && bytes.iter().take(1024).any(|byte| *byte == 0)
@@ -225,7 +225,7 @@ impl TableKind {
     }
 }
 
-/// The table with such columns. One column may be missing; the reader of the table will name it.
+/// The kind of table with such columns. One column may be missing; the reader of the table names it.
 fn recognise(names: &[String]) -> Option<TableKind> {
     let columns: Vec<Column> = names
         .iter()

@@ -1,4 +1,4 @@
-//! JSON values to types, with errors in the words of the format rather than of Rust.
+//! Conversion of JSON values to types, with errors in terms of the format rather than of Rust.
 
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
@@ -6,10 +6,10 @@ use serde_path_to_error::{Path, Segment, Track};
 
 use crate::error::{Loaded, Place, ReadError, quoted, shown_pointer};
 
-/// More unknown keys than this are only counted.
+/// Largest number of unknown keys that are listed; more are only counted.
 const MAX_NOTICES: usize = 20;
 
-/// Builds the type; keys it does not know become notices.
+/// Builds the type; unknown keys become notices.
 pub(super) fn deserialize<T: DeserializeOwned>(
     document: Map<String, Value>,
     file: &str,
@@ -79,7 +79,7 @@ fn push(pointer: &mut String, key: &str) {
     pointer.push_str(&key.replace('~', "~0").replace('/', "~1"));
 }
 
-/// The error in the words of the format: what is there, what should be.
+/// The error in terms of the format: what was found, what was expected.
 fn message(error: &str, found: Option<&Value>) -> String {
     if let Some(key) = error.strip_prefix("missing field ") {
         return format!("has no key {}, expected one", key.replace('`', "\""));
@@ -91,7 +91,7 @@ fn message(error: &str, found: Option<&Value>) -> String {
     }
 }
 
-/// What serde calls a Rust type, in plain words.
+/// Plain words for serde's name of a Rust type.
 fn plain(expected: &str) -> String {
     match expected {
         "f64" => "a number".into(),

@@ -1,20 +1,20 @@
-//! Migration of files of older versions, step by step.
+//! Migration of files from older versions, step by step.
 
 use serde_json::{Map, Value};
 
 use super::{VersionedFile, explain};
 use crate::error::{Place, ReadError, quoted};
 
-/// The step from one version of a format to the next.
+/// Migration from one version of a format to the next.
 #[derive(Clone, Copy)]
 pub struct Migration {
-    /// The version it starts from; it leads to the next one.
+    /// The version it starts from.
     pub from: u32,
-    /// Changes the JSON object; an error says what it could not understand.
+    /// Changes the JSON object; returns an error if it cannot interpret it.
     pub apply: fn(&mut Map<String, Value>) -> Result<(), String>,
 }
 
-/// Checks `format` and `version`, takes them out and migrates the rest to the present version.
+/// Checks and removes `format` and `version`, and migrates the rest to the present version.
 pub(crate) fn bring_up_to_date<T: VersionedFile>(
     document: &mut Map<String, Value>,
     migrations: &[Migration],

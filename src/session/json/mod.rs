@@ -1,4 +1,4 @@
-//! JSON files with a `format` and a `version`: reading, migrating, writing, schemas.
+//! JSON files with the keys `format` and `version`: reading, migrating, writing, schemas.
 
 mod explain;
 pub(crate) mod migrate;
@@ -24,33 +24,33 @@ pub use schema::{Schema, schema_for, versioned_schema};
 pub(crate) use strict::parse as parse_object;
 pub use toml::{parse_versioned_toml, read_versioned_toml};
 
-/// A type that is stored as a JSON file of its own, with its format and version.
+/// A type stored as a JSON file with format and version.
 pub trait VersionedFile: Serialize + DeserializeOwned + JsonSchema {
     /// Value of the key `format`.
     const FORMAT: &'static str;
-    /// Value of the key `version` that this program writes.
+    /// Value of the key `version` written by this program.
     const VERSION: u32;
     /// Largest file that is read (bytes).
     const MAX_BYTES: u64;
 
-    /// The steps from older versions to the present one.
+    /// Migrations from older versions to the present one.
     const MIGRATIONS: &'static [Migration] = &[];
 
-    /// Puts values in the place of names that stand for them, before the types are built; by default nothing.
+    /// Replaces references by the values they stand for, before the types are built; by default nothing.
     ///
     /// # Errors
-    /// The first field that is wrong.
+    /// The first invalid field.
     fn resolve(_document: &mut Map<String, Value>) -> Result<(), FieldError> {
         Ok(())
     }
 
-    /// Allows in the schema of the type what [`Self::resolve`] replaces; by default nothing.
+    /// Extends the schema of the type by what [`Self::resolve`] replaces; by default nothing.
     fn amend_schema(_schema: &mut Value) {}
 
-    /// Checks what the types alone do not guarantee; by default nothing.
+    /// Checks conditions that the types do not guarantee; by default nothing.
     ///
     /// # Errors
-    /// The first field that is wrong.
+    /// The first invalid field.
     fn check(&self) -> Result<(), FieldError> {
         Ok(())
     }
@@ -65,7 +65,7 @@ pub fn read_versioned<T: VersionedFile>(path: &Path) -> Result<Loaded<T>, ReadEr
     parse_versioned(&read_limited(path, &file, T::MAX_BYTES)?, &file)
 }
 
-/// Reads at most one byte more than `limit`, which is enough for [`check_size`].
+/// Reads at most one byte more than `limit`, as [`check_size`] needs.
 pub(crate) fn read_limited(path: &Path, file: &str, limit: u64) -> Result<Vec<u8>, ReadError> {
     let mut bytes = Vec::new();
     open_input(path, file)?
@@ -75,7 +75,7 @@ pub(crate) fn read_limited(path: &Path, file: &str, limit: u64) -> Result<Vec<u8
     Ok(bytes)
 }
 
-/// Refuses content of more than `limit` bytes.
+/// Rejects content of more than `limit` bytes.
 pub(crate) fn check_size(bytes: &[u8], file: &str, limit: u64) -> Result<(), ReadError> {
     if bytes.len() as u64 <= limit {
         return Ok(());
@@ -93,7 +93,7 @@ pub fn parse_versioned<T: VersionedFile>(bytes: &[u8], file: &str) -> Result<Loa
     versioned_from(strict::parse(bytes, file)?, file)
 }
 
-/// Makes the value of a JSON object that was parsed already.
+/// Builds the value from a parsed JSON object.
 pub(crate) fn versioned_from<T: VersionedFile>(
     mut document: Map<String, Value>,
     file: &str,
@@ -129,7 +129,7 @@ pub fn write_versioned<T: VersionedFile>(path: &Path, value: &T) -> Result<(), W
     })
 }
 
-/// The value as it is stored, ready to be serialised: `format` and `version` first.
+/// The value in its stored form, ready to be serialised: `format` and `version` come first.
 pub fn versioned<T: VersionedFile>(value: &T) -> impl Serialize {
     Envelope {
         format: T::FORMAT,
@@ -138,10 +138,10 @@ pub fn versioned<T: VersionedFile>(value: &T) -> impl Serialize {
     }
 }
 
-/// Files that can be larger than this are written without line breaks.
+/// Largest possible file size up to which a type is written with line breaks.
 const READABLE_BYTES: u64 = 64 << 20;
 
-/// A value after its `format` and `version`.
+/// A value preceded by its `format` and `version`.
 #[derive(Serialize)]
 struct Envelope<'a, T> {
     format: &'static str,

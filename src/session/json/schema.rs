@@ -15,7 +15,7 @@ pub struct Schema {
     pub schema: Value,
 }
 
-/// The schema of any type, as it is read.
+/// The schema of any type, for reading.
 #[must_use]
 pub fn schema_for<T: JsonSchema>() -> Value {
     SchemaSettings::draft2020_12()
@@ -24,7 +24,7 @@ pub fn schema_for<T: JsonSchema>() -> Value {
         .to_value()
 }
 
-/// The schema of a versioned file: that of its type, with the keys `format` and `version`.
+/// The schema of a versioned file: that of its type plus the keys `format` and `version`.
 #[must_use]
 pub fn versioned_schema<T: VersionedFile>() -> Schema {
     let mut schema = schema_for::<T>();

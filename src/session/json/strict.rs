@@ -1,4 +1,4 @@
-//! JSON text to a value, with line and column of what is wrong; a repeated key is an error.
+//! Strict JSON parser that reports line and column of errors; a repeated key is an error.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use serde_json::{Map, Number, Value};
 
 use crate::error::{Place, ReadError, quoted};
 
-/// Parses a document, which has to be an object.
+/// Parses a document, which must be an object.
 pub(crate) fn parse(bytes: &[u8], file: &str) -> Result<Map<String, Value>, ReadError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let text = std::str::from_utf8(bytes).map_err(|error| not_utf8(bytes, &error, file))?;
@@ -52,7 +52,7 @@ fn syntax(error: &serde_json::Error, file: &str) -> ReadError {
     ReadError::new(file, place, message)
 }
 
-/// A JSON value in which no object has a key twice.
+/// A JSON value without repeated keys in any object.
 struct Strict(Value);
 
 impl<'de> Deserialize<'de> for Strict {

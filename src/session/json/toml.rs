@@ -1,4 +1,4 @@
-//! TOML text to the values that JSON files have, so that both are read and checked alike.
+//! TOML text converted to JSON values, so that both are read and checked alike.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use super::{VersionedFile, check_size, read_limited, versioned_from};
 use crate::error::{Loaded, Place, ReadError};
 
-/// Reads a versioned file that is written in TOML.
+/// Reads a versioned file in TOML.
 ///
 /// # Errors
 /// If the file cannot be read or is not valid for this type.

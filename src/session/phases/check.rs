@@ -10,7 +10,7 @@ use super::{once, read_rows};
 use crate::error::{Loaded, ReadError};
 use crate::table::{Row, Table, TableWriter};
 
-/// What a row of the check belongs to.
+/// Kind of target that a row of the check belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum CheckKind {
@@ -25,18 +25,18 @@ pub enum CheckKind {
 pub struct CheckRow {
     /// Pose or path.
     pub kind: CheckKind,
-    /// Which commanded pose or path.
+    /// Name of the commanded pose or path.
     pub target: String,
-    /// Which repetition.
+    /// Number of the repetition.
     pub cycle: i64,
-    /// Which point along the path; 0 for a pose without a number.
+    /// Number of the point along the path; 0 for a pose without a number.
     pub sample: i64,
-    /// Time (s), where measured.
+    /// Time (s), if measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_s: Option<f64>,
     /// Commanded pose.
     pub commanded: CheckPose,
-    /// Attained pose by the external instrument.
+    /// Pose attained according to the external instrument.
     pub attained: CheckPose,
 }
 
@@ -45,7 +45,7 @@ pub struct CheckRow {
 pub struct CheckPose {
     /// Position (m).
     pub position_m: [f64; 3],
-    /// Orientation, quaternion w first, where measured.
+    /// Orientation, quaternion w first, if measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation_wxyz: Option<[f64; 4]>,
 }
@@ -59,7 +59,7 @@ const ATTAINED: [&str; 7] = ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"];
 /// Reads `check.csv`; `file` is the name for messages.
 ///
 /// # Errors
-/// The first row that is not an attained pose.
+/// The first invalid row.
 pub fn read_check(reader: impl BufRead, file: &str) -> Result<Loaded<Vec<CheckRow>>, ReadError> {
     let table = Table::open(reader, file)?;
     let [required @ .., sample, time] = HEAD;
@@ -116,7 +116,7 @@ pub(crate) struct PoseColumns {
 }
 
 impl PoseColumns {
-    /// Finds them by name; a quaternion has all its columns or none.
+    /// Finds the columns by name; a quaternion must have all its columns or none.
     pub fn find<R: BufRead>(table: &Table<R>, names: &[&str; 7]) -> Result<Self, ReadError> {
         let [x, y, z, quaternion @ ..] = *names;
         let measured = quaternion.iter().any(|name| table.find(name).is_some());

@@ -25,7 +25,7 @@ const COLUMNS: [&str; 3] = ["length_m", "tension_n", "elongation_m"];
 /// Reads `elongation.csv`; `file` is the name for messages.
 ///
 /// # Errors
-/// The first row that is not an elongation of a cable.
+/// The first invalid row.
 pub fn read_elongation(
     reader: impl BufRead,
     file: &str,

@@ -26,7 +26,7 @@ const COLUMNS: [&str; 3] = ["cable", "reading_n", "load_n"];
 /// Reads `force.csv`; `file` is the name for messages.
 ///
 /// # Errors
-/// The first row that is not a calibration pair.
+/// The first invalid row.
 pub fn read_force(
     reader: impl BufRead,
     file: &str,

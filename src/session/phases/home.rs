@@ -12,7 +12,7 @@ use crate::table::{Table, TableWriter};
 /// Number of sensors of the home reference platform.
 const SENSORS: i64 = 6;
 
-/// One reading of a sensor; repeats of a sensor come in the order in which they were taken.
+/// One reading of a sensor; repeated readings of a sensor are in the order in which they were taken.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HomeReading {
     /// Index of the sensor, from 0.
@@ -21,7 +21,7 @@ pub struct HomeReading {
     pub reading: f64,
 }
 
-/// One measurement of the platform's pose while its encoders read zero, by whatever instrument.
+/// One measurement of the platform's pose with the encoders at zero, by any instrument.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HomePose {
     /// Platform origin in the base frame (m).
@@ -39,7 +39,7 @@ const COLUMNS: [&str; 2] = ["sensor", "reading"];
 /// Reads `home.csv`; `file` is the name for messages.
 ///
 /// # Errors
-/// The first row that is not a reading of one of the six sensors.
+/// The first invalid row.
 pub fn read_home(reader: impl BufRead, file: &str) -> Result<Loaded<Vec<HomeReading>>, ReadError> {
     let table = Table::open(reader, file)?;
     let [sensor, reading] = table.require_all(COLUMNS)?;

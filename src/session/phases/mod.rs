@@ -23,7 +23,7 @@ pub use force::{ForcePair, read_force, write_force};
 pub use home::{HomePose, HomeReading, read_home, write_home};
 pub use winch::{WinchPair, read_winch, write_winch};
 
-/// Raw data of phases 1, 2 and 5; empty where nothing was measured.
+/// Raw data of phases 1, 2 and 5; empty if not measured.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct PhaseData {
@@ -42,7 +42,7 @@ pub struct PhaseData {
     pub check: Vec<CheckRow>,
 }
 
-/// Reads all rows of a table by `read_row`, with a notice for each column not in `known`.
+/// Reads all rows of a table with `read_row`; columns not in `known` become notices.
 pub(crate) fn read_rows<T, R: BufRead>(
     mut table: Table<R>,
     known: &[&str],
@@ -56,7 +56,7 @@ pub(crate) fn read_rows<T, R: BufRead>(
     Ok(Loaded { value, notices })
 }
 
-/// Index of the cable that a cell names, by its name or by its number from 1.
+/// Index of the cable in a cell, given by its name or by its number from 1.
 fn cable(row: &Row<'_>, column: usize, robot: &Robot) -> Result<usize, ReadError> {
     let text = row.text(column);
     let number = || text.parse::<usize>().ok()?.checked_sub(1);
@@ -70,7 +70,7 @@ fn cable(row: &Row<'_>, column: usize, robot: &Robot) -> Result<usize, ReadError
         })
 }
 
-/// Refuses the second row about the same thing.
+/// Rejects a second row about the same item.
 pub(crate) fn once<K: Hash + Eq>(
     seen: &mut HashSet<K>,
     key: K,

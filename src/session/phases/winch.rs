@@ -1,4 +1,4 @@
-//! `winch.csv`: revolutions of a winch and the cable length measured for them.
+//! `winch.csv`: revolutions of a winch and the measured cable lengths.
 
 use std::io::{BufRead, Result as IoResult, Write};
 
@@ -19,7 +19,7 @@ pub struct WinchPair {
     pub revolutions: f64,
     /// Measured length (m).
     pub length_m: f64,
-    /// Tension during the measurement (N), where known.
+    /// Tension during the measurement (N), if known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tension_n: Option<f64>,
 }
@@ -29,7 +29,7 @@ const COLUMNS: [&str; 4] = ["cable", "rev", "length_m", "tension_n"];
 /// Reads `winch.csv`; `file` is the name for messages.
 ///
 /// # Errors
-/// The first row that is not a calibration pair.
+/// The first invalid row.
 pub fn read_winch(
     reader: impl BufRead,
     file: &str,

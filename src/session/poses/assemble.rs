@@ -1,4 +1,4 @@
-//! Named columns to measurements, checked.
+//! Conversion of named columns to checked measurements.
 
 use std::collections::HashMap;
 
@@ -13,8 +13,8 @@ use super::plausible::check_plausible;
 use crate::table::quaternion_fault;
 
 impl Columns {
-    /// The measurements, checked against the robot. Whatever comes from a table, a session file, the recovery journal or
-    /// the instruments passes through here.
+    /// The measurements, checked against the robot. Data from tables, session files, the recovery journal and
+    /// the instruments all pass through here.
     pub fn into_measurements(self, robot: &Robot) -> Result<Measurements, Fault> {
         if self.labels.is_empty() {
             return Ok(Measurements::default());
@@ -27,7 +27,7 @@ impl Columns {
     }
 }
 
-/// Each column is taken out as it is used, so that no more than one quantity is there twice.
+/// Columns are removed as they are used, so that at most one quantity is in memory twice.
 fn assemble(mut columns: Columns, robot: &Robot) -> Result<Measurements, Fault> {
     check_labels(&columns.labels)?;
     let cables = robot.cable_count();
@@ -65,7 +65,7 @@ fn assemble(mut columns: Columns, robot: &Robot) -> Result<Measurements, Fault> 
 }
 
 fn check_labels(labels: &[i64]) -> Result<(), Fault> {
-    // Labels that only rise, as most do, need no table of those before.
+    // Strictly rising labels, the usual case, need no table of earlier labels.
     if labels.is_sorted_by(|before, after| before < after) {
         return Ok(());
     }
@@ -102,7 +102,7 @@ fn grid(columns: &mut Columns, quantity: PerCable, cables: usize) -> Grid {
     let Some(parts) = parts else {
         return Grid::default();
     };
-    // Row by row: that is how a grid lies in memory.
+    // Row by row, the memory layout of a grid.
     let mut grid = Grid::missing(columns.labels.len(), cables);
     for row in 0..columns.labels.len() {
         for (cable, values) in parts.iter().enumerate() {
@@ -112,12 +112,12 @@ fn grid(columns: &mut Columns, quantity: PerCable, cables: usize) -> Grid {
     grid
 }
 
-/// Poses of a group; a row without any number has none.
+/// Poses of a group; `None` for a row without numbers.
 fn poses(columns: &mut Columns, of: Group, robot: &Robot) -> Result<Vec<Option<Pose>>, Fault> {
     let positions = group::<3>(columns, of, 0);
     let mut quaternions = group::<4>(columns, of, 3);
     if quaternions.is_empty() {
-        // A platform that does not rotate keeps the orientation it has at home.
+        // A platform that does not rotate keeps its orientation at home.
         let home = robot
             .home
             .map_or([1.0, 0.0, 0.0, 0.0], |home| home.orientation_wxyz);

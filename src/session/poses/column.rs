@@ -1,6 +1,6 @@
-//! The columns of numbers that a table of poses can have, and their names.
+//! The numeric columns of a table of poses, and their names.
 
-/// A column of numbers.
+/// A numeric column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Column {
     /// Time of measurement.
@@ -22,7 +22,7 @@ pub(crate) enum Group {
     Commanded,
     /// Roll, pitch, yaw.
     Inclination,
-    /// Pose by the external instrument.
+    /// Pose measured by the external instrument.
     Tracked,
     /// Standard deviation of the tracked position.
     TrackedSd,
@@ -54,7 +54,7 @@ impl Group {
         Self::TruePose,
     ];
 
-    /// Names of its columns; a pose is a position and a quaternion, w first.
+    /// Names of the columns; a pose is a position and a quaternion, w first.
     pub fn names(self) -> &'static [&'static str] {
         match self {
             Self::Commanded => &["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"],
@@ -79,7 +79,7 @@ impl PerCable {
         Self::TrueTension,
     ];
 
-    /// What stands before and after the number of the cable.
+    /// Prefix and suffix of the cable's number in a column name.
     fn around_number(self) -> (&'static str, &'static str) {
         match self {
             Self::Revolutions => ("rev_", ""),
@@ -111,7 +111,7 @@ impl Column {
         (Self::Laser, "laser_m"),
     ];
 
-    /// The column of this name, if it is a known one.
+    /// The column with this name, if known.
     pub fn parse(name: &str) -> Option<Self> {
         let single = Self::SINGLE.iter().find(|(_, known)| *known == name);
         single.map(|(column, _)| *column).or_else(|| {
@@ -127,7 +127,7 @@ impl Column {
         })
     }
 
-    /// Its name.
+    /// Name of the column.
     pub fn name(self) -> String {
         match self {
             Self::Component(group, k) => group.names()[k].into(),

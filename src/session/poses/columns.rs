@@ -1,4 +1,4 @@
-//! Measurements as named columns: what `poses.csv` and session files have in common.
+//! Measurements as named columns, the common form of `poses.csv` and session files.
 
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::{Grid, Measurements};
@@ -6,20 +6,20 @@ use tautline_core::robot::Robot;
 
 use super::column::{Column, Group, PerCable};
 
-/// Measurements by column, all of the length of `labels`.
+/// Measurements by column; all columns have the length of `labels`.
 #[derive(Debug, Default)]
 pub(crate) struct Columns {
     /// Labels of the poses.
     pub labels: Vec<i64>,
     /// Group labels; empty if there is no such column.
     pub groups: Vec<String>,
-    /// Numbers; NaN is "not measured".
+    /// Numeric columns; NaN means not measured.
     pub numbers: Vec<(Column, Vec<f64>)>,
-    /// Columns this program does not know.
+    /// Unknown columns.
     pub other: Vec<(String, Vec<String>)>,
 }
 
-/// What is wrong in a column, and in which row.
+/// An error in a column, with its row.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fault {
     /// Row from 0; `None` for the table as a whole.
@@ -28,7 +28,7 @@ pub(crate) struct Fault {
     pub column: String,
     /// What was found and what was expected.
     pub message: String,
-    /// The row that it contradicts.
+    /// The earlier row that it contradicts.
     pub earlier_row: Option<usize>,
 }
 
@@ -52,7 +52,7 @@ impl Fault {
 }
 
 impl Columns {
-    /// The values of a column, if it is there.
+    /// The values of a column, if present.
     pub fn get(&self, column: Column) -> Option<&[f64]> {
         let mut columns = self.numbers.iter();
         columns
@@ -60,7 +60,7 @@ impl Columns {
             .map(|(_, values)| values.as_slice())
     }
 
-    /// Takes the values of a column out.
+    /// Removes a column and returns its values.
     pub fn take(&mut self, column: Column) -> Option<Vec<f64>> {
         let place = self
             .numbers
@@ -69,7 +69,7 @@ impl Columns {
         Some(self.numbers.swap_remove(place).1)
     }
 
-    /// Whether any column of a group is there.
+    /// Whether any column of a group is present.
     pub fn has(&self, group: Group) -> bool {
         (0..group.names().len()).any(|k| self.get(Column::Component(group, k)).is_some())
     }
@@ -104,7 +104,7 @@ impl Columns {
         self.check_complete_poses(robot)
     }
 
-    /// Checks that files can hold the numbers: NaN is an empty cell, but nothing is infinite.
+    /// Checks that the numbers can be stored: NaN is an empty cell, but infinities are invalid.
     pub fn check_finite(&self) -> Result<(), Fault> {
         for (column, values) in &self.numbers {
             if let Some(row) = values.iter().position(|value| value.is_infinite()) {
@@ -133,7 +133,7 @@ impl Columns {
         Err(Fault::new(None, column, message))
     }
 
-    /// Commanded and true poses need all their columns; a platform that does not rotate needs no
+    /// Checks that commanded and true poses have all their columns; a platform that does not rotate needs no
     /// quaternion.
     fn check_complete_poses(&self, robot: &Robot) -> Result<(), Fault> {
         let rotates = robot.platform.free.iter().any(|c| c.index() >= 3);
@@ -158,7 +158,7 @@ impl Columns {
         Ok(())
     }
 
-    /// The columns of measurements; those of quantities that were never measured are left out.
+    /// The columns of measurements, without quantities that were never measured.
     pub fn of(measurements: &Measurements) -> Self {
         let m = measurements;
         let mut columns = Self {
@@ -207,7 +207,7 @@ impl Columns {
     }
 }
 
-/// Position and quaternion as they are, so that they read back bit by bit.
+/// Position and quaternion unchanged, so that they read back bit by bit.
 fn pose_row(pose: &Option<Pose>) -> [f64; 7] {
     pose.as_ref().map_or([f64::NAN; 7], |pose| {
         let (p, q) = (pose.position, pose.orientation.quaternion());

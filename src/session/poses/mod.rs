@@ -20,7 +20,7 @@ use plausible::{check_home, unused_readings};
 /// Reads `poses.csv`; `file` is the name for messages.
 ///
 /// # Errors
-/// The first thing that makes the table unusable with this robot, with its line and column.
+/// The first error that makes the table unusable with this robot, with its line and column.
 pub fn read_poses(
     reader: impl BufRead,
     file: &str,
@@ -50,20 +50,20 @@ pub fn read_poses(
     })
 }
 
-/// Measured poses as named columns of one length.
+/// Measured poses as named columns of equal length.
 #[derive(Debug, Default)]
 pub struct PoseColumns {
     /// Labels of the poses.
     pub labels: Vec<i64>,
-    /// Group labels; empty where there are none.
+    /// Group labels; empty if there are none.
     pub groups: Vec<String>,
-    /// Columns of numbers; NaN is "not measured".
+    /// Numeric columns; NaN means not measured.
     pub numbers: Vec<(String, Vec<f64>)>,
-    /// Columns of text.
+    /// Text columns.
     pub texts: Vec<(String, Vec<String>)>,
 }
 
-/// The columns that `poses.csv` has of measurements.
+/// The columns of measurements in `poses.csv`.
 #[must_use]
 pub fn pose_columns(measurements: &Measurements) -> PoseColumns {
     let columns = Columns::of(measurements);
@@ -78,7 +78,7 @@ pub fn pose_columns(measurements: &Measurements) -> PoseColumns {
     }
 }
 
-/// Index in the file of the labels and of every column of numbers and of text.
+/// Indices in the file of the labels and of every numeric and text column.
 struct Places {
     label: usize,
     group: Option<usize>,
@@ -86,7 +86,7 @@ struct Places {
     other: Vec<usize>,
 }
 
-/// Rows as columns, and the line of each.
+/// Rows as columns, with the line of each row.
 struct PoseRows<'a> {
     places: &'a Places,
     lines: Vec<u64>,
@@ -137,7 +137,7 @@ impl FromRows for PoseRows<'_> {
     }
 }
 
-/// Finds the columns, still without rows.
+/// Finds the columns; reads no rows.
 fn read_header<R: BufRead>(
     table: &Table<R>,
     robot: &Robot,
@@ -169,7 +169,7 @@ pub(crate) const LABEL: &str = "pose";
 /// Name of the column with the group labels.
 pub(crate) const GROUP: &str = "group";
 
-/// The error for a fault in a table whose rows start at these lines.
+/// Converts a fault in a table whose rows start at the given lines.
 pub(crate) fn place_fault(fault: Fault, file: &str, lines: &[u64]) -> ReadError {
     let line = |row: usize| lines.get(row).copied().unwrap_or_default();
     let place = fault

@@ -1,4 +1,4 @@
-//! Values that fit the format but not the robot: wrong units, missing home, unknown instruments.
+//! Plausibility checks of values that fit the format but not the robot: wrong units, missing home, unknown instruments.
 
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::measurement::{Grid, Measurements};
@@ -8,18 +8,18 @@ use tautline_core::threads;
 use super::column::{Group, PerCable};
 use super::columns::Fault;
 
-/// A place or a length is at most this many times the size of the frame: metres given in
-/// millimetres exceed it by far, a long way around does not reach it.
+/// Largest position or length relative to the size of the frame: metres given in
+/// millimetres exceed it by far, detours of a cable do not reach it.
 const FRAME_SIZES: f64 = 10.0;
-/// A laser may look far out of the frame.
+/// Largest laser distance relative to the size of the frame, as a laser may look far out of it.
 const LASER_FRAME_SIZES: f64 = 30.0;
 const FARTHEST_LASER_M: f64 = 1000.0;
-/// Poses that one thread checks at a time: some milliseconds.
+/// Number of poses that one thread checks at a time, some milliseconds of work.
 const REACHED_TOGETHER: usize = 1 << 14;
-/// A revolution of the encoders at home by less cable than this is noise.
+/// Length below which a nonzero encoder reading at home is noise.
 const HOME_LENGTH_M: f64 = 5e-3;
 
-/// Checks that the home row is there if the encoders count from it.
+/// Checks that the home row is present if the encoders count from it.
 pub(super) fn check_home(measurements: &Measurements, robot: &Robot) -> Result<(), Fault> {
     if robot.home.is_some()
         && !measurements.revolutions.is_empty()
@@ -32,7 +32,7 @@ pub(super) fn check_home(measurements: &Measurements, robot: &Robot) -> Result<(
     Ok(())
 }
 
-/// Checks that units are right and cables can reach.
+/// Checks that units are plausible and that cables can reach the poses.
 pub(crate) fn check_plausible(measurements: &Measurements, robot: &Robot) -> Result<(), Fault> {
     let m = measurements;
     check_angles(m)?;
@@ -46,7 +46,7 @@ pub(crate) fn check_plausible(measurements: &Measurements, robot: &Robot) -> Res
     check_reach(&m.commanded, robot)
 }
 
-/// Checks that cables lead to all poses, many poses on several threads.
+/// Checks that all cables have paths at all poses, on several threads if there are many poses.
 fn check_reach(poses: &[Option<Pose>], robot: &Robot) -> Result<(), Fault> {
     let parts: Vec<_> = poses.chunks(REACHED_TOGETHER).collect();
     let first_fault = |part: usize| {
@@ -150,7 +150,7 @@ fn check_laser(laser_m: &[f64], size_m: f64) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Angles in radians stay within one turn; those in degrees sooner or later do not.
+/// Angles in radians stay within one turn; in a recording, angles in degrees eventually do not.
 fn check_angles(m: &Measurements) -> Result<(), Fault> {
     let fault = |angle: f64| {
         (angle.abs() > 6.3)
@@ -190,12 +190,12 @@ fn check_deviations(deviations: &[[f64; 3]]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Readings that no instrument of the robot explains, and a home row that is not at zero.
+/// Notices about readings that the robot has no instrument for, and about a home row that is not at zero.
 pub(super) fn unused_readings(m: &Measurements, robot: &Robot) -> Vec<String> {
     let every = |has: fn(&Cable) -> bool| robot.cables.iter().all(has);
     let swivels = |c: &Cable| c.pulley.swivel_zero.is_some() && c.pulley.swivel_sd_rad.is_some();
     let tracked = !m.tracked_position_m.is_empty() || !m.tracked_orientation_wxyz.is_empty();
-    // What was measured, whether the robot explains it, what it is, what the robot lacks.
+    // Whether it was measured, whether the robot has it, its name, and what the robot lacks.
     let readings = [
         (
             !m.laser_m.is_empty(),

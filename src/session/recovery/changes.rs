@@ -1,4 +1,4 @@
-//! What was edited since the snapshot.
+//! Edits since the snapshot.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use crate::json::VersionedFile;
 use crate::session::{ResultRecord, Session, SessionFile};
 
 /// A session without its measured poses, for [`RecoveryWriter::write_changes`](super::RecoveryWriter::write_changes):
-/// its size does not depend on how much is measured.
+/// its size does not depend on the number of measured poses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SessionChanges {
     session: SessionFile,
@@ -17,7 +17,7 @@ pub struct SessionChanges {
 }
 
 impl SessionChanges {
-    /// The session as it is now; the first `rows` of its poses are those of the snapshot.
+    /// The session in its present state; the first `rows` of its poses are those of the snapshot.
     #[must_use]
     pub fn of(session: &Session, rows: usize) -> Self {
         let since = session.measurements.labels.get(rows..);
@@ -27,12 +27,12 @@ impl SessionChanges {
         }
     }
 
-    /// Takes the results out, which have a file of their own.
+    /// Removes the results, which are stored in a separate file.
     pub(super) fn take_results(&mut self) -> Vec<ResultRecord> {
         std::mem::take(self.session.results_mut())
     }
 
-    /// The file that belongs to the snapshot with this fingerprint.
+    /// The file content for the snapshot with this fingerprint.
     pub(super) fn since(self, snapshot: String) -> ChangesFile {
         ChangesFile {
             snapshot,
@@ -42,12 +42,12 @@ impl SessionChanges {
     }
 }
 
-/// Changes as they are stored.
+/// Changes in stored form.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct ChangesFile {
-    /// Fingerprint of the snapshot that they belong to; beside any other snapshot they are ignored.
+    /// Fingerprint of the snapshot they belong to; with any other snapshot they are ignored.
     pub snapshot: String,
-    /// Labels of the poses of the journal that the session had.
+    /// Labels of the poses in the journal that the session had.
     pub measured: Vec<i64>,
     /// The session without its measured poses and its results.
     pub session: SessionFile,

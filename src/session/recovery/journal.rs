@@ -1,7 +1,7 @@
 //! The journal: one measured pose per line, each with a checksum.
 //!
-//! A line is a JSON array of two: the fingerprint of the text that follows, and the pose. The fingerprint of a line that
-//! was not written completely does not match.
+//! A line is a JSON array of two elements: the fingerprint of the rest of the line, and the pose. The fingerprint of an
+//! incompletely written line does not match.
 
 use std::fs::OpenOptions;
 use std::io::{Read, Result as IoResult, Seek, SeekFrom, Write};
@@ -22,7 +22,7 @@ pub(super) struct Entry {
     /// Label of the pose that this one replaces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeats: Option<i64>,
-    /// What the controller said of its last start.
+    /// Start of the controller as reported by it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub started: Option<f64>,
 }
@@ -33,7 +33,7 @@ pub(super) fn checked_line(body: &str) -> String {
     format!("[\"{check}\",{body}]\n")
 }
 
-/// The text of a line (without its line end) whose checksum matches.
+/// The text of a line (without its line end) if its checksum matches.
 pub(super) fn checked(line: &[u8]) -> Option<&[u8]> {
     let inside = line.strip_prefix(b"[\"")?.strip_suffix(b"]")?;
     let (check, rest) = inside.split_at_checked(16)?;
@@ -44,11 +44,11 @@ pub(super) fn checked(line: &[u8]) -> Option<&[u8]> {
 /// The content of a journal.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Journal {
-    /// Its poses in the order in which they were measured.
+    /// Poses in the order of measurement.
     pub entries: Vec<Entry>,
-    /// Numbers of damaged lines, from 1, that are not the last.
+    /// Numbers of damaged lines, from 1, except the last line.
     pub damaged: Vec<usize>,
-    /// Whether the last line was not written to its end.
+    /// Whether the last line was written incompletely.
     pub is_torn: bool,
 }
 
@@ -66,14 +66,14 @@ impl Entry {
         Ok(checked_line(&serde_json::to_string(self)?))
     }
 
-    /// The pose of a line (without its line end) whose checksum matches.
+    /// The pose of a line (without its line end), if its checksum matches.
     fn parse(line: &[u8]) -> Option<Self> {
         serde_json::from_slice(checked(line)?).ok()
     }
 }
 
 impl Journal {
-    /// Reads a journal, however damaged it is.
+    /// Reads a journal, skipping damaged lines.
     pub fn parse(bytes: &[u8]) -> Self {
         let mut journal = Self::default();
         let mut lines = bytes.split_inclusive(|byte| *byte == b'\n').enumerate();
@@ -92,7 +92,7 @@ impl Journal {
     }
 }
 
-/// Replaces a journal, atomically.
+/// Replaces a journal atomically.
 pub(super) fn write(path: &Path, entries: &[Entry]) -> Result<(), WriteError> {
     write_atomically(path, |out| {
         let mut lines = entries.iter().map(Entry::line);
@@ -109,7 +109,7 @@ fn append_line(path: &Path, line: &str) -> IoResult<()> {
     let mut options = OpenOptions::new();
     let mut file = options.read(true).append(true).create(true).open(path)?;
     let mut text = String::with_capacity(line.len() + 1);
-    // A line that an earlier failure left incomplete is ended first.
+    // An incomplete line of an earlier failure is terminated first.
     if file.metadata()?.len() > 0 {
         let mut last = [0];
         file.seek(SeekFrom::End(-1))?;

@@ -12,13 +12,13 @@
 //!   origin.json           the file that the session was opened from
 //! ```
 //!
-//! A measured pose adds one line to the journal, a result one line to the results, and an edit replaces the changes,
+//! A measured pose adds one line to the journal, a result adds one line to the results, and an edit replaces the changes,
 //! which contain neither. Only measurements that arrive in another way, such as from a file, need a new snapshot. So
-//! the amount written grows with what is measured and edited, not with its square.
+//! the amount of data written is proportional to the measurements and edits, not to their square.
 //!
-//! A snapshot is complete before the journal is shortened, so that at any moment both together have every measured
-//! pose. A pose that is in both is recognised by its label, a result by its number. Changes name the snapshot that they
-//! belong to by its fingerprint, and are ignored beside any other.
+//! A snapshot is complete before the journal is shortened, so that at any moment both together contain every measured
+//! pose. A pose in both is recognised by its label, a result by its number. Changes state the snapshot that they
+//! belong to by its fingerprint, and are ignored with any other.
 
 mod changes;
 mod journal;
@@ -44,10 +44,10 @@ const JOURNAL: &str = "journal.jsonl";
 const CHANGES: &str = "changes.json";
 const RESULTS: &str = "results.jsonl";
 const ORIGIN: &str = "origin.json";
-/// Beginning of the names of the folders of sessions.
+/// Prefix of the names of session folders.
 const PREFIX: &str = "session-";
 const LOCK: &str = "lock";
-/// Folder for the files of sessions that were recovered or discarded.
+/// Folder for the files of recovered or discarded sessions.
 const DISCARDED: &str = "discarded";
 /// Extension of the folders of saved sessions that are about to be removed.
 const FINISHED: &str = "finished";
@@ -55,7 +55,7 @@ const FINISHED: &str = "finished";
 /// The file that a session was opened from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 struct Origin {
-    /// Its path; absent if the session was never saved, or if the path is not valid Unicode.
+    /// Path of the file; absent if the session was never saved, or if the path is not valid Unicode.
     #[serde(default)]
     path: Option<String>,
 }

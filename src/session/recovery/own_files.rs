@@ -1,4 +1,4 @@
-//! Which files are ours: only those are removed. A link is never ours, whatever its name, and never followed.
+//! Identification of files created by this program: only those are removed. A link is never one of them and never followed.
 
 use std::ffi::OsStr;
 use std::fs::{self, FileType};
@@ -9,10 +9,10 @@ use super::{CHANGES, DISCARDED, FINISHED, JOURNAL, LOCK, ORIGIN, PREFIX, RESULTS
 use crate::atomic::is_temporary;
 use crate::error::WriteError;
 
-/// What kind of thing a name in a recovery folder stands for.
+/// Kind of an entry in a recovery folder, according to its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Name {
-    /// The folder of an open session or of one that was not saved.
+    /// The folder of an open or unsaved session.
     Session,
     /// The folder of a saved session that is being removed.
     Finished,
@@ -21,7 +21,7 @@ pub(super) enum Name {
 }
 
 impl Name {
-    /// By its name alone; `None` for names that we do not give.
+    /// The kind according to the name; `None` for names that this program does not use.
     pub fn of(name: &OsStr) -> Option<Self> {
         let (stem, extension) = match name.to_str()?.split_once('.') {
             Some((stem, extension)) => (stem, Some(extension)),
@@ -40,7 +40,7 @@ impl Name {
     }
 }
 
-/// Whether there is a folder at `path` itself, not a link to one.
+/// Whether `path` is a folder and not a link to one.
 pub(super) fn is_folder(path: &Path) -> bool {
     is_there(path, FileType::is_dir)
 }
@@ -50,14 +50,14 @@ fn is_there(path: &Path, kind: impl Fn(&FileType) -> bool) -> bool {
     found.is_ok_and(|found| kind(&found))
 }
 
-/// Refuses a link or anything else in place of a lock: opening it would touch another file.
+/// Rejects a link or anything else in place of a lock, as opening it would touch another file.
 pub(super) fn check_lock(path: &Path) -> IoResult<()> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
         Ok(found) if found.is_file() => Ok(()),
         Ok(_) => Err(IoError::new(
             ErrorKind::InvalidInput,
-            "it is a link or no file, expected the lock file of this program",
+            "it is a link or not a file, expected the lock file of this program",
         )),
         Err(error) => Err(error),
     }
@@ -86,11 +86,11 @@ fn remove_if_empty(folder: &Path) -> IoResult<()> {
     }
 }
 
-/// Removes from a recovery folder the discarded sessions, whose poses are in the file of the session by now, and the locks
-/// of folders that a killed program had made but not used. Everything else stays.
+/// Removes the discarded sessions from a recovery folder, whose poses are in the session file by now, and the locks
+/// of folders that a killed program created but did not use. Everything else stays.
 ///
 /// # Errors
-/// If something of ours cannot be removed.
+/// If a file of this program cannot be removed.
 pub fn remove_discarded(folder: &Path) -> Result<(), WriteError> {
     let failed = |path: &Path| {
         let path = path.to_owned();
@@ -111,7 +111,7 @@ pub fn remove_discarded(folder: &Path) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// What has a name of this kind in a folder.
+/// Entries of a folder whose names are of this kind.
 pub(super) fn named(folder: &Path, kind: Name) -> IoResult<Vec<PathBuf>> {
     let entries = match fs::read_dir(folder) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),

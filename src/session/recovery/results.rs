@@ -1,4 +1,4 @@
-//! Results that were added since the snapshot, one per line, each with a checksum. Results never change, so each is
+//! Results added since the snapshot, one per line, each with a checksum. Results never change, so each is
 //! written once, however often the session is edited afterwards.
 
 use std::fs;
@@ -33,7 +33,7 @@ pub(super) fn append_new(
     Ok(())
 }
 
-/// Adds the results that the session does not have yet; returns what the operator should know.
+/// Adds the results that the session does not have yet; returns a notice for the operator.
 pub(super) fn add(path: &Path, session: &mut Session) -> Option<String> {
     let bytes = match fs::read(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return None,
@@ -59,7 +59,7 @@ pub(super) fn add(path: &Path, session: &mut Session) -> Option<String> {
                     known + 1
                 ));
             }
-            // The snapshot has it already, or the line was torn and the result was written again after it.
+            // The snapshot already contains it, or the line was torn and the result was written again after it.
             _ => {}
         }
     }

@@ -17,19 +17,19 @@ use crate::fingerprint::Fingerprint;
 use crate::json::read_versioned;
 use crate::session::{MeasurementTable, Session, Timestamp, read_session};
 
-/// An unsaved session of a program that no longer runs; it is locked, so that no other program finds it, while this value
-/// lives.
+/// An unsaved session of a program that no longer runs; as long as this value exists it is locked, so that no other program
+/// finds it.
 #[derive(Debug)]
 pub struct UnsavedSession {
     /// Name of the session, or of its folder if the session cannot be read.
     pub name: String,
-    /// The file that it was opened from or saved to, if any.
+    /// The file it was opened from or saved to, if any.
     pub origin: Option<PathBuf>,
-    /// When its recovery files were last written.
+    /// Time when its recovery files were last written.
     pub when: Timestamp,
-    /// Number of measured poses in it, the home pose included.
+    /// Number of measured poses, the home pose included.
     pub poses: usize,
-    /// Why it cannot be recovered.
+    /// Reason why it cannot be recovered.
     pub problem: Option<ReadError>,
     folder: PathBuf,
     lock: Lock,
@@ -40,14 +40,14 @@ pub struct UnsavedSession {
 pub struct RecoveredSession {
     /// The session.
     pub session: Session,
-    /// The file that it was opened from or saved to, if any; what is in that file is older.
+    /// The file it was opened from or saved to, if any, whose content is older.
     pub origin: Option<PathBuf>,
-    /// Whether everything came back. Else the snapshot was damaged: the session is that of its file with the poses
-    /// measured since, without the edits since.
+    /// Whether everything was recovered. Otherwise the snapshot was damaged: the session is that of its file plus the poses
+    /// measured since, without later edits.
     pub is_whole: bool,
 }
 
-/// Finds the unsaved sessions in a recovery folder, the latest first. Sessions that cannot be read are in the list, too.
+/// Finds the unsaved sessions in a recovery folder, the latest first, including sessions that cannot be read.
 ///
 /// # Errors
 /// If the folder or a lock in it cannot be read; a folder that does not exist is empty.
@@ -70,7 +70,7 @@ pub fn find_unsaved_sessions(folder: &Path) -> Result<Vec<UnsavedSession>, ReadE
     Ok(found)
 }
 
-/// Folders of sessions, and of saved ones that were not removed completely.
+/// Folders of sessions, and of saved ones that were not completely removed.
 fn candidates(folder: &Path) -> IoResult<Vec<PathBuf>> {
     let mut found = named(folder, Name::Session)?;
     found.extend(named(folder, Name::Finished)?);
@@ -129,16 +129,16 @@ impl UnsavedSession {
         unsaved
     }
 
-    /// The folder with its files.
+    /// The folder with the recovery files.
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// The session as it was, the poses of the journal included. The files stay: write the session with a new
-    /// [`RecoveryWriter`](super::RecoveryWriter) first, then [`discard`](Self::discard) these.
+    /// Recovers the session with the poses of the journal. The files stay: first write the session with a new
+    /// [`RecoveryWriter`](super::RecoveryWriter), then [`discard`](Self::discard) them.
     ///
-    /// A snapshot that cannot be read does not keep the poses of the journal from coming back: the session is then that of
+    /// If the snapshot cannot be read, the poses of the journal are still recovered: the session is then that of
     /// its file, and [`RecoveredSession::is_whole`] is false.
     ///
     /// # Errors
@@ -194,7 +194,7 @@ impl UnsavedSession {
         }
     }
 
-    /// The changes that belong to the snapshot, if there are any.
+    /// The changes that belong to the snapshot, if any.
     fn changes(&self, notices: &mut Vec<String>) -> Option<ChangesFile> {
         let path = self.folder.join(CHANGES);
         if !path.exists() {
@@ -213,7 +213,7 @@ impl UnsavedSession {
         }
     }
 
-    /// Moves the files into the folder `discarded` of the recovery folder and returns their new place: measurements are
+    /// Moves the files to the folder `discarded` of the recovery folder and returns their new path: measurements are
     /// never deleted.
     ///
     /// # Errors
@@ -232,7 +232,7 @@ impl UnsavedSession {
     }
 }
 
-/// The session of the file that it was opened from, in place of a snapshot that cannot be read because of `damage`.
+/// The session from the file that it was opened from, as its snapshot cannot be read because of `damage`.
 fn session_of_file(
     origin: Option<&Path>,
     damage: ReadError,
@@ -275,7 +275,7 @@ fn changed(
     let measured: BTreeSet<i64> = measured.into_iter().collect();
     for entry in &journal.entries {
         if entry.table.labels().iter().all(|l| measured.contains(l)) {
-            // What does not fit is reported when the journal is replayed.
+            // Poses that do not fit are reported when the journal is replayed.
             let _ = session.append_table(entry.table.clone(), None, None);
         }
     }
@@ -283,7 +283,7 @@ fn changed(
         session.include(*label);
     }
     for label in excluded {
-        // The pose of a damaged line cannot be excluded and need not be.
+        // The pose of a damaged line cannot be excluded, and need not be.
         let _ = session.exclude(label);
     }
     session
@@ -319,7 +319,7 @@ fn replay(session: &mut Session, journal: Journal, file: &str) -> Vec<String> {
     notices
 }
 
-/// Whether the session has the pose with the same readings, if it has it at all.
+/// Whether the session has the pose with the same readings; `None` if it does not have the pose.
 fn known_row(session: &Session, entry: &Entry) -> Option<bool> {
     let label = entry.table.labels().first()?;
     let m = &session.measurements;
@@ -328,7 +328,7 @@ fn known_row(session: &Session, entry: &Entry) -> Option<bool> {
     Some(entry.table.is_contained_in(&known))
 }
 
-/// When anything of the session was last written.
+/// Time of the last write to the recovery files of a session.
 fn last_change(folder: &Path) -> Timestamp {
     let seconds = [SNAPSHOT, JOURNAL, CHANGES, RESULTS]
         .iter()

@@ -17,15 +17,15 @@ use crate::json::write_versioned;
 use crate::poses::Columns;
 use crate::session::{MeasuredPose, Session, write_session};
 
-/// Writes to disk what an open session has and its file does not.
+/// Writes the unsaved state of an open session to disk.
 ///
-/// Dropped without [`RecoveryWriter::finish`], it leaves its files for
+/// If it is dropped without [`RecoveryWriter::finish`], it leaves its files for
 /// [`find_unsaved_sessions`](super::find_unsaved_sessions), as a crash does.
 #[derive(Debug)]
 pub struct RecoveryWriter {
     folder: PathBuf,
     lock: Lock,
-    /// Fingerprint of the snapshot; `None` after a snapshot that could not be written.
+    /// Fingerprint of the snapshot; `None` if the last snapshot could not be written.
     snapshot: Option<String>,
     /// Number of results that are on disk.
     results: usize,
@@ -39,7 +39,7 @@ pub(super) struct Lock {
 }
 
 impl RecoveryWriter {
-    /// Starts to write in the recovery folder `folder`, for a session that was opened from the file `origin`.
+    /// Starts writing to the recovery folder `folder`, for a session that was opened from the file `origin`.
     ///
     /// # Errors
     /// If the files cannot be written.
@@ -55,7 +55,7 @@ impl RecoveryWriter {
         Ok(writer)
     }
 
-    /// The lock comes first, because a folder whose lock is not held is taken for that of a crashed program.
+    /// The lock is taken first, because a folder without a held lock counts as that of a crashed program.
     fn start(folder: &Path) -> IoResult<Self> {
         fs::create_dir_all(folder)?;
         let (file, path) = tempfile::Builder::new()
@@ -85,13 +85,13 @@ impl RecoveryWriter {
         Ok(())
     }
 
-    /// Writes the whole session as it is now. Poses of the journal that it does not have stay there.
+    /// Writes the present state of the whole session. Poses of the journal that it does not contain stay there.
     ///
     /// # Errors
-    /// If the files cannot be written; what was on disk before is still there then.
+    /// If the files cannot be written; the previous state is then still on disk.
     pub fn write_snapshot(&mut self, session: &Session) -> Result<(), WriteError> {
         self.replace_snapshot(session)?;
-        // They belong to the snapshot before and are ignored if they cannot be removed.
+        // They belong to the previous snapshot and are ignored if they cannot be removed.
         let _ = fs::remove_file(self.folder.join(CHANGES));
         let _ = fs::remove_file(self.folder.join(RESULTS));
         let path = self.folder.join(JOURNAL);
@@ -102,10 +102,10 @@ impl RecoveryWriter {
         journal::write(&path, &entries)
     }
 
-    /// Writes the session as it is now, whose measured poses are in the last snapshot and the journal.
+    /// Writes the present state of a session whose measured poses are in the last snapshot and the journal.
     ///
     /// # Errors
-    /// If the last snapshot could not be written, or this cannot; what was on disk before is still there then.
+    /// If the last snapshot could not be written, or the changes cannot; the previous state is then still on disk.
     pub fn write_changes(&mut self, mut changes: SessionChanges) -> Result<(), WriteError> {
         let path = self.folder.join(CHANGES);
         let Some(snapshot) = self.snapshot.clone() else {
@@ -134,12 +134,12 @@ impl RecoveryWriter {
         journal::append(&path, &line)
     }
 
-    /// Removes the files of a session that is saved.
+    /// Removes the files of a saved session.
     ///
     /// # Errors
     /// If they cannot be removed.
     pub fn finish(self) -> Result<(), WriteError> {
-        // Renamed first, so that a kill in between leaves nothing that looks like a crash.
+        // Renaming first ensures that a kill in between leaves nothing that looks like a crash.
         let finished = self.folder.with_extension(FINISHED);
         fs::rename(&self.folder, &finished)
             .and_then(|()| remove_session(&finished))
@@ -149,7 +149,7 @@ impl RecoveryWriter {
 }
 
 impl Lock {
-    /// Removes the file, whose folder is gone, and unlocks it.
+    /// Removes the lock file, whose folder is gone, and unlocks it.
     pub fn remove(self) -> IoResult<()> {
         let removed = fs::remove_file(&self.path);
         drop(self.file);

@@ -1,4 +1,4 @@
-//! All sensors that are known: those of the program, and those in a folder of the user.
+//! The catalogue of sensors: those of the program and those in a folder of the user.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::error::{Place, ReadError, fail, quoted};
 use crate::folders::Folders;
 use crate::json::{parse_versioned_toml, read_versioned_toml};
 
-/// Files of the program, by identifier.
+/// Built-in files, by identifier.
 const EMBEDDED: [(&str, &str); 8] = [
     (
         "class-0.1mm",
@@ -47,7 +47,7 @@ const EMBEDDED: [(&str, &str); 8] = [
     ),
 ];
 
-/// A sensor with the name by which files call it.
+/// A sensor with its identifier.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CatalogueEntry {
     /// Identifier: the name of its file without `.toml`.
@@ -63,16 +63,16 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// The sensors of the program, and those of the files `*.toml` in the user's folder, which go before.
+    /// The built-in sensors, and those of the files `*.toml` in the user's folder, which take precedence.
     ///
     /// # Errors
-    /// If a file of the user's is not valid.
+    /// If a file of the user is not valid.
     pub fn of_user() -> Result<Self, ReadError> {
         let folder = Folders::of_user().ok().map(|folders| folders.sensors());
         Self::with(folder.as_deref().filter(|folder| folder.is_dir()))
     }
 
-    /// The sensors of the program, and those in a folder.
+    /// The built-in sensors, and those in a folder.
     ///
     /// # Errors
     /// If a file there is not valid.
@@ -93,16 +93,16 @@ impl Catalogue {
         Ok(Self { entries })
     }
 
-    /// All of them.
+    /// All sensors.
     #[must_use]
     pub fn entries(&self) -> &[CatalogueEntry] {
         &self.entries
     }
 
-    /// The sensor of an identifier.
+    /// The sensor with an identifier.
     ///
     /// # Errors
-    /// What was found and what there is, in words.
+    /// What was found and which identifiers exist, in words.
     pub fn find(&self, id: &str) -> Result<&Sensor, String> {
         let found = self.entries.iter().find(|entry| entry.id == id);
         found.map(|entry| &entry.sensor).ok_or_else(|| {
@@ -116,7 +116,7 @@ impl Catalogue {
     }
 }
 
-/// The sensors in a folder, by name.
+/// The sensors in a folder, sorted by name.
 fn own(folder: &Path) -> Result<Vec<CatalogueEntry>, ReadError> {
     let place = folder.display().to_string();
     let files = fs::read_dir(folder).map_err(|error| ReadError::io(&place, Place::File, &error))?;
@@ -136,7 +136,7 @@ fn own(folder: &Path) -> Result<Vec<CatalogueEntry>, ReadError> {
     paths.iter().map(entry).collect()
 }
 
-/// Puts the standard deviation of the sensor that a robot file names in the place of its name:
+/// Replaces the sensor that a robot file refers to by its standard deviation:
 /// `"laser": {"sensor": "leica-disto-d330", ...}` instead of `sd_m`.
 pub(crate) fn resolve_in_robot(document: &mut Map<String, Value>) -> Result<(), FieldError> {
     let pointer = "/laser/sensor";
@@ -151,7 +151,10 @@ pub(crate) fn resolve_in_robot(document: &mut Map<String, Value>) -> Result<(), 
     };
     let id = id.clone();
     if laser.contains_key("sd_m") {
-        let message = format!("found {} beside sd_m, expected one of them", quoted(&id));
+        let message = format!(
+            "found both {} and sd_m, expected only one of them",
+            quoted(&id)
+        );
         return fail(pointer, message);
     }
     let catalogue = Catalogue::of_user().or_else(|error| fail(pointer, error.to_string()))?;
@@ -166,7 +169,7 @@ pub(crate) fn resolve_in_robot(document: &mut Map<String, Value>) -> Result<(), 
     Ok(())
 }
 
-/// Distances to expect: from the home pose to the target plane, and half of that to either side.
+/// Expected distances: the distance from the home pose to the target plane, plus and minus half of it.
 fn expected_distances(document: &Map<String, Value>) -> [f64; 2] {
     let at = |path: &str| -> Option<Vec<f64>> {
         let mut parts = path.split('/');
@@ -265,7 +268,10 @@ mod tests {
     fn robot_files_name_a_sensor() {
         let mut robot = robot_with(json!({"sensor": "class-1mm"}));
         let both = parse_robot(robot.to_string().as_bytes(), "r.json").expect_err("refused");
-        assert!(both.to_string().contains("beside sd_m"), "{both}");
+        assert!(
+            both.to_string().contains("and sd_m, expected only one"),
+            "{both}"
+        );
         robot["laser"]
             .as_object_mut()
             .expect("an object")

@@ -1,4 +1,4 @@
-//! The catalogue of distance sensors: what makers state, translated to standard deviations.
+//! The catalogue of distance sensors: manufacturers' specifications converted to standard deviations.
 
 mod catalogue;
 mod noise;
@@ -12,71 +12,71 @@ use crate::json::VersionedFile;
 pub(crate) use catalogue::resolve_in_robot;
 pub use catalogue::{Catalogue, CatalogueEntry};
 
-/// A distance sensor. All standard deviations are of one reading, 1 sd.
+/// A distance sensor. All standard deviations refer to a single reading, 1 sd.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Sensor {
-    /// Name for a reader.
+    /// Name to display.
     pub name: String,
-    /// Maker; absent for a class without one.
+    /// Manufacturer; absent for a generic class.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub maker: Option<String>,
-    /// Random part: what differs from reading to reading at one place (m).
+    /// Random part: scatter of the readings at one place (m).
     pub random_sd_m: f64,
-    /// Growth of the random part with the distance, in pieces from near to far; none: it stays.
+    /// Growth of the random part with the distance, piecewise from near to far; empty: constant.
     #[serde(default)]
     pub growth: Vec<Growth>,
-    /// Prior of an offset common to all readings (m).
+    /// Prior standard deviation of an offset common to all readings (m).
     #[serde(default)]
     pub bias_sd_m: f64,
-    /// Prior of the deviation from a straight line, a smooth function of the distance (m).
+    /// Prior standard deviation of the nonlinearity, a smooth function of the distance (m).
     #[serde(default)]
     pub linearity_sd_m: f64,
-    /// Distance over which that deviation changes (m).
+    /// Correlation length of the nonlinearity (m).
     #[serde(default = "one_metre")]
     pub linearity_length_m: f64,
-    /// Step of the readings (m).
+    /// Resolution of the readings (m).
     #[serde(default)]
     pub quantisation_m: f64,
     /// Readings per second.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
-    /// Least and largest distance (m).
+    /// Smallest and largest distance (m).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range_m: Option<[f64; 2]>,
-    /// Prior of the change of a reading with the temperature (m/K).
+    /// Prior standard deviation of the temperature coefficient of a reading (m/K).
     #[serde(default)]
     pub temperature_sd_m_per_k: f64,
-    /// Price that a study may compare, in any currency.
+    /// Price for comparison in a study, in any currency.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cost: Option<f64>,
-    /// Which values are ours and not the maker's, and why they were chosen.
+    /// Values that are assumptions rather than the manufacturer's, with the reasons.
     #[serde(default)]
     pub assumed: String,
-    /// Where the values come from.
+    /// Sources of the values.
     #[serde(default)]
     pub sources: Vec<SensorSource>,
 }
 
-/// Growth of a random part from a distance on.
+/// Growth of the random part beyond a distance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Growth {
-    /// From this distance (m).
+    /// Distance beyond which it applies (m).
     pub from_m: f64,
-    /// By so much per metre (1).
+    /// Growth per metre (1).
     pub sd_per_m: f64,
 }
 
-/// What a maker, or somebody who quotes it, says.
+/// A statement of the manufacturer, or of somebody who quotes it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SensorSource {
-    /// The wording.
+    /// Literal quotation.
     pub quote: String,
     /// Document or page.
     pub title: String,
-    /// Its address.
+    /// Address of the document.
     #[serde(default)]
     pub address: String,
-    /// When it was read or issued: `2026-11-22`, `2018-10-04`.
+    /// Date of access or issue: `2026-11-22`, `2018-10-04`.
     pub date: String,
 }
 

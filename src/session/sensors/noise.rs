@@ -1,8 +1,8 @@
-//! The standard deviation that the noise of readings stands for, of all that a sensor has.
+//! The standard deviation that represents all errors of a sensor.
 
 use super::Sensor;
 
-/// Change of temperature between the readings of a run (K): what a hall does in a morning.
+/// Change of temperature between the readings of a run (K), as in a hall over a morning.
 const TEMPERATURE_CHANGE_K: f64 = 2.0;
 
 impl Sensor {
@@ -21,12 +21,12 @@ impl Sensor {
         sd
     }
 
-    /// The standard deviation of one reading (m) in a run that measures distances between these two, as a study and a
-    /// robot file take it: random part at the larger one, rounding, drift with the temperature, and what the offset of the
-    /// target plane, which is estimated, leaves of the deviation from a straight line.
+    /// The standard deviation of one reading (m) in a run that measures distances between these two, as used by studies and
+    /// robot files: random part at the larger distance, rounding, temperature drift, and the part of the nonlinearity that
+    /// the estimated offset of the target plane does not absorb.
     ///
-    /// With the prior `k(d, d') = s^2 exp(-(d - d')^2 / 2 l^2)` of that deviation, an offset takes the mean of `k` over
-    /// pairs of distances; the rest counts as independent from pose to pose, though it is smooth.
+    /// With the prior `k(d, d') = s^2 exp(-(d - d')^2 / 2 l^2)` of the nonlinearity, an offset absorbs the mean of `k` over
+    /// pairs of distances; the rest counts as independent from pose to pose, although it is smooth.
     #[must_use]
     pub fn reading_sd_m(&self, distances_m: [f64; 2]) -> f64 {
         let [near, far] = distances_m;
@@ -41,9 +41,9 @@ impl Sensor {
             .sqrt()
     }
 
-    /// Part of the variance of the linearity that an offset does not take over a span of distances (m).
+    /// Fraction of the variance of the nonlinearity that an offset does not absorb over a span of distances (m).
     fn share_beyond_offset(&self, span_m: f64) -> f64 {
-        // The distance x = t span of a uniform pair has the density 2 (1 - t).
+        // The distance x = t span of two uniformly distributed points has the density 2 (1 - t).
         const STEPS: usize = 200;
         let mean = (0..STEPS).map(|step| {
             let t = (step as f64 + 0.5) / STEPS as f64;

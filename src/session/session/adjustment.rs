@@ -1,16 +1,16 @@
-//! Parameters of the controller and what was written to it.
+//! Parameters of the controller and the values written to it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::Timestamp;
 
-/// A number with a name.
+/// A named number.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NamedValue {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its value; null in a file where the controller holds none, but NaN or infinity.
+    /// Value; null in a file if the controller holds NaN or infinity.
     #[serde(deserialize_with = "number_or_null")]
     #[schemars(with = "Option<f64>")]
     pub value: f64,
@@ -19,11 +19,11 @@ pub struct NamedValue {
 /// One attempt to write identified values to the controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Adjustment {
-    /// When.
+    /// Time of the attempt.
     pub time: Timestamp,
-    /// Who did it.
+    /// Operator.
     pub operator: String,
-    /// Which controller.
+    /// Name of the controller.
     pub controller: String,
     /// The parameters concerned.
     pub changes: Vec<ValueChange>,
@@ -45,11 +45,11 @@ impl Adjustment {
 /// One parameter of a controller before and after an adjustment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ValueChange {
-    /// Its name in the controller.
+    /// Name in the controller.
     pub name: String,
-    /// Its unit.
+    /// Unit.
     pub unit: String,
-    /// The old value; null in a file where the controller held none, but NaN or infinity.
+    /// The old value; null in a file if the controller held NaN or infinity.
     #[serde(deserialize_with = "number_or_null")]
     #[schemars(with = "Option<f64>")]
     pub before: f64,
@@ -68,13 +68,13 @@ pub enum Outcome {
     Written,
     /// The old values were written back.
     RolledBack,
-    /// It failed, and the controller holds its old values; one sentence says why.
+    /// It failed, and the controller holds its old values; one sentence states the reason.
     Failed(String),
-    /// The controller holds both old and new values, or did not answer any more; one sentence says why.
+    /// The controller holds both old and new values, or no longer answered; one sentence states the reason.
     Unsettled(String),
 }
 
-/// A number, or NaN for the null that JSON has in its place.
+/// A number, or NaN for null, which replaces it in JSON.
 fn number_or_null<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }

@@ -1,4 +1,4 @@
-//! Fingerprint of the inputs of results, by which results that are out of date are recognised.
+//! Fingerprint of the inputs of results, which identifies outdated results.
 
 use std::collections::BTreeSet;
 
@@ -29,7 +29,7 @@ impl Session {
             excluded: &self.excluded,
             identification: &self.settings.identification,
         };
-        // Only keys that are not strings could fail, and there are none.
+        // Serialising fails only for keys that are not strings, and there are none.
         let value = serde_json::to_value(inputs).unwrap_or(Value::Null);
         Fingerprint::new().and_value(&value).to_hex()
     }

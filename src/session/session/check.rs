@@ -1,6 +1,6 @@
 //! Checks of the parts of a session other than the robot and its measurements.
 //!
-//! Every number that JSON cannot represent is refused here, before a file is written that could not be read again.
+//! Numbers that JSON cannot represent are rejected here, before a file is written that could not be read again.
 
 use std::collections::HashSet;
 
@@ -14,7 +14,7 @@ use crate::table::quaternion_fault;
 
 type Checked = Result<(), FieldError>;
 
-/// Checks that a pose can be excluded: not the home pose.
+/// Checks that a pose can be excluded, as all but the home pose can.
 pub(super) fn excludable(label: i64) -> Checked {
     if label == 0 {
         let message = "found 0, the home pose, which all revolutions count from, \
@@ -61,7 +61,7 @@ pub(super) fn phases(phases: &PhaseData, robot: &Robot) -> Checked {
     check_rows("/phases/check", &phases.check)
 }
 
-/// Effects that are to be identified can be attached to the robot.
+/// Checks that the effects to be identified can be attached to the robot.
 pub(super) fn effects(effects: &[EffectSetting], robot: &Robot) -> Checked {
     if effects.is_empty() {
         return Ok(());
@@ -74,7 +74,7 @@ pub(super) fn effects(effects: &[EffectSetting], robot: &Robot) -> Checked {
     checked.map_err(|error| below("/settings/identification", error))
 }
 
-/// Checks that planned poses have different labels and are poses.
+/// Checks that planned poses have different labels and valid numbers.
 pub(super) fn plan(plan: &[PlannedPose]) -> Checked {
     let mut labels = HashSet::with_capacity(plan.len());
     for (k, planned) in plan.iter().enumerate() {
@@ -89,7 +89,7 @@ pub(super) fn plan(plan: &[PlannedPose]) -> Checked {
     Ok(())
 }
 
-/// Checks that parameters of the controller have different names. A controller may hold what is no number.
+/// Checks that parameters of the controller have different names. Their values may be NaN or infinite.
 pub(super) fn controller(values: &[NamedValue]) -> Checked {
     let mut names = HashSet::with_capacity(values.len());
     for (k, value) in values.iter().enumerate() {
@@ -102,7 +102,7 @@ pub(super) fn controller(values: &[NamedValue]) -> Checked {
     Ok(())
 }
 
-/// Checks that adjustments have written finite values. What was there before may be no number.
+/// Checks that the values written by adjustments are finite. Previous values may be NaN or infinite.
 pub(super) fn adjustments(adjustments: &[Adjustment]) -> Checked {
     for (k, adjustment) in adjustments.iter().enumerate() {
         for (j, change) in adjustment.changes.iter().enumerate() {

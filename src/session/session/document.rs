@@ -8,7 +8,7 @@ use crate::error::{below, fail};
 use crate::json::VersionedFile;
 use crate::poses::Columns;
 
-/// A session as it is stored.
+/// A session in stored form.
 pub(crate) type SessionFile = Session<MeasurementTable>;
 
 impl VersionedFile for SessionFile {
@@ -56,12 +56,12 @@ impl VersionedFile for SessionFile {
 }
 
 impl SessionFile {
-    /// The document of a session.
+    /// The stored form of a session.
     pub fn of(session: &Session) -> Self {
         session.with_measurements(MeasurementTable::of(&session.measurements))
     }
 
-    /// The document of a session, without its measured poses.
+    /// The stored form of a session, without its measured poses.
     pub fn without_measurements(session: &Session) -> Self {
         session.with_measurements(MeasurementTable::default())
     }
@@ -71,13 +71,13 @@ impl SessionFile {
         &mut self.results
     }
 
-    /// The session of a document that passed its check.
+    /// Converts a document that passed its check to a session.
     pub fn with_checked_measurements(mut self) -> Result<Session, FieldError> {
         let table = std::mem::take(&mut self.measurements);
         self.with_columns(table.into_columns())
     }
 
-    /// The session of a document that passed its check, with these measurements instead of its own.
+    /// Converts a document that passed its check to a session, with the given measurements instead of its own.
     pub fn with_measurements_of(&self, measurements: &Measurements) -> Result<Session, FieldError> {
         self.with_columns(Columns::of(measurements))
     }

@@ -1,4 +1,4 @@
-//! What happened in a session: steps of the operator and results.
+//! Log of a session: steps of the operator, and results.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::{ResultDocument, Timestamp};
 
-/// The part of a calibration that a step belongs to.
+/// Phase of the calibration that a step belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Phase {
@@ -18,9 +18,9 @@ pub enum Phase {
     Poses,
     /// Phase 4: identification.
     Identification,
-    /// Between 4 and 5: the search for hidden effects.
+    /// Between 4 and 5: diagnosis of the model.
     Diagnosis,
-    /// Phase 5: accuracy by an external instrument.
+    /// Phase 5: accuracy measured by an external instrument.
     Accuracy,
     /// The session itself: opened, renamed, exported.
     Session,
@@ -29,29 +29,29 @@ pub enum Phase {
 /// One step of the operator.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct LogEntry {
-    /// When.
+    /// Time of the step.
     pub time: Timestamp,
-    /// In which part of the calibration.
+    /// Phase of the calibration.
     pub phase: Phase,
-    /// What was done, one sentence.
+    /// What was done, in one sentence.
     pub text: String,
 }
 
-/// A result, kept as the document that the commands write with `--json`.
+/// A result, stored as the document that the commands write with `--json`.
 ///
-/// It is stored as it is rather than as a type, so that a session keeps results of kinds that
-/// this version of the program does not know, and old results stay what they were when the
-/// operator saw them. Its `format` and `version` say how to read it.
+/// It is stored as a document rather than as a type, so that a session keeps results of kinds that
+/// this version of the program does not know, and old results stay exactly as the
+/// operator saw them. Its `format` and `version` define how to read it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ResultRecord {
-    /// When it was computed.
+    /// Time of the computation.
     pub time: Timestamp,
-    /// What the operator calls it.
+    /// Title for the operator.
     pub title: String,
     /// The document, such as a `tautline-identification` or a `tautline-robot` (a model).
     #[schemars(with = "Value")]
     pub document: ResultDocument,
-    /// Fingerprint of the inputs that it was computed from ([`super::Session::basis`]).
+    /// Fingerprint of its inputs ([`super::Session::basis`]).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub basis: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! One measured pose, as it arrives from the instruments.
+//! A measured pose as delivered by the instruments.
 
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::Measurements;
@@ -13,14 +13,14 @@ use crate::poses::{Columns, Fault};
 pub struct MeasuredPose {
     /// The readings, as a table of one row.
     pub readings: Measurements,
-    /// Label of the pose that was measured again and that this one counts instead of.
+    /// Label of the earlier measurement that this one replaces.
     pub repeats: Option<i64>,
-    /// What the controller said of its last start, if it does.
+    /// Start of the controller, if it reports it.
     pub started: Option<f64>,
 }
 
 impl From<Measurements> for MeasuredPose {
-    /// A pose that repeats none, from its only row.
+    /// A pose that does not replace another one, from a table of one row.
     fn from(readings: Measurements) -> Self {
         Self {
             readings,
@@ -37,13 +37,13 @@ impl MeasuredPose {
         self.readings.labels.first().copied().unwrap_or_default()
     }
 
-    /// The pose that was commanded.
+    /// The commanded pose.
     #[must_use]
     pub fn commanded(&self) -> Option<Pose> {
         self.readings.commanded.first().copied().flatten()
     }
 
-    /// The same readings under another label, which count instead of those that have this one.
+    /// Relabels the readings as a repetition that replaces the pose with the old label.
     #[must_use]
     pub fn repeated_as(mut self, label: i64) -> Self {
         self.repeats = Some(self.label());
@@ -53,7 +53,7 @@ impl MeasuredPose {
 }
 
 impl Session {
-    /// The label for a pose that is measured again: greater than all that are measured or planned.
+    /// Label for a repeated pose: greater than all measured or planned labels.
     #[must_use]
     pub fn next_label(&self) -> i64 {
         let planned = self.plan.iter().map(|pose| pose.label);
@@ -61,24 +61,24 @@ impl Session {
         labels.fold(0, i64::max).saturating_add(1)
     }
 
-    /// Adds one measured pose as the last row. A pose that it repeats is excluded from now on.
+    /// Appends one measured pose. The pose that it repeats is excluded from now on.
     ///
-    /// True poses of simulated data are dropped where the new row has none, because they are known for all poses or for
+    /// True poses of simulated data are dropped if the new row has none, because they must be known for all poses or for
     /// none.
     ///
     /// # Errors
-    /// If the label is measured already, the readings are not those of this robot or are not plausible, or the pose that
-    /// it repeats is not there or is the home pose; nothing changes then.
+    /// If the label already exists, the readings do not fit this robot or are not plausible, or the pose that
+    /// it repeats does not exist or is the home pose; nothing changes then.
     pub fn append_pose(&mut self, pose: &MeasuredPose) -> Result<(), FieldError> {
         self.append(Columns::of(&pose.readings), pose.repeats)?;
         self.controller_started = pose.started.or(self.controller_started);
         Ok(())
     }
 
-    /// Adds the poses that another state of the same session has and this one does not; returns their labels.
+    /// Adds the poses that another state of the same session has and this one lacks; returns their labels.
     ///
     /// # Errors
-    /// If such a pose does not fit; those before it are added.
+    /// If such a pose does not fit; those before it are added nevertheless.
     pub fn append_missing(&mut self, other: &Self) -> Result<Vec<i64>, FieldError> {
         let mut added = Vec::new();
         for (row, label) in other.measurements.labels.iter().enumerate() {
@@ -93,7 +93,7 @@ impl Session {
         Ok(added)
     }
 
-    /// Adds one measured pose that was read from a file.
+    /// Appends one measured pose read from a file.
     pub(crate) fn append_table(
         &mut self,
         table: MeasurementTable,
@@ -134,7 +134,7 @@ impl Session {
         Ok(())
     }
 
-    /// All poses have revolutions or all have absolute lengths.
+    /// Checks that all poses have revolutions, or all have absolute lengths.
     fn check_same_length_reading(&self, row: &Measurements) -> Result<(), FieldError> {
         let m = &self.measurements;
         let (column, expected) = if !m.revolutions.is_empty() && !row.length_m.is_empty() {

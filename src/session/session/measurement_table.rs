@@ -1,4 +1,4 @@
-//! Measurements as JSON: columns with the names of `poses.csv`.
+//! Measurements as JSON: columns named as in `poses.csv`.
 
 use std::collections::BTreeMap;
 
@@ -10,24 +10,24 @@ use tautline_core::robot::FieldError;
 use crate::error::{fail, quoted};
 use crate::poses::{Column, Columns, Fault, GROUP, LABEL};
 
-/// Measurements by column; all columns have as many values as there are labels.
+/// Measurements by column; all columns have the length of the labels.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct MeasurementTable {
     /// Labels of the poses, 0 for the home pose.
     #[serde(default)]
     pose: Vec<i64>,
-    /// Group labels: poses with the same one were read in one standstill or run; an empty one is no group.
+    /// Group labels: poses with the same label were read in one standstill or run; an empty label means no group.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     group: Vec<String>,
-    /// Columns of numbers by their name in `poses.csv`; null: not measured.
+    /// Numeric columns by their name in `poses.csv`; null: not measured.
     #[serde(default)]
     columns: BTreeMap<String, Vec<Option<f64>>>,
-    /// Columns of text that the program does not know, in the order of the file.
+    /// Unknown text columns, in the order of the file.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     other: Vec<TextColumn>,
 }
 
-/// A column of text.
+/// A text column.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct TextColumn {
     /// Its name.
@@ -92,7 +92,7 @@ impl MeasurementTable {
         &self.pose
     }
 
-    /// Whether `other` has all numbers that are here.
+    /// Whether `other` contains all numbers of this table.
     pub fn is_contained_in(&self, other: &Self) -> bool {
         let mut columns = self.columns.iter();
         columns.all(|(name, values)| {
@@ -113,7 +113,7 @@ impl MeasurementTable {
             numbers: numbers.collect(),
             other: self.other.into_iter().map(|c| (c.name, c.cells)).collect(),
         };
-        // Earlier versions kept group labels among the columns that they did not know.
+        // Earlier versions stored group labels among the unknown columns.
         let unknown = columns.other.iter().position(|(name, _)| name == GROUP);
         if let Some(k) = unknown.filter(|_| columns.groups.is_empty()) {
             columns.groups = columns.other.remove(k).1;
@@ -123,7 +123,7 @@ impl MeasurementTable {
 }
 
 impl From<Fault> for FieldError {
-    /// The place in a [`MeasurementTable`].
+    /// The place of the fault in a [`MeasurementTable`].
     fn from(fault: Fault) -> Self {
         let message = match fault.earlier_row {
             Some(row) => format!("{} (value {row})", fault.message),

@@ -1,4 +1,4 @@
-//! Sessions: one calibration of one robot, with everything that was measured and concluded.
+//! Sessions: one calibration of one robot, with all measurements and results.
 
 mod adjustment;
 mod basis;
@@ -49,33 +49,33 @@ pub use verification::{Acceptance, Stage, Verification};
 
 /// One calibration of one robot.
 ///
-/// Measurements may still be incomplete: a session is saved at any time, while a dataset folder
-/// has to be usable. `M` is the form of the measurements: checked values, or the table of a session file.
+/// Measurements may be incomplete: a session can be saved at any time, while a dataset folder
+/// must be usable. `M` is the form of the measurements: checked values, or the table of a session file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(bound = "M: JsonSchema + Default + Serialize")]
 pub struct Session<M = Measurements> {
-    /// Name by which the operator knows it.
+    /// Name given by the operator.
     pub name: String,
-    /// When it was begun (RFC 3339, UTC).
+    /// Time of creation (RFC 3339, UTC).
     pub created: Timestamp,
-    /// When it was last changed (RFC 3339, UTC).
+    /// Time of the last change (RFC 3339, UTC).
     pub modified: Timestamp,
-    /// The robot as in `robot.json`, without `format` and `version`: the session's version covers it, so that a
-    /// migration step of the robot is one of the session, too.
+    /// The robot as in `robot.json`, without `format` and `version`: it is covered by the version of the session, so that a
+    /// migration of the robot is also one of the session.
     pub robot: Robot,
     /// Measured poses.
     #[serde(default)]
     pub measurements: M,
-    /// Labels of measured poses that are left out.
+    /// Labels of excluded poses.
     #[serde(default, skip_serializing_if = "BTreeSet::is_empty")]
     excluded: BTreeSet<i64>,
-    /// Poses that are to be measured.
+    /// Poses to be measured.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plan: Vec<PlannedPose>,
     /// Raw data of the phases around the poses.
     #[serde(default)]
     pub phases: PhaseData,
-    /// How identification and diagnosis are to work.
+    /// Settings of identification and diagnosis.
     #[serde(default)]
     pub settings: Settings,
     /// Results, the oldest first.
@@ -84,17 +84,17 @@ pub struct Session<M = Measurements> {
     /// The virtual robot of a demonstration.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulator: Option<Simulator>,
-    /// The parameters that the controller holds, so that a simulated one goes on where it was.
+    /// The parameters that the controller holds, so that a simulated one continues with them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub controller: Vec<NamedValue>,
-    /// What the controller said of its last start when the last pose was measured: the encoders of a controller that was
-    /// started again have lost their zero.
+    /// Start of the controller, as reported when the last pose was measured: the encoders of a controller that was
+    /// restarted have lost their zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controller_started: Option<f64>,
-    /// Where the laser distance comes from.
+    /// Source of the laser distance.
     #[serde(default, skip_serializing_if = "LaserSettings::is_controller")]
     pub laser_source: LaserSettings,
-    /// How the robot's own controller is reached.
+    /// Connection to the robot's own controller.
     #[serde(default, skip_serializing_if = "Connection::is_empty")]
     pub connection: Connection,
     /// Adjustments of the controller, the oldest first.
@@ -109,7 +109,7 @@ pub struct Session<M = Measurements> {
 }
 
 impl<M> Session<M> {
-    /// The same session with its measurements in another form.
+    /// The same session with another form of the measurements.
     fn with_measurements<N>(&self, measurements: N) -> Session<N> {
         Session {
             name: self.name.clone(),
@@ -160,8 +160,8 @@ impl Session {
         }
     }
 
-    /// A session of the same robot with the same plan, settings and controller, nothing measured and nothing concluded: a
-    /// series of its own, with its own way home.
+    /// A session of the same robot with the same plan, settings and controller, but without measurements and results: a
+    /// separate series with its own home row.
     #[must_use]
     pub fn another_series(&self, name: impl Into<String>, now: Timestamp) -> Self {
         Self {
@@ -176,7 +176,7 @@ impl Session {
         }
     }
 
-    /// A session that begins with a dataset; its notices are the caller's to show.
+    /// A session created from a dataset; the caller must show its notices.
     #[must_use]
     pub fn of_dataset(name: impl Into<String>, folder: DatasetFolder, now: Timestamp) -> Self {
         let mut session = Self::new(name, folder.dataset.robot, now);
@@ -185,8 +185,8 @@ impl Session {
         session
     }
 
-    /// The robot and its measurements as identification takes them: without the poses that the
-    /// operator left out.
+    /// The robot and the measurements for identification, without the poses that the
+    /// operator excluded.
     #[must_use]
     pub fn dataset(&self) -> Dataset {
         let labels = self.measurements.labels.iter().enumerate();
@@ -203,7 +203,7 @@ impl Session {
         }
     }
 
-    /// The robot and all its measurements, those left out as well.
+    /// The robot and all measurements, including excluded poses.
     #[must_use]
     pub fn whole_dataset(&self) -> Dataset {
         Dataset {
@@ -212,13 +212,13 @@ impl Session {
         }
     }
 
-    /// Labels of the poses that the operator left out.
+    /// Labels of the poses excluded by the operator.
     #[must_use]
     pub fn excluded(&self) -> &BTreeSet<i64> {
         &self.excluded
     }
 
-    /// Leaves a pose out.
+    /// Excludes a pose.
     ///
     /// # Errors
     /// If it is the home pose, to which all revolutions refer, or not measured.
@@ -232,48 +232,48 @@ impl Session {
         Ok(())
     }
 
-    /// Takes a pose back in; whether it was left out.
+    /// Includes a pose again; returns whether it was excluded.
     pub fn include(&mut self, label: i64) -> bool {
         self.excluded.remove(&label)
     }
 
-    /// Results so far, the oldest first.
+    /// Results, the oldest first.
     #[must_use]
     pub fn results(&self) -> &[ResultRecord] {
         &self.results
     }
 
-    /// Adjustments of the controller so far, the oldest first.
+    /// Adjustments of the controller, the oldest first.
     #[must_use]
     pub fn adjustments(&self) -> &[Adjustment] {
         &self.adjustments
     }
 
-    /// Runs with an external instrument so far, the oldest first.
+    /// Runs with an external instrument, the oldest first.
     #[must_use]
     pub fn verifications(&self) -> &[Verification] {
         &self.verifications
     }
 
-    /// What the operator did so far, the oldest first.
+    /// Steps of the operator, the oldest first.
     #[must_use]
     pub fn log(&self) -> &[LogEntry] {
         &self.log
     }
 
-    /// Adds a result; results are never changed afterwards.
+    /// Adds a result; results never change afterwards.
     pub fn add_result(&mut self, result: ResultRecord) {
         self.modified = self.modified.max(result.time);
         self.results.push(result);
     }
 
-    /// Adds an adjustment; adjustments are never changed afterwards, but for one that is still [open](Adjustment::is_open).
+    /// Adds an adjustment; adjustments never change afterwards, except one that is still [open](Adjustment::is_open).
     pub fn add_adjustment(&mut self, adjustment: Adjustment) {
         self.modified = self.modified.max(adjustment.time);
         self.adjustments.push(adjustment);
     }
 
-    /// Says what came of the last adjustment if it is still [open](Adjustment::is_open); whether it was.
+    /// Sets the outcome of the last adjustment if it is still [open](Adjustment::is_open); returns whether it was.
     pub fn conclude_adjustment(&mut self, outcome: Outcome, now: Timestamp) -> bool {
         let last = self.adjustments.last_mut();
         let Some(open) = last.filter(|last| last.is_open()) else {
@@ -284,13 +284,13 @@ impl Session {
         true
     }
 
-    /// Adds a run with an external instrument; runs are never changed afterwards.
+    /// Adds a run with an external instrument; runs never change afterwards.
     pub fn add_verification(&mut self, verification: Verification) {
         self.modified = self.modified.max(verification.time);
         self.verifications.push(verification);
     }
 
-    /// The robot is accepted on the result of its last verification, if there is one.
+    /// Records the acceptance of the robot on the result of its last verification, if there is one.
     pub fn accept(&mut self, acceptance: Acceptance) {
         if let Some(last) = self.verifications.last_mut() {
             self.modified = self.modified.max(acceptance.time);
@@ -298,7 +298,7 @@ impl Session {
         }
     }
 
-    /// Adds an operator step; the log is never changed afterwards.
+    /// Adds a step of the operator; the log never changes afterwards.
     pub fn record(&mut self, entry: LogEntry) {
         self.modified = self.modified.max(entry.time);
         self.log.push(entry);
@@ -321,7 +321,7 @@ pub fn parse_session(bytes: &[u8], file: &str) -> Result<Loaded<Session>, ReadEr
     checked(parse_versioned(bytes, file)?, file)
 }
 
-/// The session of a session file whose other parts are checked already.
+/// Converts a session file whose other parts are checked already.
 pub(crate) fn checked(
     loaded: Loaded<SessionFile>,
     file: &str,
@@ -333,7 +333,7 @@ pub(crate) fn checked(
     })
 }
 
-/// Writes a session file, atomically.
+/// Writes a session file atomically.
 ///
 /// # Errors
 /// If the session could not be read again or the file cannot be written.

@@ -1,4 +1,4 @@
-//! Poses that are to be measured.
+//! Poses to be measured.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use tautline_core::geometry::Pose;
 /// A pose of the plan.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PlannedPose {
-    /// The label that its measurement gets.
+    /// Label of its measurement.
     pub label: i64,
     /// Platform origin in the base frame (m).
     pub position_m: [f64; 3],
@@ -26,7 +26,7 @@ impl PlannedPose {
         }
     }
 
-    /// The pose to be commanded.
+    /// The pose to command.
     #[must_use]
     pub fn pose(&self) -> Pose {
         Pose::from_parts(self.position_m, self.orientation_wxyz)

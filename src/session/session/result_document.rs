@@ -1,4 +1,4 @@
-//! The document of a result as it is kept.
+//! Stored form of a result.
 
 use std::sync::Arc;
 
@@ -6,15 +6,15 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 use serde_json::value::RawValue;
 
-/// The document of a result as JSON text. It never changes, so that copies of a session share it: that of an
-/// identification grows with the poses, and as values it would take several times the memory.
+/// The document of a result as JSON text. It never changes, so copies of a session share it: that of an
+/// identification grows with the poses, and as JSON values it would take several times the memory.
 #[derive(Debug, Clone)]
 pub struct ResultDocument {
     text: Arc<RawValue>,
     format: Option<Arc<str>>,
 }
 
-/// What is looked at of a document before the rest.
+/// The part of a document that is needed to identify it.
 #[derive(Deserialize)]
 struct Head {
     #[serde(default)]
@@ -22,30 +22,30 @@ struct Head {
 }
 
 impl ResultDocument {
-    /// The document as it is written with `--json`.
+    /// The document in the form written with `--json`.
     ///
     /// # Errors
-    /// If it has keys that are no texts.
+    /// If it has keys that are not strings.
     pub fn of(document: &impl Serialize) -> serde_json::Result<Self> {
         serde_json::value::to_raw_value(document).map(Self::from)
     }
 
-    /// Its `format`, if it states one.
+    /// Its `format`, if stated.
     #[must_use]
     pub fn format(&self) -> Option<&str> {
         self.format.as_deref()
     }
 
-    /// Its values, read anew at each call.
+    /// Its values, parsed anew at each call.
     #[must_use]
     pub fn value(&self) -> Value {
-        // It was JSON when it was kept.
+        // The text was valid JSON when it was stored.
         serde_json::from_str(self.text.get()).unwrap_or_default()
     }
 }
 
 impl Default for ResultDocument {
-    /// A document that says nothing.
+    /// An empty document.
     fn default() -> Self {
         Self::from(Box::<RawValue>::default())
     }
@@ -53,7 +53,7 @@ impl Default for ResultDocument {
 
 impl From<Box<RawValue>> for ResultDocument {
     fn from(text: Box<RawValue>) -> Self {
-        // What is no object states no format.
+        // Documents that are not objects state no format.
         let head: Option<Head> = serde_json::from_str(text.get()).ok();
         let format = head.and_then(|head| head.format.as_str().map(Arc::from));
         Self {
@@ -64,7 +64,7 @@ impl From<Box<RawValue>> for ResultDocument {
 }
 
 impl PartialEq for ResultDocument {
-    /// By what it says: neither the order of keys nor spaces matter.
+    /// Compares by content: the order of keys and white space do not matter.
     fn eq(&self, other: &Self) -> bool {
         self.text.get() == other.text.get() || self.value() == other.value()
     }

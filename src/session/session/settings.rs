@@ -1,32 +1,32 @@
-//! How identification and diagnosis are to work.
+//! Settings of identification and diagnosis.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::effect::EffectSetting;
 
-/// The choices of the operator.
+/// Settings chosen by the operator.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Settings {
-    /// Phase 4.
+    /// Identification (phase 4).
     pub identification: IdentificationSettings,
-    /// The search for hidden effects.
+    /// Diagnosis of the model.
     pub diagnosis: DiagnosisSettings,
 }
 
-/// How parameters are identified.
+/// Settings of the identification.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct IdentificationSettings {
-    /// Which problem is solved.
+    /// Method of identification.
     pub method: Method,
-    /// Effects that the operator added to the model; their parameters are identified, from the
+    /// Effects that the operator added to the model; their parameters are identified, starting from the
     /// values given here or else from their start values.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectSetting>,
 }
 
-/// The problem that identification solves.
+/// Method of identification.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
@@ -39,7 +39,7 @@ pub enum Method {
     Published,
 }
 
-/// How hidden effects are looked for.
+/// Settings of the diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct DiagnosisSettings {

@@ -4,10 +4,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::robot::Robot;
 
-/// A robot that exists in the program only.
+/// A robot that exists only in the program.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Simulator {
-    /// What it is really like, hidden effects included.
+    /// The true robot, including hidden effects.
     pub truth: Robot,
     /// Seed of its noise.
     pub seed: u64,

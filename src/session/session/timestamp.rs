@@ -1,4 +1,4 @@
-//! Points in time as RFC 3339 in UTC; the caller has the clock.
+//! Points in time as RFC 3339 in UTC; the clock is the caller's.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,7 +6,7 @@ use std::str::FromStr;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A second, written `2018-07-23T09:05:00Z`.
+/// A point in time with a resolution of one second, written `2018-07-23T09:05:00Z`.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
 )]
@@ -16,7 +16,7 @@ pub struct Timestamp {
     seconds: i64,
 }
 
-/// The text is no point in time.
+/// The text is not a point in time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("invalid value, expected a time such as 2018-07-23T09:05:00Z")]
 pub struct NotATimestamp;
@@ -26,8 +26,8 @@ const SECONDS_PER_DAY: i64 = 86_400;
 const LAST: i64 = 253_402_300_799;
 
 impl Timestamp {
-    /// From seconds since 1970-01-01T00:00:00Z; times outside the years 1970 to 9999 become the
-    /// nearest one inside.
+    /// From seconds since 1970-01-01T00:00:00Z; times outside the years 1970 to 9999 are clamped to
+    /// that range.
     #[must_use]
     pub fn from_unix_seconds(seconds: i64) -> Self {
         Self {
@@ -42,7 +42,7 @@ impl Timestamp {
     }
 }
 
-/// Days since 1970-01-01 of a date of the Gregorian calendar (months from March, so that the leap
+/// Days since 1970-01-01 for a date of the Gregorian calendar (with months counted from March, so that the leap
 /// day is the last of its year).
 fn days_from_date(year: i64, month: i64, day: i64) -> i64 {
     let year = if month <= 2 { year - 1 } else { year };
@@ -89,7 +89,7 @@ impl FromStr for Timestamp {
         let second = 3600 * number(11, 13)? + 60 * number(14, 16)? + number(17, 19)?;
         let days = days_from_date(year, month.clamp(1, 12), day);
         let time = Self::from_unix_seconds(SECONDS_PER_DAY * days + second);
-        // Whatever is out of range or misplaced reads differently when it is written again.
+        // A text with values out of range or misplaced characters differs from the text written for its value.
         if time.to_string() == text {
             Ok(time)
         } else {

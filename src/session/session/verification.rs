@@ -1,4 +1,4 @@
-//! Runs that show how exactly the robot moves.
+//! Verification runs, which measure the accuracy of the robot.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 use super::Timestamp;
 use crate::phases::CheckRow;
 
-/// Whether a run came before or after the adjustment.
+/// Stage of a run: before or after the adjustment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Stage {
-    /// With the values that the controller had.
+    /// With the previous values of the controller.
     Before,
     /// With the identified values.
     After,
@@ -19,24 +19,24 @@ pub enum Stage {
 /// One run with an external instrument.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Verification {
-    /// When.
+    /// Time of the run.
     pub time: Timestamp,
-    /// What the operator calls it.
+    /// Title for the operator.
     pub title: String,
     /// Before or after the adjustment.
     pub stage: Stage,
     /// Commanded and attained poses.
     pub rows: Vec<CheckRow>,
-    /// Who has accepted the robot on this result.
+    /// Acceptance of the robot on this result.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accepted: Option<Acceptance>,
 }
 
-/// Somebody has accepted the robot as it is.
+/// Acceptance of the robot by an operator.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Acceptance {
-    /// When.
+    /// Time of acceptance.
     pub time: Timestamp,
-    /// Who.
+    /// Operator.
     pub operator: String,
 }

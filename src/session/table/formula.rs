@@ -1,12 +1,12 @@
-//! Texts in cells, so that a spreadsheet takes none of them for a formula.
+//! Escaping of texts in cells, so that a spreadsheet does not evaluate them as formulas.
 //!
-//! A spreadsheet evaluates a cell that begins with `=`, `+`, `-` or `@`, so that the name of a cable could run a command on the
-//! machine of whoever opens the table. Such a text gets an apostrophe in front, as one would type it; texts that begin so
-//! already get one more, so that every text reads back as it was. Numbers stay numbers.
+//! A spreadsheet evaluates a cell that starts with `=`, `+`, `-` or `@`, so the name of a cable could run a command on the
+//! machine of whoever opens the table. Such a text is prefixed with an apostrophe, as one would type it; texts that already
+//! start with one get another, so that every text reads back unchanged. Numbers stay numbers.
 
 use std::borrow::Cow;
 
-/// The text as it stands in a cell.
+/// The text in the form written to a cell.
 #[must_use]
 pub fn escape_formula(text: &str) -> Cow<'_, str> {
     if is_formula(text.trim_start_matches('\'')) {
@@ -16,7 +16,7 @@ pub fn escape_formula(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The text of a cell.
+/// The text that a cell represents.
 pub(crate) fn unescape_formula(cell: &str) -> &str {
     match cell.strip_prefix('\'') {
         Some(text) if is_formula(text.trim_start_matches('\'')) => text,
@@ -24,12 +24,12 @@ pub(crate) fn unescape_formula(cell: &str) -> &str {
     }
 }
 
-/// Whether a spreadsheet evaluates it. A tab and a carriage return are skipped by some before they look.
+/// Whether a spreadsheet evaluates the text. Some skip a leading tab or carriage return first.
 fn is_formula(text: &str) -> bool {
     text.starts_with(['=', '+', '-', '@', '\t', '\r']) && !is_number(text)
 }
 
-/// Whether it is one number, with a point or a comma.
+/// Whether the text is a single number, with a point or a comma.
 fn is_number(text: &str) -> bool {
     let plain = |byte: u8| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b',' | b'e' | b'E');
     text.bytes().all(plain) && text.replacen(',', ".", 1).parse::<f64>().is_ok()

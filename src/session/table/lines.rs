@@ -1,4 +1,4 @@
-//! Lines of a text file in bounded memory, with their numbers.
+//! Lines of a text file with their numbers, in bounded memory.
 
 use std::io::{BufRead, Read};
 
@@ -40,7 +40,7 @@ impl<R: BufRead> Lines<R> {
             }
         }
         let start = self.line;
-        // In RFC 4180 every quotation mark opens, closes or is doubled: an odd number is open.
+        // In RFC 4180 every quotation mark opens, closes or is doubled, so an odd number leaves a quotation open.
         let mut quotes = count_quotes(&self.record);
         while quotes % 2 == 1 {
             let length = self.record.len();
@@ -86,13 +86,13 @@ impl<R: BufRead> Lines<R> {
     }
 }
 
-/// Spreadsheets also write blank rows as rows of separators.
+/// Spreadsheets write blank rows also as rows of separators.
 fn is_blank(byte: &u8) -> bool {
     byte.is_ascii_whitespace() || matches!(byte, b',' | b';')
 }
 
 fn count_quotes(bytes: &[u8]) -> usize {
-    // Nearly no line has one, and looking for the first is faster than counting.
+    // Nearly no line has one, and searching for the first is faster than counting.
     match bytes.contains(&b'"') {
         true => bytes.iter().filter(|byte| **byte == b'"').count(),
         false => 0,

@@ -19,7 +19,7 @@ pub(crate) use quaternion::quaternion_fault;
 pub(crate) use write::TableWriter;
 pub use write::csv_row;
 
-/// Bytes of text that one thread parses at a time. Smaller tables are read without starting any.
+/// Number of bytes that one thread parses at a time. Smaller tables are read without starting threads.
 const BATCH: usize = 1 << 22;
 
 /// A table that is read row by row.
@@ -30,7 +30,7 @@ pub(crate) struct Table<R> {
     rows: u64,
 }
 
-/// Names of the columns, and how numbers are written.
+/// Names of the columns, and the notation of numbers.
 struct Header {
     file: String,
     line: u64,
@@ -39,7 +39,7 @@ struct Header {
     decimal_comma: bool,
 }
 
-/// The fields of one record: their text in one piece, and where each ends.
+/// The fields of one record: their concatenated text, and the end of each.
 struct Cells {
     parser: csv_core::Reader,
     delimiter: u8,
@@ -55,17 +55,17 @@ pub(crate) struct Row<'a> {
     ends: &'a [usize],
 }
 
-/// What is made of the rows of a table.
+/// Builds a value from the rows of a table.
 pub(crate) trait FromRows: Send + Sync {
-    /// The same without any row, with space for so many.
+    /// An empty value with space for `rows` rows.
     fn empty(&self, rows: usize) -> Self;
     /// Adds a row.
     fn add(&mut self, row: &Row<'_>) -> Result<(), ReadError>;
-    /// Adds the rows that follow.
+    /// Appends the value of the rows that follow.
     fn append(&mut self, next: Self);
 }
 
-/// Records that are parsed together: their text in one piece, the line of each and where it ends.
+/// Records parsed together: their concatenated text, and line and end of each.
 #[derive(Default)]
 struct Batch {
     text: Vec<u8>,
@@ -80,7 +80,7 @@ impl<R: BufRead> Table<R> {
             let message = "found no line, expected a header row";
             return Err(ReadError::new(file, Place::File, message));
         };
-        // German Excel separates by semicolons, because the comma is the decimal separator.
+        // German Excel uses semicolons as separators, because the comma is the decimal separator.
         let count = |c: u8| record.iter().filter(|byte| **byte == c).count();
         let decimal_comma = count(b';') > count(b',');
         let mut cells = Cells::new(decimal_comma);
@@ -96,7 +96,7 @@ impl<R: BufRead> Table<R> {
         })
     }
 
-    /// The next row, which has as many cells as the header.
+    /// The next row, which must have as many cells as the header.
     pub fn next_row(&mut self) -> Result<Option<Row<'_>>, ReadError> {
         let Some((line, record)) = self.lines.next_record()? else {
             return self.header.check_rows(self.rows).map(|()| None);
@@ -105,9 +105,9 @@ impl<R: BufRead> Table<R> {
         self.header.row(&mut self.cells, line, record).map(Some)
     }
 
-    /// Adds all rows to `all`, a batch of rows on each thread at a time. Errors are those of reading row by row.
+    /// Adds all rows to `all`, one batch of rows per thread at a time. Errors are those of reading row by row.
     pub fn read_all<B: FromRows>(&mut self, mut all: B) -> Result<B, ReadError> {
-        // Only a table of more than one batch is worth asking for threads. Batches are filled anew: their memory is there.
+        // Only tables of more than one batch justify threads. Batches are reused to keep their memory.
         let mut batches = vec![Batch::default()];
         let mut more = Ok(true);
         while let Ok(true) = more {
@@ -131,7 +131,7 @@ impl<R: BufRead> Table<R> {
         Ok(all)
     }
 
-    /// Fills a batch; whether there may be more rows after it.
+    /// Fills a batch; returns whether more rows may follow.
     fn fill(&mut self, batch: &mut Batch) -> Result<bool, ReadError> {
         while batch.text.len() < BATCH {
             let Some((line, record)) = self.lines.next_record()? else {
@@ -154,13 +154,13 @@ impl<R: BufRead> Table<R> {
         self.header.by_name.get(name).copied()
     }
 
-    /// Index of a column that has to be there.
+    /// Index of a required column.
     pub fn require(&self, name: &str) -> Result<usize, ReadError> {
         self.find(name)
             .ok_or_else(|| self.header_error(name, "missing, expected in the header row"))
     }
 
-    /// Indices of columns that have to be there.
+    /// Indices of required columns.
     pub fn require_all<const N: usize>(&self, names: [&str; N]) -> Result<[usize; N], ReadError> {
         let mut columns = [0; N];
         for (column, name) in columns.iter_mut().zip(names) {
@@ -183,7 +183,7 @@ impl<R: BufRead> Table<R> {
             .collect()
     }
 
-    /// The notice for an unknown column.
+    /// A notice for an unknown column.
     pub fn unknown_column(&self, name: &str, what_happens: &str) -> String {
         let file = &self.header.file;
         format!("{file}, column {}: unknown, {what_happens}", quoted(name))
@@ -223,7 +223,7 @@ impl Header {
         ReadError::new(&self.file, place, message)
     }
 
-    /// The row of a record, which has as many cells as the header.
+    /// The row of a record, which must have as many cells as the header.
     fn row<'a>(
         &'a self,
         cells: &'a mut Cells,
@@ -270,7 +270,7 @@ impl Batch {
         self.records.clear();
     }
 
-    /// Adds the rows to `parsed`.
+    /// Adds the rows of the batch to `parsed`.
     fn parse<B: FromRows>(&self, header: &Header, mut parsed: B) -> Result<B, ReadError> {
         let mut cells = Cells::new(header.decimal_comma);
         let mut start = 0;
@@ -302,14 +302,14 @@ impl Cells {
             self.split_plain(record);
             return Ok(());
         }
-        // Unquoting only shortens, and there is at most one cell more than there are bytes.
+        // Unquoting only shortens the text, and there is at most one cell more than there are bytes.
         self.text.resize(record.len() + 1, 0);
         self.ends.resize(record.len() + 2, 0);
         self.parser.reset();
         let (_, read, written, cells) =
             self.parser
                 .read_record(record, &mut self.text, &mut self.ends);
-        // The end of the input ends the record; it may add the last cell.
+        // The end of the input terminates the record, which may add the last cell.
         let (_, _, more, last) =
             self.parser
                 .read_record(&[], &mut self.text[written..], &mut self.ends[cells..]);
@@ -324,7 +324,7 @@ impl Cells {
 }
 
 impl Cells {
-    /// Splits a record without quotation marks: nearly all are, and this is several times as fast as a parser.
+    /// Splits a record without quotation marks. Nearly all records are like this, and it is several times faster than a parser.
     fn split_plain(&mut self, record: &[u8]) {
         self.text.clear();
         self.ends.clear();
@@ -345,10 +345,10 @@ fn utf8<'a>(text: &'a [u8], file: &str, line: u64) -> Result<&'a str, ReadError>
 
 fn cell<'a>(text: &'a str, ends: &[usize], k: usize) -> &'a str {
     let start = if k == 0 { 0 } else { ends[k - 1] };
-    // A cell boundary inside a character is possible only if the text was not UTF-8 per cell.
+    // A cell boundary inside a character is possible only if the cells are not valid UTF-8 individually.
     let cell = text.get(start..ends[k]).unwrap_or_default();
     let is_plain = |byte: Option<&u8>| byte.is_some_and(|byte| byte.is_ascii_alphanumeric());
-    // Most cells have nothing to be trimmed: numbers.
+    // Most cells are numbers without anything to trim.
     match is_plain(cell.as_bytes().first()) && is_plain(cell.as_bytes().last()) {
         true => cell,
         false => unescape_formula(cell.trim()),
@@ -391,13 +391,13 @@ impl Row<'_> {
             .map_err(|expected| self.unexpected(column, expected))
     }
 
-    /// A number of a column that may be missing, `None` if the cell is empty.
+    /// A number of an optional column; `None` if the cell is empty.
     pub fn optional(&self, column: Option<usize>) -> Result<Option<f64>, ReadError> {
         let value = column.map(|column| self.number(column)).transpose()?;
         Ok(value.filter(|value| !value.is_nan()))
     }
 
-    /// A number that has to be there.
+    /// A required number.
     pub fn required(&self, column: usize) -> Result<f64, ReadError> {
         let value = self.number(column)?;
         if value.is_nan() {
@@ -406,7 +406,7 @@ impl Row<'_> {
         Ok(value)
     }
 
-    /// A number that has to be there and satisfy a condition.
+    /// A required number that satisfies a condition.
     pub fn required_if(
         &self,
         column: usize,
@@ -433,7 +433,7 @@ impl Row<'_> {
         }
     }
 
-    /// A whole number that has to be there.
+    /// A required integer.
     pub fn integer(&self, column: usize) -> Result<i64, ReadError> {
         self.text(column)
             .parse()

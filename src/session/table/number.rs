@@ -1,8 +1,8 @@
-//! Numbers as spreadsheets and scripts write them.
+//! Numbers in the notations of spreadsheets and scripts.
 
-/// Parses a decimal number; an error says what was expected.
+/// Parses a decimal number; an error states what was expected.
 pub(super) fn parse(text: &str, decimal_comma: bool) -> Result<f64, &'static str> {
-    // Whatever parses to a finite number is written plainly: this is nearly every cell.
+    // Any text that parses to a finite number is in plain notation; this is nearly every cell.
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => parse_unusual(text, decimal_comma),
@@ -15,7 +15,7 @@ fn parse_unusual(text: &str, decimal_comma: bool) -> Result<f64, &'static str> {
     let value = if text.bytes().all(plain) {
         number(text)?
     } else if decimal_comma && text.bytes().all(|byte| plain(byte) || byte == b',') {
-        // A point beside a comma would be a thousands separator of one country or another.
+        // A point beside a comma would be a thousands separator in some country.
         if text.contains('.') {
             return Err("a number without thousands separators");
         }

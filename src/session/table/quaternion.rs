@@ -1,10 +1,10 @@
 //! Quaternions in four cells.
 
-/// How far the norm of a quaternion may be from one: files round it.
+/// Largest deviation of a quaternion's norm from one, as files round it.
 const NORM_TOLERANCE: f64 = 1e-3;
 
-/// What is wrong with a quaternion, w first and NaN for an empty cell, and in which component: it
-/// is there as a whole or not at all, and has the norm one.
+/// Describes what is wrong with a quaternion, w first and NaN for an empty cell, and in which component: it must
+/// be complete or absent, and have norm one.
 pub(crate) fn quaternion_fault(wxyz: &[f64; 4]) -> Option<(usize, String)> {
     let empty = wxyz.iter().position(|value| value.is_nan());
     if let Some(k) = empty {

@@ -29,7 +29,7 @@ impl<W: Write> TableWriter<W> {
         Ok(writer)
     }
 
-    /// A number in as few digits as read back to the same number.
+    /// Writes a number with the fewest digits that read back to the same number.
     pub fn number(&mut self, value: f64) -> Result<()> {
         if value.is_infinite() {
             return Err(invalid("a number is infinite".into()));
@@ -41,14 +41,14 @@ impl<W: Write> TableWriter<W> {
         Ok(self.csv.write_field(&self.cell)?)
     }
 
-    /// A whole number.
+    /// Writes an integer.
     pub fn integer(&mut self, value: i64) -> Result<()> {
         self.cell.clear();
         let _ = write!(self.cell, "{value}");
         Ok(self.csv.write_field(&self.cell)?)
     }
 
-    /// The name of a cable: unlike its number it cannot be mistaken for another cable's name.
+    /// Writes the name of a cable, which unlike its number cannot be mistaken for another cable's name.
     pub fn cable(&mut self, index: usize, robot: &Robot) -> Result<()> {
         match robot.cables.get(index) {
             Some(cable) => self.text(&cable.name),
@@ -56,7 +56,7 @@ impl<W: Write> TableWriter<W> {
         }
     }
 
-    /// A text, quoted where necessary, and never a formula.
+    /// Writes a text, quoted if necessary, and never as a formula.
     pub fn text(&mut self, text: &str) -> Result<()> {
         Ok(self.csv.write_field(&*escape_formula(text))?)
     }
@@ -72,8 +72,8 @@ impl<W: Write> TableWriter<W> {
     }
 }
 
-/// A row of a table as text, for tables that are shown before they are files: cells with separators are quoted, and none is
-/// a formula.
+/// A row of a table as text, for tables that are displayed before they are written: cells with separators are quoted, and none
+/// is a formula.
 pub fn csv_row<S: AsRef<str>>(cells: &[S]) -> String {
     let quoted = cells.iter().map(|cell| {
         let cell = escape_formula(cell.as_ref());

@@ -1,16 +1,16 @@
-//! What a study file may say.
+//! Validation of study files.
 
 use tautline_core::effect;
 use tautline_core::robot::FieldError;
 
 use super::{Axis, Design, Fault, Simulation, StudyFile};
 
-/// Most poses of a cell, faults and calibrations of a study.
+/// Maximum numbers of poses of a cell, and of faults and calibrations of a study.
 const MOST_POSES: usize = 1000;
 const MOST_FAULTS: usize = 8;
 const MOST_CALIBRATIONS: u64 = 1_000_000_000;
 
-/// Whether a study can be planned.
+/// Checks a study file.
 pub fn study(study: &StudyFile) -> Result<(), FieldError> {
     study.design.check()?;
     study.simulation.check()?;
@@ -38,7 +38,7 @@ impl Simulation {
         }
         let share = self.share;
         let pointer = "/simulation/share";
-        expect(is_part(share), pointer, share, "a part from 0 to 1")?;
+        expect(is_part(share), pointer, share, "a fraction from 0 to 1")?;
         let alpha = self.alpha;
         let is_good = alpha > 0.0 && alpha < 1.0;
         expect(
@@ -54,7 +54,7 @@ impl Fault {
     fn check(&self, pointer: &str) -> Result<(), FieldError> {
         let at = |key: &str| format!("{pointer}/{key}");
         let rate = self.rate;
-        expect(is_part(rate), &at("rate"), rate, "a part from 0 to 1")?;
+        expect(is_part(rate), &at("rate"), rate, "a fraction from 0 to 1")?;
         let named = format!("\"{}\"", self.effect);
         let Some(found) = effect::find(&self.effect) else {
             let expected = "an effect that the command effects lists";
@@ -136,7 +136,7 @@ impl Axis {
             ),
             Self::Range { .. } if !is_random => fail(
                 pointer,
-                "found a range, expected values, or a number of random_cells beside",
+                "found a range, expected values; ranges require random_cells",
             ),
             Self::Range { .. } => Ok(()),
         }

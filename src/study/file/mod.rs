@@ -1,4 +1,4 @@
-//! Study files: what is varied, what is simulated, what is asked. TOML, checked with one sentence for each mistake.
+//! Study files: TOML that states what is varied and simulated, with the requirements.
 
 mod check;
 
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 use tautline_session::VersionedFile;
 
-/// A study.
+/// Content of a study file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StudyFile {
     /// Title of its report.
@@ -22,32 +22,32 @@ pub struct StudyFile {
     /// What is simulated.
     #[serde(default)]
     pub simulation: Simulation,
-    /// Faults that simulated robots have and their description does not know.
+    /// Faults of the simulated robots that are absent from their description.
     #[serde(default)]
     pub faults: Vec<Fault>,
-    /// Root mean square position error over the workspace that is wanted (m); the report says which cells reach it.
+    /// Required root mean square position error over the workspace (m); the report states which cells attain it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wanted_m: Option<f64>,
 }
 
-/// What is varied: every combination is a cell, or so many of them at random.
+/// What is varied: every combination is a cell, or a random sample of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Design {
     /// Presets (`mini`, `hall`, `suspended`, `planar`) or robot.json files beside the study.
     pub robots: Vec<String>,
-    /// Largest side of the frame (m) to which robots are scaled; none: as they are.
+    /// Largest side of the frame (m) to which robots are scaled; empty: unscaled.
     #[serde(default)]
     pub size_m: Axis,
-    /// Sensors of the catalogue, `none`, or `own` for the laser as the robot's file states it.
+    /// Sensors of the catalogue, `none`, or `own` for the laser stated in the file of the robot.
     #[serde(default = "own")]
     pub lasers: Vec<String>,
     /// Numbers of poses, home not counted.
     #[serde(default = "poses")]
     pub poses: Vec<usize>,
-    /// How poses are chosen.
+    /// Selections of poses.
     #[serde(default = "planned")]
     pub choice: Vec<Choice>,
-    /// Standard deviation of each coordinate of the home position (m); its orientation gets better and worse with it.
+    /// Standard deviation of each coordinate of the home position (m); that of the orientation is scaled accordingly.
     #[serde(default)]
     pub home_sd_m: Axis,
     /// Standard deviation of an inclinometer (rad); 0 is none.
@@ -62,7 +62,7 @@ pub struct Design {
     /// Methods of identification.
     #[serde(default = "joint")]
     pub methods: Vec<Method>,
-    /// So many cells at random instead of all; ranges need it.
+    /// Number of cells drawn at random instead of all combinations; required by ranges.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub random_cells: Option<usize>,
 }
@@ -74,9 +74,9 @@ pub struct Design {
     expecting = "expected an array of numbers or { from = .., to = .. }"
 )]
 pub enum Axis {
-    /// These; none: as the robot's file states.
+    /// These values; empty: as stated in the file of the robot.
     Values(Vec<f64>),
-    /// At random in a range, uniform in the logarithm.
+    /// Drawn from a range, log-uniformly.
     Range {
         /// Smallest.
         from: f64,
@@ -91,17 +91,17 @@ impl Default for Axis {
     }
 }
 
-/// How the poses of a cell are chosen.
+/// Selection of the poses of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Choice {
-    /// As the command `plan` chooses them.
+    /// Planned as by the command `plan`.
     Planned,
-    /// At random among those that can be measured.
+    /// Random among the feasible poses.
     Random,
 }
 
-/// A method of identification.
+/// Method of identification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
@@ -112,7 +112,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// That of the solver.
+    /// The corresponding method of the solver.
     #[must_use]
     pub fn of_solver(self) -> tautline_core::estimation::Method {
         match self {
@@ -128,13 +128,13 @@ impl Method {
 pub struct Simulation {
     /// Simulated calibrations of a cell.
     pub calibrations: u64,
-    /// Part of the cells, drawn at random, that are simulated; with faults all of them are.
+    /// Fraction of the cells, drawn at random, that are simulated; with faults all of them are.
     pub share: f64,
     /// Calibrations of a chunk.
     pub chunk: u64,
-    /// Level of the global test that detects faults.
+    /// Significance level of the global test that detects faults.
     pub alpha: f64,
-    /// Calibrations of a cell, the first ones, after which the doctor is asked; it takes a thousand times as long.
+    /// Number of calibrations per cell that are diagnosed, the first ones; a diagnosis takes about a thousand times as long.
     pub diagnosed: u64,
 }
 
@@ -153,11 +153,11 @@ impl Default for Simulation {
 /// A fault and how often it occurs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Fault {
-    /// Effect of the catalogue; its cable is drawn.
+    /// Effect of the catalogue; its cable is drawn at random.
     pub effect: String,
     /// Probability that a calibration has it.
     pub rate: f64,
-    /// Values of parameters; those that are not given are drawn from their typical sizes.
+    /// Values of parameters; missing ones are drawn from their typical range.
     #[serde(default)]
     pub parameters: BTreeMap<String, f64>,
 }
@@ -230,7 +230,7 @@ mod tests {
             ),
             (
                 "[design]\nrobots = [\"mini\"]\nhome_sd_m = {from = 1e-5, to = 1e-3}",
-                "s.toml, /design/home_sd_m: found a range, expected values, or a number of random_cells beside",
+                "s.toml, /design/home_sd_m: found a range, expected values; ranges require random_cells",
             ),
             (
                 "[design]\nrobots = [\"mini\"]\n[[faults]]\neffect = \"rust\"\nrate = 0.1",
@@ -238,7 +238,7 @@ mod tests {
             ),
             (
                 "[design]\nrobots = [\"mini\"]\n[simulation]\nshare = 2.0",
-                "s.toml, /simulation/share: found 2, expected a part from 0 to 1",
+                "s.toml, /simulation/share: found 2, expected a fraction from 0 to 1",
             ),
         ] {
             assert_eq!(read(text).expect_err(sentence), sentence);

@@ -1,4 +1,4 @@
-//! One sentence for each question.
+//! The answers of a study in sentences.
 
 use tautline_workflow::wording::units::{mm, significant};
 
@@ -6,29 +6,29 @@ use super::group::{Group, groups};
 use crate::plan::StudyPlan;
 use crate::result::{CellResult, StudyResult};
 
-/// Gain below which a better sensor, or more poses, are not worth it.
+/// Relative gain below which a better sensor or more poses are not worthwhile.
 const WORTH: f64 = 0.05;
-/// Most groups that are answered in sentences.
+/// Maximum number of groups with sentences.
 const MOST: usize = 12;
 
-/// The answers of a study.
+/// One sentence for each question that a study answers.
 #[must_use]
 pub fn sentences(plan: &StudyPlan, result: &StudyResult) -> Vec<String> {
     let groups = groups(plan, result);
-    let mut said: Vec<String> = Vec::new();
+    let mut sentences: Vec<String> = Vec::new();
     for group in groups.iter().take(MOST) {
-        said.extend(which_sensor(group));
-        said.extend(how_many_poses(group));
-        said.extend(
+        sentences.extend(which_sensor(group));
+        sentences.extend(how_many_poses(group));
+        sentences.extend(
             plan.study
                 .wanted_m
                 .and_then(|wanted| wanted_is_reached(group, wanted)),
         );
     }
-    said.extend(what_else(&groups));
-    said.extend(growth(&groups));
-    said.extend(faults(plan, result));
-    said
+    sentences.extend(what_else(&groups));
+    sentences.extend(growth(&groups));
+    sentences.extend(faults(plan, result));
+    sentences
 }
 
 fn position(cell: &CellResult) -> Option<f64> {
@@ -47,7 +47,7 @@ fn with(laser: &str) -> String {
     }
 }
 
-/// How exact the best laser makes it, and up to which one a worse one does as well.
+/// Accuracy with the best laser, and the worst laser of comparable accuracy.
 fn which_sensor(group: &Group<'_>) -> Option<String> {
     let poses = *group.poses().last()?;
     let cells = group.over_laser(poses);
@@ -75,9 +75,9 @@ fn which_sensor(group: &Group<'_>) -> Option<String> {
         enough.planned.laser_sd_m == cells[0].planned.laser_sd_m,
     ) {
         (true, _) => "all lasers of the study do as well".to_owned(),
-        (false, true) => format!("that of {} gives {}", sd(worst), shown(position(worst)?)),
+        (false, true) => format!("the one of {} gives {}", sd(worst), shown(position(worst)?)),
         (false, false) => format!(
-            "a better laser gains less than 5 %, and that of {} gives {}",
+            "a better laser gains less than 5 %, and the one of {} gives {}",
             sd(worst),
             shown(position(worst)?)
         ),
@@ -90,7 +90,7 @@ fn which_sensor(group: &Group<'_>) -> Option<String> {
     ))
 }
 
-/// What the last increase of the number of poses gained.
+/// Gain by the last increase of the number of poses.
 fn how_many_poses(group: &Group<'_>) -> Option<String> {
     let laser = *group.lasers().first()?;
     let cells = group.over_poses(laser);
@@ -130,14 +130,14 @@ fn wanted_is_reached(group: &Group<'_>, wanted_m: f64) -> Option<String> {
     });
     Some(match cheapest {
         Some(cell) => format!(
-            "{}: {} is reached from {} poses on, {}.",
+            "{}: {} is reached with {} poses or more, {}.",
             group.title,
             shown(wanted_m),
             cell.planned.combination.poses,
             with(&cell.planned.combination.laser)
         ),
         None => format!(
-            "{}: {} is not reached; the best cell has {}.",
+            "{}: {} is not reached; the best cell attains {}.",
             group.title,
             shown(wanted_m),
             shown(best(group)?)
@@ -153,7 +153,7 @@ fn best(group: &Group<'_>) -> Option<f64> {
         .reduce(f64::min)
 }
 
-/// What the best group of all has, where there are several.
+/// The best and the worst of several groups.
 fn what_else(groups: &[Group<'_>]) -> Option<String> {
     let same_size = groups.iter().all(|group| group.size_m == groups[0].size_m);
     let same_robot = |group: &&Group<'_>| {
@@ -179,7 +179,7 @@ fn what_else(groups: &[Group<'_>]) -> Option<String> {
     };
     let ((good, best), (bad, worst)) = (ranked(true)?, ranked(false)?);
     Some(format!(
-        "With the best laser and most poses, {} gives {} and {} gives {}: a factor of {} that no laser makes up for.",
+        "With the best laser and the most poses, {} gives {} and {} gives {}: a factor of {} that no laser compensates.",
         good.title,
         shown(best),
         bad.title,
@@ -188,7 +188,7 @@ fn what_else(groups: &[Group<'_>]) -> Option<String> {
     ))
 }
 
-/// How the error grows with the size.
+/// Growth of the error with the size.
 fn growth(groups: &[Group<'_>]) -> Option<String> {
     let mut sizes: Vec<(f64, f64, f64)> = groups
         .iter()
@@ -208,7 +208,7 @@ fn growth(groups: &[Group<'_>]) -> Option<String> {
     }
     let order = (last.1 / first.1).ln() / (last.0 / first.0).ln();
     Some(format!(
-        "From {} m to {} m the error grows from {} to {}, as the {} power of the size; a steel frame adds {} mm for each kelvin at {} m.",
+        "From {} m to {} m the error grows from {} to {}, with the {} power of the size; a steel frame adds {} mm per kelvin at {} m.",
         significant(first.0, 2),
         significant(last.0, 2),
         shown(first.1),
@@ -221,7 +221,7 @@ fn growth(groups: &[Group<'_>]) -> Option<String> {
 
 fn faults(plan: &StudyPlan, result: &StudyResult) -> Option<String> {
     let mut seen = [0_u64; 2];
-    let mut said = [0_u64; 3];
+    let mut verdicts = [0_u64; 3];
     for errors in result
         .cells
         .iter()
@@ -230,24 +230,24 @@ fn faults(plan: &StudyPlan, result: &StudyResult) -> Option<String> {
         seen[0] += errors.with_fault.count;
         seen[1] += errors.with_fault.of;
         let doctor = errors.doctor;
-        said[0] += doctor.right;
-        said[1] += doctor.wrong;
-        said[2] +=
+        verdicts[0] += doctor.right;
+        verdicts[1] += doctor.wrong;
+        verdicts[2] +=
             doctor.right + doctor.wrong + doctor.partly + doctor.missed + doctor.rightly_silent;
     }
     if plan.study.faults.is_empty() || seen[1] == 0 {
         return None;
     }
     let percent = |count: u64, of: u64| significant(100.0 * count as f64 / of as f64, 3);
-    let doctor = match said[2] {
+    let doctor = match verdicts[2] {
         0 => String::new(),
         of => format!(
-            "; of {of} runs that the doctor was asked about it named all faults in {} and something wrong in {}",
-            said[0], said[1]
+            "; of {of} runs submitted to the diagnosis, it named all faults in {} and a wrong one in {}",
+            verdicts[0], verdicts[1]
         ),
     };
     Some(format!(
-        "The global test sees {} % of the {} calibrations with a fault{doctor}.",
+        "The global test detects {} % of the {} calibrations with a fault{doctor}.",
         percent(seen[0], seen[1]),
         seen[1]
     ))

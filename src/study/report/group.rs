@@ -1,4 +1,4 @@
-//! Cells that differ in nothing but laser and number of poses.
+//! Groups of cells that differ only in laser and number of poses.
 
 use tautline_workflow::wording::units::significant;
 
@@ -6,9 +6,9 @@ use crate::file::{Choice, Method};
 use crate::plan::StudyPlan;
 use crate::result::{CellResult, StudyResult};
 
-/// Such cells.
+/// Cells that differ only in laser and number of poses.
 pub struct Group<'a> {
-    /// What they have in common.
+    /// What the cells have in common.
     pub title: String,
     /// Largest side of the frame (m).
     pub size_m: Option<f64>,
@@ -29,7 +29,7 @@ impl<'a> Group<'a> {
         poses
     }
 
-    /// Names of lasers, the most exact first; no laser comes last.
+    /// Names of lasers, the most accurate first; no laser comes last.
     pub fn lasers(&self) -> Vec<&'a str> {
         let mut lasers: Vec<(&str, f64)> = self
             .cells
@@ -46,7 +46,7 @@ impl<'a> Group<'a> {
         lasers.into_iter().map(|laser| laser.0).collect()
     }
 
-    /// Cells with a laser, by its standard deviation, that have so many poses.
+    /// Cells with a laser and this number of poses, sorted by standard deviation.
     pub fn over_laser(&self, poses: usize) -> Vec<&'a CellResult> {
         let has = |cell: &&&CellResult| {
             cell.planned.combination.poses == poses && cell.planned.laser_sd_m.is_some()
@@ -61,7 +61,7 @@ impl<'a> Group<'a> {
         cells
     }
 
-    /// Cells with this laser, by their numbers of poses.
+    /// Cells with this laser, sorted by number of poses.
     pub fn over_poses(&self, laser: &str) -> Vec<&'a CellResult> {
         let has = |cell: &&&CellResult| cell.planned.combination.laser == laser;
         let mut cells: Vec<&CellResult> = self.cells.iter().filter(has).copied().collect();
@@ -118,11 +118,11 @@ pub fn title(plan: &StudyPlan, cell: &CellResult) -> String {
     );
     add(cell.length_sd_m, 1e3, "lengths ", "mm");
     add(cell.tension_sd_n, 1.0, "tensions ", "N");
-    // What all cells have in common tells none apart.
+    // What all cells share does not distinguish them.
     let design = &plan.study.design;
     let is_random = cell.choice == Choice::Random && design.choice.len() > 1;
     parts.extend(is_random.then(|| "random poses".to_owned()));
     let is_simple = cell.method == Method::Simple && design.methods.len() > 1;
-    parts.extend(is_simple.then(|| "tensions exact".to_owned()));
+    parts.extend(is_simple.then(|| "tensions taken as exact".to_owned()));
     parts.join(", ")
 }

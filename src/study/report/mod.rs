@@ -16,13 +16,13 @@ use crate::result::StudyResult;
 pub use answers::sentences;
 pub use group::{Group, groups};
 
-/// Most groups of cells that are drawn.
+/// Maximum number of groups of cells that are plotted.
 const DRAWN: usize = 8;
 
-/// Writes the report as HTML or PDF, as the name of the file says.
+/// Writes the report as HTML or PDF, depending on the extension of the file.
 ///
 /// # Errors
-/// If the name ends otherwise or the file cannot be written.
+/// If the extension is another or the file cannot be written.
 pub fn write_report(
     path: &Path,
     plan: &StudyPlan,
@@ -62,7 +62,7 @@ fn answer(plan: &StudyPlan, result: &StudyResult) -> Section {
 
 fn accuracy(groups: &[Group<'_>]) -> Section {
     let mut section = Section::new("Accuracy");
-    section.note("Root mean square position error over the workspace once the identified values are at the controller. Lines: expected covariance. Points: simulation, with the range in which 90 % of calibrations are. Standard deviations are 1 sd.");
+    section.note("Root mean square position error over the workspace once the identified values are in the controller. Lines: expected covariance. Points: simulation, with the range that contains 90 % of the calibrations. Standard deviations are 1 sd.");
     for group in groups.iter().take(DRAWN) {
         let plots: Vec<_> = [pictures::over_laser(group), pictures::over_poses(group)]
             .into_iter()
@@ -78,7 +78,7 @@ fn accuracy(groups: &[Group<'_>]) -> Section {
         .extend(pictures::over_size(groups).map(|plot| Block::Plots(vec![plot])));
     if groups.len() > DRAWN {
         section.note(format!(
-            "{} more groups of cells are in the table only.",
+            "{} more groups of cells are listed in the table only.",
             groups.len() - DRAWN
         ));
     }
@@ -91,7 +91,7 @@ fn faults(plan: &StudyPlan, result: &StudyResult, groups: &[Group<'_>]) -> Secti
         return section;
     }
     section.paragraph(format!(
-        "Detected is what the global chi-square test refuses at {} %; named is what the doctor calls by the right name, alone or among alternatives, and by no wrong one.",
+        "Detected: the global chi-square test rejects at {} %. Named: the diagnosis names the right fault, alone or among alternatives, and no wrong one.",
         100.0 * plan.study.simulation.alpha
     ));
     let plots: Vec<_> = groups
@@ -130,7 +130,7 @@ fn check(plan: &StudyPlan, result: &StudyResult) -> Section {
         .filter(|cell| cell.simulated.is_some())
         .count();
     section.paragraph(format!(
-        "{} of {} cells were simulated, {} calibrations in all; the others are answered by the expected covariance.",
+        "{} of {} cells were simulated, {} calibrations in all; the others are predicted by the expected covariance.",
         simulated,
         result.cells.len(),
         result.calibrations
@@ -148,7 +148,7 @@ fn check(plan: &StudyPlan, result: &StudyResult) -> Section {
         .filter(|ratio| ratio[1] <= 1.0 && ratio[2] >= 1.0)
         .count();
     section.paragraph(format!(
-        "Simulated over expected position error: {least:.3} to {largest:.3}; {covering} of {} intervals of 95 % contain 1.",
+        "Simulated over expected position error: {least:.3} to {largest:.3}; {covering} of {} 95 % intervals contain 1.",
         ratios.len()
     ));
     let marked = tables::marked(plan, result);

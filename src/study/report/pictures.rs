@@ -11,14 +11,14 @@ use crate::result::CellResult;
 
 /// Size of a plot (pt): two stand side by side.
 const SIZE: [f64; 2] = [236.0, 170.0];
-/// Makes the labels of a plot 7 pt high.
+/// Scale that makes the labels of a plot 7 pt high.
 const SCALE: f64 = 0.61;
-/// Distance of simulated points of neighbouring curves, as a part of the axis.
+/// Horizontal offset between the simulated points of neighbouring curves, as a fraction of the axis.
 const APART: f64 = 0.012;
-/// Most curves of a plot.
+/// Maximum number of curves in a plot.
 const CURVES: usize = 8;
 
-/// Colours that those who see no red or green can tell apart (Okabe and Ito, Color Universal Design, 2008).
+/// Colours that are distinguishable with colour blindness (Okabe and Ito, Color Universal Design, 2008).
 const COLOURS: Colours = Colours {
     cables: [
         Color32::from_rgb(0x00, 0x72, 0xb2),
@@ -47,7 +47,7 @@ fn draw(label: String, figure: &Figure) -> Option<Drawing> {
     (has_lines || figure.series.len() > 1).then(|| drawing(label, figure, SIZE, SCALE, &COLOURS))
 }
 
-/// One line of theory for each name, with points and ranges of simulation.
+/// One theoretical curve per name, with points and ranges from simulation.
 fn figure<'a>(
     x: Axis,
     lines: impl Iterator<Item = (String, Vec<&'a CellResult>)>,
@@ -69,7 +69,7 @@ fn figure<'a>(
     });
     let middle = 0.5 * (lines.len() as f64 - 1.0);
     for (index, (name, cells)) in lines.into_iter().enumerate() {
-        // Ranges of several lines at one place stand beside each other.
+        // Ranges of several curves at one abscissa are drawn side by side.
         let aside = APART * (ends[1] - ends[0]).max(0.0) * (index as f64 - middle);
         let ink = Ink::Cable(index);
         let place =
@@ -108,7 +108,7 @@ fn figure<'a>(
     figure
 }
 
-/// Accuracy over the standard deviation of the laser, one line for each number of poses.
+/// Accuracy over the standard deviation of the laser, one curve per number of poses.
 pub fn over_laser(group: &Group<'_>) -> Option<Drawing> {
     let lines = group
         .poses()
@@ -120,7 +120,7 @@ pub fn over_laser(group: &Group<'_>) -> Option<Drawing> {
     draw(format!("{}: accuracy over the laser", group.title), &figure)
 }
 
-/// Accuracy over the number of poses, one line for each laser.
+/// Accuracy over the number of poses, one curve per laser.
 pub fn over_poses(group: &Group<'_>) -> Option<Drawing> {
     let lines = group
         .lasers()
@@ -135,7 +135,7 @@ pub fn over_poses(group: &Group<'_>) -> Option<Drawing> {
     )
 }
 
-/// Accuracy over the size of the frame, one line for each laser, with most poses.
+/// Accuracy over the size of the frame for the largest number of poses, one curve per laser.
 pub fn over_size<'a>(groups: &[Group<'a>]) -> Option<Drawing> {
     let first = groups.iter().find(|group| group.size_m.is_some())?;
     let poses = *first.poses().last()?;
@@ -156,7 +156,7 @@ pub fn over_size<'a>(groups: &[Group<'a>]) -> Option<Drawing> {
     draw(format!("Accuracy over the size, {poses} poses"), &figure)
 }
 
-/// Accuracy over the price of the sensor, one line for each number of poses.
+/// Accuracy over the price of the sensor, one curve per number of poses.
 pub fn over_cost(group: &Group<'_>) -> Option<Drawing> {
     let lines = group.poses().into_iter().map(|poses| {
         let mut cells = group.over_laser(poses);
@@ -175,7 +175,7 @@ pub fn over_cost(group: &Group<'_>) -> Option<Drawing> {
     draw(format!("{}: accuracy over the price", group.title), &figure)
 }
 
-/// Share of faults that the global test sees, over the standard deviation of the laser.
+/// Fraction of faults that the global test detects over the standard deviation of the laser.
 pub fn detection(group: &Group<'_>) -> Option<Drawing> {
     let mut figure = Figure {
         x: logarithmic("Laser, 1 sd", "mm"),

@@ -7,7 +7,7 @@ use super::group::{laser_name, title};
 use crate::plan::StudyPlan;
 use crate::result::{CellResult, ErrorRange, StudyResult};
 
-/// Most rows of a table; the result file has all of them.
+/// Maximum number of rows of a table; the result file contains all of them.
 const ROWS: usize = 300;
 const NONE: &str = "–";
 
@@ -30,7 +30,7 @@ fn percent(count: u64, of: u64) -> String {
 pub fn cells(plan: &StudyPlan, result: &StudyResult) -> Section {
     let mut section = Section::new("All cells");
     let mut table = Table::new(
-        "Position error over the workspace and error of the entry points: expected, and of simulated calibrations; AP of ISO 9283 without the repeatability of the robot",
+        "Position error over the workspace and error of the entry points: expected and simulated; AP of ISO 9283 without the repeatability of the robot",
         2,
         &[
             "Robot",
@@ -65,17 +65,17 @@ pub fn cells(plan: &StudyPlan, result: &StudyResult) -> Section {
         ]);
     }
     section.table(table);
-    section.note("* simulation differs from theory by more than 5 %.");
+    section.note("* Simulation differs from theory by more than 5 %.");
     if result.cells.len() > ROWS {
         section.note(format!(
-            "{} more cells are in the result file.",
+            "{} more cells are listed in the result file.",
             result.cells.len() - ROWS
         ));
     }
     section
 }
 
-/// Cells where theory and simulation differ.
+/// Cells in which theory and simulation differ.
 pub fn marked(plan: &StudyPlan, result: &StudyResult) -> Table {
     let mut table = Table::new(
         "Cells in which simulation and theory differ by more than 5 %",
@@ -109,7 +109,7 @@ pub fn marked(plan: &StudyPlan, result: &StudyResult) -> Table {
     table
 }
 
-/// What happens to faults.
+/// Detection and effect of faults.
 pub fn faults(plan: &StudyPlan, result: &StudyResult) -> Table {
     let mut table = Table::new(
         "Calibrations with and without a fault",

@@ -1,4 +1,4 @@
-//! Machine form of the accuracy figures.
+//! Machine-readable form of the accuracy figures.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use tautline_session::VersionedFile;
 /// Accuracy figures of ISO 9283.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Accuracy {
-    /// Figures of the commanded poses; null if none was checked.
+    /// Figures of the commanded poses; null if there are none.
     pub poses: Option<PoseAccuracy>,
     /// Figures of each path.
     pub paths: Vec<PathAccuracy>,
@@ -25,7 +25,7 @@ pub struct PoseAccuracy {
     pub largest_repeatability_m: f64,
     /// Mean pose repeatability RP (m).
     pub mean_repeatability_m: f64,
-    /// Largest orientation accuracy about the base axes x, y, z, without sign (rad).
+    /// Largest absolute orientation accuracy about the base axes x, y, z (rad).
     pub largest_angle_accuracy_rad: Option<[f64; 3]>,
     /// Largest orientation repeatability about the base axes (rad).
     pub largest_angle_repeatability_rad: Option<[f64; 3]>,
@@ -40,7 +40,7 @@ pub struct TargetAccuracy {
     pub target: String,
     /// Number of cycles.
     pub cycles: usize,
-    /// Its figures.
+    /// Figures of the pose.
     pub figures: Figures,
 }
 
@@ -55,7 +55,7 @@ pub struct PathAccuracy {
     pub accuracy_m: f64,
     /// Path repeatability RT (m).
     pub repeatability_m: f64,
-    /// Orientation path accuracy about the base axes x, y, z, without sign (rad).
+    /// Largest absolute orientation accuracy along the path, about the base axes x, y, z (rad).
     pub angle_accuracy_rad: Option<[f64; 3]>,
     /// Orientation path repeatability about the base axes (rad).
     pub angle_repeatability_rad: Option<[f64; 3]>,
@@ -68,7 +68,7 @@ pub struct PathAccuracy {
 pub struct PointAccuracy {
     /// Number of the point.
     pub sample: i64,
-    /// Its figures.
+    /// Figures of the point.
     pub figures: Figures,
 }
 
@@ -83,7 +83,7 @@ pub struct Figures {
     pub deviation_m: [f64; 3],
     /// Accuracy: distance of the barycentre from the commanded position (m).
     pub accuracy_m: f64,
-    /// Repeatability: mean distance from the barycentre and three of its standard deviations (m).
+    /// Repeatability: mean distance from the barycentre plus three of its standard deviations (m).
     pub repeatability_m: f64,
     /// Orientation accuracy about the base axes x, y, z, signed (rad).
     pub angle_accuracy_rad: Option<[f64; 3]>,
@@ -92,7 +92,7 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// From the figures of at least two cycles; `oriented` says whether orientations were measured.
+    /// Builds the document from the figures of at least two cycles; `oriented` states whether orientations were measured.
     pub fn new(commanded_position_m: [f64; 3], figures: &PoseFigures, oriented: bool) -> Self {
         Self {
             commanded_position_m,

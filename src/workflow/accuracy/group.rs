@@ -4,16 +4,16 @@ use tautline_core::accuracy::iso9283::Target;
 use tautline_core::geometry::Pose;
 use tautline_session::{CheckKind, CheckPose, CheckRow};
 
-/// Commanded poses that are farther apart are different ones (m and rad): far below any robot.
+/// Distance beyond which commanded poses count as different (m and rad), far below the accuracy of any robot.
 const SAME_POSE: f64 = 1e-6;
 
 /// All rows of one pose or path.
 pub struct Group {
     /// Whether it is a pose or a path.
     pub kind: CheckKind,
-    /// Its name in the file.
+    /// Name of the pose or path in the file.
     pub name: String,
-    /// The one commanded pose, or the points along the path in their order.
+    /// The single commanded pose, or the points along the path in order.
     pub points: Vec<Point>,
 }
 
@@ -21,7 +21,7 @@ pub struct Group {
 pub struct Point {
     /// Number of the point along the path.
     pub sample: i64,
-    /// The cycles, ascending.
+    /// Numbers of the cycles, ascending.
     cycles: Vec<i64>,
     /// Commanded and attained poses.
     pub target: Target,
@@ -38,10 +38,10 @@ impl Point {
     }
 }
 
-/// Groups the rows in the order in which poses and paths come first.
+/// Groups the rows in the order in which the poses and paths first occur.
 ///
 /// # Errors
-/// One sentence if the rows of a pose or path do not make one.
+/// One sentence if the rows of a pose or path are inconsistent.
 pub fn group(rows: &[CheckRow]) -> Result<Vec<Group>, String> {
     let mut groups: Vec<(CheckKind, &str, Vec<&CheckRow>)> = Vec::new();
     let mut index_of = std::collections::HashMap::new();
@@ -66,7 +66,7 @@ pub fn group(rows: &[CheckRow]) -> Result<Vec<Group>, String> {
         .collect()
 }
 
-/// What a pose or path is called in messages.
+/// Word for a pose or path in messages.
 pub fn word(kind: CheckKind) -> &'static str {
     match kind {
         CheckKind::Pose => "pose",
@@ -89,7 +89,7 @@ fn point(rows: &[&CheckRow]) -> Result<Point, String> {
     let commanded = pose(&first.commanded);
     let is_other = |row: &&&CheckRow| {
         let difference = pose(&row.commanded).difference(&commanded);
-        // An orientation that is not given differs from none.
+        // A missing orientation is compatible with any other.
         let given =
             row.commanded.orientation_wxyz.is_some() == first.commanded.orientation_wxyz.is_some();
         let compared = if given { 6 } else { 3 };
@@ -98,7 +98,7 @@ fn point(rows: &[&CheckRow]) -> Result<Point, String> {
     if let Some(row) = rows.iter().find(is_other) {
         let (sample, cycle, before) = (first.sample, row.cycle, first.cycle);
         return Err(format!(
-            "sample {sample}: found another commanded pose in cycle {cycle} than in cycle {before}, \
+            "sample {sample}: the commanded pose of cycle {cycle} differs from that of cycle {before}, \
              expected the same in every cycle"
         ));
     }
@@ -119,7 +119,7 @@ fn pose(pose: &CheckPose) -> Pose {
     Pose::from_parts(pose.position_m, orientation)
 }
 
-/// A pose is one point; every point has the same cycles, two at least.
+/// Checks that a pose is one point, and that every point has the same cycles, at least two.
 fn check_cycles(kind: CheckKind, points: Vec<Point>) -> Result<Vec<Point>, String> {
     if let (CheckKind::Pose, [first, second, ..]) = (kind, points.as_slice()) {
         return Err(format!(
@@ -143,7 +143,7 @@ fn check_cycles(kind: CheckKind, points: Vec<Point>) -> Result<Vec<Point>, Strin
     }
     if let [only] = expected.as_slice() {
         return Err(format!(
-            "found cycle {only} only, expected at least 2 cycles for the repeatability"
+            "found only cycle {only}, expected at least 2 cycles for the repeatability"
         ));
     }
     Ok(points)

@@ -15,18 +15,18 @@ pub fn is_partly_oriented(group: &Group) -> bool {
     some && !group.points.iter().all(|p| p.oriented)
 }
 
-/// Figures of the rows of a check.
+/// Computes the figures of the rows of a check.
 ///
 /// # Errors
-/// One sentence if the rows of a pose or path do not make one.
+/// One sentence if the rows of a pose or path are inconsistent.
 pub fn figures(rows: &[CheckRow]) -> Result<Accuracy, String> {
     accuracy(&group(rows)?)
 }
 
-/// Figures of groups of rows.
+/// Computes the figures of groups of rows.
 ///
 /// # Errors
-/// One sentence if the rows of a pose or path do not make one.
+/// One sentence if the rows of a pose or path are inconsistent.
 pub fn accuracy(groups: &[Group]) -> Result<Accuracy, String> {
     let of_kind = |kind: CheckKind| groups.iter().filter(move |g| g.kind == kind);
     let poses: Vec<&Group> = of_kind(CheckKind::Pose).collect();

@@ -1,4 +1,4 @@
-//! Reasons for which identified values are not written unless the operator says so.
+//! Reasons for which identified values are not written unless the operator allows it.
 
 use tautline_core::robot::Robot;
 use tautline_link::parameters::parameters_of;
@@ -9,8 +9,8 @@ use crate::identification::{FitVerdict, Identification};
 use crate::wording::parameters::title;
 use crate::wording::{count, units};
 
-/// Prior standard deviations beyond which a parameter is not believed: of a thousand parameters with a right prior, one
-/// lies there with probability 6e-4.
+/// Prior standard deviations beyond which a parameter is implausible: of a thousand parameters with a correct prior, one
+/// exceeds the limit with probability 6e-4.
 const FAR: f64 = 5.0;
 
 /// A reason not to write identified values.
@@ -22,21 +22,21 @@ pub enum DoubtKind {
     Unexplained,
     /// A parameter lies far outside its prior.
     Implausible,
-    /// The diagnosis has found something that the model does not have.
+    /// The diagnosis has a finding that is not in the model.
     Finding,
 }
 
-/// A reason with what is the case.
+/// A reason not to write identified values, with its details.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Doubt {
-    /// Which.
+    /// Kind of the reason.
     pub kind: DoubtKind,
-    /// What is the case: one sentence without full stop.
+    /// The details: one sentence without full stop.
     pub sentence: String,
 }
 
 impl Doubt {
-    /// A reason with its sentence.
+    /// A reason with its details.
     #[must_use]
     pub fn new(kind: DoubtKind, sentence: impl Into<String>) -> Self {
         Self {
@@ -62,7 +62,7 @@ pub fn doubts(session: &Session, fit: &Identification) -> Vec<Doubt> {
     if FitVerdict::of(p_value) == FitVerdict::Inadequate {
         let ratio = fit.residual_ratio().unwrap_or(f64::NAN);
         let text = format!(
-            "The model does not explain the readings: they miss it {} times as far as their noise allows",
+            "The model does not explain the readings: the residuals are {} times the expected noise",
             units::significant(ratio, 2)
         );
         found.push(Doubt::new(DoubtKind::Unexplained, text));
@@ -72,7 +72,7 @@ pub fn doubts(session: &Session, fit: &Identification) -> Vec<Doubt> {
     found
 }
 
-/// The parameter that lies farthest outside its prior, if any lies far outside.
+/// The parameter that lies farthest outside its prior, if it exceeds the limit.
 #[must_use]
 pub fn implausible(description: &Robot, model: &Robot) -> Option<Doubt> {
     let mut far: Vec<(String, f64, f64)> = priors(description)
@@ -83,7 +83,7 @@ pub fn implausible(description: &Robot, model: &Robot) -> Option<Doubt> {
                 all.into_iter().find(|p| p.name == name).map(|p| p.value)
             };
             let off = value(model)? - value(description)?;
-            // What is not a number is not believed either.
+            // NaN is implausible, too.
             (off.is_nan() || off.abs() > FAR * sd).then_some((name, off, sd))
         })
         .collect();
@@ -103,7 +103,7 @@ pub fn implausible(description: &Robot, model: &Robot) -> Option<Doubt> {
     Some(Doubt::new(DoubtKind::Implausible, text))
 }
 
-/// Lengths whose prior is a number, by the name of their parameter: entry points and the laser's plane.
+/// Lengths with a finite prior standard deviation, by the name of their parameter: entry points and the offset of the laser's plane.
 fn priors(robot: &Robot) -> Vec<(String, f64)> {
     let mut list = Vec::new();
     for cable in &robot.cables {
@@ -119,7 +119,7 @@ fn priors(robot: &Robot) -> Vec<(String, f64)> {
     list
 }
 
-/// What the last diagnosis of the present data found: an answer to it, such as an effect in the model, makes other inputs.
+/// The findings of the last diagnosis of the present inputs. Any response to it, such as adding an effect to the model, changes the inputs.
 #[must_use]
 pub fn unanswered(session: &Session) -> Option<Doubt> {
     let basis = session.basis();
@@ -139,13 +139,13 @@ pub fn unanswered(session: &Session) -> Option<Doubt> {
     )
 }
 
-/// The doubt that findings with these causes are, if there are any.
+/// The doubt about findings with these causes; `None` if there are none.
 #[must_use]
 pub fn finding<'a>(causes: impl Iterator<Item = &'a str>) -> Option<Doubt> {
     let causes: Vec<&str> = causes.collect();
     let first = causes.first()?;
     let text = format!(
-        "The diagnosis has {} that the model does not have: {}",
+        "The diagnosis has {} missing from the model: {}",
         count(causes.len(), "finding"),
         first.trim_end_matches('.')
     );
@@ -207,7 +207,7 @@ mod tests {
         let doubt = unanswered(&session).expect("a doubt");
         assert_eq!(
             doubt.sentence,
-            "The diagnosis has 1 finding that the model does not have: The winch of cable-2 pays out too much"
+            "The diagnosis has 1 finding missing from the model: The winch of cable-2 pays out too much"
         );
         session.robot.cables[0].pulley.radius_m *= 2.0;
         assert_eq!(unanswered(&session), None);

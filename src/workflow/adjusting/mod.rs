@@ -1,28 +1,28 @@
-//! Writing identified values to a controller: which values, what is reported and what is recorded, for window and commands.
+//! Writing identified values to a controller: the choice of values, reports and records, for window and commands.
 //!
-//! An adjustment is recorded before the first value is written and concluded when it is known what the controller holds.
+//! An adjustment is recorded before the first value is written and concluded once the state of the controller is known.
 //! Until then it is [open](Adjustment::is_open): nothing moves, and nothing else is written, before it is settled with the
 //! same old and new values.
 
 mod doubts;
 
 use tautline_link::ParameterInfo;
-use tautline_link::adjusting::{self, Difference, Holds};
+use tautline_link::adjusting::{self, ControllerValues, Difference};
 use tautline_session::{Adjustment, NamedValue, Outcome, Session, Stage, Timestamp, ValueChange};
 
 use crate::wording::count;
 pub use doubts::{Doubt, DoubtKind, doubts, finding, implausible, unanswered};
 
-/// Why values are written.
+/// Purpose of writing values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
-    /// Identified values.
+    /// Write identified values.
     Adjust,
-    /// Those that were there before.
+    /// Restore the previous values.
     RollBack,
 }
 
-/// The values that a controller can be given and does not hold.
+/// The values that the controller accepts and does not already hold.
 #[must_use]
 pub fn values_to_write(differences: Vec<Difference>) -> Vec<(String, f64)> {
     differences
@@ -32,7 +32,7 @@ pub fn values_to_write(differences: Vec<Difference>) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// The last adjustment that changed what the controller holds.
+/// The last adjustment that changed the controller.
 #[must_use]
 pub fn in_effect(session: &Session) -> Option<&Adjustment> {
     let mut all = session.adjustments().iter().rev();
@@ -46,19 +46,19 @@ pub fn revertible(session: &Session) -> Option<&Adjustment> {
     (last.outcome == Outcome::Written && !last.changes.is_empty()).then_some(last)
 }
 
-/// The adjustment that is still to be settled.
+/// The adjustment that remains to be settled.
 #[must_use]
 pub fn open(session: &Session) -> Option<&Adjustment> {
     session.adjustments().last().filter(|last| last.is_open())
 }
 
-/// Why nothing may move and nothing else may be written: one sentence without full stop, to which the caller adds how an
-/// adjustment is settled.
+/// Reason why nothing may move and nothing else may be written: one sentence without full stop, to which the caller adds how to
+/// settle the adjustment.
 #[must_use]
 pub fn unsettled(session: &Session) -> Option<String> {
     let open = open(session)?;
     Some(format!(
-        "an adjustment of the controller was interrupted, so that {} may be old or new ones",
+        "an adjustment of the controller was interrupted, so {} may be old or new ones",
         match open.changes.len() {
             1 => "1 value".to_owned(),
             values => format!("its {}", count(values, "value")),
@@ -66,7 +66,7 @@ pub fn unsettled(session: &Session) -> Option<String> {
     ))
 }
 
-/// The values that were there before an adjustment, as far as they were numbers.
+/// The values before an adjustment, except those that were not numbers.
 #[must_use]
 pub fn former_values(adjustment: &Adjustment) -> Vec<(String, f64)> {
     let changes = adjustment.changes.iter();
@@ -86,7 +86,7 @@ pub fn old_and_new(adjustment: &Adjustment) -> [Vec<(String, f64)>; 2] {
     [named(|change| change.before), named(|change| change.after)]
 }
 
-/// The record of an attempt that begins now.
+/// The record of an attempt that starts now.
 #[must_use]
 pub fn begun(
     (controller, operator): (String, String),
@@ -108,18 +108,20 @@ pub fn begun(
     }
 }
 
-/// What was found after an adjustment was interrupted: one sentence.
+/// The state found after an interrupted adjustment, in one sentence.
 #[must_use]
-pub fn found(open: &Adjustment, found: &Holds) -> String {
+pub fn found(open: &Adjustment, found: &ControllerValues) -> String {
     let values = count(open.changes.len(), "value");
     let was = match found {
-        Holds::Old => format!("the controller still held all {values} from before"),
-        Holds::New => format!("the controller held all {values} that were to be written"),
-        Holds::Mixed(others) => format!(
+        ControllerValues::Old => format!("the controller still held all {values} from before"),
+        ControllerValues::New => {
+            format!("the controller held all {values} that were to be written")
+        }
+        ControllerValues::Mixed(others) => format!(
             "{} of {values} in the controller differed from before",
             others.len()
         ),
-        Holds::Unknown => "the controller did not answer".to_owned(),
+        ControllerValues::Unknown => "the controller did not answer".to_owned(),
     };
     let when = open.time;
     let what = if open.restores {
@@ -130,23 +132,29 @@ pub fn found(open: &Adjustment, found: &Holds) -> String {
     format!("The {what} of {when} was interrupted: {was}.")
 }
 
-/// What came of settling an adjustment: the outcome for the record, and a text for the operator.
+/// The result of settling an adjustment: the outcome for the record, and a text for the operator.
 #[must_use]
 pub fn settled(
     open: &Adjustment,
-    found: &Holds,
+    found: &ControllerValues,
     settled: &adjusting::Adjustment,
 ) -> (Outcome, String) {
     let now = match &settled.holds {
-        Holds::New => "It is complete: verify the values with a verification run.".to_owned(),
-        Holds::Old if *found == Holds::Old => "Nothing was written.".to_owned(),
-        Holds::Old => "The values from before were written back and verified.".to_owned(),
-        Holds::Mixed(_) | Holds::Unknown => String::new(),
+        ControllerValues::New => {
+            "It is complete: verify the values with a verification run.".to_owned()
+        }
+        ControllerValues::Old if *found == ControllerValues::Old => {
+            "Nothing was written.".to_owned()
+        }
+        ControllerValues::Old => {
+            "The values from before were written back and verified.".to_owned()
+        }
+        ControllerValues::Mixed(_) | ControllerValues::Unknown => String::new(),
     };
-    // Where values were no numbers, the advice names them.
+    // The advice names values that are not numbers.
     let advice = match &settled.holds {
-        Holds::New => "",
-        Holds::Old if *found == Holds::Old => "",
+        ControllerValues::New => "",
+        ControllerValues::Old if *found == ControllerValues::Old => "",
         _ => settled.advice.as_str(),
     };
     let parts = [self::found(open, found), now, advice.to_owned()];
@@ -156,36 +164,40 @@ pub fn settled(
         .collect::<Vec<_>>()
         .join(" ");
     let outcome = match (&settled.holds, open.restores) {
-        (Holds::New, false) => Outcome::Written,
-        (Holds::New, true) => Outcome::RolledBack,
-        (Holds::Old, false) if *found != Holds::Old => Outcome::RolledBack,
-        (Holds::Old, _) => Outcome::Failed(text.clone()),
-        (Holds::Mixed(_) | Holds::Unknown, _) => Outcome::Unsettled(text.clone()),
+        (ControllerValues::New, false) => Outcome::Written,
+        (ControllerValues::New, true) => Outcome::RolledBack,
+        (ControllerValues::Old, false) if *found != ControllerValues::Old => Outcome::RolledBack,
+        (ControllerValues::Old, _) => Outcome::Failed(text.clone()),
+        (ControllerValues::Mixed(_) | ControllerValues::Unknown, _) => {
+            Outcome::Unsettled(text.clone())
+        }
     };
     (outcome, text)
 }
 
-/// Summary of an attempt to write so many values, for the operator.
+/// Summary of an attempt to write `values` values, for the operator.
 #[must_use]
 pub fn summary(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usize) -> String {
     let what = match (&adjustment.holds, purpose) {
-        (Holds::New, Purpose::Adjust) => {
+        (ControllerValues::New, Purpose::Adjust) => {
             format!(
                 "The identified values were written to the controller and verified ({values} changed)."
             )
         }
-        (Holds::New, Purpose::RollBack) => {
+        (ControllerValues::New, Purpose::RollBack) => {
             format!("The previous values were restored ({values} changed).")
         }
-        (Holds::Old, _) => "The values were not written.".to_owned(),
-        (Holds::Mixed(names), _) => {
+        (ControllerValues::Old, _) => "The values were not written.".to_owned(),
+        (ControllerValues::Mixed(names), _) => {
             format!("Warning: {} values are only partly written.", names.len())
         }
-        (Holds::Unknown, _) => "Warning: the values in the controller are not known.".to_owned(),
+        (ControllerValues::Unknown, _) => {
+            "Warning: the values in the controller are not known.".to_owned()
+        }
     };
     let problem = adjustment.problem.as_deref().unwrap_or_default();
     let advice = match purpose {
-        Purpose::RollBack if adjustment.holds == Holds::New => "",
+        Purpose::RollBack if adjustment.holds == ControllerValues::New => "",
         _ => adjustment.advice.as_str(),
     };
     let parts = [what.as_str(), problem, advice].into_iter();
@@ -193,14 +205,16 @@ pub fn summary(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usi
     parts.join(" ")
 }
 
-/// The outcome for the session's record; `text` is the summary. `None`: nothing was written.
+/// The outcome for the session's record, with the summary as `text`; `holds` is `None` if nothing was written.
 #[must_use]
-pub fn outcome(holds: Option<&Holds>, purpose: Purpose, text: &str) -> Outcome {
+pub fn outcome(holds: Option<&ControllerValues>, purpose: Purpose, text: &str) -> Outcome {
     match (holds, purpose) {
-        (Some(Holds::New), Purpose::Adjust) => Outcome::Written,
-        (Some(Holds::New), Purpose::RollBack) => Outcome::RolledBack,
-        (Some(Holds::Mixed(_) | Holds::Unknown), _) => Outcome::Unsettled(text.to_owned()),
-        (Some(Holds::Old) | None, _) => Outcome::Failed(text.to_owned()),
+        (Some(ControllerValues::New), Purpose::Adjust) => Outcome::Written,
+        (Some(ControllerValues::New), Purpose::RollBack) => Outcome::RolledBack,
+        (Some(ControllerValues::Mixed(_) | ControllerValues::Unknown), _) => {
+            Outcome::Unsettled(text.to_owned())
+        }
+        (Some(ControllerValues::Old) | None, _) => Outcome::Failed(text.to_owned()),
     }
 }
 
@@ -225,7 +239,7 @@ fn changes(
         .collect()
 }
 
-/// The values of a controller in the form of a session.
+/// The values of a controller as the session records them.
 #[must_use]
 pub fn held(parameters: &[ParameterInfo]) -> Vec<NamedValue> {
     let parameters = parameters.iter();
@@ -280,7 +294,10 @@ mod tests {
 
     #[test]
     fn what_is_unknown_or_mixed_stays_open_and_keeps_everything_still() {
-        for holds in [Holds::Unknown, Holds::Mixed(vec!["a".into()])] {
+        for holds in [
+            ControllerValues::Unknown,
+            ControllerValues::Mixed(vec!["a".into()]),
+        ] {
             for purpose in [Purpose::Adjust, Purpose::RollBack] {
                 let outcome = outcome(Some(&holds), purpose, "why");
                 let session = session([record(outcome, false)]);
@@ -321,19 +338,34 @@ mod tests {
             problem: None,
             advice: "Advice.".into(),
         };
-        let mixed = Holds::Mixed(vec!["a".into()]);
+        let mixed = ControllerValues::Mixed(vec!["a".into()]);
         for (restores, found, holds, expected) in [
-            (false, Holds::New, Holds::New, Outcome::Written),
-            (true, Holds::New, Holds::New, Outcome::RolledBack),
-            (false, mixed.clone(), Holds::Old, Outcome::RolledBack),
+            (
+                false,
+                ControllerValues::New,
+                ControllerValues::New,
+                Outcome::Written,
+            ),
+            (
+                true,
+                ControllerValues::New,
+                ControllerValues::New,
+                Outcome::RolledBack,
+            ),
+            (
+                false,
+                mixed.clone(),
+                ControllerValues::Old,
+                Outcome::RolledBack,
+            ),
         ] {
             let (outcome, _) = settled(&record(Outcome::Begun, restores), &found, &attempt(holds));
             assert_eq!(outcome, expected);
         }
         let (outcome, text) = settled(
             &record(Outcome::Begun, false),
-            &Holds::Old,
-            &attempt(Holds::Old),
+            &ControllerValues::Old,
+            &attempt(ControllerValues::Old),
         );
         assert!(matches!(outcome, Outcome::Failed(_)));
         assert!(

@@ -1,4 +1,4 @@
-//! Two sessions compared, for the terminal and the screen.
+//! Comparison of two sessions, for terminal and screen.
 
 mod words;
 
@@ -11,13 +11,13 @@ use tautline_session::{Import, Session, Timestamp};
 use crate::identification::{Identification, IdentificationError, identify_session};
 pub use words::{by_chance, differs, effect_name, unexplained, verdict};
 
-/// Probability with which two sessions of the same robot are called different.
+/// Significance level of a comparison: probability of finding a difference between two sessions of an unchanged robot.
 pub const LEVEL: f64 = 0.05;
 
-/// An import as a session, with notices; datasets and robots begin a new session.
+/// Converts an import to a session, with notices; datasets and robots start a new session.
 ///
 /// # Errors
-/// If it is a table: one sentence.
+/// One sentence, if it is a table.
 pub fn as_session(
     path: &Path,
     import: Import,
@@ -38,7 +38,7 @@ pub fn as_session(
     }
 }
 
-/// Identifies a session for a comparison, which needs an identification that has converged.
+/// Identifies a session for a comparison, which needs a converged identification.
 ///
 /// # Errors
 /// If there is no such identification.
@@ -57,7 +57,7 @@ pub fn identify_to_compare(
 /// Compares two identifications, the second less the first.
 ///
 /// # Errors
-/// One sentence, if the robots have other cables or one of the sessions leaves its geometry open.
+/// One sentence, if the robots have different cables or the data of a session do not determine its geometry.
 pub fn compare_identifications(
     [first, second]: [&Identification; 2],
     level: f64,

@@ -5,7 +5,7 @@ use tautline_core::effect::find;
 
 use crate::wording::{count, list, odds};
 
-/// Probability of a fit below which its differences are not to be trusted.
+/// Probability of a fit below which its differences are not trusted.
 const BAD_FIT: f64 = 0.01;
 
 /// Whether a test finds a difference beyond noise.
@@ -23,9 +23,9 @@ pub fn verdict(compared: &Comparison) -> String {
     let have = if moved.len() == 1 { "has" } else { "have" };
     let pulleys = format!("{} {have} moved", count(moved.len(), "pulley"));
     match (moved.is_empty(), others.is_empty()) {
-        (true, true) => "No pulley has moved: all agrees within the noise.".to_owned(),
+        (true, true) => "No pulley has moved: all values agree within the noise.".to_owned(),
         (true, false) => format!(
-            "No pulley has moved, but this is different: {}.",
+            "No pulley has moved, but the following differs: {}.",
             list(&others)
         ),
         (false, true) => format!(
@@ -40,7 +40,7 @@ pub fn verdict(compared: &Comparison) -> String {
     }
 }
 
-/// Other differences than those of pulleys.
+/// Differences other than those of pulleys.
 fn others(compared: &Comparison) -> Vec<String> {
     let plane = compared.plane.as_ref().and_then(|plane| plane.test);
     let plane = differs(compared, plane).then(|| "the laser's target plane".to_owned());
@@ -49,7 +49,7 @@ fn others(compared: &Comparison) -> Vec<String> {
         .filter(|effect| differs(compared, effect.size.test))
         .map(effect_name)
         .collect();
-    // An effect with several parameters is one thing.
+    // An effect with several parameters counts once.
     others.dedup();
     others.splice(0..0, plane);
     others
@@ -64,17 +64,19 @@ pub fn effect_name(effect: &EffectDifference) -> String {
     }
 }
 
-/// A sentence for each of the two runs, of these names, that its model does not explain.
+/// A sentence for each of the two runs, with the given names, that its model does not explain.
 pub fn unexplained(compared: &Comparison, names: [&str; 2]) -> Vec<String> {
     let fits = compared.fits.iter().zip(names);
     fits.filter(|(fit, _)| fit.p_value.is_some_and(|p| p < BAD_FIT))
         .map(|(_, name)| {
-            format!("The model does not explain {name}: differences may come from what it lacks.")
+            format!(
+                "The model does not explain {name}: differences may come from unmodelled effects."
+            )
         })
         .collect()
 }
 
-/// How often noise alone makes such a difference.
+/// How often noise alone causes such a difference, in words.
 pub fn by_chance(test: Test) -> String {
     odds(test.p_corrected)
 }
@@ -130,7 +132,7 @@ mod tests {
         let verdict_of = |moved: &[usize]| verdict(&compared(moved));
         assert_eq!(
             verdict_of(&[]),
-            "No pulley has moved: all agrees within the noise."
+            "No pulley has moved: all values agree within the noise."
         );
         assert_eq!(
             verdict_of(&[1, 2, 4]),
@@ -163,7 +165,7 @@ mod tests {
         let told = unexplained(&compared(&[]), ["A", "B"]);
         assert_eq!(
             told,
-            ["The model does not explain B: differences may come from what it lacks."]
+            ["The model does not explain B: differences may come from unmodelled effects."]
         );
     }
 }

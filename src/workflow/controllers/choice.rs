@@ -1,4 +1,4 @@
-//! The choice of a controller as one word of text.
+//! The choice of a controller as text.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use tautline_link::ads::AdsAddress;
 use tautline_link::opcua::OpcUaAddress;
 use tautline_session::{Connection, ControllerKind, Session};
 
-/// The choices, for error messages.
+/// The possible choices, for error messages.
 const KNOWN: &str =
     "expected sim, replay:DIR, ads:HOST[:PORT]/NETID[:AMSPORT] or opc.tcp://HOST[:PORT]";
 const REPLAY: &str = "replay:";
@@ -23,13 +23,13 @@ pub enum ControllerChoice {
     Simulated,
     /// A recorded dataset folder that is played back.
     Replay(PathBuf),
-    /// A Beckhoff controller.
+    /// A Beckhoff controller over ADS.
     Ads(AdsAddress),
-    /// A controller that speaks OPC UA.
+    /// A controller over OPC UA.
     OpcUa(OpcUaAddress),
 }
 
-/// A text that names no controller, and why.
+/// A text that does not name a controller, with the reason.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct ControllerChoiceError(String);
@@ -41,10 +41,10 @@ impl ControllerChoice {
         Self::of_connection(&session.connection)
     }
 
-    /// The controller of settings.
+    /// The controller of connection settings.
     #[must_use]
     pub fn of_connection(connection: &Connection) -> Self {
-        // Checked sessions have the settings that their kind of controller needs.
+        // Checked sessions contain the settings that their kind of controller needs.
         match (
             connection.controller,
             &connection.recording,
@@ -88,10 +88,10 @@ impl FromStr for ControllerChoice {
                 folder => Ok(Self::Replay(folder.into())),
             };
         }
-        let told = |error: LinkError| ControllerChoiceError(error.to_string());
+        let to_error = |error: LinkError| ControllerChoiceError(error.to_string());
         match text.strip_prefix(ADS) {
-            Some(address) => address.parse().map(Self::Ads).map_err(told),
-            None if text.starts_with(OPC_UA) => text.parse().map(Self::OpcUa).map_err(told),
+            Some(address) => address.parse().map(Self::Ads).map_err(to_error),
+            None if text.starts_with(OPC_UA) => text.parse().map(Self::OpcUa).map_err(to_error),
             None => refuse(KNOWN),
         }
     }
@@ -146,7 +146,7 @@ mod tests {
             ("opc.tcp://", "has no host"),
             ("ads:robot/1.2.3.4.1", "a Net ID that"),
             ("ads:robot/1.2.3.4.1.256", "a Net ID that"),
-            ("ads:robot:many/1.2.3.4.1.1", "a port that is none"),
+            ("ads:robot:many/1.2.3.4.1.1", "an invalid port"),
         ] {
             let error = text.parse::<ControllerChoice>().expect_err(text);
             assert!(error.to_string().contains(expected), "{text}: {error}");

@@ -7,7 +7,7 @@ use tautline_link::Clock;
 
 /// A clock that advances only when asked to; clones show the same time.
 ///
-/// Its steps can be limited: a busy computer makes the simulated robot slower, not its samples fewer.
+/// Its steps can be limited, so that a busy computer slows the simulated robot instead of reducing its samples.
 #[derive(Debug, Clone)]
 pub struct SimulationClock {
     hands: Arc<Mutex<Hands>>,
@@ -21,7 +21,7 @@ struct Hands {
 }
 
 impl SimulationClock {
-    /// A clock that shows 0.
+    /// A clock that starts at 0.
     #[must_use]
     pub fn start(speed: f64) -> Self {
         Self {
@@ -37,7 +37,7 @@ impl SimulationClock {
         self.hands.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Advances by the real time that has passed, by at most `longest_s` where that is given.
+    /// Advances by the elapsed real time, at most by `longest_s` if given.
     pub fn follow_real_time(&self, longest_s: Option<f64>) {
         let now = Instant::now();
         let mut hands = self.hands();
@@ -51,12 +51,12 @@ impl SimulationClock {
         self.hands().shown_s += seconds.max(0.0);
     }
 
-    /// Runs this many times faster than real time from now on.
+    /// Sets the speed relative to real time.
     pub fn set_speed(&self, speed: f64) {
         self.hands().speed = speed;
     }
 
-    /// How many times faster than real time it runs.
+    /// Speed relative to real time.
     #[must_use]
     pub fn speed(&self) -> f64 {
         self.hands().speed

@@ -1,7 +1,7 @@
 //! Controllers with their limits, instruments and clocks, for window and commands alike.
 //!
-//! A [`ConnectionSetup`] describes a connection; [`ConnectionSetup::open`] opens it: the controller behind its limits, the
-//! external instrument that belongs to it, and the clock that drives it.
+//! A [`ConnectionSetup`] describes a connection; [`ConnectionSetup::open`] opens it and returns the controller guarded by its
+//! limits, its external instrument, and its clock.
 
 mod choice;
 mod clock;

@@ -17,32 +17,32 @@ use super::stored::{Stored, held_values};
 /// Noise of the simulated tracker (m, rad).
 const TRACKER_SD: (f64, f64) = (2e-5, 5e-5);
 
-/// A controller with what belongs to its connection; not connected yet.
+/// A controller that is not connected yet, with the other parts of its connection.
 pub struct Opened {
-    /// The controller, behind its limits.
+    /// The controller, guarded by its limits.
     pub controller: GuardedController<dyn Controller>,
-    /// The laser whose distances the operator types.
+    /// The laser whose distances are typed by the operator.
     pub manual_laser: Option<ManualLaser>,
     /// The external instrument that observes a simulated robot.
     pub instrument: Option<Box<dyn Instrument>>,
-    /// What measures the home pose of a simulated robot, as exactly as its description says.
+    /// The instrument that measures the home pose of a simulated robot, with the accuracy of its description.
     pub home_instrument: Option<Box<dyn Instrument>>,
-    /// The clock that drives it.
+    /// The clock of the controller.
     pub clock: SimulationClock,
 }
 
-/// Why a controller cannot be opened.
+/// Errors of opening a controller.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// A file that it is made of cannot be used.
+    /// A required file cannot be used.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// It cannot be set up.
+    /// The controller cannot be set up.
     #[error(transparent)]
     Link(#[from] LinkError),
 }
 
-/// A controller, the external instrument, and what measures the home pose.
+/// A controller, its external instrument, and the instrument that measures the home pose.
 type Parts = (
     Box<dyn Controller>,
     Option<Box<dyn Instrument>>,
@@ -127,7 +127,7 @@ impl ConnectionSetup {
     }
 }
 
-/// A recording belongs to the robot of the session.
+/// Checks that a recording belongs to the robot of the session.
 fn check_robot(place: &str, recorded: &Robot, expected: &Robot) -> Result<(), LinkError> {
     let names = |robot: &Robot| -> Vec<String> {
         let cables = robot.cables.iter();
@@ -141,7 +141,9 @@ fn check_robot(place: &str, recorded: &Robot, expected: &Robot) -> Result<(), Li
         ));
     }
     if names(recorded) != names(expected) {
-        return refuse("found cables of other names than those of the session's robot".to_owned());
+        return refuse(
+            "found cables with other names than those of the session's robot".to_owned(),
+        );
     }
     Ok(())
 }
@@ -177,7 +179,7 @@ mod tests {
         let told = |choice: &str| open(choice, &session("mini")).err().map(|e| e.to_string());
         let missing = told("replay:no/such/folder").expect("an error");
         assert!(missing.contains("no/such/folder: not found"), "{missing}");
-        // The network is not used before the connection is made.
+        // Opening a controller does not use the network.
         assert_eq!(told("ads:robot/1.2.3.4.1.1"), None);
         assert_eq!(told("opc.tcp://robot"), None);
     }

@@ -1,4 +1,4 @@
-//! The parts of a connection to a session's controller.
+//! Setup of the connection to a session's controller.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use tautline_core::simulation::{TensionRange, Workspace};
 use tautline_link::ads::{AdsAddress, AdsOptions};
 use tautline_link::opcua::{OpcUaAddress, OpcUaOptions};
 use tautline_link::simulated::SimulatedSetup;
-use tautline_link::{Limits, Seen};
+use tautline_link::{LastState, Limits};
 use tautline_session::{Connection, ControllerKind, LaserSettings, Session, SymbolMapping};
 
 use super::choice::ControllerChoice;
@@ -16,11 +16,11 @@ use super::choice::ControllerChoice;
 /// A kind of controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// The simulated robot of the session: its readings are those of the session's robot.
+    /// The simulated robot of the session, which also gave its readings.
     OfSession,
-    /// A robot simulated from the description alone: its readings say nothing about a real robot.
+    /// A robot simulated from the description only; its readings say nothing about a real robot.
     OfDescription,
-    /// A recording that is played back.
+    /// A played-back recording.
     Recording,
     /// A real robot.
     Real,
@@ -46,7 +46,7 @@ impl Kind {
     }
 }
 
-/// The parts of a connection.
+/// Setup of a connection.
 #[derive(Debug, Clone)]
 pub struct ConnectionSetup {
     /// Kind of controller.
@@ -55,14 +55,14 @@ pub struct ConnectionSetup {
     /// File in which a simulated controller saves its values while they are written.
     pub(super) values_file: Option<PathBuf>,
     pub(super) limits: Limits,
-    /// The controller as it was seen when the last pose of the session was measured.
-    pub(super) seen: Option<Seen>,
+    /// State of the controller when the last pose of the session was measured.
+    pub(super) seen: Option<LastState>,
     pub(super) laser: LaserSettings,
-    /// Measurements of the home pose that the session has, so that a simulated one goes on with other noise.
+    /// Number of home pose measurements in the session, so that a simulated one continues with other noise.
     pub(super) home_measurements: usize,
 }
 
-/// The controller itself.
+/// Source of the readings.
 #[derive(Debug, Clone)]
 pub(super) enum Source {
     Simulated(Box<SimulatedSetup>),
@@ -71,7 +71,7 @@ pub(super) enum Source {
     OpcUa(OpcUaAddress, Box<SymbolMapping>, OpcUaOptions),
 }
 
-/// Symbols and options of ADS in settings; without symbols those of the sample program.
+/// Symbols and options for ADS from settings; without symbols, those of the sample program.
 pub(super) fn ads_parts(connection: &Connection, robot: &Robot) -> (SymbolMapping, AdsOptions) {
     let own = connection.ads.clone();
     let mut options = AdsOptions::default();
@@ -83,7 +83,7 @@ pub(super) fn ads_parts(connection: &Connection, robot: &Robot) -> (SymbolMappin
     )
 }
 
-/// The same of OPC UA.
+/// Symbols and options for OPC UA from settings.
 pub(super) fn opcua_parts(connection: &Connection, robot: &Robot) -> (SymbolMapping, OpcUaOptions) {
     let own = connection.nodes.clone();
     let mut options = OpcUaOptions::default();
@@ -96,7 +96,7 @@ pub(super) fn opcua_parts(connection: &Connection, robot: &Robot) -> (SymbolMapp
 }
 
 impl Source {
-    /// The symbols of a real controller.
+    /// Symbols of a real controller.
     fn mapping(&self) -> Option<&SymbolMapping> {
         match self {
             Self::Ads(_, mapping, _) | Self::OpcUa(_, mapping, _) => Some(mapping),
@@ -105,19 +105,19 @@ impl Source {
     }
 }
 
-/// Seed of the noise of a robot that is simulated from its description.
+/// Seed of the noise of a robot simulated from its description.
 const SEED: u64 = 1;
 
 impl ConnectionSetup {
-    /// The controller of a session's settings; a simulated one can correct its robot's effects, those of the model and
-    /// `identified` ones.
+    /// The controller in a session's settings; a simulated one can correct the effects of its robot, of the model and
+    /// those `identified`.
     #[must_use]
     pub fn of(session: &Session, identified: &[EffectSetting]) -> Self {
         Self::chosen(session, identified, &ControllerChoice::of(session), None)
     }
 
-    /// The controller that was chosen for a session. A simulated one corrects the effects that [`ConnectionSetup::of`] says, and
-    /// holds values in the file `values_file` from the first that is written.
+    /// A controller chosen for a session. A simulated one corrects the effects stated at [`ConnectionSetup::of`], and
+    /// stores its values in the file `values_file` from the first write on.
     #[must_use]
     pub fn chosen(
         session: &Session,
@@ -154,13 +154,13 @@ impl ConnectionSetup {
         }
     }
 
-    /// Whether it cannot run faster than real time.
+    /// Whether it is limited to real time.
     #[must_use]
     pub fn runs_in_real_time(&self) -> bool {
         self.kind == Kind::Real
     }
 
-    /// Whether a lost connection is restored, as that of a real controller.
+    /// Whether a lost connection is restored, as for a real controller.
     #[must_use]
     pub fn reconnects(&self) -> bool {
         self.kind == Kind::Real
@@ -188,28 +188,28 @@ impl ConnectionSetup {
         &self.limits.robot
     }
 
-    /// Tensions that are distributed.
+    /// Limits for the distribution of tensions.
     #[must_use]
     pub fn tension(&self) -> TensionRange {
         self.limits.tension
     }
 
-    /// Where the platform may be commanded.
+    /// Workspace to which the platform may be commanded.
     #[must_use]
     pub fn workspace(&self) -> &Workspace {
         &self.limits.workspace
     }
 }
 
-/// The controller as the last measured pose of a session shows it. A simulated one is made anew for every connection, at
-/// home and with its clock at 0.
-fn seen(session: &Session, mapping: &SymbolMapping) -> Option<Seen> {
+/// The state of the controller according to the last measured pose of a session. A simulated one is created anew for every
+/// connection, at home and with its clock at 0.
+fn seen(session: &Session, mapping: &SymbolMapping) -> Option<LastState> {
     let measured = &session.measurements;
     let row = measured.len().checked_sub(1)?;
-    // Without a clock of its own times are those of the connection.
+    // A controller without a clock uses the time of the connection.
     let has_clock = mapping.readings.time.is_some();
     let time_s = measured.time_s.get(row).copied();
-    Some(Seen {
+    Some(LastState {
         time_s: time_s.filter(|time_s| has_clock && time_s.is_finite()),
         started: session.controller_started,
         resting: measured.commanded.get(row).copied().flatten(),
@@ -254,7 +254,7 @@ fn setup_of(session: &Session, identified: &[EffectSetting], limits: &Limits) ->
     }
 }
 
-/// The seed of a run after so many measured poses.
+/// The seed of a run that starts after `poses` measured poses.
 pub(super) fn seed_after(seed: u64, poses: usize) -> u64 {
     // An odd factor, so that no two counts share a seed: the fractional bits of the golden ratio.
     seed.wrapping_add((poses as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15))

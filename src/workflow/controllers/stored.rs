@@ -1,4 +1,4 @@
-//! A simulated controller whose values survive the program, like those of a real one.
+//! A simulated controller whose values survive the program, as those of a real one do.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -9,10 +9,10 @@ use tautline_core::geometry::Pose;
 use tautline_link::{Controller, ControllerState, LinkError, ParameterInfo, Sample};
 use tautline_session::{NamedValue, ReadError, VersionedFile, read_versioned, write_versioned};
 
-/// Values of a simulated controller while they are written to it; before and afterwards they are in the session.
+/// Values of a simulated controller while they are being written; before and afterwards they are in the session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct HeldValues {
-    /// All its parameters.
+    /// All parameters of the controller.
     values: Vec<NamedValue>,
 }
 
@@ -22,7 +22,7 @@ impl VersionedFile for HeldValues {
     const MAX_BYTES: u64 = 16 << 20;
 }
 
-/// The path of what belongs to a session file and lies beside it: its name with an ending.
+/// Path of a file beside a session file: the name of the session file plus an ending.
 #[must_use]
 pub fn beside(session: &Path, ending: &str) -> PathBuf {
     let mut name = OsString::from(session);
@@ -30,7 +30,7 @@ pub fn beside(session: &Path, ending: &str) -> PathBuf {
     name.into()
 }
 
-/// The values of a simulated controller, if the program was killed while they were written.
+/// The values of a simulated controller, if the program was killed while writing them.
 ///
 /// # Errors
 /// If the file cannot be read.
@@ -42,7 +42,7 @@ pub fn held_values(path: &Path) -> Result<Option<Vec<NamedValue>>, ReadError> {
     Ok(Some(read.value.values))
 }
 
-/// Whether a file is one of those: a plain file with the content of one.
+/// Whether a path is a plain file with such values.
 #[must_use]
 pub fn is_held_values(path: &Path) -> bool {
     let found = std::fs::symlink_metadata(path);

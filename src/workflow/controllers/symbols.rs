@@ -1,4 +1,4 @@
-//! Looking up the symbols of a controller without working with it.
+//! Checks the symbols of a controller.
 
 use tautline_core::robot::Robot;
 use tautline_link::symbols::SymbolCheck;
@@ -8,10 +8,10 @@ use tautline_session::Connection;
 use super::choice::ControllerChoice;
 use super::setup::{ads_parts, opcua_parts};
 
-/// Connects to the controller of settings, looks every symbol up, and closes the connection; nothing is written.
+/// Connects to the controller of the settings, looks up every symbol, and closes the connection; nothing is written.
 ///
 /// # Errors
-/// If the settings are of a controller without symbols, the symbols do not fit the robot, or it cannot be connected.
+/// If the controller has no symbols, the symbols do not fit the robot, or the connection fails.
 pub fn check_symbols(
     connection: &Connection,
     robot: &Robot,

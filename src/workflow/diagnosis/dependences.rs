@@ -1,5 +1,5 @@
-//! Where the model is wrong, and along what, as plots: residuals over the variable on which they depend, with the effects
-//! that explain them drawn through.
+//! Plots of model errors: residuals over the variables they depend on, with curves of the effects
+//! that explain them.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -14,13 +14,13 @@ use crate::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series}
 use crate::plot::gaps::without_gaps;
 use crate::wording::sentence;
 
-/// Readings of which dependences are shown, the worst.
+/// Number of readings whose dependences are shown, the worst first.
 const SHOWN: usize = 5;
-/// Part of the points over which the drawn curve is averaged, one of this many.
+/// The drawn curve is a moving average over one of this many parts of the points.
 const WINDOWS: usize = 10;
 
-/// Dependences of the same readings, by their places among all: what they depend on varies together, so that they are
-/// one discrepancy seen from several sides.
+/// Groups dependences of the same readings, by their indices: their variables vary together, so that they are
+/// one discrepancy in several variables.
 #[must_use]
 pub fn groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
@@ -37,7 +37,7 @@ pub fn groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// The dependence by which a finding was noticed: of its cables where it names some, the strongest first.
+/// The dependence that revealed a finding: of its cables if it names some, the strongest first.
 #[must_use]
 pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
     let instances = finding.cause.instances.iter();
@@ -53,7 +53,7 @@ pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
     shown.or_else(|| (cables.is_empty() && !found.is_empty()).then_some(0))
 }
 
-/// The plots of the strongest dependences, by their places among all.
+/// The plots of the strongest dependences, by their indices.
 #[must_use]
 pub fn figures(diagnosed: &Diagnosed) -> BTreeMap<usize, Figure> {
     let Some(residuals) = Residuals::of(diagnosed) else {
@@ -66,10 +66,10 @@ pub fn figures(diagnosed: &Diagnosed) -> BTreeMap<usize, Figure> {
         .collect()
 }
 
-/// The residuals of the model as it was diagnosed, and with what was found.
+/// The residuals of the diagnosed model, and those with the findings included.
 struct Residuals {
     before: Analysis,
-    /// `None` where nothing was found that has a size, or channels are exchanged so that readings are not the same ones.
+    /// `None` if no finding has a size, or channels are exchanged so that the readings differ.
     after: Option<Analysis>,
 }
 
@@ -104,7 +104,7 @@ impl Residuals {
     }
 }
 
-/// Residuals of a kind of reading by row; a row of an instrument that reads several numbers has several.
+/// Residuals of a kind of reading by row; an instrument with several readings per row has several.
 fn by_row(analysis: &Analysis, found: &Discrepancy) -> HashMap<usize, Vec<f64>> {
     let mut rows: HashMap<usize, Vec<f64>> = HashMap::new();
     for one in readings_of(analysis, found.quantity, found.cable) {
@@ -120,11 +120,11 @@ struct Dependent {
     row: usize,
     variable: f64,
     residual: f64,
-    /// What the causes found take off the residual.
+    /// The part of the residual that the findings explain.
     explained: Option<f64>,
 }
 
-/// The readings of a dependence with the residuals that all plots show.
+/// The readings of a dependence, with the residuals shown in all plots.
 fn dependents(found: &Discrepancy, residuals: &Residuals) -> Vec<Dependent> {
     let before = by_row(&residuals.before, found);
     let after = residuals.after.as_ref();
@@ -182,8 +182,8 @@ fn figure(diagnosed: &Diagnosed, found: &Discrepancy, residuals: &Residuals) -> 
     }
 }
 
-/// What the causes found take off the residuals, over the variable: before less after, both in their own standard
-/// deviations; nothing where there are no data.
+/// The part of the residuals that the findings explain, over the variable: before less after, both in their own standard
+/// deviations; interrupted where there are no data.
 fn explained(dependents: &[Dependent], factor: f64, window: usize) -> Vec<Curve> {
     let known = dependents.iter();
     let points: Vec<[f64; 2]> = known
@@ -197,7 +197,7 @@ fn explained(dependents: &[Dependent], factor: f64, window: usize) -> Vec<Curve>
     let pieces = pieces.into_iter().enumerate();
     pieces
         .map(|(number, points)| Curve {
-            // The legend names it once.
+            // Only the first piece has an entry in the legend.
             name: match number {
                 0 => "explained by the causes found".to_owned(),
                 _ => String::new(),
@@ -209,8 +209,8 @@ fn explained(dependents: &[Dependent], factor: f64, window: usize) -> Vec<Curve>
         .collect()
 }
 
-/// Whether something that was found acts at one pose, or from one on: then neighbours along a variable have nothing to do
-/// with each other.
+/// Whether a finding acts at one pose, or from one pose on: then neighbours along a variable are
+/// unrelated.
 fn has_event(diagnosed: &Diagnosed) -> bool {
     diagnosed.diagnosis.findings.iter().any(|finding| {
         let search = finding.cause.effect().search();
@@ -218,7 +218,7 @@ fn has_event(diagnosed: &Diagnosed) -> bool {
     })
 }
 
-/// The running mean over this many neighbours along x.
+/// The moving average over `window` neighbours along x.
 fn smooth(mut points: Vec<[f64; 2]>, window: usize) -> Vec<[f64; 2]> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let half = window / 2;
@@ -233,7 +233,7 @@ fn smooth(mut points: Vec<[f64; 2]>, window: usize) -> Vec<[f64; 2]> {
     (0..points.len()).map(mean).collect()
 }
 
-/// Factor and unit in which people read a variable.
+/// Display factor and display unit of a variable.
 fn unit(variable: Variable) -> (f64, &'static str) {
     match variable {
         Variable::CableLength | Variable::Distance | Variable::Position(_) => (1.0, "m"),

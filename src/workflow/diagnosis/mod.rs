@@ -1,4 +1,4 @@
-//! Diagnosing the model: the one way for commands, reports and the window.
+//! Diagnosis of the model, for commands, reports and the window.
 
 pub mod dependences;
 
@@ -14,14 +14,14 @@ use tautline_session::Session;
 use crate::documents::diagnosis::Diagnosed;
 use crate::identification::Identification;
 
-/// Time (s) after which a diagnosis ends with the best answer so far, unless another limit is given.
+/// Default time limit of a diagnosis (s), after which it ends with the best answer so far.
 pub const TIME_LIMIT_S: f64 = 60.0;
 
-/// Diagnoses the model of a dataset, with its raw measurements, rows of one standstill averaged
-/// and recordings in motion thinned, at a probability of a false alarm and within a time (s).
+/// Diagnoses the model of a dataset with its raw measurements, after averaging the rows of each standstill
+/// and thinning recordings in motion, at a false-alarm probability and within a time limit (s).
 ///
 /// # Errors
-/// If the data do not make a problem.
+/// If the data cannot be used for an identification.
 pub fn diagnose_dataset(
     dataset: Arc<Dataset>,
     (alpha, limit_s): (f64, f64),
@@ -31,7 +31,7 @@ pub fn diagnose_dataset(
         alpha,
         ..DiagnosisOptions::default()
     };
-    // Plots of the result are of the same rows.
+    // Plots of the result use the same rows.
     let dataset = match dataset
         .measurements
         .independent(&dataset.robot, MOST_SAMPLES)
@@ -60,11 +60,11 @@ pub fn diagnose_dataset(
     })
 }
 
-/// The dataset of a session with the effects of its model at the values that were identified.
+/// The dataset of a session, with the effects of its model at the identified values.
 ///
-/// A diagnosis holds them there: what they explain is gone from the residuals, so the gain of any further cause is
-/// understated rather than overstated and there are no more false alarms than asked for; the standard deviations of new
-/// causes are a little too small until they are added and all is identified together.
+/// A diagnosis holds them there: the residuals no longer contain what they explain, so the gain of any further cause is
+/// understated rather than overstated and the false-alarm probability is not exceeded; the standard deviations of new
+/// causes are slightly too small until they are identified together with all others.
 #[must_use]
 pub fn dataset_to_diagnose(session: &Session, identified: &Identification) -> Dataset {
     let mut dataset = session.dataset();

@@ -1,4 +1,4 @@
-//! Which faults poses show, and which of them look alike: a public format, a table by kinds of faults and its sentences.
+//! Isolability of faults: which faults poses reveal and which of them look alike. A public format, a table and its sentences.
 
 use std::collections::BTreeMap;
 
@@ -13,19 +13,19 @@ use tautline_core::robot::Robot;
 use crate::wording::units::{quantity, unit_of};
 use crate::wording::{count, list};
 
-/// Probability of detection from which a fault counts as seen.
+/// Probability of detection from which a fault counts as detectable.
 pub const SEEN: f64 = 0.8;
-/// Probability from which two faults count as confused.
+/// Probability from which two faults count as confusable.
 pub const CONFUSED: f64 = 0.2;
 
-/// What poses show of every fault at its typical size.
+/// Detectability and confusion of every fault at its typical size.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct IsolabilityDocument {
-    /// The faults on which a reading depends.
+    /// The faults that a reading depends on.
     pub faults: Vec<ExpectedFaultDocument>,
-    /// Expected natural logarithm of the Bayes factor of the fault of the row, which is present, over that of the column.
+    /// Expected natural logarithm of the Bayes factor of the fault of the row, which is present, against that of the column.
     pub log_bayes_factor: Vec<Vec<f64>>,
-    /// Probability that something is seen where the fault of the row is present, but that of the column is not ruled out.
+    /// Probability that an error is detected with the fault of the row present, but that of the column is not ruled out.
     pub confusion: Vec<Vec<f64>>,
 }
 
@@ -36,20 +36,20 @@ pub struct ExpectedFaultDocument {
     pub effect: String,
     /// Its plain title.
     pub title: String,
-    /// Cables; none for an effect of the robot, or of all cables alike.
+    /// Cables; empty for an effect of the robot, or common to all cables.
     pub targets: Vec<String>,
-    /// Its size: parameters in SI units.
+    /// Size of the fault: parameters in SI units.
     pub parameters: BTreeMap<String, f64>,
-    /// Its size in words.
+    /// Size of the fault in words.
     pub size: String,
-    /// Chi-square that a model without it leaves of data without noise.
+    /// Chi-square that a model without the fault leaves of noise-free data.
     pub noncentrality: f64,
-    /// Probability that it is named or listed.
+    /// Probability that the fault is named or listed.
     pub detection: f64,
 }
 
 impl IsolabilityDocument {
-    /// What the poses of a dataset show, whatever was read there.
+    /// Evaluates the poses of a dataset, independently of its readings.
     ///
     /// # Errors
     /// If the readings cannot be used with the robot.
@@ -58,7 +58,7 @@ impl IsolabilityDocument {
         Ok(Self::new(&dataset.robot, &found))
     }
 
-    /// In words of a robot.
+    /// Describes the result for a robot.
     #[must_use]
     pub fn new(robot: &Robot, found: &Isolability) -> Self {
         let all = 0..found.faults.len();
@@ -66,7 +66,7 @@ impl IsolabilityDocument {
             let row = |present: usize| all.clone().map(|other| of(present, other)).collect();
             all.clone().map(row).collect()
         };
-        // Digits beyond these mean nothing.
+        // Further digits are insignificant.
         let rounded = |value: f64| (1e3 * value).round() / 1e3;
         Self {
             faults: found.faults.iter().map(|f| fault(robot, f)).collect(),
@@ -75,13 +75,13 @@ impl IsolabilityDocument {
         }
     }
 
-    /// The faults that are seen, of all.
+    /// Number of detectable faults.
     #[must_use]
     pub fn seen(&self) -> usize {
         self.faults.iter().filter(|f| f.detection >= SEEN).count()
     }
 
-    /// Faults with which one would be confused, the likeliest first.
+    /// Faults with which a fault could be confused, the likeliest first.
     #[must_use]
     pub fn rivals(&self, present: usize) -> Vec<usize> {
         let row = &self.confusion[present];
@@ -105,7 +105,7 @@ fn fault(robot: &Robot, expected: &ExpectedFault) -> ExpectedFaultDocument {
         title: bound.effect.title().to_owned(),
         targets: setting.targets,
         size: match size.collect::<Vec<_>>() {
-            // The phase of a wave is no size.
+            // The phase of a wave is not a size.
             sizes
                 if matches!(
                     bound.effect.search(),
@@ -140,7 +140,7 @@ impl ExpectedFaultDocument {
     }
 }
 
-/// Kinds of faults: every effect once, the least visible of its targets speaking for it.
+/// Kinds of faults: every effect once, represented by its least detectable target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IsolabilityTable {
     /// The kinds, in the order of the catalogue.
@@ -154,23 +154,23 @@ pub struct IsolabilityTable {
 pub struct FaultKind {
     /// Title of the effect.
     pub title: String,
-    /// Least and largest probability of detection among its targets.
+    /// Smallest and largest probability of detection among its targets.
     pub detection: [f64; 2],
-    /// Whether and how it is seen.
+    /// Detectability in words.
     pub sentence: String,
 }
 
-/// One kind of fault beside another.
+/// Confusion of one kind of fault with another.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Cell {
     /// Largest probability of confusion among the targets of both.
     pub confusion: f64,
-    /// The same in words.
+    /// The confusion in words.
     pub sentence: String,
 }
 
 impl IsolabilityTable {
-    /// The table of a document.
+    /// Summarises a document by kinds of faults.
     #[must_use]
     pub fn of(document: &IsolabilityDocument) -> Self {
         let faults = &document.faults;
@@ -196,7 +196,7 @@ impl IsolabilityTable {
         }
     }
 
-    /// In one sentence how much is seen and confused.
+    /// Summary in one sentence.
     #[must_use]
     pub fn summary(&self) -> String {
         let seen = |kind: &&FaultKind| kind.detection[0] >= SEEN;
@@ -269,7 +269,7 @@ fn cell(document: &IsolabilityDocument, present: &[usize], others: &[usize]) -> 
     }
 }
 
-/// A name inside of a sentence.
+/// A name for use inside a sentence.
 fn lower(name: &str) -> String {
     let mut rest = name.chars();
     let first = rest.next().into_iter().flat_map(char::to_lowercase);

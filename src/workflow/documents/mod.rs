@@ -6,7 +6,7 @@ pub mod plan;
 
 use tautline_session::{ResultDocument, ResultRecord, Session, Timestamp, VersionedFile};
 
-/// A result as a session keeps it, with the fingerprint of the data that it was computed from.
+/// A result in the form that sessions record, with the fingerprint of the data it was computed from.
 pub fn record<D: VersionedFile>(
     session: &Session,
     title: &str,
@@ -17,7 +17,7 @@ pub fn record<D: VersionedFile>(
     ResultRecord {
         time,
         title: title.to_owned(),
-        // Serialising fails only for keys that are not strings, and there are none.
+        // Serialising fails only for keys that are not strings; these documents have none.
         document: ResultDocument::of(&document).unwrap_or_default(),
         basis: Some(session.basis()),
     }

@@ -1,4 +1,4 @@
-//! Machine form of a plan.
+//! Machine-readable form of a plan.
 
 use super::isolability::IsolabilityDocument;
 use schemars::JsonSchema;
@@ -7,49 +7,49 @@ use tautline_core::planning::{Expectation, Plan, Refused};
 use tautline_core::robot::Robot;
 use tautline_session::VersionedFile;
 
-/// Poses to measure, and what to expect of them.
+/// Poses to measure and the expected results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PlanDocument {
     /// Name of the robot.
     pub robot: String,
-    /// The poses in the order in which to measure them.
+    /// The poses in order of measurement.
     pub poses: Vec<PlannedPoseDocument>,
-    /// Number of poses that can be measured among which was chosen.
+    /// Number of feasible poses from which they were selected.
     pub candidates: usize,
-    /// Poses drawn, and why some were refused.
+    /// Number of poses drawn, and of those rejected.
     pub refused: Refused,
     /// Travel distance through all poses, rotations counted at the platform's anchors (m).
     pub travel_m: f64,
-    /// Largest correlation of a coordinate with the order of measurement, without sign.
+    /// Largest absolute correlation of a coordinate with the order of measurement.
     pub largest_time_correlation: f64,
-    /// What the plan gives.
+    /// Expected results of the plan.
     pub expected: ExpectedDocument,
-    /// What as many poses at random give.
+    /// Expected results of as many random poses.
     pub random: ExpectedDocument,
-    /// Root mean square standard deviation of the entry points after the first 0, 1, 2, .. poses (m); null where
-    /// they leave something open.
+    /// Root mean square standard deviation of the entry points after the first 0, 1, 2, .. poses (m); null if
+    /// they leave something undetermined.
     pub entry_point_sd_after_m: Vec<Option<f64>>,
-    /// What measuring the home pose more often gains.
+    /// Gain by more measurements of the home pose.
     #[serde(default)]
     pub home: Vec<HomeGainDocument>,
-    /// What the poses are for: `geometry`, `faults`, `both` or `accuracy`.
+    /// Goal of the plan: `geometry`, `faults`, `both` or `accuracy`.
     #[serde(default = "geometry")]
     pub goal: String,
-    /// Value of the criterion of that goal, of which only differences mean anything: larger is better; null where
-    /// parameters are left open.
+    /// Value of the goal's criterion: larger is better, and only differences are meaningful; null if
+    /// parameters are undetermined.
     #[serde(default)]
     pub reached: Option<f64>,
-    /// Which faults the poses show, where it was asked for.
+    /// Faults that the poses reveal, if requested.
     #[serde(default)]
     pub isolability: Option<IsolabilityDocument>,
 }
 
-/// Position error of the platform to expect if the home pose is measured more often.
+/// Expected position error of the platform if the home pose is measured more often.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HomeGainDocument {
-    /// How many times as often as its standard deviations say by now; null: so often that it is known exactly.
+    /// Number of measurements as a multiple of the present ones; null: so many that it is known exactly.
     pub times: Option<usize>,
-    /// I-index with that: root mean square position error of the platform over the workspace (m).
+    /// I-criterion: root mean square position error of the platform over the workspace (m).
     pub platform_m: Option<f64>,
 }
 
@@ -60,44 +60,44 @@ fn geometry() -> String {
 /// A pose of the plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PlannedPoseDocument {
-    /// Label of its row in the measurements.
+    /// Label of the row in the measurements.
     pub pose: i64,
     /// Platform origin in the base frame (m).
     pub position_m: [f64; 3],
     /// Orientation, quaternion w first.
     pub orientation_wxyz: [f64; 4],
-    /// Tensions that hold the platform (N); zeros where tension is not modelled.
+    /// Tensions that balance the platform (N); zeros where tension is not modelled.
     pub tensions_n: Vec<f64>,
-    /// Laser distance to expect (m).
+    /// Expected laser distance (m).
     pub laser_m: Option<f64>,
 }
 
-/// What to expect of a set of poses.
+/// Expected results of a set of poses.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ExpectedDocument {
-    /// D-index: logarithm of the determinant of the information; null where parameters are left open.
+    /// D-criterion: logarithm of the determinant of the information; null if parameters are undetermined.
     pub log_det: Option<f64>,
-    /// E-index: standard deviation of the entry points along their worst direction together (m).
+    /// E-criterion: standard deviation of the entry points along their worst common direction (m).
     pub worst_m: Option<f64>,
-    /// A-index: root mean square standard deviation of the entry points (m).
+    /// A-criterion: root mean square standard deviation of the entry points (m).
     pub mean_m: Option<f64>,
-    /// I-index: root mean square position error of the platform over the workspace, or over the volume of the goal
-    /// `accuracy`, to expect once the values are at the controller (m); null also without a home pose.
+    /// I-criterion: expected root mean square position error of the platform over the workspace, or over the volume of the
+    /// goal `accuracy`, once the values are in the controller (m); null also without a home pose.
     pub platform_m: Option<f64>,
-    /// Each parameter.
+    /// Expected standard deviation of each parameter.
     pub parameters: Vec<ExpectedParameter>,
 }
 
 /// A parameter's expected standard deviation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ExpectedParameter {
-    /// Name.
+    /// Name of the parameter.
     pub name: String,
     /// SI unit.
     pub unit: String,
-    /// Standard deviation before measuring; null if nothing is known.
+    /// Standard deviation before measuring; null if it has no prior.
     pub prior_sd: Option<f64>,
-    /// Standard deviation to expect; null where it is left open.
+    /// Expected standard deviation; null if undetermined.
     pub sd: Option<f64>,
 }
 
@@ -108,7 +108,7 @@ impl VersionedFile for PlanDocument {
 }
 
 impl PlanDocument {
-    /// Of a plan for a robot.
+    /// The document of a plan for a robot.
     #[must_use]
     pub fn of(robot: &Robot, plan: &Plan) -> Self {
         let expected = |expectation: &Expectation| ExpectedDocument {

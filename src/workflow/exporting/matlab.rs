@@ -1,4 +1,4 @@
-//! MATLAB files of version 5: each table a struct of columns, numbers as column vectors, texts as cells of strings.
+//! MATLAB files of version 5: each table is a struct of columns, numbers are column vectors, texts are cells of strings.
 //!
 //! Elements have a type and a number of bytes, and are padded to 8 bytes; an array is an element that consists of flags,
 //! dimensions, name and data. Source: MATLAB MAT-File Format (The MathWorks, R2021b), chapter 1.
@@ -17,10 +17,10 @@ const STRUCT: u32 = 2;
 const CHAR: u32 = 4;
 const DOUBLES: u32 = 6;
 
-/// Bytes of the name of a field, with the zero at its end.
+/// Length of a field name in bytes, including the terminating zero.
 const FIELD: usize = 32;
 
-/// A file with these tables.
+/// The bytes of a file with these tables.
 pub(super) fn file(tables: &[Table]) -> Vec<u8> {
     let mut bytes = b"MATLAB 5.0 MAT-file, written by Tautline".to_vec();
     bytes.resize(124, b' ');
@@ -92,7 +92,7 @@ fn element(kind: u32, data: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// A name that MATLAB takes for a field: letters, digits and underscores, a letter first, at most 31 of them.
+/// A valid field name of MATLAB: letters, digits and underscores, starting with a letter, at most 31 characters.
 fn field(name: &str) -> String {
     let allowed = |letter: char| match letter.is_ascii_alphanumeric() {
         true => letter,
@@ -110,7 +110,7 @@ fn field(name: &str) -> String {
 mod tests {
     use super::*;
 
-    /// By hand from the description of the format.
+    /// Expected bytes by hand from the description of the format.
     #[test]
     fn a_column_has_the_bytes_of_the_format() {
         let table = Table::new("t").numbers("a b", [2.5].into_iter());

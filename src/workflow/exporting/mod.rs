@@ -13,7 +13,7 @@ pub use self::parquet::{ParquetCells, parquet_file};
 /// A table with named columns of one length.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
-    /// Its name, a word.
+    /// Name of the table, one word.
     pub name: &'static str,
     /// Name and cells of each column.
     pub columns: Vec<(String, Cells)>,
@@ -22,25 +22,25 @@ pub struct Table {
 /// The cells of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cells {
-    /// Numbers; NaN where there is none.
+    /// Numbers; NaN where missing.
     Numbers(Vec<f64>),
     /// Texts.
     Texts(Vec<String>),
 }
 
-/// What a table is written as.
+/// File format of tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TableFormat {
-    /// Commas, points as decimal signs, nothing where there is no number.
+    /// Comma-separated, decimal points, empty cells for missing numbers.
     Csv,
-    /// MATLAB version 5, a struct for each table.
+    /// MATLAB version 5, one struct per table.
     Matlab,
     /// Apache Parquet.
     Parquet,
 }
 
 impl TableFormat {
-    /// The format of a file by its name.
+    /// The format of a file according to its name.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
@@ -66,7 +66,7 @@ impl Cells {
         }
     }
 
-    /// A cell as text; empty where there is no number.
+    /// A cell as text; empty for a missing number.
     fn text(&self, row: usize) -> String {
         match self {
             Self::Numbers(numbers) if numbers[row].is_nan() => String::new(),
@@ -86,7 +86,7 @@ impl Table {
         }
     }
 
-    /// With a column of numbers.
+    /// Adds a column of numbers.
     #[must_use]
     pub fn numbers(mut self, name: &str, numbers: impl Iterator<Item = f64>) -> Self {
         let column = (name.to_owned(), Cells::Numbers(numbers.collect()));
@@ -94,13 +94,13 @@ impl Table {
         self
     }
 
-    /// With a column of numbers of which some are not known.
+    /// Adds a column of numbers, some of which are unknown.
     #[must_use]
     pub fn known(self, name: &str, numbers: impl Iterator<Item = Option<f64>>) -> Self {
         self.numbers(name, numbers.map(|number| number.unwrap_or(f64::NAN)))
     }
 
-    /// With a column of texts.
+    /// Adds a column of texts.
     #[must_use]
     pub fn texts(mut self, name: &str, texts: impl Iterator<Item = String>) -> Self {
         let column = (name.to_owned(), Cells::Texts(texts.collect()));
@@ -108,7 +108,7 @@ impl Table {
         self
     }
 
-    /// Number of its rows.
+    /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, |(_, cells)| cells.len())
@@ -145,10 +145,10 @@ pub fn poses_table(measurements: &Measurements) -> Table {
     table
 }
 
-/// The bytes of a file with one table, or, of a format that holds several, with all of them.
+/// The bytes of a file with one table, or with all of them if the format holds several.
 ///
 /// # Errors
-/// What the format refuses: two columns of one name in Parquet.
+/// If the format does not allow it, as two columns with the same name in Parquet.
 pub fn encode(format: TableFormat, tables: &[Table]) -> Result<Vec<u8>, String> {
     Ok(match format {
         TableFormat::Csv => tables

@@ -1,4 +1,4 @@
-//! Parquet files of one table: one group of rows, cells compressed by Snappy, which every reader knows.
+//! Parquet files with one table: one row group, cells compressed with Snappy, which every reader supports.
 
 use std::sync::Arc;
 
@@ -13,22 +13,22 @@ use parquet::schema::types::Type;
 /// The cells of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ParquetCells<'a> {
-    /// Double precision; nothing (null) where a number is NaN.
+    /// Double precision; null where a number is NaN.
     F64(&'a [f64]),
     /// Single precision; NaN stays NaN.
     F32(&'a [f32]),
-    /// 32 bits without sign.
+    /// Unsigned 32 bits.
     U32(&'a [u32]),
-    /// 8 bits without sign.
+    /// Unsigned 8 bits.
     U8(&'a [u8]),
     /// Text.
     Texts(&'a [String]),
 }
 
-/// The bytes of a file with columns of one length, and with texts `about` it under their keys.
+/// The bytes of a file with columns of equal length, and `about` as key-value metadata.
 ///
 /// # Errors
-/// If the columns have different lengths or one name.
+/// If columns have different lengths or the same name.
 pub fn parquet_file(
     columns: &[(&str, ParquetCells<'_>)],
     about: &[(&str, &str)],

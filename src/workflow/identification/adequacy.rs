@@ -1,22 +1,22 @@
-//! Whether a model explains the data, by the probability of its chi-square.
+//! Adequacy of a model, judged by the probability of its chi-square.
 
-/// Whether a model explains the data, by the probability of its chi-square.
+/// Adequacy of a model, judged by the probability of its chi-square.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FitVerdict {
-    /// As a correct model would.
+    /// The model explains the data as a correct one would.
     Adequate,
-    /// Worse than 99 % of correct models.
+    /// The fit is worse than that of 99 % of correct models.
     Doubtful,
-    /// Not at all.
+    /// The model does not explain the data.
     Inadequate,
     /// The data scatter less than the stated noise.
     NoiseOverstated,
-    /// Nothing is redundant, so it cannot be tested.
+    /// The model cannot be tested without redundancy.
     Untested,
 }
 
 impl FitVerdict {
-    /// By the probability of a chi-square at least as large if model and noise are right.
+    /// Judges by the probability of a chi-square at least as large if model and noise are right.
     #[must_use]
     pub fn of(p_value: Option<f64>) -> Self {
         match p_value {
@@ -28,13 +28,13 @@ impl FitVerdict {
         }
     }
 
-    /// Whether standard deviations of the fit hold.
+    /// Whether the standard deviations of the fit are valid.
     #[must_use]
     pub fn holds(self) -> bool {
         self != Self::Inadequate
     }
 
-    /// In words, as the end or the whole of a sentence.
+    /// The verdict in words, as the end or the whole of a sentence.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -42,7 +42,7 @@ impl FitVerdict {
             Self::Doubtful => "the model hardly explains the data",
             Self::Inadequate => "the model does not explain the data",
             Self::NoiseOverstated => "the data scatter less than the stated noise",
-            Self::Untested => "the model cannot be tested, nothing is redundant",
+            Self::Untested => "the model cannot be tested without redundant readings",
         }
     }
 }

@@ -1,10 +1,10 @@
-//! Machine form of an identification: a public format.
+//! Machine-readable form of an identification: a public format.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_session::VersionedFile;
 
-/// Machine form of an identification.
+/// Machine-readable form of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct IdentificationDocument {
     /// joint, simple or published.
@@ -23,19 +23,19 @@ pub struct IdentificationDocument {
     pub p_value: Option<f64>,
     /// Entry point of each cable (m).
     pub entry_points_m: Vec<[f64; 3]>,
-    /// Their standard deviations (m); 0 where a coordinate was given, null where it is not determined.
+    /// Standard deviations of the entry points (m); 0 where a coordinate was given, null where it is not determined.
     pub entry_points_sd_m: Vec<[Option<f64>; 3]>,
-    /// Root mean square residuals; null where nothing was measured.
+    /// Root mean square residuals; null if not measured.
     pub rms: Rms,
     /// The poses, home first.
     pub poses: Vec<FittedPose>,
     /// Estimated effects.
     #[serde(default)]
     pub effects: Vec<FittedEffect>,
-    /// What the data leave open, in words.
+    /// Parameters that the data do not determine, in words.
     #[serde(default)]
     pub undetermined: Vec<String>,
-    /// Readings that do not fit, in words, the worst first.
+    /// Suspect readings in words, the worst first.
     #[serde(default)]
     pub suspect_readings: Vec<String>,
 }
@@ -43,11 +43,11 @@ pub struct IdentificationDocument {
 /// Root mean square residuals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Rms {
-    /// Of the length readings (m).
+    /// Residuals of the length readings (m).
     pub length_m: Option<f64>,
-    /// Of the laser readings (m).
+    /// Residuals of the laser readings (m).
     pub laser_m: Option<f64>,
-    /// Of the tension readings (N).
+    /// Residuals of the tension readings (N).
     pub tension_n: Option<f64>,
 }
 
@@ -75,7 +75,7 @@ pub struct FittedEffect {
     pub value: f64,
     /// Unit.
     pub unit: String,
-    /// Standard deviation; null where it is not determined.
+    /// Standard deviation; null if not determined.
     pub sd: Option<f64>,
 }
 

@@ -1,6 +1,6 @@
-//! Identification: the one way from measured poses to an identified robot, for every command and for the window.
+//! Identification: the pipeline from measured poses to an identified robot, shared by all commands and the window.
 //!
-//! A request says what is identified from which data; [`identify`] solves it and analyses the residuals.
+//! A request states what is identified from which data; [`identify`] solves it and analyses the residuals.
 
 mod adequacy;
 mod document;
@@ -42,19 +42,19 @@ pub use statistics::{
 };
 pub use wording::reading_name;
 
-/// Why there is no identification, or none to rely on.
+/// Reasons why there is no reliable identification.
 #[derive(Debug, thiserror::Error)]
 pub enum IdentificationError {
-    /// Nothing was measured.
+    /// There are no measured poses.
     #[error("there are no measured poses, so nothing can be identified")]
     NoPoses,
     /// An effect does not fit the robot or the measurements.
     #[error(transparent)]
     Effect(#[from] EffectError),
-    /// The data do not make a problem.
+    /// The data cannot be used for an identification.
     #[error(transparent)]
     Estimation(#[from] EstimationError),
-    /// A measured elongation surface would have to be extrapolated: where, and the range that was measured.
+    /// A measured elongation surface would have to be extrapolated; states where, and its range.
     #[error("{0}")]
     OutsideSurface(String),
     /// The solver did not converge.
@@ -67,36 +67,36 @@ pub enum IdentificationError {
 pub struct Identification {
     /// Robot and measurements, without the excluded poses.
     pub dataset: Arc<Dataset>,
-    /// How tensions entered.
+    /// Treatment of the tensions.
     pub method: Method,
-    /// What else was asked for.
+    /// Other options of the request.
     pub options: IdentificationOptions,
-    /// Number of effects whose values were held; they come first in the solution.
+    /// Number of effects with held values; they come first in the solution.
     pub held: usize,
     /// Parameters, poses, covariance.
     pub solution: Solution,
-    /// Readings with what the solution predicts for them.
+    /// Residual analysis of the readings.
     pub analysis: Analysis,
-    /// Readings that do not fit, grouped by pose, the worst pose first.
+    /// Suspect readings grouped by pose, the worst pose first.
     pub suspects: Vec<Vec<Observation>>,
-    /// What the readings leave open.
+    /// Rank defects: what the readings leave undetermined.
     pub open: Vec<RankDefect>,
-    /// The robot with the identified values; standard deviations are those of the solution.
+    /// The robot with the identified values and their standard deviations.
     pub model: Robot,
     /// Chi-square after each step, for the convergence plot.
     pub steps: Vec<f64>,
     /// Time of the solve alone (s).
     pub seconds: f64,
-    /// The published method on the same data, where it was asked for; else one sentence on why it cannot be applied.
+    /// Result of the published method on the same data, if requested; or one sentence why it cannot be applied.
     pub published: Option<Result<PublishedIdentification, String>>,
 }
 
-/// Identifies; `observe` sees every step and can cancel.
+/// Identifies a robot; `observe` sees every step and can cancel.
 ///
-/// Values that the effects depend on, as wrap angles, are taken at the poses of the solution itself.
+/// Quantities that effects depend on, such as wrap angles, are evaluated at the poses of the solution itself.
 ///
 /// # Errors
-/// If the data do not make a problem. Non-convergence is a field of the solution, not an error.
+/// If the data cannot be used. Non-convergence is a field of the solution, not an error.
 pub fn identify(
     request: &IdentificationRequest,
     observe: &mut dyn FnMut(&Progress) -> Control,
@@ -128,11 +128,11 @@ pub fn identify(
     })
 }
 
-/// Identifies a session as its settings ask, for a result that can be relied on. Where they ask for the published
-/// method the joint one is used, because the published one has no standard deviations.
+/// Identifies a session according to its settings, for a result to rely on. If they state the published
+/// method, the joint one is used, because the published one has no standard deviations.
 ///
 /// # Errors
-/// If nothing was measured, the data do not make a problem, or the solution needs an extrapolated elongation.
+/// If nothing was measured, the data cannot be used, or the solution needs an extrapolated elongation.
 pub fn identify_session(
     session: &Session,
     observe: &mut dyn FnMut(&Progress) -> Control,
@@ -145,10 +145,10 @@ pub fn identify_session(
 }
 
 impl Identification {
-    /// The problem that this is the solution of.
+    /// The problem whose solution this is.
     ///
     /// # Errors
-    /// None that making the problem did not have before.
+    /// Only those that setting up the problem had before.
     pub fn problem(&self) -> Result<Problem<'_>, EstimationError> {
         let mut problem = self.options.problem(&self.dataset, self.method)?;
         problem.free_effects = self.free_effects().to_vec();
@@ -162,7 +162,7 @@ impl Identification {
         effects.get(self.held..).unwrap_or_default()
     }
 
-    /// Root mean square of the residuals over that of noise alone; `None` if nothing is redundant.
+    /// Root mean square of the residuals over that of noise alone; `None` without redundancy.
     #[must_use]
     pub fn residual_ratio(&self) -> Option<f64> {
         let freedom = self.solution.degrees_of_freedom;
@@ -184,16 +184,16 @@ impl Identification {
         found.zip(drawn).map(distance).collect()
     }
 
-    /// Where a measured elongation had to be extrapolated, in words: the solution does not hold then.
+    /// Where a measured elongation had to be extrapolated, in words; the solution is not valid then.
     #[must_use]
     pub fn extrapolation(&self) -> Option<String> {
         extrapolation(&self.dataset, &self.solution)
     }
 
-    /// The same identification, refused where a measured elongation had to be extrapolated.
+    /// Rejects the identification if a measured elongation had to be extrapolated.
     ///
     /// # Errors
-    /// If it had to.
+    /// If it had to be.
     pub fn refuse_extrapolation(self) -> Result<Self, IdentificationError> {
         match self.extrapolation() {
             None => Ok(self),
@@ -227,7 +227,7 @@ impl Identification {
         effects
     }
 
-    /// Machine form.
+    /// Machine-readable form.
     #[must_use]
     pub fn document(&self) -> IdentificationDocument {
         let measurements = &self.dataset.measurements;
@@ -267,7 +267,7 @@ impl Identification {
     }
 }
 
-/// Where a measured elongation had to be extrapolated, in words: the solution does not hold then.
+/// Where a measured elongation had to be extrapolated, in words; the solution is not valid then.
 #[must_use]
 pub fn extrapolation(dataset: &Dataset, solution: &Solution) -> Option<String> {
     let first = solution.outside_surface.first()?;
@@ -283,7 +283,7 @@ pub fn extrapolation(dataset: &Dataset, solution: &Solution) -> Option<String> {
     ))
 }
 
-/// Groups readings by pose, in the order of the first of each.
+/// Groups readings by pose, in the order of the first reading of each.
 fn by_pose(readings: &[Observation]) -> Vec<Vec<Observation>> {
     let mut places: HashMap<usize, usize> = HashMap::new();
     let mut poses: Vec<Vec<Observation>> = Vec::new();

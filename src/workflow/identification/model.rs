@@ -3,7 +3,7 @@
 use tautline_core::estimation::{ParameterId, Solution};
 use tautline_core::robot::{PerAxis, Robot};
 
-/// Standard deviation of a coordinate of an entry point (m): 0 where it was given, `None` where the data do
+/// Standard deviation of a coordinate of an entry point (m): 0 if it was given, `None` if the data do
 /// not determine it.
 pub fn entry_point_sd(solution: &Solution, cable: usize, axis: usize) -> Option<f64> {
     let id = ParameterId::EntryPoint { cable, axis };
@@ -13,7 +13,7 @@ pub fn entry_point_sd(solution: &Solution, cable: usize, axis: usize) -> Option<
     }
 }
 
-/// `robot` with the values of the solution; standard deviations become those of the solution.
+/// Returns `robot` with the values of the solution and their standard deviations.
 pub fn identified(robot: &Robot, solution: &Solution) -> Robot {
     let mut model = solution.globals.model(robot);
     for (index, cable) in model.cables.iter_mut().enumerate() {

@@ -1,8 +1,8 @@
-//! Solving with effects whose influence depends on where the platform is.
+//! Solving with effects that depend on the pose of the platform.
 //!
 //! Wrap angles, directions of travel and the like are held during a solve, at poses that have to be known before. The
-//! commanded poses may be far off or missing, so the problem is solved without its free effects first, and then again
-//! with these values taken at the poses found, until chi-square no longer changes: what is reported holds at the poses
+//! commanded poses may be far off or missing, so the problem is first solved without its free effects, and then again
+//! with these quantities at the poses found, until chi-square no longer changes: the result is consistent with the poses
 //! of the solution itself.
 
 use tautline_core::estimation::{
@@ -14,10 +14,10 @@ use super::request::IdentificationRequest;
 
 /// Relative change of chi-square below which the poses have settled.
 const SETTLED: f64 = 1e-9;
-/// Most solves with the effects. Each starts at the one before; two or three are enough in practice.
+/// Largest number of solves with the effects. Each starts at the previous one; two or three suffice in practice.
 const MOST_SOLVES: usize = 10;
 
-/// Solves a request; the problem is as it was solved last.
+/// Solves a request; returns the problem in the form that was solved last.
 pub(super) fn solve<'a>(
     request: &'a IdentificationRequest,
     observe: &mut dyn FnMut(&Progress) -> Control,
@@ -48,7 +48,7 @@ pub(super) fn solve<'a>(
     Ok((problem, solution))
 }
 
-/// The same problem with its context at the poses of its own solution.
+/// The same problem with its contexts at the poses of its own solution.
 pub(super) fn at_poses_of<'a>(problem: Problem<'a>, solution: &Solution) -> Problem<'a> {
     if problem.depends_on_poses() {
         problem.at_poses_of(solution)

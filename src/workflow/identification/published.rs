@@ -1,4 +1,4 @@
-//! Identification as published (Jin et al. 2018), in a form that compares with the other methods.
+//! Identification by the published method (Jin et al. 2018), in a form comparable with the other methods.
 
 use std::time::Instant;
 
@@ -12,7 +12,7 @@ use super::{
     Identification, IdentificationDocument, IdentificationOptions, IdentificationRequest, identify,
 };
 
-/// What the published method identified.
+/// Result of the published method.
 #[derive(Debug, Clone)]
 pub struct PublishedIdentification {
     /// Entry points and steps.
@@ -20,17 +20,17 @@ pub struct PublishedIdentification {
     /// The poses fitted to these entry points by least squares, so that residuals and chi-square compare with those of
     /// the other methods.
     pub poses: Box<Identification>,
-    /// Time that the method took (s).
+    /// Time taken by the method (s).
     pub seconds: f64,
 }
 
-/// Why the published method cannot be applied.
+/// Reasons why the published method cannot be applied.
 #[derive(Debug, thiserror::Error)]
 pub enum PublishedIdentificationError {
-    /// The dataset lacks what the method rests on.
+    /// The dataset lacks a prerequisite of the method.
     #[error(transparent)]
     Published(#[from] PublishedError),
-    /// No poses can be fitted to its entry points.
+    /// No poses can be fitted to the identified entry points.
     #[error(transparent)]
     Estimation(#[from] EstimationError),
 }
@@ -38,7 +38,7 @@ pub enum PublishedIdentificationError {
 /// Identifies by the published method with the choices of the paper.
 ///
 /// # Errors
-/// If the dataset lacks what the method rests on.
+/// If the dataset lacks a prerequisite of the method.
 pub fn identify_published(
     dataset: &Dataset,
 ) -> Result<PublishedIdentification, PublishedIdentificationError> {
@@ -69,14 +69,14 @@ pub fn identify_published(
 }
 
 impl PublishedIdentification {
-    /// Whether its steps came to an end by themselves.
+    /// Whether it stopped because its steps became small.
     #[must_use]
     pub fn converged(&self) -> bool {
         let ends = [PublishedStop::SmallStep, PublishedStop::SmallError];
         ends.contains(&self.result.stop)
     }
 
-    /// Machine form; the method gives no standard deviations.
+    /// Machine-readable form; the method gives no standard deviations.
     #[must_use]
     pub fn document(&self) -> IdentificationDocument {
         IdentificationDocument {

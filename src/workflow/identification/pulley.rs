@@ -1,5 +1,5 @@
-//! What is known of one pulley: where the drawing has it, where it was identified, how sure that is and what else the
-//! uncertainty depends on.
+//! Inspection of one pulley: nominal and identified position, its uncertainty, and the correlations behind
+//! the uncertainty.
 
 use nalgebra::{DVector, Matrix3};
 use tautline_core::estimation::{ParameterId, Solution};
@@ -11,17 +11,17 @@ use super::Identification;
 use crate::wording::odds;
 use crate::wording::units::{decimals, fixed, signed};
 
-/// Above this probability of being due to noise alone a displacement counts as noise.
+/// Probability above which a displacement counts as noise.
 pub const NOISE: f64 = 0.05;
-/// Below this one it is clearly more than noise.
+/// Probability below which a displacement is clearly more than noise.
 pub const CLEAR: f64 = 0.001;
-/// Correlations that are listed.
+/// Number of correlations listed.
 const LISTED: usize = 3;
 /// Axes of the base frame.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Covariance of a cable's identified entry point, 3 x 3 (m^2, base frame): 0 for coordinates that were not estimated;
-/// `None` where none was, or the data do not determine them.
+/// `None` if none was, or the data do not determine them.
 #[must_use]
 pub fn entry_point_covariance(solution: &Solution, cable: usize) -> Option<Matrix3<f64>> {
     let whole = solution.covariance.as_ref()?;
@@ -42,9 +42,9 @@ fn entry_point_columns(solution: &Solution, cable: usize) -> [Option<usize>; 3] 
     })
 }
 
-/// Probability that noise alone makes a displacement `by` (m) of this `covariance` (m^2) at least as improbable:
-/// `d^T P^-1 d` is chi-square with as many degrees of freedom as coordinates were estimated, which are those with a
-/// variance. `None` without any, or where the covariance is not positive.
+/// Probability that noise alone causes a displacement at least as improbable as `by` (m), given its `covariance` (m^2):
+/// `d^T P^-1 d` is chi-square with as many degrees of freedom as there are estimated coordinates, which are those with a
+/// variance. `None` if there are none, or if the covariance is not positive.
 #[must_use]
 pub fn chance_of_noise(by: &Vec3, covariance: &Matrix3<f64>) -> Option<f64> {
     let known: Vec<usize> = (0..3).filter(|k| covariance[(*k, *k)] > 0.0).collect();
@@ -62,55 +62,55 @@ pub fn chance_of_noise(by: &Vec3, covariance: &Matrix3<f64>) -> Option<f64> {
 pub struct PulleyCoordinate {
     /// Identified less nominal (m).
     pub change_m: f64,
-    /// Its standard deviation (m): 0 where the coordinate was given, `None` where the data do not determine it.
+    /// Standard deviation of the change (m): 0 if the coordinate was given, `None` if the data do not determine it.
     pub sd_m: Option<f64>,
-    /// Standard deviation that the description of the robot gives the nominal value (m), if it gives one.
+    /// Prior standard deviation of the nominal value (m), if the description states one.
     pub prior_sd_m: Option<f64>,
 }
 
-/// How the errors of a coordinate of the pulley go together with those of another pulley.
+/// Correlation of the errors of a coordinate of the pulley with those of another pulley.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoordinateCorrelation {
     /// Axis of this pulley: 0, 1, 2 for x, y, z.
     pub axis: usize,
     /// The other pulley, by the index of its cable, and its axis.
     pub other: (usize, usize),
-    /// Coefficient of correlation, -1 to 1.
+    /// Correlation coefficient, -1 to 1.
     pub value: f64,
 }
 
-/// What is known of a pulley.
+/// Summary of a pulley.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PulleyInspection {
     /// Index of its cable.
     pub cable: usize,
     /// Name of its cable.
     pub name: String,
-    /// Its radius (m); 0 for an eyelet.
+    /// Radius of the pulley (m); 0 for an eyelet.
     pub radius_m: f64,
-    /// Entry point of the drawing (m, base frame).
+    /// Nominal entry point (m, base frame).
     pub nominal_m: Vec3,
-    /// What was identified, if it was.
+    /// Result of the identification, if there is one.
     pub identified: Option<IdentifiedPulley>,
-    /// Standard deviations of the nominal coordinates (m), where the description gives them.
+    /// Prior standard deviations of the nominal coordinates (m), if the description states them.
     pub prior_sd_m: [Option<f64>; 3],
 }
 
-/// What identification says of a pulley.
+/// Identified position of a pulley.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IdentifiedPulley {
     /// Identified entry point (m, base frame).
     pub entry_m: Vec3,
-    /// Its covariance, as [`entry_point_covariance`] has it.
+    /// Covariance of the entry point, see [`entry_point_covariance`].
     pub covariance: Option<Matrix3<f64>>,
-    /// x, y, z.
+    /// Coordinates x, y, z.
     pub coordinates: [PulleyCoordinate; 3],
     /// The strongest correlations with coordinates of other pulleys, the strongest first.
     pub correlations: Vec<CoordinateCorrelation>,
 }
 
 impl PulleyInspection {
-    /// The pulley of a cable of `robot`, whose coordinates are nominal; `None` without such a cable.
+    /// The pulley of a cable of `robot`, which provides the nominal coordinates; `None` without such a cable.
     #[must_use]
     pub fn of(robot: &Robot, fit: Option<&Identification>, cable: usize) -> Option<Self> {
         let drawn = robot.cables.get(cable)?;
@@ -151,8 +151,8 @@ impl PulleyInspection {
         Some(self.identified.as_ref()?.entry_m - self.nominal_m)
     }
 
-    /// How far the pulley is from the drawing and whether that is more than its uncertainty, as a sentence. Where the model
-    /// does not explain the data (`is_explained`), the uncertainty does not hold and nothing is judged by it.
+    /// The displacement of the pulley, judged by its uncertainty, as a sentence. If the model does not explain the data
+    /// (`is_explained` is false), the uncertainty is not valid and the displacement is not judged.
     #[must_use]
     pub fn sentence(&self, is_explained: bool) -> String {
         let (Some(found), Some(by)) = (&self.identified, self.displacement_m()) else {
@@ -172,7 +172,7 @@ impl PulleyInspection {
         let size = size(length, sd);
         if !is_explained {
             return format!(
-                "{size} mm from the drawing. The model does not explain the data: the uncertainty is larger than shown, and the displacement may come from what the model lacks."
+                "{size} mm from the drawing. The model does not explain the data: the uncertainty is larger than shown, and the displacement may come from unmodelled effects."
             );
         }
         let Some(chance) = chance_of_noise(&by, covariance) else {
@@ -180,11 +180,11 @@ impl PulleyInspection {
         };
         let often = odds(chance);
         let judged = match chance {
-            p if p > NOISE => format!("within its uncertainty: noise alone does that {often}"),
+            p if p > NOISE => format!("within its uncertainty: noise alone would cause it {often}"),
             p if p < CLEAR => {
-                format!("more than its uncertainty: noise alone does that {often}")
+                format!("more than its uncertainty: noise alone would cause it {often}")
             }
-            _ => format!("unclear whether that is more than noise, which does that {often}"),
+            _ => format!("unclear whether it is more than noise, which would cause it {often}"),
         };
         format!("{size} mm from the drawing, {judged}.")
     }
@@ -242,7 +242,7 @@ impl CoordinateCorrelation {
         format!("{own} with {other} of {name}: {}", signed(self.value, 2))
     }
 
-    /// What that means, in words.
+    /// The meaning of the correlation in words.
     #[must_use]
     pub fn words(&self) -> &'static str {
         let together = self.value > 0.0;
@@ -347,12 +347,12 @@ mod tests {
         };
         assert_eq!(
             say(0.1)[0],
-            "0.10 ± 0.10 mm from the drawing, within its uncertainty: noise alone does that 80 times in 100."
+            "0.10 ± 0.10 mm from the drawing, within its uncertainty: noise alone would cause it 80 times in 100."
         );
-        assert!(say(0.3)[0].contains("unclear whether that is more than noise"));
+        assert!(say(0.3)[0].contains("unclear whether it is more than noise"));
         assert_eq!(
             say(5.0)[0],
-            "5.00 ± 0.10 mm from the drawing, more than its uncertainty: noise alone does that less than once in a million times."
+            "5.00 ± 0.10 mm from the drawing, more than its uncertainty: noise alone would cause it less than once in a million times."
         );
         let unexplained = &say(5.0)[1];
         assert!(unexplained.starts_with("5.00 ± 0.10 mm from the drawing. The model does not"));

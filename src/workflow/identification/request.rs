@@ -1,4 +1,4 @@
-//! What is identified from which data, made from a session or from a dataset and command-line arguments alike.
+//! Identification requests, made from a session or from a dataset and command-line arguments alike.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -8,25 +8,25 @@ use tautline_core::estimation::{EstimationError, Geometry, Loss, Method, Poses, 
 use tautline_core::measurement::Dataset;
 use tautline_session::Session;
 
-/// Most samples of a recording in motion that are identified from.
+/// Largest number of samples used of a recording in motion.
 const MOST_SAMPLES: usize = 1500;
 
-/// What to identify.
+/// A request: what to identify from which data.
 #[derive(Debug, Clone)]
 pub struct IdentificationRequest {
-    /// Robot and measurements, without the excluded poses; readings are on the channels on which the model has them.
+    /// Robot and measurements, without the excluded poses; readings are on the channels that the model states.
     pub dataset: Arc<Dataset>,
-    /// How tensions enter.
+    /// Treatment of the tensions.
     pub method: Method,
     /// Effects whose parameters are identified; those of the robot's own model are held.
     pub effects: Vec<BoundEffect>,
-    /// What else is asked for.
+    /// Other options.
     pub options: IdentificationOptions,
-    /// Whether the result lists every reading. A summary does without, which takes a fraction of the memory.
+    /// Whether the result lists every reading. A summary does not, which takes a fraction of the memory.
     pub lists_readings: bool,
 }
 
-/// What can be asked for besides the method; by default what identification is.
+/// Options besides the method; the defaults are those of a usual identification.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IdentificationOptions {
     /// Loss function of the standardised residuals.
@@ -48,7 +48,7 @@ impl Default for IdentificationOptions {
 }
 
 impl IdentificationOptions {
-    /// The problem without free effects, which starts at the robot's own values.
+    /// The problem without free effects, which starts at the values of the robot.
     pub(super) fn problem(
         self,
         dataset: &Dataset,
@@ -63,11 +63,11 @@ impl IdentificationOptions {
 }
 
 impl IdentificationRequest {
-    /// Identifies the robot of a dataset, with its raw measurements, together with `effects`; recordings in motion are
+    /// A request to identify the robot of a dataset with its raw measurements, together with `effects`; recordings in motion are
     /// thinned to independent samples.
     ///
-    /// Effects without a parameter to estimate, as exchanged channels, become part of the robot's model; those of a pose
-    /// that is not in the data act on nothing and are left out.
+    /// Effects without a parameter to estimate, such as exchanged channels, become part of the robot's model; effects at a pose
+    /// that is not in the data do nothing and are left out.
     ///
     /// # Errors
     /// If an effect does not fit the robot.
@@ -85,14 +85,14 @@ impl IdentificationRequest {
                 free.push(bound);
             }
         }
-        // Of a recording in motion those samples whose noise is independent.
+        // Of a recording in motion, only samples with independent noise are used.
         if let Some(samples) = dataset
             .measurements
             .independent_samples(&dataset.robot, MOST_SAMPLES)
         {
             dataset.measurements = samples;
         }
-        // Only exchanged channels make measurements of their own.
+        // Only exchanged channels change the measurements.
         let modelled = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
         if let Cow::Owned(modelled) = modelled {
             dataset.measurements = modelled;
@@ -106,7 +106,7 @@ impl IdentificationRequest {
         })
     }
 
-    /// What a session asks for.
+    /// The request that a session's settings state.
     ///
     /// # Errors
     /// If an effect does not fit the robot.
@@ -117,8 +117,8 @@ impl IdentificationRequest {
     }
 }
 
-/// How tensions enter under a method of a session. The published method weighs nothing and has no standard deviations:
-/// what needs them takes the joint one in its place.
+/// Treatment of the tensions for a method of a session. The published method has no weights and no standard deviations:
+/// where they are needed, the joint method replaces it.
 #[must_use]
 pub fn solved_method(method: tautline_session::Method) -> Method {
     match method {

@@ -1,13 +1,13 @@
-//! Residuals of readings as every screen and every document shows them: prediction minus reading, as
-//! [`tautline_core::estimation::Observation`] defines it.
+//! Residuals of readings as shown on every screen and in every document: prediction minus reading, see
+//! [`tautline_core::estimation::Observation`].
 
 use tautline_core::diagnosis::Quantity;
 use tautline_core::estimation::{Analysis, Observation, ObservationKind};
 
-/// What the axis of a plot of residuals says.
+/// Axis label of plots of residuals.
 pub const RESIDUAL: &str = "Prediction minus reading";
 
-/// Kind and cable of a reading; none for the balance of forces, which no sensor reads.
+/// Quantity and cable of a reading; `None` for the equilibrium of forces, which no sensor reads.
 #[must_use]
 pub fn group_of(kind: ObservationKind) -> Option<(Quantity, Option<usize>)> {
     Some(match kind {
@@ -28,7 +28,7 @@ pub fn all_readings(analysis: &Analysis) -> impl Iterator<Item = &Observation> {
     readings.filter(|reading| group_of(reading.kind).is_some())
 }
 
-/// The readings of a kind, of one cable where they belong to cables, in the order of the rows.
+/// The readings of a quantity, of one cable if they belong to cables, in the order of the rows.
 pub fn readings_of(
     analysis: &Analysis,
     quantity: Quantity,

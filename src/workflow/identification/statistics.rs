@@ -1,5 +1,5 @@
-//! The statistics of an identification, reading by reading and value by value, as a table: what JAG3D calls observations
-//! and unknown parameters.
+//! The statistics of an identification as tables of observations and of unknown parameters, as in
+//! JAG3D.
 
 use tautline_core::diagnosis::Quantity;
 use tautline_core::estimation::{DetectionTest, Observation, Parameter, ParameterId};
@@ -10,7 +10,7 @@ use super::{Identification, all_readings, group_of, reading_name};
 use crate::exporting::Table;
 use crate::wording::units::unit_of;
 
-/// Probability with which a value lies in its interval.
+/// Confidence level of the intervals.
 pub const CONFIDENCE: f64 = 0.95;
 
 /// A reading with its residual and its reliability (SI units).
@@ -20,9 +20,9 @@ pub struct ReadingStatistics {
     pub pose: i64,
     /// Kind of reading.
     pub quantity: Quantity,
-    /// Its cable, if it has one.
+    /// Cable of the reading, if it has one.
     pub cable: Option<usize>,
-    /// What was read: `length of cable-3`.
+    /// Name of the reading: `length of cable-3`.
     pub name: String,
     /// SI unit.
     pub unit: &'static str,
@@ -30,15 +30,15 @@ pub struct ReadingStatistics {
     pub residual: f64,
     /// Standard deviation of the reading.
     pub sd: f64,
-    /// Share of an error of the reading that shows in its residual.
+    /// Redundancy: share of an error of the reading that shows in its residual.
     pub redundancy: Option<f64>,
-    /// The residual in its own standard deviations.
+    /// Normalised residual: the residual in its own standard deviations.
     pub normalised: Option<f64>,
-    /// The smallest error that the test detects.
+    /// Smallest detectable error: internal reliability.
     pub smallest_error: Option<f64>,
-    /// How far that error moves the entry point that it moves most (m).
+    /// Displacement by that error of the entry point it moves most (m): external reliability.
     pub influence_m: Option<f64>,
-    /// The cable of that entry point.
+    /// Cable of that entry point.
     pub moves: Option<usize>,
     /// Whether the reading fails the test.
     pub is_suspect: bool,
@@ -47,21 +47,21 @@ pub struct ReadingStatistics {
 /// An estimated value (SI units).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValueStatistics {
-    /// What it is: `cable-3 entry point x`.
+    /// Name of the parameter: `cable-3 entry point x`.
     pub name: String,
-    /// Its cable, if it is a coordinate of a pulley.
+    /// Cable of the parameter, if it is a coordinate of a pulley.
     pub cable: Option<usize>,
-    /// SI unit; none for coefficients.
+    /// SI unit; empty for coefficients.
     pub unit: &'static str,
-    /// What the description says.
+    /// Nominal value according to the description.
     pub nominal: Option<f64>,
-    /// What was identified.
+    /// Identified value.
     pub value: f64,
-    /// Its standard deviation; `None` where the data do not determine it.
+    /// Standard deviation of the value; `None` if the data do not determine it.
     pub sd: Option<f64>,
-    /// The standard deviation before anything was measured.
+    /// Prior standard deviation.
     pub prior_sd: Option<f64>,
-    /// Ends of the interval in which it lies with the probability [`CONFIDENCE`].
+    /// Confidence interval at the level [`CONFIDENCE`].
     pub interval: Option<[f64; 2]>,
 }
 
@@ -75,7 +75,7 @@ pub fn unit_of_reading(quantity: Quantity) -> &'static str {
     }
 }
 
-/// The statistics of all readings, in the order of the poses. The test is the one by which suspicious readings are found.
+/// The statistics of all readings, in the order of the poses, by the test that finds suspect readings.
 #[must_use]
 pub fn reading_statistics(fit: &Identification) -> Vec<ReadingStatistics> {
     let test = fit.analysis.test();
@@ -135,7 +135,7 @@ pub fn value_statistics(fit: &Identification) -> Vec<ValueStatistics> {
         .collect()
 }
 
-/// Nominal and identified value of a parameter (SI units); the nominal one only where it is one number.
+/// Nominal and identified value of a parameter (SI units); the nominal one only if it is a single number.
 #[must_use]
 pub fn nominal_and_value(
     fit: &Identification,
@@ -173,7 +173,7 @@ pub fn nominal_and_value(
     }
 }
 
-/// SI unit of a parameter; none for coefficients.
+/// SI unit of a parameter; empty for coefficients.
 #[must_use]
 pub fn unit_of_value(fit: &Identification, parameter: &Parameter) -> &'static str {
     let name = match parameter.id {

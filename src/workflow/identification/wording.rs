@@ -1,4 +1,4 @@
-//! What an identification says, in words.
+//! An identification in words.
 
 use tautline_core::estimation::{Observation, ObservationKind};
 use tautline_core::robot::Robot;
@@ -8,7 +8,7 @@ use crate::wording::count;
 use crate::wording::units::signed;
 
 impl IdentificationDocument {
-    /// The first line of whatever is said about it: the robot, how it was identified and whether that converged.
+    /// First line of every report: the robot, the method, and whether it converged.
     #[must_use]
     pub fn summary(&self, robot: &str) -> String {
         let (poses, steps) = (
@@ -27,7 +27,7 @@ impl IdentificationDocument {
 }
 
 impl Identification {
-    /// The first line of whatever is said about it: the robot, how it was identified and whether that converged.
+    /// First line of every report: the robot, the method, and whether it converged.
     #[must_use]
     pub fn summary(&self) -> String {
         self.document().summary(&self.dataset.robot.name)
@@ -52,7 +52,7 @@ impl Identification {
     }
 }
 
-/// What was read: `length of cable-3`.
+/// Name of a reading: `length of cable-3`.
 #[must_use]
 pub fn reading_name(robot: &Robot, kind: ObservationKind) -> String {
     let cable = |index: usize| robot.cables[index].name.as_str();

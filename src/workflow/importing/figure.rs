@@ -1,20 +1,20 @@
-//! A channel over time, with the poses that are cut out of it.
+//! Plots of channels over time, with the poses extracted from them.
 
 use tautline_import::{PoseReport, Series, Source, outline};
 
 use crate::plot::figure::{Axis, Curve, Figure, Ink};
 
-/// Parts of a recording that are told apart in a plot over the whole width of a screen.
+/// Number of parts of a recording that a plot over the whole width of a screen can resolve.
 const COLUMNS: usize = 1200;
 
-/// The courses of all channels, one list for each series. They are found once, because a recording may be long.
+/// The outlines of all channels, one list per series. They are computed once, because a recording may be long.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Outlines {
     series: Vec<Vec<Vec<(usize, f64)>>>,
 }
 
 impl Outlines {
-    /// The courses of all channels of sources.
+    /// Computes the outlines of all channels of the sources.
     #[must_use]
     pub fn of(sources: &[Source]) -> Self {
         let series = sources.iter().flat_map(|source| &source.series);
@@ -29,7 +29,7 @@ impl Outlines {
         }
     }
 
-    /// Rows and values of a channel of numbers.
+    /// Rows and values of a numeric channel.
     #[must_use]
     pub fn channel(&self, series: usize, channel: usize) -> &[(usize, f64)] {
         let found = self.series.get(series).and_then(|one| one.get(channel));
@@ -37,7 +37,7 @@ impl Outlines {
     }
 }
 
-/// A channel over time, or over rows where there are no times, with the poses behind it.
+/// A channel over time, or over rows if there are no times, with the poses behind it.
 #[must_use]
 pub fn channel_figure(
     name: &str,
@@ -51,7 +51,7 @@ pub fn channel_figure(
         None => row as f64 + 1.0,
     };
     let label = unit.map_or_else(|| name.to_owned(), |unit| format!("{name} ({unit})"));
-    // Where every row is a pose nothing has to be told apart.
+    // If every row is a pose, there are no spans to mark.
     let are_cut = poses.iter().any(|pose| pose.rows > 1);
     let spans = poses
         .iter()

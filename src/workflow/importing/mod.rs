@@ -1,4 +1,4 @@
-//! Files of other programs, from what was opened to the dataset of a session.
+//! Import of files of other programs, from opening a path to the dataset of a session.
 
 mod figure;
 #[cfg(test)]
@@ -18,24 +18,24 @@ use tautline_session::{
 use crate::documents::record;
 pub use figure::{Outlines, channel_figure};
 
-/// What was opened.
+/// Content of an opened path.
 #[derive(Debug)]
 pub enum Opened {
-    /// One of our own files.
+    /// A file of Tautline.
     Own(Box<Import>),
-    /// The description of a robot by another program.
+    /// A robot description of another program.
     Robot(Box<Robot>),
     /// A recipe for importing.
     Recipe(Box<Recipe>),
-    /// Readings in a file or folder of another program.
+    /// Readings from a file or folder of another program.
     Sources(Vec<Source>),
 }
 
-/// Opens whatever `path` is, recognised by its content; `into` is the open session. Meanwhile `goes_on` is told which part
-/// is read, and says whether to read on.
+/// Opens `path`, whose kind is recognised by its content; `into` is the open session. `goes_on` is called with the fraction
+/// read so far, and returns whether to continue.
 ///
 /// # Errors
-/// If nothing reads it, in one sentence with the place.
+/// If no reader recognises it; one sentence with the place.
 pub fn open(
     path: &Path,
     into: Option<&Session>,
@@ -57,7 +57,7 @@ pub fn open(
     Ok(read_sources(&paths, goes_on)?.map(Opened::Sources))
 }
 
-/// The description of a robot is in two files of one folder: that of the bodies belongs to that of the cables.
+/// The files of a robot description: those of CASPR are two in one folder, bodies and cables.
 fn robot_files(path: &Path) -> Vec<PathBuf> {
     let mut files = vec![path.to_owned()];
     let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -78,13 +78,13 @@ pub fn last_recipe(session: &Session) -> Option<Recipe> {
     serde_json::from_value(record.document.value()).ok()
 }
 
-/// A recipe as it is kept in the session.
+/// A recipe in the form that sessions record.
 #[must_use]
 pub fn recipe_record(session: &Session, recipe: &Recipe, now: Timestamp) -> ResultRecord {
     record(session, "Recipe of the import", recipe, now)
 }
 
-/// A session that begins with what was imported.
+/// A new session from imported measurements.
 #[must_use]
 pub fn session_of(name: &str, robot: Robot, imported: &Imported, now: Timestamp) -> Session {
     let mut session = Session::new(name, robot, now);
@@ -92,7 +92,7 @@ pub fn session_of(name: &str, robot: Robot, imported: &Imported, now: Timestamp)
     session
 }
 
-/// Sources and a recipe to poses; the recipe goes without a name in messages, because it is on the screen.
+/// Imports sources by a recipe, which has no name in messages because it is on the screen.
 ///
 /// # Errors
 /// As [`tautline_import::import`].

@@ -1,4 +1,4 @@
-//! What a figure is drawn on: the screen, or a [`Drawing`](super::drawing::Drawing) for files.
+//! Drawing surface of figures: the screen, or a [`Drawing`](super::drawing::Drawing) for files.
 
 use ecolor::Color32;
 use emath::{Align2, Pos2, Rect, Vec2};
@@ -15,16 +15,16 @@ pub struct Stroke {
 }
 
 impl Stroke {
-    /// A line of this width and colour.
+    /// A stroke of this width and colour.
     #[must_use]
     pub fn new(width: f32, colour: Color32) -> Self {
         Self { width, colour }
     }
 }
 
-/// Receives shapes in the order in which they are painted; positions and sizes are in points, y downwards.
+/// Receives shapes in painting order; positions and sizes are in points, y downwards.
 pub trait Canvas {
-    /// Clips all that follows to a rectangle, or ends clipping.
+    /// Clips everything that follows to a rectangle, or ends clipping.
     fn clip(&mut self, part: Option<Rect>);
     /// A filled rectangle.
     fn fill(&mut self, rect: Rect, colour: Color32);

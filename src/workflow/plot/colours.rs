@@ -2,31 +2,31 @@
 
 use ecolor::Color32;
 
-/// The colours that a figure is drawn in.
+/// Colours of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Colours {
-    /// Behind the data.
+    /// Background of the data.
     pub ground: Color32,
     /// Axes and grid.
     pub line: Color32,
     /// Titles.
     pub text: Color32,
-    /// Numbers at the axes; what is less important.
+    /// Tick labels and secondary text.
     pub muted: Color32,
-    /// What is selected, and data that belong to no cable.
+    /// The selection, and data that do not belong to a cable.
     pub accent: Color32,
-    /// Limits and what is within them.
+    /// Limits and data within them.
     pub good: Color32,
-    /// Doubtful.
+    /// Doubtful data.
     pub warning: Color32,
-    /// Ends of the scale of heat maps with both signs: below and above zero, which is the ground.
+    /// Ends of the diverging scale of heat maps, below and above zero; zero has the background colour.
     pub diverging: [Color32; 2],
     /// Colours of the cables.
     pub cables: [Color32; 8],
 }
 
 impl Colours {
-    /// Colour of a cable by its index; from the ninth on colours repeat, numbers do not.
+    /// Colour of a cable by its index; colours repeat from the ninth cable on, numbers do not.
     #[must_use]
     pub fn cable(&self, index: usize) -> Color32 {
         self.cables[index % self.cables.len()]

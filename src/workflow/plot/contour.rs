@@ -1,10 +1,10 @@
-//! Lines of equal value of a heat map (marching squares between the middles of its cells).
+//! Contour lines of a heat map (marching squares between the centres of its cells).
 
-use super::figure::Heat;
+use super::figure::HeatMap;
 
-/// The line of a level: pieces with a place that is not finite after each.
+/// The contour of a level, as pieces that end with a non-finite point.
 #[must_use]
-pub fn contours(heat: &Heat, level: f64) -> Vec<[f64; 2]> {
+pub fn contours(heat: &HeatMap, level: f64) -> Vec<[f64; 2]> {
     let middles = |edges: &[f64]| -> Vec<f64> {
         edges
             .windows(2)
@@ -25,7 +25,7 @@ pub fn contours(heat: &Heat, level: f64) -> Vec<[f64; 2]> {
             let around = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
             let mut crossings =
                 (0..4).filter_map(|k| crossing(around[k], around[(k + 1) % 4], level));
-            // Four crossings are a saddle: two pieces.
+            // Four crossings are a saddle point with two pieces.
             while let (Some(a), Some(b)) = (crossings.next(), crossings.next()) {
                 line.extend([a, b, [f64::NAN; 2]]);
             }
@@ -46,7 +46,7 @@ fn crossing(a: ([f64; 2], f64), b: ([f64; 2], f64), level: f64) -> Option<[f64; 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::figure::{Axis, Shades};
+    use crate::plot::figure::{Axis, ColourScale};
 
     #[test]
     fn the_contour_of_a_cone_is_a_circle() {
@@ -56,11 +56,11 @@ mod tests {
         for y in &middle {
             values.extend(middle.iter().map(|x| x.hypot(*y)));
         }
-        let heat = Heat {
+        let heat = HeatMap {
             x: edges.clone(),
             y: edges,
             values,
-            shades: Shades::Rising(0.0, 2.0),
+            shades: ColourScale::Rising(0.0, 2.0),
             axis: Axis::default(),
             names: Default::default(),
             cables: Vec::new(),

@@ -11,32 +11,32 @@ use super::scale::{Scale, Tick, fixed, scale_ticks, ticks};
 use super::thin::{Thinned, thin};
 use super::{Drawing, Selection};
 
-/// Size of the texts at axes and in the legend (points).
+/// Font size of axes and legend (points).
 pub const TEXT: f32 = 11.5;
 /// Unit of all spacing (points).
 pub const GRID: f32 = 4.0;
-/// Markers up to which every point has its own shape; beyond they are small squares.
+/// Largest number of markers with shapes of their own; more are drawn as small squares.
 const MOST_SHAPES: usize = 3000;
-/// Ticks of the y axis for which room is made in the lowest plot.
+/// Number of ticks of the y axis for which the lowest plot has room.
 const FEWEST_TICKS: usize = 4;
-/// Largest part of the height for title and legend; two lines have room always.
+/// Largest fraction of the height for title and legend; there is always room for two lines.
 const LEGEND: f32 = 0.34;
-/// Width of an average character of the font, in sizes of the font.
+/// Average width of a character, relative to the font size.
 const CHARACTER: f32 = 0.55;
 
 /// An entry of the legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// Where it is.
+    /// Its rectangle.
     pub rect: Rect,
     /// Its text.
     pub text: String,
     sign: Sign,
-    /// The cable it stands for.
+    /// The cable it represents.
     pub cable: Option<usize>,
 }
 
-/// What an entry of the legend shows beside its text.
+/// The symbol of a legend entry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Sign {
     Marker(Marker, Ink),
@@ -46,16 +46,16 @@ enum Sign {
     Band,
 }
 
-/// Where the parts of a figure are.
+/// Layout of the parts of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
-    /// Everything.
+    /// Rectangle of the whole figure.
     pub whole: Rect,
-    /// Which values are shown, and the rectangle of the data.
+    /// Displayed values, and the rectangle of the data.
     pub scale: Scale,
     /// The legend, above the data.
     pub legend: Vec<Entry>,
-    /// Where the title along x begins if it stands beside the ticks, else infinite.
+    /// Left edge of the x axis title if it is beside the ticks, else infinite.
     x_title: f32,
     x_ticks: Vec<Tick>,
     y_ticks: Vec<Tick>,
@@ -72,17 +72,17 @@ impl Layout {
     ) -> Self {
         let line = TEXT + GRID;
         let title = width(&figure.y.title()) + 4.0 * GRID;
-        // In a low plot the data come first: what has no room is left out, bands and curves before cables.
+        // In a low plot the data take precedence: what has no room is left out, bands and curves before cables.
         let room = (LEGEND * whole.height()).max(2.0 * line);
         let legend = legend(figure, whole.with_max_y(whole.min.y + room), title, width);
         let lines = legend.iter().map(|entry| entry.rect.max.y - whole.min.y);
         let top = lines.fold(line, f32::max) + GRID;
-        // A short title stands beside the ticks, a long one below; names say what they are themselves.
+        // A short title is placed beside the ticks, a long one below; axes with names need no title.
         let x_title = width(&figure.x.title());
         let is_long = x_title > 0.25 * whole.width();
         let bottom = if is_long { 2.0 * line } else { line } + GRID;
         let height = (whole.height() - top - bottom).max(16.0);
-        // A low plot still has a scale.
+        // Even a low plot has a scale.
         let most = ((height / 28.0) as usize).max(FEWEST_TICKS);
         let y_ticks = scale_ticks(&figure.y, view[1], most);
         let widest = y_ticks.iter().map(|(_, text)| width(text));
@@ -98,7 +98,7 @@ impl Layout {
         );
         let longest = width(&fixed(view[0][1], (view[0][1] - view[0][0]) / 10.0)) + 6.0 * GRID;
         let most = (plot.width() / longest.max(40.0)) as usize;
-        // Powers of ten alone would leave a short logarithmic axis without any.
+        // Powers of ten alone could leave a short logarithmic axis without ticks.
         let x_ticks = match figure.x.is_logarithmic {
             true => scale_ticks(&figure.x, view[0], most),
             false => ticks(&figure.x, view[0], most),
@@ -117,9 +117,9 @@ impl Layout {
     }
 }
 
-/// The entries that have room in a rectangle, beside a title that ends at `left` or below it.
+/// The legend entries that fit into a rectangle, beside a title that ends at `left` or below it.
 fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) -> Vec<Entry> {
-    // Many cables are named by their numbers alone, so that the data keep the space.
+    // Many cables are identified by their numbers only, which leaves more room for the data.
     let is_short = figure.series.len() > 4;
     let series = figure.series.iter().filter(|one| !one.short.is_empty());
     let series = series.map(|one| {
@@ -142,7 +142,7 @@ fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) 
         .iter()
         .map(|(_, text, _)| width(text) + 5.0 * GRID)
         .fold(0.0, f32::max);
-    // Beside the title, or below it where there is no room.
+    // Beside the title, or below it if there is no room.
     let (left, top) = if left + widest > whole.width() {
         (0.0, line)
     } else {
@@ -169,17 +169,17 @@ fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) 
     entries
 }
 
-/// What is painted of a figure in a view; found once per view, not per frame.
+/// The points of a figure that are painted in a view; computed once per view, not per frame.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Seen {
+pub struct VisiblePoints {
     /// Points of each series.
     pub thinned: Vec<Thinned>,
     /// Points of the selected pose: series and index.
     pub selected: Vec<(usize, usize)>,
 }
 
-impl Seen {
-    /// Finds what is painted at a resolution.
+impl VisiblePoints {
+    /// Computes the points to paint at a resolution.
     #[must_use]
     pub fn new(
         figure: &Figure,
@@ -201,7 +201,7 @@ impl Seen {
         }
     }
 
-    /// Whether there are so many points that they have no shapes of their own.
+    /// Whether there are so many points that they are drawn as small squares.
     #[must_use]
     pub fn is_dense(&self) -> bool {
         let counts = self.thinned.iter().map(|thinned| thinned.points.len());
@@ -209,22 +209,22 @@ impl Seen {
     }
 }
 
-/// A figure as it is painted.
+/// A figure ready for painting.
 #[derive(Debug, Clone, Copy)]
 pub struct Plot<'a> {
-    /// What is plotted.
+    /// The figure.
     pub figure: &'a Figure,
-    /// Where its parts are.
+    /// Its layout.
     pub layout: &'a Layout,
-    /// What is painted of its points.
-    pub seen: &'a Seen,
-    /// What is highlighted.
+    /// The points to paint.
+    pub seen: &'a VisiblePoints,
+    /// The highlighted cable and pose.
     pub selection: Selection,
-    /// In which colours.
+    /// Colours.
     pub colours: &'a Colours,
 }
 
-/// The whole of a figure as a drawing of `size`, its texts magnified by `scale`.
+/// A drawing of `size` of the whole figure, with texts magnified by `scale`.
 #[must_use]
 pub fn drawing(
     label: impl Into<String>,
@@ -241,7 +241,7 @@ pub fn drawing(
     let plot = Plot {
         figure,
         layout: &layout,
-        seen: &Seen::new(figure, &layout.scale, selection, 1.0),
+        seen: &VisiblePoints::new(figure, &layout.scale, selection, 1.0),
         selection,
         colours,
     };
@@ -265,7 +265,7 @@ impl Plot<'_> {
         self.draw_before(canvas);
     }
 
-    /// Paints what is behind the points; what follows is clipped to the area of the data.
+    /// Paints everything behind the points; what follows is clipped to the data area.
     pub fn draw_behind(&self, canvas: &mut dyn Canvas) {
         let scale = &self.layout.scale;
         canvas.clip(Some(scale.rect));
@@ -280,7 +280,7 @@ impl Plot<'_> {
         }
     }
 
-    /// Marks ranges of x; a short one is a line at least.
+    /// Marks ranges of x; a short range is at least a line.
     fn spans(&self, canvas: &mut dyn Canvas) {
         let scale = &self.layout.scale;
         let colour = self.colours.good.gamma_multiply(0.22);
@@ -292,7 +292,7 @@ impl Plot<'_> {
         }
     }
 
-    /// Paints what is over the points and around them.
+    /// Paints everything over and around the points.
     pub fn draw_before(&self, canvas: &mut dyn Canvas) {
         self.curves(canvas);
         for (s, index) in &self.seen.selected {
@@ -316,7 +316,7 @@ impl Plot<'_> {
         }
     }
 
-    /// The series in the order in which they are painted, that of the selected cable last and over the others; and
+    /// The series in painting order, with the selected cable last and thus on top; and
     /// whether each is dimmed.
     pub fn order(&self) -> impl Iterator<Item = (usize, bool)> {
         let selected = self.selection.cable;
@@ -374,14 +374,14 @@ impl Plot<'_> {
         }
     }
 
-    /// Colours of a series and of its points that are not used.
+    /// Colours of a series and of its unused points.
     fn colours(&self, series: &Series, is_dimmed: bool) -> [Color32; 2] {
         let strength = if is_dimmed { 0.3 } else { 1.0 };
         let colour = series.ink.colour(self.colours).gamma_multiply(strength);
         [colour, self.colours.muted.gamma_multiply(0.6 * strength)]
     }
 
-    /// Gives very many points as small squares.
+    /// Passes the points as small squares, for very many points.
     pub fn dots(&self, index: usize, is_dimmed: bool, fill: &mut dyn FnMut(Rect, Color32)) {
         let (series, thinned) = (&self.figure.series[index], &self.seen.thinned[index]);
         let [colour, excluded] = self.colours(series, is_dimmed);
@@ -471,7 +471,7 @@ impl Plot<'_> {
         canvas.text(at, Align2::LEFT_TOP, &title, TEXT, colours.text);
     }
 
-    /// An entry of the legend.
+    /// Paints an entry of the legend.
     fn entry(&self, canvas: &mut dyn Canvas, entry: &Entry) {
         let colours = self.colours;
         let at = entry.rect.left_center() + vec2(2.0 * GRID, 0.0);
@@ -501,8 +501,8 @@ impl Plot<'_> {
     }
 }
 
-/// Which labels are drawn so that none covers another. Names can be closer than their size: numbers of cables, which are
-/// short, come before long names.
+/// Selects the labels to draw so that none overlaps another. Where names are too close, numbers of cables,
+/// which are short, take precedence over long names.
 fn apart(spans: Vec<Rangef>, ticks: &[Tick]) -> Vec<Option<Rangef>> {
     let mut order: Vec<usize> = (0..spans.len()).collect();
     let is_number = |k: &usize| ticks[*k].1.parse::<f64>().is_ok();
@@ -518,7 +518,7 @@ fn apart(spans: Vec<Rangef>, ticks: &[Tick]) -> Vec<Option<Rangef>> {
     kept
 }
 
-/// The columns of pixels that have more points than are painted.
+/// Fills the pixel columns that contain more points than are painted.
 fn crowded(thinned: &Thinned, colour: Color32, fill: &mut dyn FnMut(Rect, Color32)) {
     for (x, range) in &thinned.columns {
         let rect = Rect::from_x_y_ranges(Rangef::new(x - 0.5, x + 0.5), *range);

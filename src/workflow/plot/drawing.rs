@@ -1,4 +1,4 @@
-//! Vector drawings: shapes in points (1/72 inch), y downwards, that become SVG or part of a PDF page.
+//! Vector drawings: shapes in points (1/72 inch), y downwards, which are rendered to SVG or to a PDF page.
 
 use std::fmt::Write as _;
 
@@ -7,14 +7,14 @@ use emath::{Align, Align2, Pos2, Rect};
 
 use super::canvas::{Canvas, Stroke};
 
-/// Where a text stands relative to its point.
+/// Horizontal alignment of a text relative to its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
-    /// It begins there.
+    /// The text starts at the point.
     Start,
-    /// Its middle is there.
+    /// The text is centred at the point.
     Middle,
-    /// It ends there.
+    /// The text ends at the point.
     End,
 }
 
@@ -72,17 +72,17 @@ pub enum Shape {
     },
     /// A line of text.
     Text {
-        /// A point on its base line.
+        /// A point on its baseline.
         at: [f64; 2],
         /// Size of the font.
         size: f64,
-        /// Where it stands relative to the point.
+        /// Alignment relative to the point.
         anchor: Anchor,
         /// Its colour.
         colour: Color32,
         /// Whether it is bold.
         bold: bool,
-        /// What it says.
+        /// The text.
         text: String,
     },
 }
@@ -90,11 +90,11 @@ pub enum Shape {
 /// A drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
-    /// What it shows, for those who do not see it.
+    /// Text alternative for readers who cannot see it.
     pub label: String,
     /// Width and height.
     pub size: [f64; 2],
-    /// Its shapes, the lowest first.
+    /// Shapes, from bottom to top.
     pub shapes: Vec<Shape>,
 }
 
@@ -119,13 +119,13 @@ impl Drawing {
         }
     }
 
-    /// As an SVG element inside of HTML.
+    /// The drawing as an SVG element for HTML.
     #[must_use]
     pub fn svg(&self) -> String {
         self.element("")
     }
 
-    /// As an SVG file.
+    /// The drawing as an SVG file.
     #[must_use]
     pub fn svg_file(&self) -> String {
         self.element(" xmlns=\"http://www.w3.org/2000/svg\"")
@@ -182,7 +182,7 @@ impl Shape {
     fn write(&self, svg: &mut String) -> std::fmt::Result {
         match self {
             Self::Clip(None) => svg.write_str("</svg>"),
-            // An inner picture clips, and needs no name that other drawings of the page could have, too.
+            // A nested svg element clips without an identifier that other drawings on the page could share.
             Self::Clip(Some([[x, y], [w, h]])) => write!(
                 svg,
                 "<svg x=\"{x:.2}\" y=\"{y:.2}\" width=\"{w:.2}\" height=\"{h:.2}\" viewBox=\"{x:.2} {y:.2} {w:.2} {h:.2}\">"
@@ -280,7 +280,7 @@ fn paint(name: &str, colour: Color32) -> String {
     text
 }
 
-/// Text in which no character is markup.
+/// Text with markup characters escaped.
 fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     // Writing to a string cannot fail.
@@ -288,9 +288,9 @@ fn escaped(text: &str) -> String {
     escaped
 }
 
-/// Collects shapes.
+/// Canvas that records shapes.
 struct Recorder {
-    /// Point of the canvas that is the upper left corner of the drawing.
+    /// Point of the canvas at the upper left corner of the drawing.
     origin: Pos2,
     scale: f64,
     shapes: Vec<Shape>,
@@ -357,7 +357,7 @@ impl Canvas for Recorder {
     }
 
     fn text(&mut self, at: Pos2, align: Align2, text: &str, size: f32, colour: Color32) {
-        // A canvas aligns the box around a text; drawings have its base line.
+        // A canvas aligns the bounding box of a text, a drawing its baseline.
         let down = match align.y() {
             Align::Min => 0.95,
             Align::Center => 0.36,

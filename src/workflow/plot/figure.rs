@@ -1,20 +1,20 @@
-//! A plot as data: what is drawn on screen and written to files, independent of theme, zoom and selection.
+//! A plot as data, for screen and files, independent of theme, zoom and selection.
 
 use ecolor::Color32;
 
 use super::colours::Colours;
 use crate::wording::cable_label;
 
-/// A colour by its role; [`Colours`] say which it is.
+/// A colour by its role, which [`Colours`] define.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ink {
-    /// Of the cable with this index.
+    /// Colour of the cable with this index.
     Cable(usize),
-    /// What is selected or comes next.
+    /// The selection, or the next step.
     Accent,
     /// Text.
     Text,
-    /// What is less important.
+    /// Secondary elements.
     Muted,
     /// Within limits.
     Good,
@@ -37,18 +37,18 @@ impl Ink {
     }
 }
 
-/// Shape of a point, so that colour is not the only sign.
+/// Marker of a point, so that colour is not the only distinction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Marker {
     /// A disc.
     Circle,
     /// A square.
     Square,
-    /// A triangle on its base.
+    /// Upright triangle.
     Triangle,
-    /// A square on its corner.
+    /// A square standing on its corner.
     Diamond,
-    /// A triangle on its tip.
+    /// Inverted triangle.
     Wedge,
     /// Upright cross.
     Plus,
@@ -70,7 +70,7 @@ impl Marker {
         Self::Pentagon,
     ];
 
-    /// Marker of a cable by its index; from the ninth on markers repeat, numbers do not.
+    /// Marker of a cable by its index; markers repeat from the ninth cable on, numbers do not.
     #[must_use]
     pub fn cable(index: usize) -> Self {
         Self::ALL[index % Self::ALL.len()]
@@ -80,15 +80,15 @@ impl Marker {
 /// An axis with its unit.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Axis {
-    /// What it shows.
+    /// Quantity on the axis.
     pub label: String,
     /// Unit; empty if there is none.
     pub unit: &'static str,
-    /// Values are logarithms to base 10; ticks show the numbers themselves.
+    /// Whether values are logarithms to base 10; tick labels show the numbers themselves.
     pub is_logarithmic: bool,
-    /// Values are whole numbers, such as poses.
+    /// Whether values are integers, such as labels of poses.
     pub is_whole: bool,
-    /// Names at places, instead of numbers.
+    /// Names at positions along the axis, in place of numbers.
     pub names: Vec<(f64, String)>,
 }
 
@@ -103,7 +103,7 @@ impl Axis {
         }
     }
 
-    /// An axis with whole numbers that have no unit.
+    /// An axis with integers, without unit.
     #[must_use]
     pub fn whole(label: impl Into<String>) -> Self {
         Self {
@@ -112,7 +112,7 @@ impl Axis {
         }
     }
 
-    /// The number that a value on the axis stands for.
+    /// The number that a value on the axis represents.
     #[must_use]
     pub fn number(&self, value: f64) -> f64 {
         if self.is_logarithmic {
@@ -122,7 +122,7 @@ impl Axis {
         }
     }
 
-    /// Label with unit, as it stands at the axis.
+    /// Label with unit, as displayed.
     #[must_use]
     pub fn title(&self) -> String {
         if self.unit.is_empty() {
@@ -142,9 +142,9 @@ pub struct Point {
     pub y: f64,
     /// Standard deviations along x and y; 0 draws no bar.
     pub sd: [f64; 2],
-    /// Label of the pose it belongs to.
+    /// Label of its pose.
     pub pose: Option<i64>,
-    /// Shown, but not used.
+    /// Whether it is shown but not used.
     pub excluded: bool,
 }
 
@@ -160,26 +160,26 @@ impl Point {
     }
 }
 
-/// Points that belong together, ascending in x.
+/// A series of points, ascending in x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Name in legend and files.
     pub name: String,
     /// Short name where space is scarce, such as the number of the cable.
     pub short: String,
-    /// Cable they belong to.
+    /// Cable of the points.
     pub cable: Option<usize>,
     /// Colour.
     pub ink: Ink,
-    /// Shape.
+    /// Marker.
     pub marker: Marker,
-    /// Whether points are rings, as for the second of two sets.
+    /// Whether markers are hollow, as for the second of two sets.
     pub hollow: bool,
     points: Vec<Point>,
 }
 
 impl Series {
-    /// Points of a kind that no cable has of its own; those that are not finite are left out.
+    /// A series that belongs to no cable; non-finite points are left out.
     #[must_use]
     pub fn new(name: impl Into<String>, ink: Ink, marker: Marker, mut points: Vec<Point>) -> Self {
         points.retain(|point| point.x.is_finite() && point.y.is_finite());
@@ -196,7 +196,7 @@ impl Series {
         }
     }
 
-    /// Points of a cable, in its colour and marker, with its number.
+    /// A series of a cable, in its colour and marker, with its number.
     #[must_use]
     pub fn of_cable(index: usize, name: impl Into<String>, points: Vec<Point>) -> Self {
         let name = name.into();
@@ -207,7 +207,7 @@ impl Series {
         }
     }
 
-    /// The same as rings, as the second of two sets of the same cable.
+    /// The series with hollow markers, as the second of two sets of the same cable.
     #[must_use]
     pub fn as_rings(self) -> Self {
         Self {
@@ -223,7 +223,7 @@ impl Series {
     }
 }
 
-/// A line through places.
+/// A polyline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// Name in legend and files; empty for lines that need none.
@@ -232,11 +232,11 @@ pub struct Curve {
     pub ink: Ink,
     /// Whether it is dashed.
     pub dashed: bool,
-    /// Places in the order of the line; a place that is not finite interrupts it.
+    /// Points of the line in order; a non-finite point interrupts it.
     pub points: Vec<[f64; 2]>,
 }
 
-/// Columns of a histogram.
+/// A histogram.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
     /// Name in legend and files.
@@ -245,42 +245,42 @@ pub struct Columns {
     pub ink: Ink,
     /// Whether only the outline is drawn, as for the second of two histograms.
     pub outline: bool,
-    /// Borders, one more than heights.
+    /// Edges of the bins, one more than heights.
     pub edges: Vec<f64>,
-    /// Height of each.
+    /// Height of each bin.
     pub heights: Vec<f64>,
 }
 
-/// Colours of a heat map.
+/// Colour scale of a heat map.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shades {
-    /// Symmetric about 0, saturated at this value.
+pub enum ColourScale {
+    /// Diverging: symmetric about 0, saturated at this value.
     Diverging(f64),
-    /// From the least to the greatest value.
+    /// Sequential: from the smallest to the largest value.
     Rising(f64, f64),
 }
 
-/// Cells with values.
+/// A heat map.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Heat {
-    /// Borders along x, one more than columns.
+pub struct HeatMap {
+    /// Edges along x, one more than columns.
     pub x: Vec<f64>,
-    /// Borders along y, one more than rows.
+    /// Edges along y, one more than rows.
     pub y: Vec<f64>,
-    /// Values, row after row from the first border of y.
+    /// Values, row by row from the first edge of y.
     pub values: Vec<f64>,
-    /// How values become colours.
-    pub shades: Shades,
-    /// What the values are, with unit.
+    /// Colour scale.
+    pub shades: ColourScale,
+    /// Quantity and unit of the values.
     pub axis: Axis,
-    /// Names of columns and rows for the label under the pointer, where they have names.
+    /// Names of columns and rows for the label at the pointer, if they have names.
     pub names: [Vec<String>; 2],
-    /// Cables of the rows, where rows belong to cables.
+    /// Cables of the rows, if rows belong to cables.
     pub cables: Vec<Option<usize>>,
 }
 
-impl Heat {
-    /// Column, row and value of the cell at a place.
+impl HeatMap {
+    /// Column, row and value of the cell at a point.
     #[must_use]
     pub fn cell(&self, x: f64, y: f64) -> Option<(usize, usize, f64)> {
         let of = |edges: &[f64], value: f64| {
@@ -294,40 +294,40 @@ impl Heat {
     }
 }
 
-/// A band over the whole width.
+/// A horizontal band over the whole width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Band {
-    /// What it stands for.
+    /// Meaning of the band.
     pub name: String,
-    /// Lower and upper border.
+    /// Lower and upper edge.
     pub y: [f64; 2],
 }
 
 /// A plot as data.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Figure {
-    /// Along x.
+    /// x axis.
     pub x: Axis,
-    /// Along y.
+    /// y axis.
     pub y: Axis,
-    /// Behind everything.
-    pub heat: Option<Heat>,
-    /// Ranges of x that are marked, behind everything but a heat map, such as the parts of a recording that are used.
+    /// Heat map, behind everything.
+    pub heat: Option<HeatMap>,
+    /// Marked ranges of x, behind everything but a heat map, such as the used parts of a recording.
     pub spans: Vec<[f64; 2]>,
-    /// Behind the points.
+    /// Horizontal bands, behind the points.
     pub bands: Vec<Band>,
     /// Histograms.
     pub columns: Vec<Columns>,
     /// Points.
     pub series: Vec<Series>,
-    /// Lines, over the points.
+    /// Curves, over the points.
     pub curves: Vec<Curve>,
     /// Whether a line marks y = 0.
     pub has_zero_line: bool,
 }
 
 impl Figure {
-    /// The view that shows everything: `[x, y]` with least and greatest value each, with a margin.
+    /// The view that shows everything: `[x, y]` with smallest and largest value each, plus a margin.
     #[must_use]
     pub fn whole(&self) -> [[f64; 2]; 2] {
         let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
@@ -370,7 +370,7 @@ impl Figure {
     }
 }
 
-/// A range widened by a share of its width at both ends; never empty.
+/// A range extended by a fraction of its width at both ends; never empty.
 fn padded([low, high]: [f64; 2], share: f64) -> [f64; 2] {
     if !(low.is_finite() && high.is_finite()) {
         return [0.0, 1.0];
@@ -427,11 +427,11 @@ mod tests {
 
     #[test]
     fn cells_are_found_by_place() {
-        let heat = Heat {
+        let heat = HeatMap {
             x: vec![0.0, 1.0, 2.0],
             y: vec![0.0, 1.0],
             values: vec![5.0, 7.0],
-            shades: Shades::Diverging(1.0),
+            shades: ColourScale::Diverging(1.0),
             axis: Axis::default(),
             names: Default::default(),
             cables: Vec::new(),

@@ -1,12 +1,12 @@
-//! Curves without the parts along which there are no data.
+//! Curves interrupted where there are no data.
 
-/// A gap is this part of what the data span, at least.
+/// Smallest gap, as a fraction of the range of the data.
 const LEAST: f64 = 0.15;
-/// And so many times the usual distance of neighbours.
+/// Smallest gap, as a multiple of the usual distance of neighbours.
 const TIMES: f64 = 4.0;
 
-/// Pieces of a curve with ascending x that lie where data are: it is cut where neighbours of `data` (values of x, in any
-/// order) are far apart.
+/// Pieces of a curve with ascending x that lie where there are data: the curve is cut where neighbours in `data` (values of x,
+/// in any order) are far apart.
 #[must_use]
 pub fn without_gaps(curve: &[[f64; 2]], data: &[f64]) -> Vec<Vec<[f64; 2]>> {
     let mut data: Vec<f64> = data.iter().copied().filter(|x| x.is_finite()).collect();
@@ -23,7 +23,7 @@ pub fn without_gaps(curve: &[[f64; 2]], data: &[f64]) -> Vec<Vec<[f64; 2]>> {
         .filter(|pair| pair[1] - pair[0] > least)
         .map(|pair| [pair[0], pair[1]])
         .collect();
-    // The number of gaps before a place tells its piece; in a gap there is none.
+    // The number of gaps to the left identifies the piece; points inside a gap belong to none.
     let piece = |x: f64| {
         let is_inside = gaps.iter().any(|[from, to]| *from < x && x < *to);
         (!is_inside).then(|| gaps.iter().filter(|[_, to]| *to <= x).count())

@@ -1,4 +1,4 @@
-//! Heat maps: cells, their colours, and the scale beside them.
+//! Heat maps: cells, colours, and the colour scale beside them.
 
 use ecolor::Color32;
 use emath::{Align2, Pos2, Rect, lerp, vec2};
@@ -6,14 +6,14 @@ use emath::{Align2, Pos2, Rect, lerp, vec2};
 use super::canvas::Canvas;
 use super::colours::Colours;
 use super::draw::{GRID, TEXT};
-use super::figure::{Heat, Shades};
+use super::figure::{ColourScale, HeatMap};
 use super::scale::{Scale, fixed};
 
 /// Width of the colour scale of a heat map.
 pub const SCALE_WIDTH: f32 = 12.0;
 
 /// Draws the cells.
-pub fn cells(canvas: &mut dyn Canvas, heat: &Heat, scale: &Scale, colours: &Colours) {
+pub fn cells(canvas: &mut dyn Canvas, heat: &HeatMap, scale: &Scale, colours: &Colours) {
     let columns = heat.x.len().saturating_sub(1).max(1);
     for (index, value) in heat.values.iter().enumerate() {
         let (row, column) = (index / columns, index % columns);
@@ -26,32 +26,32 @@ pub fn cells(canvas: &mut dyn Canvas, heat: &Heat, scale: &Scale, colours: &Colo
 }
 
 /// Colour of a value of a heat map.
-fn shade(shades: Shades, value: f64, colours: &Colours) -> Color32 {
+fn shade(shades: ColourScale, value: f64, colours: &Colours) -> Color32 {
     match shades {
-        // Zero is the ground itself, so that what is large stands out.
-        Shades::Diverging(most) => {
+        // Zero has the background colour, so that large values stand out.
+        ColourScale::Diverging(most) => {
             let t = (value / most).clamp(-1.0, 1.0) as f32;
             let end = colours.diverging[usize::from(t >= 0.0)];
             colours.ground.lerp_to_gamma(end, t.abs())
         }
-        Shades::Rising(low, high) => {
+        ColourScale::Rising(low, high) => {
             let t = ((value - low) / (high - low)).clamp(0.0, 1.0) as f32;
             colours.ground.lerp_to_gamma(colours.accent, 0.08 + 0.8 * t)
         }
     }
 }
 
-/// Values at the ends of the colours.
+/// Values at the ends of the colour scale.
 #[must_use]
-pub fn limits(shades: Shades) -> [f64; 2] {
+pub fn limits(shades: ColourScale) -> [f64; 2] {
     match shades {
-        Shades::Diverging(most) => [-most, most],
-        Shades::Rising(low, high) => [low, high],
+        ColourScale::Diverging(most) => [-most, most],
+        ColourScale::Rising(low, high) => [low, high],
     }
 }
 
-/// Draws the colours with their values beside the data.
-pub fn colour_scale(canvas: &mut dyn Canvas, heat: &Heat, plot: Rect, colours: &Colours) {
+/// Draws the colour scale with its values beside the data.
+pub fn colour_scale(canvas: &mut dyn Canvas, heat: &HeatMap, plot: Rect, colours: &Colours) {
     const STEPS: usize = 64;
     let bar = Rect::from_min_max(
         Pos2::new(plot.max.x + 3.0 * GRID, plot.min.y + TEXT + 2.0 * GRID),

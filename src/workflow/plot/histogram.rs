@@ -1,9 +1,9 @@
-//! Histograms of standardised residuals beside the normal density that they should have.
+//! Histograms of standardised residuals with the normal density expected of them.
 
 use std::f64::consts::TAU;
 
-/// Counts values in bins of equal width between `-reach` and `reach`; the outermost bins also count what is farther out.
-/// Gives the edges, one more than bins, and the counts.
+/// Counts values in bins of equal width between `-reach` and `reach`; the outermost bins include values beyond.
+/// Returns the edges, one more than bins, and the counts.
 #[must_use]
 pub fn histogram(values: &[f64], reach: f64, bins: usize) -> (Vec<f64>, Vec<f64>) {
     let width = 2.0 * reach / bins as f64;

@@ -1,8 +1,8 @@
 //! Plots: a [`Figure`] is data, a [`Plot`] paints it on any [`Canvas`], so that the window, exported files and reports
-//! draw alike.
+//! look alike.
 //!
-//! [`Layout`] places axes, ticks and legend; [`Seen`] are the points that are worth painting in a view. `emath` and
-//! `ecolor` are the geometry and the colours of egui without its widgets, so that the window paints without converting.
+//! [`Layout`] places axes, ticks and legend; [`VisiblePoints`] holds the points worth painting in a view. `emath` and
+//! `ecolor` are the geometry and the colours of egui without its widgets, so that the window needs no conversion.
 
 pub mod canvas;
 pub mod colours;
@@ -20,13 +20,13 @@ pub mod thin;
 
 pub use canvas::{Canvas, Stroke};
 pub use colours::Colours;
-pub use draw::{Layout, Plot, Seen};
+pub use draw::{Layout, Plot, VisiblePoints};
 pub use drawing::Drawing;
 pub use figure::Figure;
 pub use heat::limits;
 pub use scale::Scale;
 
-/// What is highlighted: a cable, a pose, or both, since a residual is that of a cable at a pose.
+/// The highlighted cable, pose, or both, as a residual belongs to a cable at a pose.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Selection {
     /// Index of the cable.
@@ -54,7 +54,7 @@ impl Selection {
         }
     }
 
-    /// The same with another cable.
+    /// The selection with another cable.
     #[must_use]
     pub fn with_cable(self, index: usize) -> Self {
         Self {
@@ -63,7 +63,7 @@ impl Selection {
         }
     }
 
-    /// The same with another pose.
+    /// The selection with another pose.
     #[must_use]
     pub fn with_pose(self, label: i64) -> Self {
         Self {

@@ -1,13 +1,13 @@
 //! Round numbers: 1, 2 or 5 times a power of ten.
 
-/// Rounding of the powers, relative.
+/// Relative tolerance for the rounding of powers.
 const ROUNDING: f64 = 1e-9;
 
 fn power_of(value: f64) -> f64 {
     10_f64.powf(value.log10().floor())
 }
 
-/// The largest round number that is at most `most`; 1 where that is no positive number.
+/// The largest round number not above `most`; 1 if that is not a positive number.
 #[must_use]
 pub fn round_down(most: f64) -> f64 {
     if !(most.is_finite() && most > 0.0) {
@@ -21,7 +21,7 @@ pub fn round_down(most: f64) -> f64 {
     found.unwrap_or(power)
 }
 
-/// The smallest round number that is at least `least`, which is positive.
+/// The smallest round number not below `least`, which must be positive.
 #[must_use]
 pub fn round_up(least: f64) -> f64 {
     let power = power_of(least);

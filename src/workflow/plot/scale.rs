@@ -1,4 +1,4 @@
-//! From values to points of the screen or the page, and the ticks of an axis.
+//! Mapping of values to points on screen or page, and the ticks of an axis.
 
 use emath::{Pos2, Rect, Vec2};
 
@@ -6,49 +6,49 @@ use super::figure::Axis;
 use super::round::round_up;
 use crate::wording::units;
 
-/// What a plot shows and where.
+/// The view of a plot and its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
-    /// Least and greatest value along x and y.
+    /// Smallest and largest value along x and y.
     pub view: [[f64; 2]; 2],
-    /// Where it is drawn.
+    /// Rectangle of the data.
     pub rect: Rect,
 }
 
 impl Scale {
-    /// Place of a value along x.
+    /// Position of a value along x.
     #[must_use]
     pub fn x(&self, value: f64) -> f32 {
         let [low, high] = self.view[0];
         self.rect.min.x + (((value - low) / (high - low)) * f64::from(self.rect.width())) as f32
     }
 
-    /// Place of a value along y; upwards is greater.
+    /// Position of a value along y; larger values are higher.
     #[must_use]
     pub fn y(&self, value: f64) -> f32 {
         let [low, high] = self.view[1];
         self.rect.max.y - (((value - low) / (high - low)) * f64::from(self.rect.height())) as f32
     }
 
-    /// Place of a pair of values.
+    /// Position of a pair of values.
     #[must_use]
     pub fn place(&self, x: f64, y: f64) -> Pos2 {
         Pos2::new(self.x(x), self.y(y))
     }
 
-    /// A line over the whole width at a height.
+    /// A horizontal line over the whole width.
     #[must_use]
     pub fn across(&self, y: f32) -> [Pos2; 2] {
         [self.rect.min.x, self.rect.max.x].map(|x| Pos2::new(x, y))
     }
 
-    /// A line over the whole height.
+    /// A vertical line over the whole height.
     #[must_use]
     pub fn upright(&self, x: f32) -> [Pos2; 2] {
         [self.rect.min.y, self.rect.max.y].map(|y| Pos2::new(x, y))
     }
 
-    /// Values at a place.
+    /// Values at a position.
     #[must_use]
     pub fn values(&self, place: Pos2) -> [f64; 2] {
         let [x, y] = self.view;
@@ -59,7 +59,7 @@ impl Scale {
         ]
     }
 
-    /// The view zoomed about a place; a factor above 1 shows less.
+    /// The view zoomed about a position; a factor above 1 zooms in.
     #[must_use]
     pub fn zoomed(&self, about: Pos2, factor: [f64; 2]) -> [[f64; 2]; 2] {
         let centre = self.values(about);
@@ -67,7 +67,7 @@ impl Scale {
             let [low, high] = self.view[axis];
             let at = centre[axis];
             let zoomed = [low, high].map(|end| at + (end - at) / factor[axis]);
-            // Beyond this, neighbouring numbers are the same.
+            // At a higher zoom, neighbouring numbers would be equal.
             let smallest = 1e-9 * low.abs().max(high.abs()).max(1e-6);
             if zoomed[1] - zoomed[0] < smallest || !(zoomed[1] - zoomed[0]).is_finite() {
                 [low, high]
@@ -92,7 +92,7 @@ impl Scale {
 /// A tick: value and text.
 pub type Tick = (f64, String);
 
-/// Ticks that say how large something is: as many as a scale needs.
+/// Smallest number of ticks from which a scale can be read.
 const FEWEST: usize = 3;
 /// Multiples of powers of ten at which a logarithmic axis has ticks, the rarest first.
 const MULTIPLES: [&[f64]; 3] = [
@@ -101,8 +101,8 @@ const MULTIPLES: [&[f64]; 3] = [
     &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
 ];
 
-/// Ticks of an axis at round numbers, about `most` of them, but at least three wherever numbers between whole ones
-/// mean something.
+/// Ticks of an axis at round numbers, about `most` of them, but at least three if numbers between integers
+/// are meaningful.
 #[must_use]
 pub fn scale_ticks(axis: &Axis, view: [f64; 2], most: usize) -> Vec<Tick> {
     let usual = ticks(axis, view, most);
@@ -136,7 +136,7 @@ fn within_decades([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
     if let Some(ticks) = by_multiples.find(|ticks| ticks.len() >= FEWEST) {
         return ticks;
     }
-    // So little of a decade is as good as linear.
+    // Such a small part of a decade is nearly linear.
     let numbers = [low, high].map(|end| 10_f64.powf(end));
     let ticks = scale_ticks(&Axis::default(), numbers, most).into_iter();
     ticks
@@ -145,7 +145,7 @@ fn within_decades([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// A multiple of a power of ten.
+/// A multiple of a power of ten in plain notation.
 fn plain(number: f64, decade: i32) -> String {
     match decade {
         -3..=6 => format!("{number:.*}", decade.min(0).unsigned_abs() as usize),
@@ -171,7 +171,7 @@ pub fn ticks(axis: &Axis, [low, high]: [f64; 2], most: usize) -> Vec<Tick> {
     let count = ((high / step).floor() - first).max(-1.0) as usize + 1;
     (0..count.min(1000))
         .map(|k| {
-            // Not `-0`.
+            // Avoids `-0`.
             let value = (first + k as f64) * step + 0.0;
             let text = match axis.is_whole {
                 true => format!("{value:.0}"),
@@ -182,7 +182,7 @@ pub fn ticks(axis: &Axis, [low, high]: [f64; 2], most: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// The smallest of 1, 2, 5 times a power of ten that gives at most `most` ticks; a whole number where asked.
+/// The smallest of 1, 2, 5 times a power of ten that gives at most `most` ticks; an integer if `is_whole`.
 fn step([low, high]: [f64; 2], most: usize, is_whole: bool) -> f64 {
     let step = round_up((high - low) / most.max(1) as f64);
     if is_whole {
@@ -204,7 +204,7 @@ fn text(value: f64, step: f64, is_logarithmic: bool) -> String {
     fixed(value, step)
 }
 
-/// A number with the decimals that a step needs, without exponent where it can be avoided.
+/// A number with the decimals of a step, without exponent if possible.
 #[must_use]
 pub fn fixed(value: f64, step: f64) -> String {
     let decimals = (-step.log10() + 1e-9).ceil().max(0.0);
@@ -215,7 +215,7 @@ pub fn fixed(value: f64, step: f64) -> String {
     units::fixed(value, decimals as usize).replace('-', "\u{2212}")
 }
 
-/// A number with the decimals that a screen of `view` can tell apart.
+/// A number with the decimals that can be distinguished in a view.
 #[must_use]
 pub fn readable(value: f64, [low, high]: [f64; 2]) -> String {
     fixed(value, (high - low) / 500.0)

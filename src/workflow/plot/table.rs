@@ -2,9 +2,9 @@
 
 use tautline_session::csv_row;
 
-use super::figure::{Figure, Heat, Point};
+use super::figure::{Figure, HeatMap, Point};
 
-/// All values in the view, also those that share a pixel: one row per point, place of a line, column or cell.
+/// All values in the view, including those that share a pixel: one row per point, point of a curve, bin or cell.
 #[must_use]
 pub fn csv(figure: &Figure, view: [[f64; 2]; 2]) -> String {
     let is_seen = |x: f64, y: f64| {
@@ -40,7 +40,7 @@ pub fn csv(figure: &Figure, view: [[f64; 2]; 2]) -> String {
     table
 }
 
-/// Points, places of named lines, and middles of columns, with the names of what they belong to.
+/// Points, points of named curves, and centres of bins, each with the name of its set.
 fn values(figure: &Figure) -> Vec<(&str, Point)> {
     let mut values = Vec::new();
     for series in &figure.series {
@@ -60,7 +60,7 @@ fn values(figure: &Figure) -> Vec<(&str, Point)> {
     values
 }
 
-fn cells(figure: &Figure, heat: &Heat, is_seen: &dyn Fn(f64, f64) -> bool) -> String {
+fn cells(figure: &Figure, heat: &HeatMap, is_seen: &dyn Fn(f64, f64) -> bool) -> String {
     let mut table = csv_row(&[&figure.x.title(), &figure.y.title(), &heat.axis.title()]);
     let columns = heat.x.len().saturating_sub(1).max(1);
     let [names_x, names_y] = &heat.names;

@@ -1,25 +1,25 @@
-//! Fewer points than were measured, without a visible difference: the least and the greatest of each column of
-//! pixels, so that no outlier is lost.
+//! Thinning of points without a visible difference: the smallest and largest in each column of pixels are kept, so that no
+//! outlier is lost.
 
 use emath::Rangef;
 
 use super::figure::Series;
 use super::scale::Scale;
 
-/// Points of a series that are drawn.
+/// The drawn points of a series.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Thinned {
     /// Their indices, ascending.
     pub points: Vec<usize>,
-    /// Columns of pixels that have more points than are drawn: x and the range of y between least and greatest.
+    /// Pixel columns with more points than are drawn: x, and the range of y between smallest and largest.
     pub columns: Vec<(f32, Rangef)>,
 }
 
-/// Points that are all drawn: at few places along x, as lengths that were measured several times, columns would hide
-/// what lies between.
+/// Number of points up to which all are drawn: at few places along x, as for lengths measured several times, thinning
+/// would hide the points in between.
 const FEW: usize = 500;
 
-/// Points to draw of a series in a view; `pixels_per_point` is the resolution of the screen.
+/// The points of a series to draw in a view; `pixels_per_point` is the resolution of the screen.
 #[must_use]
 pub fn thin(series: &Series, scale: &Scale, pixels_per_point: f32) -> Thinned {
     let points = series.points();

@@ -1,4 +1,4 @@
-//! Values of phases 1 and 2 applied to a robot.
+//! Applies the values of phases 1 and 2 to a robot.
 
 use std::f64::consts::PI;
 
@@ -6,10 +6,10 @@ use tautline_core::cable::ElongationSurface;
 use tautline_core::instrument::HomeAverage;
 use tautline_core::robot::{Cable, Home, Robot, Winch};
 
-/// Chooses the drum's diameter so that a motor revolution pays out `metres`; pitch and gear ratio stay.
+/// Sets the drum diameter so that one motor revolution pays out `metres`; pitch and gear ratio stay.
 ///
 /// # Errors
-/// One sentence if no drum of this pitch does that.
+/// One sentence, if no drum with this pitch does so.
 pub fn set_cable_per_revolution(winch: &mut Winch, metres: f64) -> Result<(), String> {
     let (per_turn, pitch) = (metres * winch.gear_ratio, winch.drum_pitch_m);
     if per_turn <= pitch {
@@ -26,7 +26,7 @@ pub fn set_cable_per_revolution(winch: &mut Winch, metres: f64) -> Result<(), St
 /// Sets gain and bias (N) of a cable's force sensor.
 ///
 /// # Errors
-/// One sentence if the cable has none.
+/// One sentence, if the cable has no force sensor.
 pub fn set_force_sensor(cable: &mut Cable, gain: f64, bias_n: f64) -> Result<(), String> {
     let Some(sensor) = &mut cable.force_sensor else {
         return Err(format!(
@@ -39,10 +39,10 @@ pub fn set_force_sensor(cable: &mut Cable, gain: f64, bias_n: f64) -> Result<(),
     Ok(())
 }
 
-/// Sets the home pose and its covariance; the standard deviation of all coordinates (m, rad) is that of the worst.
+/// Sets the home pose and its covariance; the standard deviation of all coordinates (m, rad) is that of the worst one.
 ///
 /// # Errors
-/// One sentence if the robot has no home pose.
+/// One sentence, if the robot has no home pose.
 pub fn set_home(robot: &mut Robot, measured: &HomeAverage) -> Result<(), String> {
     let largest = |values: [f64; 3]| values.into_iter().fold(0.0, f64::max);
     let Some(home) = &mut robot.home else {

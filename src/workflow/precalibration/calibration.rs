@@ -1,4 +1,4 @@
-//! The fits of the tables of phases 1 and 2, computed once for each state of them.
+//! Fits of the tables of phases 1 and 2, computed once for each state of the tables.
 
 use tautline_core::geometry::Pose;
 use tautline_core::instrument::{
@@ -12,7 +12,7 @@ use super::fits::{
     ElongationFit, average_home, fit_elongation, fit_force_sensor, fit_home, fit_winch,
 };
 
-/// The fit of one cable's instrument, or one sentence.
+/// The fit of one cable's instrument, or one sentence why there is none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PerCable<T> {
     /// Index of the cable.
@@ -21,39 +21,39 @@ pub struct PerCable<T> {
     pub fit: Result<T, String>,
 }
 
-/// The robot with fitted values in place of its own.
+/// The robot with fitted values replacing its own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proposal {
-    /// The robot, or one sentence why it cannot have the values.
+    /// The robot, or one sentence why it cannot adopt the values.
     pub robot: Result<Robot, String>,
-    /// Whether the robot of the session has the values already.
+    /// Whether the robot of the session already has the values.
     pub is_used: bool,
-    /// Values that have no place in the robot, one sentence each.
+    /// Fitted values that the robot cannot hold, one sentence each.
     pub left_out: Vec<String>,
 }
 
-/// Fits of phases 1 and 2; empty where nothing was measured.
+/// Fits of phases 1 and 2; empty without measurements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
     robot: Robot,
     phases: PhaseData,
-    /// Winches that were measured, in the order of the cables.
+    /// Fits of the measured winches, in the order of the cables.
     pub winches: Vec<PerCable<WinchCalibration>>,
-    /// The robot with their values.
+    /// The robot with the values of the winches.
     pub with_winches: Proposal,
-    /// Force sensors that were measured, in the order of the cables.
+    /// Fits of the measured force sensors, in the order of the cables.
     pub force_sensors: Vec<PerCable<ForceSensorCalibration>>,
-    /// The robot with their values.
+    /// The robot with the values of the force sensors.
     pub with_force_sensors: Proposal,
-    /// The home pose by the home platform.
+    /// The home pose from the home platform.
     pub home: Option<Result<HomeMeasurement, String>>,
     /// The mean of all measurements of the home pose.
     pub home_average: Option<HomeAverage>,
-    /// The robot with it.
+    /// The robot with the mean home pose.
     pub with_home: Proposal,
-    /// The elongation of the cables.
+    /// Fit of the elongation of the cables.
     pub elongation: Option<Result<ElongationFit, String>>,
-    /// The robot with it.
+    /// The robot with the fitted elongation.
     pub with_elongation: Proposal,
 }
 
@@ -103,7 +103,7 @@ impl Calibration {
         }
     }
 
-    /// The robot with all fitted values at once.
+    /// The robot with all fitted values.
     #[must_use]
     pub fn with_all(&self) -> Proposal {
         Proposal::new(&self.robot, |robot, left_out| {
@@ -138,7 +138,7 @@ fn per_cable<T>(
 }
 
 impl Proposal {
-    /// The robot after `change`, which adds what has no place in it to its second argument.
+    /// The robot after `change`, which adds values that the robot cannot hold to its second argument.
     fn new(
         robot: &Robot,
         change: impl FnOnce(&mut Robot, &mut Vec<String>) -> Result<(), String>,
@@ -156,7 +156,7 @@ impl Proposal {
     }
 }
 
-/// Gives the winches the drums that pay out what was measured.
+/// Sets the drums of the winches so that they pay out the measured lengths.
 fn apply_winches(robot: &mut Robot, fits: &[PerCable<WinchCalibration>]) -> Result<(), String> {
     for PerCable { cable, fit } in fits {
         if let (Ok(fit), Some(cable)) = (fit, robot.cables.get_mut(*cable)) {
@@ -167,7 +167,7 @@ fn apply_winches(robot: &mut Robot, fits: &[PerCable<WinchCalibration>]) -> Resu
     Ok(())
 }
 
-/// Gives the force sensors gain and bias; those that are not in the robot are `left_out`.
+/// Sets gain and bias of the force sensors; sensors that the robot does not have are added to `left_out`.
 fn apply_force_sensors(
     robot: &mut Robot,
     fits: &[PerCable<ForceSensorCalibration>],
@@ -197,7 +197,7 @@ fn with_home(robot: &Robot, average: Option<&HomeAverage>) -> Proposal {
         apply_home(robot, average, left_out);
         Ok(())
     });
-    // The fit starts from the home pose of the robot, so once it is used it still changes by rounding.
+    // The fit starts from the home pose of the robot, so after adoption it still changes by rounding.
     let is_used = match (&proposal.robot, &robot.home) {
         (Ok(changed), Some(now)) => changed.home.is_some_and(|new| is_same_home(&new, now)),
         _ => proposal.is_used,
@@ -208,7 +208,7 @@ fn with_home(robot: &Robot, average: Option<&HomeAverage>) -> Proposal {
     }
 }
 
-/// The same up to rounding (m, rad).
+/// Whether two home poses are equal to rounding (m, rad).
 fn is_same_home(a: &Home, b: &Home) -> bool {
     const ROUNDING: f64 = 1e-9;
     let (pose_a, pose_b): (Pose, Pose) = (a.pose(), b.pose());

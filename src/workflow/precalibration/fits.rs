@@ -1,4 +1,4 @@
-//! The fits of phases 1 and 2; an error is one sentence that names the cable where there is one.
+//! Fits of phases 1 and 2; an error is one sentence that names the cable, if there is one.
 
 use tautline_core::cable::{DegreeChoice, ElongationTriple, choose_elongation_degree};
 use tautline_core::geometry::Pose;
@@ -17,7 +17,7 @@ fn of_cable(robot: &Robot, cable: usize, message: impl ToString) -> String {
 /// Fits the winch of one cable to its pairs.
 ///
 /// # Errors
-/// If the pairs do not determine it, or say that positive revolutions take cable in.
+/// If the pairs do not determine it, or positive revolutions reel cable in.
 pub fn fit_winch(
     robot: &Robot,
     pairs: &[WinchPair],
@@ -61,14 +61,15 @@ pub fn fit_force_sensor(
     calibrate_force_sensor(&pairs).map_err(|error| of_cable(robot, cable, error))
 }
 
-/// Finds the home pose from the readings of the home platform.
+/// Computes the home pose from the readings of the home platform.
 ///
 /// # Errors
 /// If the robot has no home platform, or its sensors do not give a pose.
 pub fn fit_home(robot: &Robot, rows: &[HomeReading]) -> Result<HomeMeasurement, String> {
     let Some(platform) = &robot.home_platform else {
         return Err(
-            "robot.json has no home_platform, expected one to make a pose of the readings".into(),
+            "robot.json has no home_platform, expected one to compute a pose from the readings"
+                .into(),
         );
     };
     let mut readings = vec![Vec::new(); platform.sensors.len()];
@@ -89,8 +90,8 @@ pub fn fit_home(robot: &Robot, rows: &[HomeReading]) -> Result<HomeMeasurement, 
     Ok(home)
 }
 
-/// The mean of all measurements of the home pose: those of the home platform, which count as one whose covariance is that
-/// of the mean of its readings, and each of the others. `None` without any.
+/// The mean of all measurements of the home pose: that of the home platform, which counts as one with the covariance
+/// of the mean of its readings, and each of the others. `None` without measurements.
 #[must_use]
 pub fn average_home(
     platform: Option<&Result<HomeMeasurement, String>>,
@@ -115,7 +116,7 @@ pub fn average_home(
     HomeAverage::of(&all)
 }
 
-/// The home pose of robot.json in the reference frame, or where both frames coincide.
+/// The home pose of robot.json in the reference frame; identity if there is none.
 #[must_use]
 pub fn home_start_in_reference(robot: &Robot, platform: &HomePlatform) -> Pose {
     let Some(home) = &robot.home else {
@@ -129,18 +130,18 @@ pub fn home_start_in_reference(robot: &Robot, platform: &HomePlatform) -> Pose {
     }
 }
 
-/// A surface through measured elongations.
+/// An elongation surface fitted to measurements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElongationFit {
-    /// The surface and how every degree did.
+    /// The surface, and the scores of all degrees.
     pub choice: DegreeChoice,
     /// Measured minus fitted elongation of each point (m).
     pub residuals_m: Vec<f64>,
-    /// Largest residual without sign (m).
+    /// Largest absolute residual (m).
     pub largest_residual_m: f64,
 }
 
-/// Fits a surface, its degree chosen by cross-validation.
+/// Fits a surface whose degree is chosen by cross-validation.
 ///
 /// # Errors
 /// If the points do not determine any surface.

@@ -1,4 +1,4 @@
-//! The tables of phases 1 and 2 as files.
+//! Files of the tables of phases 1 and 2.
 
 use std::path::Path;
 
@@ -35,10 +35,10 @@ pub enum TableRows {
 }
 
 impl Table {
-    /// All.
+    /// All tables.
     pub const ALL: [Self; 4] = [Self::Winch, Self::Force, Self::Home, Self::Elongation];
 
-    /// Its usual file name.
+    /// Usual file name.
     #[must_use]
     pub fn file_name(self) -> &'static str {
         match self {
@@ -49,7 +49,7 @@ impl Table {
         }
     }
 
-    /// The columns that it has to have.
+    /// Required columns.
     #[must_use]
     pub fn columns(self) -> &'static [&'static str] {
         match self {
@@ -60,10 +60,10 @@ impl Table {
         }
     }
 
-    /// Reads its rows from a file.
+    /// Reads the rows from a file.
     ///
     /// # Errors
-    /// The place in the file that is wrong.
+    /// With the place of the error in the file.
     pub fn read(self, path: &Path, robot: &Robot) -> Result<Loaded<TableRows>, ReadError> {
         fn rows<T>(
             loaded: Loaded<Vec<T>>,
@@ -87,7 +87,7 @@ impl Table {
 }
 
 impl TableRows {
-    /// Which table they are of.
+    /// The table of these rows.
     #[must_use]
     pub fn table(&self) -> Table {
         match self {
@@ -109,7 +109,7 @@ impl TableRows {
         }
     }
 
-    /// Whether every row is of a cable that a robot with `cables` cables has.
+    /// Whether every row refers to a cable of a robot with `cables` cables.
     #[must_use]
     pub fn suit(&self, cables: usize) -> bool {
         match self {
@@ -119,7 +119,7 @@ impl TableRows {
         }
     }
 
-    /// Puts them in the place of the rows that were there.
+    /// Replaces the rows of the table.
     pub fn replace(self, phases: &mut PhaseData) {
         match self {
             Self::Winch(rows) => phases.winch = rows,

@@ -1,5 +1,5 @@
-//! The check before identification: are the readings complete and plausible, do they determine the geometry, and which
-//! faults would they show. Every part passes, fails or is not evaluated, with a sentence and what to do.
+//! Readiness check before identification: whether the readings are complete and plausible, whether they determine the
+//! geometry, and which faults they would reveal. Every part passes, fails or is not evaluated, with a sentence and advice.
 
 mod readings;
 #[cfg(test)]
@@ -16,15 +16,15 @@ use crate::documents::isolability::{IsolabilityDocument, IsolabilityTable, SEEN,
 use crate::wording::{count, list, sentence};
 use readings::{complete, plausible};
 
-/// What a part of the check came to.
+/// Outcome of a part of the check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CheckOutcome {
-    /// All is well.
+    /// Passed.
     Pass,
-    /// Something has to be done first.
+    /// Something must be done first.
     Fail,
-    /// It could not be said.
+    /// Could not be evaluated.
     NotEvaluated,
 }
 
@@ -33,11 +33,11 @@ pub enum CheckOutcome {
 pub struct CheckItem {
     /// What is checked: `complete`, `plausible`, `geometry` or `faults`.
     pub name: String,
-    /// What it came to.
+    /// Outcome.
     pub outcome: CheckOutcome,
-    /// Why, in one sentence or two.
+    /// Reason, in one or two sentences.
     pub sentence: String,
-    /// What to do; null where nothing is to be done.
+    /// Advice; null if nothing needs to be done.
     pub action: Option<String>,
 }
 
@@ -50,7 +50,7 @@ pub struct ReadinessDocument {
     pub ready: bool,
     /// The parts.
     pub checks: Vec<CheckItem>,
-    /// Which faults these poses show; null where that could not be evaluated.
+    /// Faults that these poses reveal; null if not evaluated.
     pub isolability: Option<IsolabilityDocument>,
 }
 
@@ -89,13 +89,13 @@ impl CheckItem {
     }
 }
 
-/// Checks a dataset, raw as it was measured.
+/// Checks a dataset with its raw measurements.
 #[must_use]
 pub fn check(dataset: &Dataset) -> ReadinessDocument {
     let mut checks = check_readings(dataset);
     let is_spoilt = checks.iter().any(|c| c.outcome == CheckOutcome::Fail);
     let fitted = if is_spoilt {
-        Fitted::Not("the readings are not fit for one".to_owned())
+        Fitted::Not("the readings cannot be used".to_owned())
     } else {
         fitted(dataset)
     };
@@ -121,7 +121,7 @@ pub fn check_readings(dataset: &Dataset) -> Vec<CheckItem> {
     vec![complete(dataset), plausible(dataset)]
 }
 
-/// A first fit, which says what the readings determine.
+/// A first fit, which shows what the readings determine.
 enum Fitted {
     At(Box<Solution>, Vec<String>),
     Not(String),
@@ -158,7 +158,7 @@ fn geometry(fitted: &Fitted) -> CheckItem {
         Fitted::Not(why) => item(
             CheckOutcome::NotEvaluated,
             format!(
-                "There is no fit to judge by: {}.",
+                "Not evaluated, as there is no fit: {}.",
                 why.trim_end_matches('.')
             ),
         )
@@ -166,7 +166,7 @@ fn geometry(fitted: &Fitted) -> CheckItem {
         Fitted::At(_, open) if !open.is_empty() => {
             let open = open.iter().map(|o| sentence(o.trim_end_matches('.')) + ".");
             item(CheckOutcome::Fail, open.collect::<Vec<_>>().join(" "))
-                .with("Plan and measure more poses, add an instrument, or give what is known in robot.json.")
+                .with("Plan and measure more poses, add an instrument, or state what is known in robot.json.")
         }
         Fitted::At(solution, _) => {
             let parameters = solution.parameters.len();
@@ -187,7 +187,7 @@ fn faults(isolability: Option<&IsolabilityDocument>) -> CheckItem {
     let Some(document) = isolability else {
         return item(
             CheckOutcome::NotEvaluated,
-            "There is no fit at which faults could be asked about.".to_owned(),
+            "Not evaluated, as there is no fit.".to_owned(),
         )
         .with("Correct the readings first.");
     };
@@ -199,14 +199,18 @@ fn faults(isolability: Option<&IsolabilityDocument>) -> CheckItem {
     if unseen.is_empty() {
         return item(CheckOutcome::Pass, table.summary());
     }
-    let said = format!("{} Not seen reliably: {}.", table.summary(), list(&unseen));
-    let advice = "Poses planned with `tautline plan --for both` show more; what stays unseen needs another instrument or a check in \
+    let sentence = format!(
+        "{} Not reliably detectable: {}.",
+        table.summary(),
+        list(&unseen)
+    );
+    let advice = "Poses planned with `tautline plan --for both` reveal more; the rest needs another instrument or a check in \
                   the workshop.";
-    // Some faults are below the noise of any poses: it is half of them that says that the poses are poor.
+    // Some faults are below the noise at any poses; the poses are poor if that holds for more than half of the faults.
     let outcome = if 2 * unseen.len() > table.kinds.len() {
         CheckOutcome::Fail
     } else {
         CheckOutcome::Pass
     };
-    item(outcome, said).with(advice)
+    item(outcome, sentence).with(advice)
 }

@@ -1,4 +1,4 @@
-//! Whether readings are complete and plausible, without any fit.
+//! Checks that readings are complete and plausible, without a fit.
 
 use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::measurement::{Dataset, Grid};
@@ -6,20 +6,20 @@ use tautline_core::measurement::{Dataset, Grid};
 use super::{CheckItem, CheckOutcome};
 use crate::wording::{count, list, sentence};
 
-/// Part of a cable's readings that may be missing.
+/// Largest fraction of a cable's readings that may be missing.
 const MISSING: f64 = 0.5;
-/// Correlation of lengths read and expected below which something else was read.
+/// Correlation of read and expected lengths below which the reading is that of something else.
 const CORRELATED: f64 = 0.8;
-/// Factors between changes of length read and expected that are plausible.
+/// Plausible range of the ratio of read to expected changes of length.
 const PLAUSIBLE: [f64; 2] = [0.7, 1.4];
-/// Tension below zero that no noise explains, in standard deviations of its sensor.
+/// Negative tension that noise does not explain, in standard deviations of its sensor.
 const PUSHING: f64 = 5.0;
-/// Distance between read and expected laser distance that is plausible (m).
+/// Plausible difference between read and expected laser distance (m).
 const LASER_OFF_M: f64 = 0.3;
-/// Poses from which lengths read and expected are compared.
+/// Smallest number of poses at which read and expected lengths are compared.
 const COMPARED: usize = 4;
 
-/// Kinds of readings of which each cable has one, with their names.
+/// Readings that every cable has, with their names.
 fn grids(dataset: &Dataset) -> Vec<(&'static str, &Grid)> {
     let data = &dataset.measurements;
     let all = [
@@ -41,7 +41,7 @@ pub(super) fn complete(dataset: &Dataset) -> CheckItem {
     if data.is_empty() || poses == 0 {
         return item(
             CheckOutcome::Fail,
-            "There is no measured pose besides home.".to_owned(),
+            "No pose other than home was measured.".to_owned(),
         )
         .with("Measure the planned poses first.");
     }
@@ -100,14 +100,14 @@ pub(super) fn complete(dataset: &Dataset) -> CheckItem {
     let is_elastic = cables.any(|c| c.cable.axial_stiffness_n.is_some());
     if is_elastic && data.force_n.is_empty() && dataset.robot.unread_tension().is_none() {
         return found.with(
-            "Forces were not read: state the mass and the limits of the tensions in robot.json, so that stretch, sag and \
+            "Forces were not read: state the mass and the tension limits in robot.json, so that stretch, sag and \
              gravity are modelled.",
         );
     }
     found
 }
 
-/// Changes of length between poses, read and expected where the platform was sent.
+/// Changes of length between poses, as read and as expected from the commanded poses.
 fn compared(dataset: &Dataset) -> Option<[Vec<Vec<f64>>; 2]> {
     let data = &dataset.measurements;
     let robot = &dataset.robot;
@@ -131,7 +131,7 @@ fn compared(dataset: &Dataset) -> Option<[Vec<Vec<f64>>; 2]> {
     (read.first().is_some_and(|rows| rows.len() >= COMPARED)).then_some([read, expected])
 }
 
-/// Slope and correlation of a series along another, where both have values.
+/// Slope and correlation of a series against another, where both have values.
 fn relation(values: &[f64], along: &[f64]) -> Option<[f64; 2]> {
     let both: Vec<[f64; 2]> = (values.iter().zip(along))
         .filter(|(a, b)| a.is_finite() && b.is_finite())
@@ -171,17 +171,19 @@ pub(super) fn plausible(dataset: &Dataset) -> CheckItem {
     problems.extend(implausible_distances(dataset));
     if !problems.is_empty() {
         return item(CheckOutcome::Fail, problems.join(" ")).with(
-            "Correct sign, unit or channel in the recording, or leave the poses concerned out.",
+            "Correct sign, unit or channel in the recording, or exclude the poses concerned.",
         );
     }
     if compared.is_none() {
         let why = "Lengths were not compared: fewer than 4 poses have a commanded pose.";
-        return item(CheckOutcome::NotEvaluated, why.to_owned())
-            .with("Record where the platform was sent (columns x_m, y_m, z_m, qw, qx, qy, qz of poses.csv).");
+        return item(CheckOutcome::NotEvaluated, why.to_owned()).with(
+            "Record the commanded poses (columns x_m, y_m, z_m, qw, qx, qy, qz of poses.csv).",
+        );
     }
     item(
         CheckOutcome::Pass,
-        "Lengths change as the commanded poses need, tensions pull and distances are where they belong.".to_owned(),
+        "Changes of length match the commanded poses, and tensions and distances are plausible."
+            .to_owned(),
     )
 }
 
@@ -206,14 +208,14 @@ fn implausible_lengths(dataset: &Dataset, read: &[Vec<f64>], expected: &[Vec<f64
                 format!("The length of {name} changes with the wrong sign.")
             }
             Some(other) if correlation < CORRELATED => format!(
-                "The length of {name} changes as that of {} should: the channels may be exchanged.",
+                "The length of {name} changes as that of {} should: the channels may be swapped.",
                 cables[other].name
             ),
             _ if correlation < CORRELATED => {
                 format!("The length of {name} does not follow the commanded poses.")
             }
             _ if !(PLAUSIBLE[0]..PLAUSIBLE[1]).contains(&slope) => format!(
-                "The length of {name} changes {slope:.3} times as much as the commanded poses need: unit, drum or gear may be \
+                "The length of {name} changes {slope:.3} times as much as the commanded poses require: unit, drum or gear may be \
                  wrong."
             ),
             _ => continue,
@@ -269,7 +271,7 @@ fn implausible_distances(dataset: &Dataset) -> Option<String> {
     let off: Vec<usize> = (0..data.laser_m.len()).filter(is_off).collect();
     let first = *off.first()?;
     Some(format!(
-        "The laser reads {:.3} m at pose {}{}, which is far from what the commanded pose needs.",
+        "The laser reads {:.3} m at pose {}{}, which is far from the distance at the commanded pose.",
         data.laser_at(first),
         data.labels[first],
         if off.len() == 1 {

@@ -1,4 +1,4 @@
-//! The parts of a report that are wanted, and its heading.
+//! The selected parts of a report, and its heading.
 
 use std::collections::BTreeSet;
 
@@ -38,7 +38,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// All, in their order.
+    /// All parts, in order.
     pub const ALL: [Self; 14] = [
         Self::Result,
         Self::Robot,
@@ -56,7 +56,7 @@ impl Part {
         Self::Log,
     ];
 
-    /// Its name in commands and preferences.
+    /// Name in commands and preferences.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -77,7 +77,7 @@ impl Part {
         }
     }
 
-    /// The part of this name.
+    /// The part with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|part| part.name() == name)
@@ -105,25 +105,25 @@ impl Part {
     }
 }
 
-/// The parts of a report that are wanted, and its heading; by default everything, with a title from the session.
+/// The selected parts of a report, and its heading; by default everything, with a title from the session.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReportChoice {
-    /// Parts that are left out.
+    /// Parts to leave out.
     pub without: BTreeSet<Part>,
-    /// Title; that of the session if it is empty.
+    /// Title; that of the session if empty.
     pub title: String,
     /// A line above the title.
     pub header: String,
     /// Who made the measurements.
     pub operator: String,
-    /// For whom.
+    /// Company for which the report is made.
     pub company: String,
-    /// How far a pulley may be from the drawing (m); nothing is judged without.
+    /// Largest acceptable deviation of a pulley from the drawing (m); `None`: nothing is judged.
     pub tolerance_m: Option<f64>,
 }
 
 impl ReportChoice {
-    /// As the user has chosen before.
+    /// The choice stored in the preferences.
     #[must_use]
     pub fn of(preferences: &Preferences) -> Self {
         let left_out = preferences.report.without.iter();

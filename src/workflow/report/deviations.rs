@@ -1,4 +1,4 @@
-//! Drawings of the displacements of pulleys: three views of the frame, and their coordinates with intervals.
+//! Drawings of pulley displacements: three views of the frame, and the coordinates with intervals.
 
 use ecolor::Color32;
 use emath::{Align2, Pos2, Rect, Vec2, vec2};
@@ -14,39 +14,39 @@ use crate::plot::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
 use crate::plot::round::round_down;
 use crate::wording::units::significant;
 
-/// Size of a view (pt): three stand side by side.
+/// Size of a view (pt), three of which fit side by side.
 const VIEW: [f32; 2] = [153.0, 150.0];
 /// Space around the frame in a view (pt).
 const MARGIN: f32 = 20.0;
 /// Size of the text in a view (pt).
 const TEXT: f32 = 7.0;
-/// Part of a view that the longest displacement takes.
+/// Length of the longest displacement, as a fraction of the view.
 const LONGEST: f64 = 0.22;
 /// Distance of a label from its pulley (pt).
 const LABEL: f32 = 11.0;
-/// Numbers closer than this share a label (pt).
+/// Distance below which numbers share a label (pt).
 const SAME: f32 = 7.0;
 
-/// A pulley that is drawn.
+/// A pulley with its displacement.
 pub struct Deviation {
-    /// Where it was expected (m).
+    /// Expected position (m).
     pub from: Vector3<f64>,
-    /// What is different (m).
+    /// Displacement (m).
     pub by: Vector3<f64>,
-    /// Its covariance (m^2); `None` where it is not known.
+    /// Covariance of the displacement (m^2); `None` if unknown.
     pub covariance: Option<Matrix3<f64>>,
-    /// Whether it stands out.
+    /// Whether it is highlighted.
     pub is_marked: bool,
 }
 
 impl Deviation {
-    /// Expanded uncertainty of its length, whatever its direction (m).
+    /// Expanded uncertainty of the length of the displacement, for any direction (m).
     pub fn uncertainty_m(&self) -> Option<f64> {
         self.covariance.as_ref().map(expanded_uncertainty_m)
     }
 }
 
-/// The views from above, from the front and from the side, and how often displacements are magnified in them.
+/// Views from above, from the front and from the side, and the magnification of the displacements.
 pub fn views(pulleys: &[Deviation]) -> (Vec<Drawing>, f64) {
     let spread = |k: usize| {
         let at = pulleys.iter().map(|pulley| pulley.from[k]);
@@ -80,10 +80,10 @@ pub fn views(pulleys: &[Deviation]) -> (Vec<Drawing>, f64) {
     (drawn.into(), magnification)
 }
 
-/// Where places of the robot are in a view.
+/// Projection of the robot to a view.
 struct View {
     axes: [usize; 2],
-    /// Middle of the pulleys (m).
+    /// Centre of the pulleys (m).
     middle: [f64; 2],
     /// Points per metre.
     scale: f64,
@@ -165,7 +165,7 @@ impl View {
     }
 }
 
-/// Where the label of a pulley stands: outwards, or where no arrow crosses it.
+/// Position of a pulley's label: outwards, or where no arrow crosses it.
 fn label_place(pulley: Pos2, centre: Pos2, arrows: &[[Pos2; 2]]) -> Pos2 {
     let out = (pulley - centre).normalized();
     let out = if out == Vec2::ZERO { Vec2::DOWN } else { out };
@@ -179,7 +179,7 @@ fn label_place(pulley: Pos2, centre: Pos2, arrows: &[[Pos2; 2]]) -> Pos2 {
     places.iter().find(is_free).copied().unwrap_or(places[0])
 }
 
-/// A line with a head; a head alone where it is too short to be seen.
+/// A line with an arrow head; only the head if it is too short.
 fn arrow(canvas: &mut dyn Canvas, from: Pos2, to: Pos2, colour: Color32) {
     let along = to - from;
     canvas.line(&[from, to], Stroke::new(1.25, colour), false);
@@ -192,7 +192,7 @@ fn arrow(canvas: &mut dyn Canvas, from: Pos2, to: Pos2, colour: Color32) {
     canvas.polygon(vec![to, back + 1.8 * across, back - 1.8 * across], colour);
 }
 
-/// The coordinates of all displacements with intervals of 95 %, and the band of the tolerance (m).
+/// The coordinates of all displacements with 95 % intervals, and the tolerance band (m).
 pub fn coordinates(pulleys: &[Deviation], tolerance_m: Option<f64>) -> Drawing {
     let inks = [
         ("dx", Ink::Accent, Marker::Circle),

@@ -1,4 +1,4 @@
-//! The content of a report, independent of the format.
+//! The content of a report, independent of the file format.
 
 use crate::plot::Drawing;
 
@@ -15,7 +15,7 @@ pub struct Document {
     pub sections: Vec<Section>,
 }
 
-/// A part with a heading.
+/// A section with a heading.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
     /// Its heading.
@@ -24,26 +24,26 @@ pub struct Section {
     pub blocks: Vec<Block>,
 }
 
-/// A piece of a section.
+/// An element of a section.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Block {
     /// A heading inside the section.
     Heading(String),
     /// The main sentence of the section.
     Lead(String),
-    /// Text.
+    /// A paragraph of text.
     Paragraph(String),
-    /// Small print with figures.
+    /// Small print.
     Note(String),
-    /// Short lines.
+    /// A list of short lines.
     List(Vec<String>),
     /// Names with their values.
     Facts(Vec<(String, String)>),
     /// A table.
     Table(Table),
-    /// Plots side by side as far as there is room.
+    /// Plots, side by side if there is room.
     Plots(Vec<Drawing>),
-    /// Lines to sign on: what for, and the name that is known already.
+    /// Lines for signatures: their purpose, and the name if it is known.
     Signatures(Vec<(String, String)>),
     /// A picture.
     Picture {
@@ -66,7 +66,7 @@ pub enum Align {
 /// A table. Every row has one cell for each column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// What it shows.
+    /// Caption.
     pub caption: String,
     /// Headings and alignments of the columns.
     pub columns: Vec<(String, Align)>,
@@ -101,7 +101,7 @@ impl Table {
 }
 
 impl Section {
-    /// A section without content yet.
+    /// A section without content.
     pub fn new(title: impl Into<String>) -> Self {
         Self {
             title: title.into(),
@@ -119,17 +119,17 @@ impl Section {
         self.blocks.push(Block::Lead(text.into()));
     }
 
-    /// Adds text.
+    /// Adds a paragraph.
     pub fn paragraph(&mut self, text: impl Into<String>) {
         self.blocks.push(Block::Paragraph(text.into()));
     }
 
-    /// Adds small print with figures.
+    /// Adds small print.
     pub fn note(&mut self, text: impl Into<String>) {
         self.blocks.push(Block::Note(text.into()));
     }
 
-    /// Adds short lines, if there are any.
+    /// Adds a list, if it is not empty.
     pub fn list(&mut self, lines: Vec<String>) {
         if !lines.is_empty() {
             self.blocks.push(Block::List(lines));

@@ -1,4 +1,4 @@
-//! A report as one HTML file that needs nothing else: no network, no script. Everything that comes from files is escaped.
+//! A report as one self-contained HTML file, without network access or scripts. All content from files is escaped.
 
 use base64::prelude::{BASE64_STANDARD, Engine as _};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -7,7 +7,7 @@ use super::document::{Align, Block, Document, Section, Table};
 
 const STYLE: &str = include_str!("report.css");
 
-/// The report as text of an HTML file.
+/// The content of the HTML file.
 pub fn render(document: &Document) -> String {
     let page = html! {
         (DOCTYPE)
@@ -103,7 +103,7 @@ fn table(table: &Table) -> Markup {
     }
 }
 
-/// A PNG inside of a document.
+/// A PNG as a data URI.
 fn data_uri(png: &[u8]) -> String {
     format!("data:image/png;base64,{}", BASE64_STANDARD.encode(png))
 }

@@ -1,4 +1,4 @@
-//! What a report is made of.
+//! Input of reports.
 
 use tautline_core::comparison::Comparison;
 use tautline_session::{Session, Timestamp};
@@ -7,7 +7,7 @@ use super::choice::ReportChoice;
 use crate::documents::diagnosis::Diagnosed;
 use crate::identification::Identification;
 
-/// Name of the program, as it signs reports.
+/// Name and version of the program, as stated in reports.
 pub const PROGRAM: &str = concat!("Tautline ", env!("CARGO_PKG_VERSION"));
 
 /// Input of a report.
@@ -23,9 +23,9 @@ pub struct ReportInput<'a> {
     pub outdated: bool,
     /// A picture of the robot (PNG), if there is one.
     pub picture: Option<&'a [u8]>,
-    /// The parts that are wanted, and the heading.
+    /// The selected parts, and the heading.
     pub choice: &'a ReportChoice,
-    /// When the report is made.
+    /// Time of the report.
     pub now: Timestamp,
 }
 
@@ -36,10 +36,10 @@ pub struct ComparisonInput<'a> {
     pub names: [&'a str; 2],
     /// Their identifications.
     pub fits: [&'a Identification; 2],
-    /// The second less the first.
+    /// The comparison, second less first.
     pub comparison: &'a Comparison,
     /// The heading; a comparison has all its parts.
     pub choice: &'a ReportChoice,
-    /// When the report is made.
+    /// Time of the report.
     pub now: Timestamp,
 }

@@ -1,8 +1,8 @@
-//! The report of a calibration: what was measured, identified and found, as HTML or PDF.
+//! Calibration reports as HTML or PDF: measurements, identification and diagnosis.
 //!
-//! `content` makes one document of plain data; `html` and `pdf` render it. Nothing
-//! here reads a clock or asks the window for anything, so a report is the same wherever it is made, but for times, which
-//! are those of the computer's time zone.
+//! `content` builds one document of plain data; `html` and `pdf` render it. Nothing
+//! here reads a clock or depends on the window, so a report is the same wherever it is made, except for times, which
+//! are in the time zone of the computer.
 
 mod choice;
 mod colours;
@@ -29,17 +29,17 @@ pub use input::{ComparisonInput, ReportInput};
 pub use pdf::PdfError;
 pub use results::{Results, completed};
 
-/// How a report is stored.
+/// File format of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReportFormat {
-    /// One HTML file that needs nothing else.
+    /// One self-contained HTML file.
     Html,
     /// PDF, A4.
     Pdf,
 }
 
 impl ReportFormat {
-    /// By the end of the file's name, whatever its case; `None` if it is another.
+    /// The format according to the file extension, ignoring case; `None` for other extensions.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
@@ -59,7 +59,7 @@ impl ReportFormat {
         }
     }
 
-    /// End of the file's name.
+    /// File extension.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
@@ -69,13 +69,13 @@ impl ReportFormat {
     }
 }
 
-/// Why there is no report.
+/// Errors of making a report.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// The name of the file does not say how to store it.
-    #[error("{}: found a name that does not end with .html or .pdf, expected one of them", .0.display())]
+    /// The file extension is not that of a report.
+    #[error("{}: expected a name that ends with .html or .pdf", .0.display())]
     Extension(PathBuf),
-    /// The PDF cannot be made.
+    /// The PDF cannot be created.
     #[error(transparent)]
     Pdf(#[from] PdfError),
     /// The file cannot be written.
@@ -83,10 +83,10 @@ pub enum ReportError {
     Write(#[from] WriteError),
 }
 
-/// The report as bytes of a file.
+/// Renders the report as the bytes of a file.
 ///
 /// # Errors
-/// If a PDF is asked for and the picture is no PNG.
+/// If the format is PDF and the picture is not a PNG.
 pub fn render_report(
     input: &ReportInput<'_>,
     format: ReportFormat,
@@ -94,7 +94,7 @@ pub fn render_report(
     render(&content::document(input), format, input.now)
 }
 
-/// A document as bytes of a file.
+/// Renders a document as the bytes of a file.
 fn render(
     document: &Document,
     format: ReportFormat,
@@ -106,10 +106,10 @@ fn render(
     })
 }
 
-/// The report of a comparison as bytes of a file.
+/// Renders the report of a comparison as the bytes of a file.
 ///
 /// # Errors
-/// If the PDF cannot be made.
+/// If the PDF cannot be created.
 pub fn render_comparison(
     input: &ComparisonInput<'_>,
     format: ReportFormat,
@@ -117,7 +117,7 @@ pub fn render_comparison(
     render(&content::comparison::document(input), format, input.now)
 }
 
-/// Writes the report of a comparison in the format that the name of the file says, completely or not at all.
+/// Writes the report of a comparison in the format of the file extension, atomically.
 ///
 /// # Errors
 /// If the name ends with neither .html nor .pdf, or the file cannot be written.
@@ -125,7 +125,7 @@ pub fn write_comparison(path: &Path, input: &ComparisonInput<'_>) -> Result<(), 
     write_document(path, &content::comparison::document(input), input.now)
 }
 
-/// Writes the report in the format that the name of the file says, completely or not at all.
+/// Writes the report in the format of the file extension, atomically.
 ///
 /// # Errors
 /// If the name ends with neither .html nor .pdf, or the file cannot be written.
@@ -133,7 +133,7 @@ pub fn write_report(path: &Path, input: &ReportInput<'_>) -> Result<(), ReportEr
     write_document(path, &content::document(input), input.now)
 }
 
-/// Writes a document in the format that the name of the file says, completely or not at all.
+/// Writes a document in the format of the file extension, atomically.
 ///
 /// # Errors
 /// If the name ends with neither .html nor .pdf, or the file cannot be written.

@@ -7,15 +7,15 @@ use crate::plot::draw::drawing;
 use crate::plot::figure::{Axis, Band, Columns, Curve, Figure, Ink, Marker, Point, Series};
 use crate::plot::histogram::{histogram as count, normal};
 
-/// Size of the plot of one cable (pt): two stand side by side.
+/// Size of the plot of one cable (pt), two of which fit side by side.
 pub const SIZE: [f64; 2] = [236.0, 104.0];
-/// Makes the labels of a plot 7 pt high.
+/// Scale that makes the labels of a plot 7 pt high.
 pub const SCALE: f64 = 0.61;
-/// Standard deviations beyond which a residual is improbable.
+/// Residuals beyond this many standard deviations are improbable.
 const LIMIT: f64 = 3.0;
 
-/// Residuals over the poses, in standard deviations; the band is where 997 of 1000 lie. Points are the number of the pose
-/// and its residual; `summary` stands beside the name.
+/// Residuals over the poses, in standard deviations, with a band that contains 997 of 1000. Points are the number of the pose
+/// and its residual; `summary` is placed beside the name.
 pub fn residuals(name: &str, points: &[(i64, f64)], summary: &str) -> Drawing {
     let series = |ink: Ink, is_beyond: bool| {
         let own = points
@@ -39,19 +39,19 @@ pub fn residuals(name: &str, points: &[(i64, f64)], summary: &str) -> Drawing {
     drawing(label, &figure, SIZE, SCALE, &PLOT)
 }
 
-/// Residuals along what they depend on, as the doctor shows them.
+/// Residuals against the variable they depend on.
 pub fn dependence(name: &str, figure: &Figure) -> Drawing {
     let size = [2.0 * SIZE[0] + 12.0, 132.0];
     let label = format!("{name}, along {}", figure.x.title());
     drawing(label, figure, size, SCALE, &PLOT)
 }
 
-/// Bins of a histogram per standard deviation.
+/// Number of histogram bins per standard deviation.
 const BINS: f64 = 2.0;
-/// Standard deviations that a histogram shows on either side; what is farther out is in the last bin.
+/// Range of a histogram in standard deviations to either side; the outermost bins include residuals beyond.
 const SPAN: f64 = 5.0;
 
-/// Distribution of the residuals, with the one that the stated noise would give.
+/// Distribution of the residuals, with the one expected of the stated noise.
 pub fn histogram(name: &str, residuals: &[f64]) -> Drawing {
     let (edges, counts) = count(residuals, SPAN, (2.0 * SPAN * BINS) as usize);
     let beyond = ((SPAN - LIMIT) * BINS) as usize;

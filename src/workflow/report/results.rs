@@ -1,4 +1,4 @@
-//! What a report of a session is about.
+//! Results that a report of a session needs.
 
 use std::sync::Arc;
 
@@ -9,11 +9,11 @@ use crate::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
 use crate::documents::diagnosis::{Diagnosed, DiagnosisDocument};
 use crate::identification::{Identification, identify_session};
 
-/// Identification and diagnosis of a session, where it has them.
+/// Identification and diagnosis of a session, if it has them.
 pub type Results = (Option<Arc<Identification>>, Option<Arc<Diagnosed>>);
 
-/// Completes what is known of a session: one that was opened again has the results that it was closed with, computed anew
-/// from the same data.
+/// Completes the results of a session: those of a session that was closed and opened again are recomputed from the
+/// same data.
 #[must_use]
 pub fn completed(session: &Session, (fit, diagnosis): Results) -> Results {
     if session.measurements.is_empty() {
@@ -31,7 +31,7 @@ pub fn completed(session: &Session, (fit, diagnosis): Results) -> Results {
     (fit, diagnosis)
 }
 
-/// Whether somebody asked what the model of the present data gets wrong.
+/// Whether the present data were diagnosed.
 fn was_diagnosed(session: &Session) -> bool {
     let basis = session.basis();
     let is_of_these = |record: &ResultRecord| {

@@ -208,7 +208,7 @@ fn the_words_say_how_sure_they_are() {
         "0.31 ± 0.04 %",
         "0.23 to 0.39 %",
         "2. Pulley radius (cable-3), more likely than not (60 %)",
-        "Causes that these data cannot tell apart",
+        "Causes that these data cannot separate",
         "3 to 2",
         "Possible, but not established: Build-up of layers on the drum (cable-2), 12 %.",
         "Measure far from cable-3.",
@@ -443,7 +443,9 @@ fn the_name_of_the_file_says_the_format() {
     }
     let error = write_report(&folder.path().join("a.doc"), &sample.input()).expect_err("no format");
     assert!(
-        error.to_string().ends_with("expected one of them"),
+        error
+            .to_string()
+            .ends_with("expected a name that ends with .html or .pdf"),
         "{error}"
     );
 }

@@ -1,29 +1,29 @@
-//! Whether displacements are within a tolerance, by ISO 14253-1: the uncertainty counts against whatever is claimed.
+//! Conformity with a tolerance by ISO 14253-1: the uncertainty counts against whichever verdict is claimed.
 
 use nalgebra::Matrix3;
 
-/// Expanded uncertainty in standard deviations: a coverage of about 95 %.
+/// Coverage factor of the expanded uncertainty, for a coverage of about 95 %.
 pub const COVERAGE: f64 = 2.0;
 
-/// Expanded uncertainty of the length of a displacement with this covariance (m^2), whatever its direction (m).
+/// Expanded uncertainty (m) of the length of a displacement with this covariance (m^2), for any direction.
 #[must_use]
 pub fn expanded_uncertainty_m(covariance: &Matrix3<f64>) -> f64 {
     COVERAGE * covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
 }
 
-/// Whether something conforms with a tolerance.
+/// Conformity with a tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Conformity {
-    /// Also with its uncertainty added.
+    /// Within the tolerance even with the uncertainty added.
     Within,
-    /// Also with its uncertainty taken off.
+    /// Outside the tolerance even with the uncertainty subtracted.
     Outside,
-    /// The tolerance lies within the uncertainty, or that is not known.
+    /// The tolerance is within the uncertainty, or the uncertainty is unknown.
     Undecided,
 }
 
 impl Conformity {
-    /// Of a distance with its expanded uncertainty; all lengths in one unit.
+    /// Conformity of a distance with its expanded uncertainty; all lengths in one unit.
     #[must_use]
     pub fn of(distance: f64, uncertainty: Option<f64>, tolerance: f64) -> Self {
         match uncertainty {
@@ -33,7 +33,7 @@ impl Conformity {
         }
     }
 
-    /// In words, as a cell of a table.
+    /// The verdict in words, for a cell of a table.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {

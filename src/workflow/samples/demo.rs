@@ -1,4 +1,4 @@
-//! The demonstration: MINI as drawn, a true robot with measured geometry behind it, and a random fault.
+//! The demonstration: MINI as drawn, a true robot with the measured geometry, and a random fault.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -9,7 +9,7 @@ use tautline_session::{LogEntry, Phase, Session, Simulator, Timestamp};
 
 use super::tables::{bench, home_platform};
 
-/// Faults that may be hidden, and sizes at which 25 poses of MINI show them: identifier, smallest, largest.
+/// Possible faults, with sizes that 25 poses of MINI reveal: identifier, smallest, largest.
 const FAULTS: [(&str, f64, f64); 5] = [
     ("winch_scale", 0.012, 0.025),
     ("payload_mass", 0.15, 0.3),
@@ -18,10 +18,10 @@ const FAULTS: [(&str, f64, f64); 5] = [
     ("cable_creep", 0.004, 0.008),
 ];
 
-/// A session of the simulated MINI, nothing measured yet but the tables of the first two phases.
+/// A session of the simulated MINI, with the tables of the first two phases as the only measurements.
 ///
 /// # Errors
-/// If the robot cannot be simulated, which no seed that was tried shows.
+/// If the robot cannot be simulated, which has not occurred with any seed tried.
 pub fn demo(seed: u64, now: Timestamp) -> Result<Session, SimulationError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let preset = mini();
@@ -65,7 +65,7 @@ fn fault(robot: &Robot, rng: &mut ChaCha8Rng) -> EffectSetting {
     let (id, smallest, largest) = FAULTS[rng.random_range(0..FAULTS.len())];
     let effect = find(id).expect("the effect is in the catalogue");
     let parameter = &effect.parameters()[0];
-    // Some parameters have a sign: cables creep longer, not shorter.
+    // Some parameters have a definite sign: cables creep longer, not shorter.
     let may_be_negative = parameter.bounds[0] < 0.0;
     let sign = if rng.random_bool(0.5) || !may_be_negative {
         1.0

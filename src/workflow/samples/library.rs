@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 pub struct Sample {
     /// Its title.
     pub title: String,
-    /// What it demonstrates, one line.
+    /// What it demonstrates, in one line.
     pub shows: String,
     /// Its session file.
     pub session: PathBuf,
 }
 
-/// Sample sessions of the first folder that has any, sorted by folder name.
+/// Sample sessions of the first folder that contains any, sorted by folder name.
 #[must_use]
 pub fn find(folders: &[PathBuf]) -> Vec<Sample> {
     let found = folders.iter().map(|folder| samples_in(folder));
@@ -24,7 +24,7 @@ pub fn find(folders: &[PathBuf]) -> Vec<Sample> {
         .unwrap_or_default()
 }
 
-/// Folders that may hold the sample sessions: beside the program, and where it was started.
+/// Folders that may contain the sample sessions: beside the program, and the working directory.
 #[must_use]
 pub fn places() -> Vec<PathBuf> {
     let program = std::env::current_exe().ok();
@@ -50,7 +50,7 @@ fn samples_in(folder: &Path) -> Vec<Sample> {
         .collect()
 }
 
-/// The sessions of one folder; its README has a title and, after an empty line, what it shows.
+/// The sessions of one folder, whose README has a title and, after an empty line, a description.
 fn samples_of(folder: &Path) -> Vec<Sample> {
     let Ok(text) = fs::read_to_string(folder.join("README.md")) else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! Simulated calibration tables, as an operator would measure them on a workshop bench.
+//! Simulated calibration tables, as measured by an operator on a workbench.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -7,23 +7,23 @@ use tautline_core::geometry::Pose;
 use tautline_core::robot::{FrameTransform, HomePlatform, HomeSensor, Plane, Robot};
 use tautline_session::{ElongationPoint, ForcePair, HomeReading, PhaseData, WinchPair};
 
-/// Noise of the calliper on a cable that is wound off (m).
+/// Noise of the calliper on the cable paid out (m).
 const WINCH_SD_M: f64 = 3e-5;
-/// Noise of a reading of a force sensor on the bench (N).
+/// Noise of a force sensor reading on the bench (N).
 const FORCE_SD_N: f64 = 0.15;
 /// Noise of the elongation bench (m).
 const ELONGATION_SD_M: f64 = 2e-5;
 /// Noise of the sensors of the home platform (m).
 const HOME_SD_M: f64 = 1e-4;
-/// Readings of each of these sensors.
+/// Number of readings of each of these sensors.
 const HOME_REPEATS: usize = 8;
 
 fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
     sd * rng.sample::<f64, _>(StandardNormal)
 }
 
-/// Tables of a bench on which winches, sensors and cables were as the robot's description says; the
-/// platform of the home reading stands at `home`.
+/// Tables of a robot whose winches, sensors and cables are as described; the
+/// platform of the home reading is at `home`.
 pub fn bench(robot: &Robot, home: &Pose, rng: &mut ChaCha8Rng) -> PhaseData {
     PhaseData {
         winch: winches(robot, rng),

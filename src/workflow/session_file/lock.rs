@@ -8,26 +8,26 @@ use tautline_session::link_target;
 
 use crate::controllers::beside;
 
-/// Ending of the folder.
+/// Suffix of the folder.
 const UNSAVED: &str = ".unsaved";
-/// The file in it that is locked.
+/// Name of the locked file in the folder.
 pub(super) const LOCK_NAME: &str = "lock";
 
-/// The folder beside a session file with what is not in the file yet; beside the file itself where `session` is a link to
-/// it, so that whoever opens it either way finds the same.
+/// The folder beside a session file with data that are not in the file yet. If `session` is a link, it is beside the
+/// target, so that both ways of opening the session find the same folder.
 #[must_use]
 pub fn unsaved_folder(session: &Path) -> PathBuf {
     beside(&link_target(session), UNSAVED)
 }
 
-/// The lock of a session file: no other program changes the file while this value lives.
+/// The lock of a session file: no other program changes the file as long as this value exists.
 #[derive(Debug)]
 pub struct FileLock {
     folder: PathBuf,
     lock: File,
 }
 
-/// Why a session file cannot be locked.
+/// Reasons why a session file cannot be locked.
 #[derive(Debug, thiserror::Error)]
 pub enum LockError {
     /// Another program has locked it.
@@ -36,10 +36,10 @@ pub enum LockError {
         .0.display()
     )]
     Busy(PathBuf),
-    /// There is no such place.
-    #[error("{}: its folder is not found", .0.display())]
+    /// The folder of the session file does not exist.
+    #[error("{}: its folder does not exist", .0.display())]
     NoFolder(PathBuf),
-    /// The lock cannot be made.
+    /// The lock cannot be created.
     #[error("{} cannot be written: {reason}", folder.display())]
     Io {
         /// The folder of the lock.
@@ -74,7 +74,7 @@ impl FileLock {
             let mut options = File::options();
             options.read(true).write(true).create(true).truncate(false);
             let file = match options.open(&lock) {
-                // The other program has just removed the folder.
+                // Another program has just removed the folder.
                 Err(error) if error.kind() == ErrorKind::NotFound => continue,
                 opened => opened.map_err(failed)?,
             };
@@ -89,7 +89,7 @@ impl FileLock {
         }
     }
 
-    /// The folder of what is not in the file yet.
+    /// The folder with the unsaved data.
     pub(super) fn folder(&self) -> &Path {
         &self.folder
     }
@@ -97,14 +97,14 @@ impl FileLock {
 
 impl Drop for FileLock {
     fn drop(&mut self) {
-        // The lock is released last. A folder with poses that are not in the file is not empty, so it stays.
+        // The lock is released last. A folder that contains unsaved poses is not empty and so stays.
         let _ = fs::remove_file(self.folder.join(LOCK_NAME));
         let _ = fs::remove_dir(&self.folder);
         let _ = self.lock.unlock();
     }
 }
 
-/// Refuses a link, or anything else than what this program makes at this place: what is written there would be elsewhere.
+/// Refuses links and anything else that this program did not create: writing there would go elsewhere.
 fn check_own(path: &Path, is_ours: fn(&FileType) -> bool) -> IoResult<()> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
@@ -119,7 +119,7 @@ fn check_own(path: &Path, is_ours: fn(&FileType) -> bool) -> IoResult<()> {
     }
 }
 
-/// Whether an open file is still the one at `path`; another program may have removed it meanwhile.
+/// Whether an open file is still the one at `path`, which another program may have removed.
 fn is_still(file: &File, path: &Path) -> IoResult<bool> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),

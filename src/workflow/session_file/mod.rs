@@ -1,9 +1,9 @@
 //! The file of a session while a program works on it.
 //!
-//! Beside the file lies the folder `SESSION.unsaved` as long as a command runs or the window has changes that the file
-//! does not have: its lock keeps other programs away, and the poses that a command measures are written there before
-//! they are in the file. If the program is killed the folder stays, and the next program that opens the session takes
-//! the poses over.
+//! The folder `SESSION.unsaved` exists beside the file as long as a command runs or the window has unsaved
+//! changes: its lock keeps other programs away, and the poses that a command measures are written there before
+//! they are in the file. If the program is killed the folder stays, and the next program that opens the session
+//! recovers the poses.
 
 mod lock;
 mod space;
@@ -24,14 +24,14 @@ use crate::clock;
 use crate::controllers::{beside, is_held_values};
 use crate::wording::{count, sentence};
 pub use lock::{FileLock, LockError, unsaved_folder};
-pub use space::KeptSpace;
+pub use space::ReservedSpace;
 
-/// Ending of the file that a simulated controller's values are in while they are written.
+/// Suffix of the file that contains a simulated controller's values while they are being written.
 const CONTROLLER: &str = ".controller";
-/// Beginning of the name of the folder of an autosave that did not come back as a whole.
+/// Prefix of the folder of an autosave that could not be recovered completely.
 const DAMAGED: &str = "damaged-";
 
-/// Why a session file cannot be worked on.
+/// Errors of working on a session file.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionFileError {
     /// It cannot be read.
@@ -43,18 +43,18 @@ pub enum SessionFileError {
     /// It cannot be locked.
     #[error(transparent)]
     Lock(#[from] LockError),
-    /// What a killed program had measured cannot be read.
+    /// The unsaved data of a killed program cannot be read.
     #[error(
-        "{}: what was measured last cannot be read; move the folder away to go on without it: {reason}",
+        "{}: the unsaved measurements cannot be read; move the folder away to continue without them: {reason}",
         folder.display()
     )]
     Recovery {
         /// The folder.
         folder: PathBuf,
-        /// Why not.
+        /// Reason.
         reason: ReadError,
     },
-    /// What a killed program had measured belongs to another robot.
+    /// The unsaved data of a killed program belong to another robot.
     #[error("{}: its poses do not fit the session: {reason}", folder.display())]
     Misfit {
         /// The folder.
@@ -62,20 +62,20 @@ pub enum SessionFileError {
         /// What does not fit.
         reason: FieldError,
     },
-    /// There is no space for what is to be recorded.
+    /// There is no disk space for the record.
     #[error("there is no space for the record beside {}: {reason}", path.display())]
     NoSpace {
-        /// The session.
+        /// The session file.
         path: PathBuf,
         /// Reason given by the system.
         reason: IoError,
     },
-    /// A file beside it cannot be read or removed.
+    /// A file beside the session cannot be read or removed.
     #[error("{} cannot be {action}: {reason}", path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// Read, moved or removed.
+        /// `read`, `moved` or `removed`.
         action: &'static str,
         /// Reason given by the system.
         reason: IoError,
@@ -83,7 +83,7 @@ pub enum SessionFileError {
 }
 
 impl SessionFileError {
-    /// Whether the user has to correct the input.
+    /// Whether the user must correct the input.
     #[must_use]
     pub fn is_bad_input(&self) -> bool {
         match self {
@@ -98,12 +98,12 @@ impl SessionFileError {
 pub struct SessionFile {
     /// The file.
     pub path: PathBuf,
-    /// The session, changes that are not in the file yet included.
+    /// The session, including unsaved changes.
     pub session: Session,
     lock: FileLock,
 }
 
-/// Takes over what a killed command has left beside a session file; notices about it, also that a command is still
+/// Recovers what a killed command left beside a session file; returns notices about it, also if a command is still
 /// working on the session.
 pub fn recover_unsaved(path: &Path) -> Vec<String> {
     let mut notices = Vec::new();
@@ -117,19 +117,19 @@ pub fn recover_unsaved(path: &Path) -> Vec<String> {
 }
 
 impl SessionFile {
-    /// Reads a session for a command that changes it, with what an earlier command has left unsaved. Notices go to
+    /// Reads a session for a command that changes it, including what an earlier command left unsaved. Notices go to
     /// `notify`.
     ///
     /// # Errors
-    /// If the file is missing, or cannot be read, locked or brought up to date.
+    /// If the file is missing, or cannot be read, locked or updated.
     pub fn open(path: &Path, notify: &mut dyn FnMut(String)) -> Result<Self, SessionFileError> {
         Self::open_or_begin(path, || Ok(None), notify)
     }
 
-    /// The same; where there is no such file `begin` may make the session.
+    /// As [`Self::open`]; if there is no such file, `begin` may create the session.
     ///
     /// # Errors
-    /// Those of `begin`; or if the file cannot be read, locked or brought up to date.
+    /// Those of `begin`; or if the file cannot be read, locked or updated.
     pub fn open_or_begin<E: From<SessionFileError>>(
         path: &Path,
         begin: impl Fn() -> Result<Option<Session>, E>,
@@ -158,7 +158,7 @@ impl SessionFile {
                         .value
                         .session
                 }
-                // The program was killed before it had written anything.
+                // The program was killed before it wrote anything.
                 None => match begin()? {
                     Some(session) => session,
                     None => read(path, notify)?,
@@ -171,7 +171,7 @@ impl SessionFile {
             lock,
         };
         file.take_over(left, notify)?;
-        // What was taken over is in the file now.
+        // The recovered data are in the file now.
         let folder = file.lock.folder();
         remove_discarded(folder).map_err(SessionFileError::from)?;
         space::free_left(folder).map_err(io("freed", folder))?;
@@ -182,18 +182,18 @@ impl SessionFile {
         Ok(file)
     }
 
-    /// The file with the values that a simulated controller was left with in the middle of writing.
+    /// The file with the values of a simulated controller whose write was interrupted.
     pub fn controller(&self) -> PathBuf {
         beside(&self.path, CONTROLLER)
     }
 
-    /// The session has the values of the simulated controller: their own file is removed.
+    /// Removes the file with the values of the simulated controller, which are in the session now.
     ///
     /// # Errors
     /// If it cannot be removed.
     pub fn remove_controller(&self) -> Result<(), SessionFileError> {
         let path = self.controller();
-        // Another file of this name, or a link, is not ours to remove.
+        // Another file with this name, or a link, must not be removed.
         if !is_held_values(&path) {
             return Ok(());
         }
@@ -203,7 +203,7 @@ impl SessionFile {
         }
     }
 
-    /// Starts to write measured poses beside the file.
+    /// Starts an autosave of measured poses beside the file.
     ///
     /// # Errors
     /// If nothing can be written there.
@@ -215,7 +215,7 @@ impl SessionFile {
         )?)
     }
 
-    /// Writes the file, completely or not at all.
+    /// Writes the file atomically.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -223,15 +223,15 @@ impl SessionFile {
         Ok(write_session(&self.path, &self.session)?)
     }
 
-    /// Keeps as much space on the disk as writing the session takes, until the result is dropped.
+    /// Reserves as much disk space as writing the session takes, until the result is dropped.
     ///
     /// # Errors
-    /// If there is not enough.
-    pub fn keep_space(&self) -> Result<KeptSpace, SessionFileError> {
-        KeptSpace::beside(&self.path, self.lock.folder())
+    /// If there is not enough space.
+    pub fn keep_space(&self) -> Result<ReservedSpace, SessionFileError> {
+        ReservedSpace::beside(&self.path, self.lock.folder())
     }
 
-    /// Adds to the session's log.
+    /// Adds an entry to the session's log.
     pub fn log(&mut self, phase: Phase, text: impl Into<String>) {
         self.session.record(LogEntry {
             time: clock::now(),
@@ -240,7 +240,7 @@ impl SessionFile {
         });
     }
 
-    /// Takes over poses that were measured by a program that was killed, and writes them to the file.
+    /// Recovers poses measured by a program that was killed, and writes them to the file.
     fn take_over(
         &mut self,
         left: Vec<UnsavedSession>,
@@ -259,7 +259,7 @@ impl SessionFile {
             let added = added.map_err(|reason| SessionFileError::Misfit { folder, reason })?;
             if !added.is_empty() {
                 let text = format!(
-                    "{} that a program had measured before it was killed: taken over.",
+                    "Recovered {} that a program had measured before it was killed.",
                     count(added.len(), "pose")
                 );
                 notify(text.clone());
@@ -276,7 +276,7 @@ impl SessionFile {
 }
 
 impl SessionFile {
-    /// Keeps an autosave of which not everything came back: under a name that nothing removes.
+    /// Moves an autosave that could not be recovered completely to a name that nothing removes.
     fn keep(&self, aside: &Path, notify: &mut dyn FnMut(String)) -> Result<(), SessionFileError> {
         let mut name = OsString::from(DAMAGED);
         name.push(aside.file_name().unwrap_or_default());

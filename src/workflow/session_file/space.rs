@@ -1,4 +1,4 @@
-//! Space on the disk that is kept for what has to be recorded after something that cannot be undone.
+//! Disk space reserved for the record of an operation that cannot be undone.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -8,17 +8,17 @@ use super::SessionFileError;
 
 /// Name of the file in the folder beside the session.
 const NAME: &str = "space";
-/// By how much a session grows at most by one record (bytes).
+/// Largest growth of a session by one record (bytes).
 const RECORD: u64 = 1 << 20;
-/// Zeros that are written at once.
+/// Block of zeros for writing.
 static BLOCK: [u8; 1 << 16] = [0; 1 << 16];
 
-/// Space that is kept; it is free again when this is dropped.
+/// Reserved space, which is released when this is dropped.
 #[derive(Debug)]
-pub struct KeptSpace(PathBuf);
+pub struct ReservedSpace(PathBuf);
 
-impl KeptSpace {
-    /// As much as the session file and one record take, because a file is written anew before the old one is replaced.
+impl ReservedSpace {
+    /// Reserves space for the session file and one record, as a file is written anew before the old one is replaced.
     pub(super) fn beside(session: &Path, folder: &Path) -> Result<Self, SessionFileError> {
         let kept = Self(folder.join(NAME));
         let filled = fs::metadata(session).and_then(|held| fill(&kept.0, held.len() + RECORD));
@@ -31,7 +31,7 @@ impl KeptSpace {
     }
 }
 
-/// Writes a file of a size; a hole in it would take no space.
+/// Writes a file of a given size; a sparse file would take no space.
 fn fill(path: &Path, size: u64) -> io::Result<()> {
     remove_left(path)?;
     // A link in its place would lead elsewhere.
@@ -45,7 +45,7 @@ fn fill(path: &Path, size: u64) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Removes what a killed program has left of it, if it is a plain file.
+/// Removes the file left by a killed program, if it is a plain file.
 fn remove_left(path: &Path) -> io::Result<()> {
     let left = fs::symlink_metadata(path);
     match left.is_ok_and(|left| left.is_file()) {
@@ -54,14 +54,14 @@ fn remove_left(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Removes the space that a killed program has kept in the folder beside a session.
+/// Releases the space reserved by a killed program beside a session.
 pub(super) fn free_left(folder: &Path) -> io::Result<()> {
     remove_left(&folder.join(NAME))
 }
 
-impl Drop for KeptSpace {
+impl Drop for ReservedSpace {
     fn drop(&mut self) {
-        // If it cannot be removed, the next program that opens the session does it.
+        // If it cannot be removed, the next program that opens the session removes it.
         let _ = fs::remove_file(&self.0);
     }
 }
@@ -75,14 +75,14 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let session = folder.path().join("s.json");
         fs::write(&session, "{}").expect("written");
-        let kept = KeptSpace::beside(&session, folder.path()).expect("space");
+        let kept = ReservedSpace::beside(&session, folder.path()).expect("space");
         let size = fs::metadata(folder.path().join(NAME))
             .expect("a file")
             .len();
         assert_eq!(size, 2 + RECORD);
         drop(kept);
         assert!(!folder.path().join(NAME).exists());
-        let gone = KeptSpace::beside(&session, &folder.path().join("nowhere"));
+        let gone = ReservedSpace::beside(&session, &folder.path().join("nowhere"));
         let told = gone.expect_err("no folder").to_string();
         assert!(told.contains("no space for the record"), "{told}");
     }

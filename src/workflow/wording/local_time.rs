@@ -1,4 +1,4 @@
-//! Points in time as people read them: in the time zone of the computer. Files keep UTC.
+//! Points in time in the time zone of the computer. Files use UTC.
 
 use jiff::tz::{Offset, TimeZone};
 use jiff::{Timestamp as Instant, Zoned};
@@ -20,7 +20,7 @@ pub fn time_of_day(time: Timestamp) -> String {
         .to_string()
 }
 
-/// Date and time of day for readers elsewhere: `2018-07-23, 11:05 (UTC+02:00)`.
+/// Date and time of day with UTC offset: `2018-07-23, 11:05 (UTC+02:00)`.
 #[must_use]
 pub fn with_offset(time: Timestamp) -> String {
     said_with_offset(&local(time, TimeZone::system()))
@@ -35,7 +35,7 @@ fn said_with_offset(time: &Zoned) -> String {
 }
 
 fn local(time: Timestamp, zone: TimeZone) -> Zoned {
-    // All times of files are within the range of jiff: its last year is 9999, too.
+    // All times in files are within the range of jiff, whose last year is 9999, too.
     let instant = Instant::from_second(time.unix_seconds()).unwrap_or(Instant::MAX);
     instant.to_zoned(zone)
 }

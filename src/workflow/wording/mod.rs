@@ -1,4 +1,4 @@
-//! Lists, numbers, readings and probabilities in words, the same for reports, screens and the terminal.
+//! Lists, numbers, readings and probabilities in words, shared by reports, screens and the terminal.
 
 pub mod local_time;
 pub mod parameters;
@@ -25,13 +25,13 @@ pub fn count(number: usize, noun: &str) -> String {
     format!("{number} {noun}{ending}")
 }
 
-/// A noun with its number and the verb that suits it: `1 pose is`, `2 poses are`.
+/// A noun with its number and the matching verb: `1 pose is`, `2 poses are`.
 pub fn count_are(number: usize, noun: &str) -> String {
     let verb = if number == 1 { "is" } else { "are" };
     format!("{} {verb}", count(number, noun))
 }
 
-/// The text with a capital at its start.
+/// The text with an initial capital.
 pub fn sentence(text: &str) -> String {
     let mut rest = text.chars();
     let first = rest.next().into_iter().flat_map(char::to_uppercase);
@@ -46,7 +46,7 @@ pub fn odds(p_value: f64) -> String {
     if p_value > 0.05 {
         return format!("{:.0} times in 100", 100.0 * p_value);
     }
-    // Two digits: nobody counts so many times.
+    // Two significant digits.
     let step = 10_f64.powf((1.0 / p_value).log10().floor() - 1.0);
     let times = ((1.0 / p_value) / step).round() * step;
     format!("about once in {} times", thousands(times as u64))
@@ -61,7 +61,7 @@ fn thousands(count: u64) -> String {
     }
 }
 
-/// What a cable is called where space is scarce: by its name if that is as short as a number, else by its number.
+/// Short label of a cable: its name if that is as short as a number, else its number.
 pub fn cable_label(index: usize, name: &str) -> String {
     match name.chars().count() {
         1 | 2 => name.to_owned(),
@@ -69,7 +69,7 @@ pub fn cable_label(index: usize, name: &str) -> String {
     }
 }
 
-/// A probability as in a table of tests: `p = 0.034`, `p < 1e-6`.
+/// A p-value as in a table of tests: `p = 0.034`, `p < 1e-6`.
 pub fn p_value(p_value: f64) -> String {
     match p_value {
         p if p < 1e-6 => "p < 1e-6".to_owned(),
@@ -78,7 +78,7 @@ pub fn p_value(p_value: f64) -> String {
     }
 }
 
-/// A ratio with three digits, or all before the point.
+/// A ratio with three significant digits, or all digits before the point.
 pub fn ratio(times: f64) -> String {
     let decimals = match times {
         _ if times < 9.995 => 2,
@@ -88,7 +88,7 @@ pub fn ratio(times: f64) -> String {
     format!("{times:.decimals$}")
 }
 
-/// Readings of a kind, or of one cable of it: `the length readings of cable-3`.
+/// Readings of a quantity, or of one cable: `the length readings of cable-3`.
 pub fn readings(quantity: Quantity, cable: Option<&str>) -> String {
     let readings = match quantity {
         Quantity::Length => "the length readings",

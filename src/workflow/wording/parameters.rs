@@ -1,4 +1,4 @@
-//! Parameters of a controller in display form, for the adjustment table and the report.
+//! Display form of a controller's parameters, for the adjustment table and the report.
 
 use tautline_core::effect;
 use tautline_core::robot::Cable;
@@ -6,7 +6,7 @@ use tautline_link::parameters::EffectName;
 
 use super::units::unit_of;
 
-/// The cable that a parameter belongs to, by its index.
+/// Index of the cable that a parameter belongs to.
 pub fn cable_of(cables: &[Cable], name: &str) -> Option<usize> {
     let is_of = |cable: &Cable| match EffectName::read(name) {
         Some(name) => name.targets == cable.name,
@@ -20,7 +20,7 @@ fn is_of(name: &str, cable: &str) -> bool {
         .is_some_and(|rest| rest.starts_with('.'))
 }
 
-/// SI unit of a parameter that has `unit` in files; `None` for counts, such as the pose from which an effect acts.
+/// SI unit of a parameter with `unit` in files; `None` for counts, such as the pose from which an effect acts.
 pub fn unit<'a>(name: &str, unit: &'a str) -> Option<&'a str> {
     let Some(name) = EffectName::read(name) else {
         return Some(unit);
@@ -32,7 +32,7 @@ pub fn unit<'a>(name: &str, unit: &'a str) -> Option<&'a str> {
     }
 }
 
-/// Display name of a parameter of one of these cables, or of none.
+/// Display name of a parameter, which may belong to one of these cables.
 pub fn title(name: &str, cables: &[Cable]) -> String {
     if let Some(name) = EffectName::read(name) {
         return effect_title(name);
@@ -47,7 +47,7 @@ pub fn title(name: &str, cables: &[Cable]) -> String {
     }
 }
 
-/// An effect, its cable and, where it has several, the parameter: `Winch scale, cable-3`.
+/// An effect, its cable and, if it has several parameters, the parameter: `Winch scale, cable-3`.
 fn effect_title(name: EffectName<'_>) -> String {
     let found = effect::find(name.effect);
     let mut parts = vec![found.map_or(name.effect, |found| found.title()).to_owned()];
@@ -60,7 +60,7 @@ fn effect_title(name: EffectName<'_>) -> String {
     parts.join(", ")
 }
 
-/// Display name of a parameter that belongs to no effect.
+/// Display name of a parameter that does not belong to an effect.
 fn words(name: &str) -> String {
     let (part, axis) = name.rsplit_once('.').unwrap_or(("", name));
     let axis = axis.trim_end_matches("_m").trim_end_matches("_rad");

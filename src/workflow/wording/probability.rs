@@ -1,13 +1,13 @@
-//! Probabilities in words and number.
+//! Probabilities in words and numbers.
 
-/// Probability from which something is said to be almost certain.
+/// Probability from which something is called almost certain.
 const ALMOST_CERTAIN: f64 = 0.95;
-/// Probability from which something is said to be probable.
+/// Probability from which something is called probable.
 const PROBABLE: f64 = 0.75;
-/// Largest odds that are said as a number.
+/// Largest odds given as a number.
 const MOST_ODDS: f64 = 1000.0;
 
-/// `98 %`; nothing is rounded to impossible or certain.
+/// `98 %`; nothing is rounded to 0 or 100 %.
 pub fn percent(probability: f64) -> String {
     let percent = 100.0 * probability;
     match percent {
@@ -29,7 +29,7 @@ pub fn certainty(probability: f64) -> String {
     format!("{words} ({})", percent(probability))
 }
 
-/// `2 to 1`: how much likelier one thing is than another. `even odds` where neither is clearly.
+/// Odds of one probability against another: `2 to 1`, or `even odds` if they are about equal.
 pub fn odds_between(one: f64, other: f64) -> String {
     let odds = one / other;
     if !(1.2..=MOST_ODDS).contains(&odds) {

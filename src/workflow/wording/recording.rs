@@ -4,7 +4,7 @@ use tautline_core::measurement::{Measurements, Sampling};
 
 use super::count;
 
-/// Which samples of a recording are used, and why; nothing for poses at rest.
+/// Which samples of a recording are used, and why; `None` for poses at rest.
 #[must_use]
 pub fn sampling_sentence(data: &Measurements) -> Option<String> {
     let sampling = &data.rates.as_ref()?.sampling;
@@ -15,15 +15,15 @@ pub fn sampling_sentence(data: &Measurements) -> Option<String> {
         milliseconds(sampling.interval_s)
     );
     let why = match correlated(sampling) {
-        None => "; the noise of each is its own.".to_owned(),
+        None => "; their noise is independent.".to_owned(),
         Some(kinds) => {
-            format!(", so that their noise is independent: it stays alike over {kinds}.")
+            format!(", so that their noise is independent: its correlation time is {kinds}.")
         }
     };
     Some(used + &why)
 }
 
-/// How long the noise of each kind of reading stays alike; nothing where it is shorter than the time between samples.
+/// Correlation time of the noise for each kind of reading; `None` if it is shorter than the sampling interval.
 fn correlated(sampling: &Sampling) -> Option<String> {
     let long = sampling.correlation_s.iter();
     let kinds: Vec<String> = long
@@ -64,12 +64,12 @@ mod tests {
         };
         assert_eq!(
             said(&sampling, &mut data),
-            "A recording in motion: 2 of 6001 samples are used, 200 ms apart, so that their noise is independent: it stays alike over 50 ms in lengths."
+            "A recording in motion: 2 of 6001 samples are used, 200 ms apart, so that their noise is independent: its correlation time is 50 ms in lengths."
         );
         sampling.correlation_s.clear();
         assert_eq!(
             said(&sampling, &mut data),
-            "A recording in motion: 2 of 6001 samples are used, 200 ms apart; the noise of each is its own."
+            "A recording in motion: 2 of 6001 samples are used, 200 ms apart; their noise is independent."
         );
     }
 }

@@ -14,7 +14,7 @@ pub fn display_unit(unit: &str) -> (f64, &str) {
     }
 }
 
-/// Unit of a parameter: coefficients of friction are ratios, but not shown as percentages.
+/// Unit of a parameter: coefficients of friction are ratios that are not shown as percentages.
 pub fn unit_of<'a>(parameter: &str, unit: &'a str) -> &'a str {
     match parameter {
         "mu" => "",
@@ -22,7 +22,7 @@ pub fn unit_of<'a>(parameter: &str, unit: &'a str) -> &'a str {
     }
 }
 
-/// A number with significant `digits`, without trailing zeros; digits before the point are kept.
+/// A number with `digits` significant digits, without trailing zeros; digits before the point are kept.
 pub fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -61,10 +61,10 @@ pub fn range([from, to]: [f64; 2], unit: &str) -> String {
     format!("{size} to {to}")
 }
 
-/// Significant decimals of a value with this standard deviation (positive).
+/// Number of significant decimals of a value with this standard deviation (positive).
 pub fn decimals(sd: f64) -> usize {
     let leading = sd.log10().floor();
-    // Two digits where the first is a 1: 0.1 could be anything from 0.05 to 0.15.
+    // Two digits if the first is a 1: 0.1 could be anything from 0.05 to 0.15.
     let digits = if sd / 10_f64.powf(leading) < 1.95 {
         1
     } else {
@@ -73,7 +73,7 @@ pub fn decimals(sd: f64) -> usize {
     usize::try_from(digits - leading as i32).unwrap_or(0)
 }
 
-/// A quantity with its standard deviation: `0.31 ± 0.04 %`. Digits are rounded to the standard deviation.
+/// A quantity with its standard deviation, to which digits are rounded: `0.31 ± 0.04 %`.
 pub fn with_sd(value: f64, sd: f64, unit: &str) -> String {
     let (factor, name) = display_unit(unit);
     let (value, sd) = (value * factor, sd * factor);
@@ -89,7 +89,7 @@ pub fn with_sd(value: f64, sd: f64, unit: &str) -> String {
         .to_owned()
 }
 
-/// The 95 % interval of a quantity with its standard deviation: `0.23 to 0.39 %`, with the digits of [`with_sd`].
+/// The 95 % interval of a quantity with a standard deviation: `0.23 to 0.39 %`, with the digits of [`with_sd`].
 pub fn interval(value: f64, sd: f64, unit: &str) -> String {
     let (factor, name) = display_unit(unit);
     if !(sd.is_finite() && sd > 0.0) {
@@ -100,7 +100,7 @@ pub fn interval(value: f64, sd: f64, unit: &str) -> String {
     format!("{from} to {to} {name}").trim_end().to_owned()
 }
 
-/// A number with these decimals; what rounds to zero has no sign.
+/// A number with a fixed number of decimals; zero after rounding has no sign.
 pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -109,7 +109,7 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// The same with a plus where it is positive.
+/// A number with a fixed number of decimals and a sign, plus included.
 pub fn signed(value: f64, decimals: usize) -> String {
     let text = fixed(value, decimals);
     let is_positive = value > 0.0 && text.contains(|digit| matches!(digit, '1'..='9'));
@@ -120,7 +120,7 @@ pub fn signed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// Metres as millimetres with the decimals given.
+/// Metres as millimetres with a fixed number of decimals.
 pub fn mm(metres: f64, decimals: usize) -> String {
     fixed(metres * 1e3, decimals)
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use serde_json::json;
 use tautline_core::robot::presets;
 use tautline_link::adjusting::{
-    Holds, settle_adjustment, write_adjustment, write_adjustment_reconnecting,
+    ControllerValues, settle_adjustment, write_adjustment, write_adjustment_reconnecting,
 };
 use tautline_link::ads::AdsOptions;
 use tautline_link::parameters::parameters_of;
@@ -48,7 +48,11 @@ fn policy() -> Attempts<fn(f64)> {
 }
 
 /// After an attempt with a fault the controller holds the values that the message says.
-fn attempt(protocol: Protocol, (kind, number, action): (&str, u64, &str), sums: bool) -> Holds {
+fn attempt(
+    protocol: Protocol,
+    (kind, number, action): (&str, u64, &str),
+    sums: bool,
+) -> ControllerValues {
     let at = format!("{action} {kind} {number}, sums {sums}");
     let plant = Plant::speaking(protocol, Style::Arrays);
     let mut client = plant.armed();
@@ -57,16 +61,16 @@ fn attempt(protocol: Protocol, (kind, number, action): (&str, u64, &str), sums: 
     plant.server.fault(kind, number, action);
     let written = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy());
     // Where the old values could not even be read nothing was written.
-    let holds = written.map_or(Holds::Old, |adjustment| adjustment.holds);
+    let holds = written.map_or(ControllerValues::Old, |adjustment| adjustment.holds);
     let new: Vec<f64> = new_values().into_iter().map(|(_, value)| value).collect();
     let holds = match holds {
-        Holds::Mixed(names) => settled(&plant, client, (&old, &new), &names),
+        ControllerValues::Mixed(names) => settled(&plant, client, (&old, &new), &names),
         holds => holds,
     };
     let now = held(&plant);
     match holds {
-        Holds::New => assert_eq!(now, new, "{at}"),
-        Holds::Old => assert_eq!(now, old, "{at}"),
+        ControllerValues::New => assert_eq!(now, new, "{at}"),
+        ControllerValues::Old => assert_eq!(now, old, "{at}"),
         ref other => panic!("{at}: {other:?}"),
     }
     holds
@@ -78,7 +82,7 @@ fn settled(
     mut client: GuardedController<SymbolController>,
     (old, new): (&[f64], &[f64]),
     names: &[String],
-) -> Holds {
+) -> ControllerValues {
     assert!(!client.state().armed);
     let amid = held(plant);
     let others = amid.iter().zip(old).filter(|(now, old)| now != old);
@@ -99,11 +103,15 @@ fn the_connection_breaks_at_any_written_value() {
     for number in 1..=VALUES as u64 {
         assert_eq!(
             attempt(Protocol::Ads, ("write", number, "before"), false),
-            Holds::Old,
+            ControllerValues::Old,
             "{number}"
         );
         let after = attempt(Protocol::Ads, ("write", number, "after"), false);
-        assert_eq!(after == Holds::New, number == VALUES as u64, "{number}");
+        assert_eq!(
+            after == ControllerValues::New,
+            number == VALUES as u64,
+            "{number}"
+        );
     }
 }
 
@@ -111,14 +119,27 @@ fn the_connection_breaks_at_any_written_value() {
 fn the_connection_breaks_within_the_answer_to_any_written_value() {
     for number in 1..=VALUES as u64 {
         let held = attempt(Protocol::Ads, ("write", number, "half"), false);
-        assert_eq!(held == Holds::New, number == VALUES as u64, "{number}");
+        assert_eq!(
+            held == ControllerValues::New,
+            number == VALUES as u64,
+            "{number}"
+        );
     }
 }
 
 fn the_connection_breaks_while_all_values_are_written_at_once(protocol: Protocol) {
-    assert_eq!(attempt(protocol, ("write", 1, "before"), true), Holds::Old);
-    assert_eq!(attempt(protocol, ("write", 1, "after"), true), Holds::New);
-    assert_eq!(attempt(protocol, ("write", 1, "half"), true), Holds::New);
+    assert_eq!(
+        attempt(protocol, ("write", 1, "before"), true),
+        ControllerValues::Old
+    );
+    assert_eq!(
+        attempt(protocol, ("write", 1, "after"), true),
+        ControllerValues::New
+    );
+    assert_eq!(
+        attempt(protocol, ("write", 1, "half"), true),
+        ControllerValues::New
+    );
 }
 
 #[test]
@@ -126,15 +147,15 @@ fn the_connection_breaks_while_values_are_read_back() {
     // Old values, version of the program, new values.
     assert_eq!(
         attempt(Protocol::Ads, ("read", 1, "half"), true),
-        Holds::Old
+        ControllerValues::Old
     );
     assert_eq!(
         attempt(Protocol::Ads, ("read", 2, "half"), true),
-        Holds::Old
+        ControllerValues::Old
     );
     assert_eq!(
         attempt(Protocol::Ads, ("read", 3, "half"), true),
-        Holds::New
+        ControllerValues::New
     );
 }
 
@@ -145,7 +166,7 @@ fn old_values_are_restored_if_one_cannot_be_written(protocol: Protocol) {
     let mut new = new_values();
     new[4].1 = f64::NAN;
     let adjustment = write_adjustment(&mut client, &new).expect("an attempt");
-    assert_eq!(adjustment.holds, Holds::Old);
+    assert_eq!(adjustment.holds, ControllerValues::Old);
     assert_eq!(held(&plant), old);
 }
 
@@ -156,16 +177,16 @@ fn an_interrupted_adjustment_can_be_settled_by_hand() {
     plant.server.order(json!({"sums": false}));
     plant.server.fault("write", 3, "after");
     let adjustment = write_adjustment(&mut client, &new_values()).expect("an attempt");
-    assert_eq!(adjustment.holds, Holds::Unknown);
+    assert_eq!(adjustment.holds, ControllerValues::Unknown);
     client.connect().expect("connected again");
     let unarmed = settle_adjustment(&mut client, &adjustment.old, &new_values()).expect("settled");
     assert!(
-        matches!(unarmed.holds, Holds::Mixed(ref names) if names.len() == 3),
+        matches!(unarmed.holds, ControllerValues::Mixed(ref names) if names.len() == 3),
         "{unarmed:?}"
     );
     client.arm().expect("armed");
     let settled = settle_adjustment(&mut client, &adjustment.old, &new_values()).expect("settled");
-    assert_eq!(settled.holds, Holds::Old);
+    assert_eq!(settled.holds, ControllerValues::Old);
     let old: Vec<f64> = adjustment.old.iter().map(|(_, value)| *value).collect();
     assert_eq!(held(&plant), old);
 }
@@ -181,12 +202,12 @@ fn a_missing_controller_leaves_an_interrupted_adjustment_open() {
     }
     let adjustment = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy())
         .expect("an attempt");
-    assert_eq!(adjustment.holds, Holds::Unknown);
+    assert_eq!(adjustment.holds, ControllerValues::Unknown);
     let problem = adjustment.problem.expect("a problem");
     assert!(problem.contains("Reconnecting failed"), "{problem}");
     client.connect().expect("connected again");
     let settled = settle_adjustment(&mut client, &adjustment.old, &new_values()).expect("settled");
-    assert_eq!(settled.holds, Holds::New);
+    assert_eq!(settled.holds, ControllerValues::New);
     plant
         .server
         .order(json!({"codes": {global("entry_point"): 0x723}}));
@@ -218,11 +239,14 @@ fn the_controller_restarts_while_values_are_written() {
     let mut policy = Restarting(&plant, 0);
     let adjustment = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy);
     let holds = adjustment.expect("an attempt").holds;
-    let Holds::Mixed(names) = holds else {
+    let ControllerValues::Mixed(names) = holds else {
         panic!("{holds:?}");
     };
     let new: Vec<f64> = new_values().into_iter().map(|(_, value)| value).collect();
-    assert_eq!(settled(&plant, client, (&old, &new), &names), Holds::Old);
+    assert_eq!(
+        settled(&plant, client, (&old, &new), &names),
+        ControllerValues::Old
+    );
     assert_eq!(held(&plant), old);
 }
 
@@ -245,7 +269,7 @@ fn a_write_arrives_after_the_reconnection() {
     };
     let adjustment = write_adjustment_reconnecting(&mut client, &new_values(), &mut policy);
     // Old values were read first; then the late ones arrived.
-    assert_eq!(adjustment.expect("an attempt").holds, Holds::New);
+    assert_eq!(adjustment.expect("an attempt").holds, ControllerValues::New);
     let new: Vec<f64> = new_values().into_iter().map(|(_, value)| value).collect();
     assert_eq!(held(&plant), new);
 }

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use tautline_core::estimation::{Control, Options, Problem, Solution, solve};
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::{Dataset, Measurements};
-use tautline_link::adjusting::{Holds, plan_adjustment, write_adjustment};
+use tautline_link::adjusting::{ControllerValues, plan_adjustment, write_adjustment};
 use tautline_link::measuring::{MeasuringEvent, MeasuringOptions, MeasuringRun};
 use tautline_link::verifying::{
     CheckTarget, VerifyingEvent, VerifyingOptions, VerifyingRun, cube_poses,
@@ -128,7 +128,7 @@ fn calibrate(style: Style) {
     let values: Vec<_> = changes.map(|d| (d.name.clone(), d.identified)).collect();
     assert!(values.len() > 20, "{}", values.len());
     let adjustment = write_adjustment(&mut robot, &values).expect("written");
-    assert_eq!(adjustment.holds, Holds::New, "{adjustment:?}");
+    assert_eq!(adjustment.holds, ControllerValues::New, "{adjustment:?}");
     let after = verify(targets, &mut robot, &mut tracker);
     assert!(before > 5e-4 && after < 0.4 * before, "{before} {after}");
 }

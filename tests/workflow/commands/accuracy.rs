@@ -104,11 +104,11 @@ fn incomplete_check_tables_are_refused() {
     for (change, parts) in [
         (
             ["pose,P1,3,0,0.1,", "pose,P1,3,0,0.1001,"],
-            vec!["pose \"P1\"", "another commanded pose in cycle 3"],
+            vec!["pose \"P1\"", "the commanded pose of cycle 3"],
         ),
         (
             ["pose,P2,2,0", "pose,P3,2,0"],
-            vec!["pose \"P2\"", "found cycle 1 only, expected at least 2"],
+            vec!["pose \"P2\"", "found only cycle 1, expected at least 2"],
         ),
         (
             ["pose,P2,2,0", "pose,P2,2,5"],

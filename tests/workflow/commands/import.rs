@@ -80,7 +80,7 @@ fn a_foreign_log_gives_the_same_identification() {
         "-o",
         &folder.join("data"),
     ];
-    tautline(&again).refused(&["poses.csv: is there already, expected --replace"]);
+    tautline(&again).refused(&["poses.csv: already exists, expected --replace"]);
     tautline(&[&again[..], &["--replace"]].concat()).succeeded();
 }
 
@@ -148,7 +148,7 @@ fn mistakes_are_named_and_corrected() {
     ];
     let said = tautline(&arguments).succeeded().stdout;
     let sentence =
-        "rev_2 follows what rev_5 should be, and the other way round: their channels are exchanged";
+        "rev_2 follows the expected values of rev_5, and vice versa: their channels are swapped";
     assert!(said.contains(&format!("Check: {sentence}")), "{said}");
     let arguments = [
         "import",

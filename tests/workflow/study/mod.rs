@@ -87,7 +87,7 @@ fn the_result_is_the_same_however_it_was_cut() {
     // What is there is not done again.
     let again = tautline(&["study", "run", &study.path]).succeeded();
     assert!(
-        again.stdout.contains("0 chunks done, 4 were there"),
+        again.stdout.contains("0 chunks done, 4 existed"),
         "{}",
         again.stdout
     );
@@ -123,12 +123,12 @@ fn what_does_not_belong_together_is_not_merged() {
     let refused = |parts: &[&str]| tautline(&["study", "merge", &study.path]).refused(parts);
     refused(&["found no chunk"]);
     run_part(&study.path, "1/3");
-    refused(&["found 1 of 3 chunks, number 2 is missing"]);
+    refused(&["found 1 of 3 chunks; number 2 is missing"]);
     run_part(&study.path, "2/3");
     run_part(&study.path, "3/3");
     let whole = merged(&study.path);
     run_part(&study.path, "1/2");
-    refused(&["a cut into 2 and of one into 3"]);
+    refused(&["a division into 2 and of one into 3"]);
     fs::remove_file(path("chunk-1-of-2.parquet")).expect("removed");
     // A chunk of another study, with other noise.
     let other = study
@@ -183,7 +183,7 @@ fn strange_cuts_are_refused() {
             .refused(&["--chunk: found", part]);
     }
     tautline(&["study", "run", &study.path, "--chunk", "1/241"])
-        .refused(&["at most the 240 calibrations"]);
+        .refused(&["at most 240, the number of calibrations"]);
     let nowhere = study.folder.join("nowhere");
     tautline(&["study", "run", &nowhere]).refused(&["plan.json: not found"]);
     tautline(&["study", "report", &study.path, "--out", "a.txt"])

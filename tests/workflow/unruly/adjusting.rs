@@ -331,7 +331,7 @@ fn a_record_that_cannot_be_written_is_missed_aloud() {
     );
     for part in [
         "written to the controller and verified",
-        "The record of this is missing in",
+        "does not record this outcome, only that",
         &file,
     ] {
         assert!(answer.stderr.contains(part), "{}", answer.stderr);

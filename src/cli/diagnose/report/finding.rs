@@ -1,4 +1,4 @@
-//! One finding in the report.
+//! A finding in the report.
 
 use tautline_core::diagnosis::{Finding, Separation, Verdict};
 use tautline_core::effect::UNKNOWN;
@@ -10,7 +10,7 @@ use tautline_workflow::wording::probability::percent;
 
 /// Indentation of the lines below a heading.
 const INDENT: &str = "   ";
-/// Characters of a bar.
+/// Length of a bar in characters.
 const BAR: usize = 20;
 
 /// Heading and body of a finding.
@@ -39,7 +39,7 @@ pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<Str
     lines
 }
 
-/// Probabilities as bars, one line for each cause.
+/// Probabilities as bars, one line per cause.
 fn bars(diagnosed: &Diagnosed, finding: &Finding) -> Vec<String> {
     let own = (finding.probability, &finding.cause);
     let others = finding.alternatives.iter();
@@ -53,7 +53,7 @@ fn bars(diagnosed: &Diagnosed, finding: &Finding) -> Vec<String> {
     .collect()
 }
 
-/// Poses that would distinguish the causes.
+/// Poses that would separate the causes.
 fn separating(separation: &Separation) -> Vec<String> {
     if separation.poses.is_empty() {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! The readable report of a diagnosis.
+//! The human-readable report of a diagnosis.
 
 mod finding;
 mod tables;
@@ -9,10 +9,10 @@ use tautline_workflow::wording::sampling_sentence;
 
 use super::Diagnosed;
 
-/// Most remaining dependences that are listed unless all numbers are asked for.
+/// Largest number of remaining dependences listed without `--explain`.
 const REMAINING_SHOWN: usize = 5;
 
-/// The report; with `explain` with the numbers behind the verdicts.
+/// The report; `explain` adds the statistics behind the verdicts.
 pub fn text(diagnosed: &Diagnosed, explain: bool) -> String {
     let diagnosis = &diagnosed.diagnosis;
     let mut lines = vec![diagnosed.headline()];
@@ -40,7 +40,7 @@ pub fn text(diagnosed: &Diagnosed, explain: bool) -> String {
     lines.join("\n")
 }
 
-/// Lines after an empty one, if there are any.
+/// The lines after an empty one; nothing if there are none.
 fn section(lines: impl Iterator<Item = String>) -> Vec<String> {
     let mut lines = lines.peekable();
     match lines.peek() {

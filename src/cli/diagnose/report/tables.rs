@@ -1,4 +1,4 @@
-//! The numbers behind a diagnosis.
+//! The statistics behind a diagnosis.
 
 use comfy_table::Table;
 use tautline_core::diagnosis::{Adequacy, Discrepancy, Finding, GroupTest};
@@ -21,7 +21,7 @@ pub fn lines(diagnosed: &Diagnosed) -> Vec<String> {
         let title = format!("Finding {number}: {}", evidence(finding));
         add(title, &ranking(diagnosed, finding));
         add(
-            format!("Finding {number}: readings at poses held out, rms over sd"),
+            format!("Finding {number}: readings at held-out poses, rms over sd"),
             &kinds(finding),
         );
     }
@@ -43,11 +43,11 @@ pub fn lines(diagnosed: &Diagnosed) -> Vec<String> {
         &discrepancy_table(diagnosed, &diagnosis.discrepancies),
     );
     add(
-        "The same with the extended model".to_owned(),
+        "Residuals of the extended model that depend on a variable".to_owned(),
         &discrepancy_table(diagnosed, &diagnosis.remaining),
     );
     add(
-        "Smallest sizes that would be found 9 times out of 10".to_owned(),
+        "Smallest sizes that would be found in 9 of 10 cases".to_owned(),
         &invisible_table(diagnosed),
     );
     lines

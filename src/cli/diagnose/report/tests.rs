@@ -97,7 +97,7 @@ fn the_numbers_are_explained_on_demand() {
         "Winch scale (cable-3)",
         "Pulley radius (cable-3)",
         "28.6",
-        "held out, rms over sd",
+        "held-out poses, rms over sd",
         "Tests of the original model: chi-square 256.0",
         "Tests of the extended model",
         "depends on",

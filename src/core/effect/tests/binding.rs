@@ -45,7 +45,7 @@ fn what_makes_no_sense_is_refused() {
             "no parameter \"where\"; it has step, pose",
         ),
         ("laser_bias:cable-2", "concerns the whole robot"),
-        ("cable_swap", "nothing to estimate"),
+        ("cable_swap", "no parameter that can be estimated"),
         ("laser_outliers:error=0.01", "needs a number for \"pose\""),
         ("encoder_outlier:cable-1", "needs a number for \"pose\""),
     ] {

@@ -5,13 +5,13 @@ use nalgebra::{DMatrix, DVector};
 use super::sd_of;
 use crate::estimation::evaluator::Evaluator;
 use crate::estimation::home::HomeRow;
-use crate::estimation::observation::{Observation, ObservationKind, Pull};
+use crate::estimation::observation::{EntryPointSensitivity, Observation, ObservationKind};
 use crate::estimation::parameter::{Parameter, ParameterId};
 use crate::estimation::problem::Problem;
 use crate::estimation::solution::Solution;
 use crate::estimation::system::Priors;
 
-/// Readings at the home pose, which depend on the common parameters alone.
+/// Readings at the home pose, which depend on the common parameters only.
 pub(super) struct HomeReadings<'a> {
     pub problem: &'a Problem<'a>,
     pub solution: &'a Solution,
@@ -41,7 +41,7 @@ impl HomeReadings<'_> {
             .collect()
     }
 
-    /// The tension readings: priors of their errors. Assumed tensions are none.
+    /// The tension readings, which enter as priors of their errors. Assumed tensions are not readings.
     pub fn tensions(&self) -> Vec<Observation> {
         if self.problem.assumes_tensions() {
             return Vec::new();
@@ -78,7 +78,7 @@ impl HomeReadings<'_> {
         }
     }
 
-    fn pull(&self, moved: &DVector<f64>) -> Option<Pull> {
+    fn pull(&self, moved: &DVector<f64>) -> Option<EntryPointSensitivity> {
         let mut squares = vec![0.0; self.problem.dataset.robot.cable_count()];
         for (parameter, moved) in self.solution.parameters.iter().zip(moved) {
             if let ParameterId::EntryPoint { cable, .. } = parameter.id {
@@ -87,7 +87,7 @@ impl HomeReadings<'_> {
         }
         let squares = squares.into_iter().enumerate();
         let (cable, square) = squares.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        (square > 0.0).then(|| Pull {
+        (square > 0.0).then(|| EntryPointSensitivity {
             cable,
             per_sd_m: square.sqrt(),
         })

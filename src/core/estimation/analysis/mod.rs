@@ -1,4 +1,4 @@
-//! What the residuals at a solution say: standardised residuals, redundancies, reliability, suspicious readings.
+//! Residual analysis at a solution: standardised residuals, redundancies, reliability, suspicious readings.
 //!
 //! With the estimate `e = w^T r` of the noise of a reading in its standard deviations, a function `w` of the whitened rows
 //! `r` ([`super::evaluator`]), and the covariance `I - H` of these rows after the fit, the redundancy is
@@ -6,8 +6,8 @@
 //! square root is standard normal if model and noise are right. The redundancies of all readings, equations and priors sum to
 //! the degrees of freedom.
 //!
-//! With the derivative `g` of `e` with respect to the common parameters, the poses following, and their covariance `C`, an
-//! error of one standard deviation in the reading moves the parameters by `C g`.
+//! With the derivative `g` of `e` with respect to the common parameters (poses re-estimated) and their covariance `C`, an
+//! error of one standard deviation in the reading changes the parameters by `C g`.
 
 mod home;
 mod poses;
@@ -28,30 +28,30 @@ use super::solution::Solution;
 use super::system::{Priors, System};
 use crate::real::{Lanes, Packet};
 
-/// Level for all readings together at which single readings are called suspect.
+/// Significance level, for all readings together, at which single readings are called suspect.
 pub const SUSPECT_LEVEL: f64 = 0.01;
-/// Normalised residuals of less are suspect at no number of readings: one alone at [`SUSPECT_LEVEL`] would need 2.58.
+/// Smaller normalised residuals are never suspect: a single reading at [`SUSPECT_LEVEL`] would need 2.58.
 const NEVER_SUSPECT: f64 = 2.5;
 
 /// Residuals of all readings at a solution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Analysis {
-    /// Every reading that was made and every equilibrium equation, in the order of the rows; none in a summary.
+    /// Every reading and every equilibrium equation, in the order of the rows; empty in a summary.
     pub observations: Vec<Observation>,
-    /// Redundancy of the prior of each parameter; `None` where there is none, and for those that stand for tension readings
+    /// Redundancy of the prior of each parameter; `None` if it has no prior, and for the errors of tension readings
     /// at home, which are among the observations.
     pub prior_redundancies: Vec<Option<f64>>,
     sums: ResidualSums,
 }
 
-/// What is summed up over the readings.
+/// Sums over the readings.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct ResidualSums {
     /// Number of readings and sum of squared residuals of each kind (SI units).
     kinds: Vec<(ObservationKind, usize, f64)>,
-    /// Readings so far.
+    /// Number of readings so far.
     count: usize,
-    /// Readings whose normalised residual is improbable.
+    /// Readings whose normalised residual is improbably large.
     suspects: Vec<Observation>,
 }
 
@@ -62,7 +62,7 @@ impl Analysis {
         Self::divided(problem, solution, Division::default())
     }
 
-    /// The same with the poses divided in another way.
+    /// As [`Self::new`], with another division of the poses.
     pub(super) fn divided(problem: &Problem<'_>, solution: &Solution, division: Division) -> Self {
         Arch::new().dispatch(Dispatch {
             problem,
@@ -72,7 +72,7 @@ impl Analysis {
         })
     }
 
-    /// The same without the list of single readings, which takes most of the memory where poses are many.
+    /// As [`Self::new`], without the list of single readings, which takes most of the memory if there are many poses.
     #[must_use]
     pub fn summary(problem: &Problem<'_>, solution: &Solution) -> Self {
         Arch::new().dispatch(Dispatch {
@@ -92,7 +92,7 @@ impl Analysis {
         }))
     }
 
-    /// The test of single readings behind [`Self::suspects`], with the power that is customary in geodesy.
+    /// The test of single readings behind [`Self::suspects`], at the power customary in geodesy.
     #[must_use]
     pub fn test(&self) -> DetectionTest {
         DetectionTest {
@@ -101,7 +101,7 @@ impl Analysis {
         }
     }
 
-    /// Readings whose normalised residual is improbable, the worst first: two-sided, at a level of 1 % for all
+    /// Readings whose normalised residual is improbably large, the worst first: two-sided, at a level of 1 % for all
     /// readings together (Bonferroni).
     #[must_use]
     pub fn suspects(&self) -> &[Observation] {
@@ -113,7 +113,7 @@ fn root_mean_square((count, square): (usize, f64)) -> Option<f64> {
     (count > 0).then(|| (square / count as f64).sqrt())
 }
 
-/// Size of a normalised residual, 0 where the reading is hardly controlled.
+/// Magnitude of the normalised residual; 0 where the reading is hardly controlled.
 fn size(reading: &Observation) -> f64 {
     reading.normalised().map_or(0.0, f64::abs)
 }
@@ -122,13 +122,13 @@ impl ResidualSums {
     fn add(&mut self, reading: &Observation) {
         self.add_squares((reading.kind, 1, reading.residual().powi(2)));
         self.count += 1;
-        // More readings only lower the level, so that nothing is missed.
+        // The level only falls as readings are added, so no suspect is missed.
         if size(reading) > NEVER_SUSPECT && self.is_suspect(reading) {
             self.suspects.push(*reading);
         }
     }
 
-    /// Adds a number of readings of a kind with the sum of their squared residuals.
+    /// Adds readings of one kind, as their number and the sum of their squared residuals.
     fn add_squares(&mut self, (kind, more, squares): (ObservationKind, usize, f64)) {
         match self.kinds.iter_mut().find(|(known, ..)| *known == kind) {
             Some((_, count, sum)) => {
@@ -139,7 +139,7 @@ impl ResidualSums {
         }
     }
 
-    /// Adds the sums over other readings. Fewer readings only raise the level, so that nothing suspect is missing there.
+    /// Adds the sums over other readings. These were fewer and judged at a higher level, so no suspect is missing.
     fn add_sums(&mut self, other: Self) {
         other
             .kinds
@@ -158,7 +158,7 @@ impl ResidualSums {
         crate::statistics::normal_two_sided(size(reading)) < self.level()
     }
 
-    /// All readings are in.
+    /// Drops the candidates that are not suspect at the final level, and sorts the rest.
     fn finish(mut self) -> Self {
         let mut suspects = std::mem::take(&mut self.suspects);
         suspects.retain(|reading| self.is_suspect(reading));
@@ -208,7 +208,7 @@ fn analyse<T: Packet>(token: T::Token, dispatch: &Dispatch<'_>) -> Analysis {
     }
     let mut home_readings = home_readings.into_iter();
     let with_home = || {
-        // The readings at home go before those of the first part.
+        // The readings at home precede those of the first part.
         let mut collector = collector();
         home_readings.by_ref().for_each(|one| collector.add(one));
         collector
@@ -234,7 +234,7 @@ fn analyse<T: Packet>(token: T::Token, dispatch: &Dispatch<'_>) -> Analysis {
     }
 }
 
-/// Covariance of the parameters with the equations linearised at the solution itself; that of the
+/// Covariance of the parameters with the equations linearised at the solution itself; the covariance in the
 /// solution belongs to the state before the last step.
 fn covariance_at<T: Packet>(
     at: &mut Evaluated<'_, T>,
@@ -248,7 +248,7 @@ fn covariance_at<T: Packet>(
     System::build(at.poses.sums(), &at.map, &at.home, &priors).covariance()
 }
 
-/// Standard deviation of a reading in a row that `evaluator` has (SI units).
+/// Standard deviation of a reading in a row packed by `evaluator` (SI units).
 pub(super) fn sd_of<T: Packet>(
     problem: &Problem<'_>,
     evaluator: &Evaluator<'_, T>,
@@ -317,7 +317,7 @@ fn prior_redundancies(
 struct Collector<'a> {
     problem: &'a Problem<'a>,
     covariance: Option<&'a DMatrix<f64>>,
-    /// Whether single readings are kept.
+    /// Whether single readings are kept, not only their sums.
     keeps_all: bool,
     observations: Vec<Observation>,
     sums: ResidualSums,
@@ -331,7 +331,7 @@ impl Collector<'_> {
         }
     }
 
-    /// With the readings of the poses after its own.
+    /// Appends the readings of later poses.
     fn followed_by(mut self, next: Self) -> Self {
         self.observations.extend(next.observations);
         self.sums.add_sums(next.sums);

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::{Collector, NEVER_SUSPECT, is_tension_read, sd_of};
 use crate::estimation::evaluator::{Elimination, Equations, Evaluator, Layout, NoiseEstimate};
-use crate::estimation::observation::{Observation, ObservationKind, Pull};
+use crate::estimation::observation::{EntryPointSensitivity, Observation, ObservationKind};
 use crate::real::{Kernel, Packet};
 
 pub(super) struct AnalysePoses<'e, 'a, 'c, T: Packet> {
@@ -25,7 +25,7 @@ impl<T: Packet> Kernel for AnalysePoses<'_, '_, '_, T> {
         let mut found = Vec::new();
         for batch in 0..self.evaluator.batches() {
             if self.collector.covariance.is_none() {
-                // This pass finds the tensions at which the next one linearises; else those of the covariance have found them.
+                // This pass finds the tensions at which the next one linearises, unless the covariance has already found them.
                 self.evaluator.equations_at(batch);
             }
             let equations = self.evaluator.equations_at(batch);
@@ -46,9 +46,9 @@ impl<T: Packet> Kernel for AnalysePoses<'_, '_, '_, T> {
 /// The rows of a packet of poses.
 struct Rows<T> {
     residual: Vec<T>,
-    /// Derivative with respect to the pose, over the Cholesky factor of its information.
+    /// Derivative with respect to the pose, multiplied by the inverse Cholesky factor of its information.
     by_pose: Vec<[T; 6]>,
-    /// Derivative with respect to the columns, the pose following, row by row; empty where these have no covariance.
+    /// Derivative with respect to the columns (pose re-estimated), row by row; empty if these have no covariance.
     by_column: Vec<T>,
 }
 
@@ -75,10 +75,10 @@ impl<T: Packet> Rows<T> {
     }
 }
 
-/// A linear function of the rows.
+/// A linear combination of the rows.
 struct RowSum<T> {
     standardised: T,
-    /// Sum of its squared factors.
+    /// Sum of its squared coefficients.
     square: T,
     by_pose: [T; 6],
     gradient: Vec<T>,
@@ -90,7 +90,7 @@ struct Reading<T> {
     redundancy: T,
     /// The cable whose entry point an error of the reading moves most.
     pulled: T,
-    /// By how much one of a standard deviation moves it, squared (m^2).
+    /// Squared displacement of that entry point by an error of one standard deviation (m^2).
     pull_squared: T,
 }
 
@@ -164,13 +164,13 @@ impl<T: Packet> RowSum<T> {
         reading
     }
 
-    /// `g^T C g`: the common parameters follow an error of the reading.
+    /// `g^T C g`: the part of the variance that the common parameters take.
     #[inline(always)]
     fn variance(&self, covariance: &DMatrix<f64>) -> T {
         let zero = self.standardised.lift(0.0);
         let mut variance = zero;
         for (k, column) in covariance.column_iter().enumerate() {
-            // The matrix is symmetric: what stands above the diagonal counts twice.
+            // The matrix is symmetric: the sum over the lower triangle is doubled, with half the diagonal.
             let mut inner = self.gradient[k] * zero.lift(0.5 * column[k]);
             for (g, c) in self.gradient[..k].iter().zip(&column) {
                 inner = g.mul_add(zero.lift(*c), inner);
@@ -180,7 +180,7 @@ impl<T: Packet> RowSum<T> {
         variance + variance
     }
 
-    /// `C g`, of the entry points.
+    /// Entries of `C g` for the entry points.
     #[inline(always)]
     fn pull(&self, covariance: &DMatrix<f64>, layout: &Layout, reading: &mut Reading<T>) {
         let zero = self.standardised.lift(0.0);
@@ -202,7 +202,7 @@ impl<T: Packet> RowSum<T> {
 }
 
 impl<T: Packet> Reading<T> {
-    /// Whether the normalised residual of any pose is so large that it may be suspect.
+    /// Whether the normalised residual of any pose is large enough to be suspect.
     #[inline(always)]
     fn may_be_suspect(&self) -> bool {
         let zero = self.standardised.lift(0.0);
@@ -251,7 +251,7 @@ impl<T: Packet> AnalysePoses<'_, '_, '_, T> {
                     standardised: standardised[at(index)],
                     sd: sd_of(problem, self.evaluator, one.kind, *row),
                     redundancy: known.then(|| redundancy[at(index)]),
-                    pull: (known && square > 0.0).then(|| Pull {
+                    pull: (known && square > 0.0).then(|| EntryPointSensitivity {
                         cable: pulled[at(index)] as usize,
                         per_sd_m: square.sqrt(),
                     }),

@@ -6,8 +6,8 @@
 //! it, the length rows have the variance `D = sd_l^2 + c^2 sd_T^2`, and given them the equilibrium
 //! `A^T T + w` has the residual `z - A^T K e_l`, `K = c sd_T^2 / D`, of covariance
 //! `E = sum_i (sd_T sd_l)^2 / D A_i A_i^T + S_w`. Its Cholesky factor whitens it. `A` is differentiated at
-//! the estimated tensions, not at the readings: only so is the gradient that of the problem with
-//! the tensions as unknowns, and motions that nothing fixes stay open.
+//! the estimated tensions, not at the readings: only then is the gradient that of the problem with
+//! the tensions as unknowns, and only then do motions that nothing determines stay undetermined.
 
 use super::equations::Equations;
 use super::inputs::Link;
@@ -20,7 +20,7 @@ use crate::real::{Real, add_scaled, cross, difference, dot, scaled, unit_vector}
 use crate::small_cholesky::{TRIANGLE, entry};
 use crate::tolerances::{PARALLEL, SMALLEST_TENSION_N};
 
-/// What does not change from pose to pose, per cable.
+/// Constants of one cable, the same at all poses.
 #[derive(Debug, Clone)]
 pub(super) struct CableConstants {
     pub run: f64,
@@ -32,7 +32,7 @@ pub(super) struct CableConstants {
     pub swivel_sd: f64,
 }
 
-/// One cable of a packet of poses.
+/// Inputs of one cable, for a packet of poses.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CableInputs<T> {
     pub entry: [T; 3],
@@ -50,8 +50,8 @@ pub(super) struct CableState<T> {
     unstrained: Unstrained<T>,
     radius: T,
     tension: T,
-    /// Tension at which the equilibrium is linearised: the best estimate, without which the minimum of the
-    /// true problem would be missed by a term of second order in the noise.
+    /// Tension at which the equilibrium is linearised: its best estimate; with the reading instead, the minimum would
+    /// differ from that of the true problem by a term of second order in the noise.
     expected: T,
     /// Lever arm `R b`, base frame (m).
     lever: [T; 3],
@@ -111,7 +111,7 @@ impl<T: Real> CableState<T> {
         let anchor = add_scaled(lever, one, pose.position);
         let path = pulley.path_to(anchor);
         let (tension, has_tension) = p.tension.present();
-        // Any positive tension does where none was read: the row has no weight.
+        // Where no tension was read, any positive value serves: the row has no weight.
         let load = has_tension.select_positive(tension, one);
         let slack = zero.lift(SMALLEST_TENSION_N * SMALLEST_TENSION_N) - load * load;
         let load = slack.select_positive(zero.lift(SMALLEST_TENSION_N), load);
@@ -203,7 +203,7 @@ impl<T: Real> CableState<T> {
         let axis = inputs.ports.axis;
         let angle = dot(cross(axis, origin), self.path.facing).atan2(dot(origin, self.path.facing));
         let off = angle + inputs.ports.swivel_offset - reading;
-        // Bring the difference into (-pi, pi].
+        // Wrap the difference into (-pi, pi].
         let turn = zero.lift(std::f64::consts::TAU);
         let half = zero.lift(std::f64::consts::PI);
         let off = (off - half).select_positive(off - turn, off);
@@ -255,7 +255,7 @@ impl<T: Real> CableState<T> {
                 let offset = difference(self.anchor, self.entry);
                 let path = self.path.change_by_axis(self.radius, offset, rotation);
                 let mut change = self.by_path(&path, cross(offset, rotation));
-                // The direction of zero is seen along the axis: where it is not across it, it turns.
+                // The zero direction counts by its projection perpendicular to the axis, which changes as the axis tilts.
                 let origin = crate::real::constants(zero, swivel_zero);
                 let across = cross(z, origin);
                 let square = dot(across, across).max(zero.lift(PARALLEL));
@@ -275,7 +275,7 @@ impl<T: Real> CableState<T> {
         }
     }
 
-    /// Change by a change of the path; `step` is how the anchor moves as the pulley sees it.
+    /// Change due to a change of the path; `step` is the motion of the anchor relative to the pulley.
     #[inline(always)]
     fn by_path(&self, change: &PathChange<T>, step: [T; 3]) -> PortChange<T> {
         let force = scaled(change.toward_exit, self.expected);
@@ -286,7 +286,7 @@ impl<T: Real> CableState<T> {
         }
     }
 
-    /// Estimated tension over the tension read; 1 where none was read.
+    /// Ratio of estimated tension to tension reading; 1 where none was read.
     #[inline(always)]
     fn estimate_over_reading(&self) -> T {
         let one = self.tension.lift(1.0);
@@ -297,7 +297,7 @@ impl<T: Real> CableState<T> {
         )
     }
 
-    /// Adds the effect derivatives of this cable's rows; those of the equilibrium not yet whitened.
+    /// Adds the effect derivatives of this cable's rows; those of the equilibrium are not yet whitened.
     #[inline(always)]
     pub fn link(
         &self,
@@ -318,7 +318,7 @@ impl<T: Real> CableState<T> {
         let entry = &mut equations.effects_of(layout, index)[link.parameter];
         *entry = length.mul_add(self.weight, *entry);
         if link.relative_noise != 0.0 {
-            // What scales the reading scales its noise, and the row is less or more precise for it.
+            // What scales a reading scales its noise too, which changes the weight of the row.
             let whitened = equations.residual[index] * self.own_share;
             let entry = &mut equations.effects_of(layout, index)[link.parameter];
             *entry = *entry - whitened * whitened.lift(link.relative_noise);
@@ -340,7 +340,7 @@ impl<T: Real> CableState<T> {
         }
     }
 
-    /// Adds this cable to the equilibrium rows, not yet whitened.
+    /// Adds this cable to the equilibrium rows before whitening.
     #[inline(always)]
     pub fn add_to_equilibrium(
         &self,
@@ -383,7 +383,7 @@ impl<T: Real> CableState<T> {
         self.add_rotation(&moved, equilibrium);
     }
 
-    /// A rotation about axis k moves the anchor by `e_k x lever` and turns the lever arm.
+    /// A rotation about axis k moves the anchor by `e_k x lever` and rotates the lever arm.
     #[inline(always)]
     fn add_rotation(&self, moved: &[[T; 6]; 3], equilibrium: &mut EquilibriumRows<T>) {
         let [x, y, z] = self.lever;
@@ -403,7 +403,7 @@ impl<T: Real> CableState<T> {
     }
 }
 
-/// Torque change of a force on a lever arm that turns: `(e_k x r) x f = r f_k - e_k (r.f)`.
+/// Change of torque of a force whose lever arm rotates: `(e_k x r) x f = r f_k - e_k (r.f)`.
 #[inline(always)]
 pub(super) fn add_lever_rotation<T: Real>(
     lever: [T; 3],
@@ -420,13 +420,13 @@ pub(super) fn add_lever_rotation<T: Real>(
     }
 }
 
-/// The equilibrium rows of a packet of poses while they are summed up.
+/// The equilibrium rows of a packet of poses during accumulation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EquilibriumRows<T> {
     pub residual: [T; 6],
     /// Lower triangle of the covariance, row by row.
     pub covariance: [T; TRIANGLE],
-    /// Column by column: derivative with respect to each pose coordinate.
+    /// Derivative with respect to each pose coordinate, column by column.
     pub by_pose: [[T; 6]; 6],
     pub present: T,
 }

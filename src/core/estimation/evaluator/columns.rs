@@ -1,21 +1,21 @@
-//! Numbers of many poses, laid out so that a packet of poses loads at once.
+//! Values of many poses, laid out so that a packet of poses is one load.
 
 use aligned_vec::{AVec, ConstAlign};
 
 use crate::effect::{CablePorts, PlatformPorts};
 use crate::real::Packet;
 
-/// Where a quantity lies: one packet for all poses, or one per batch of poses.
+/// Location of a quantity: one packet for all poses, or one per batch of poses.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Column {
     offset: usize,
     stride: usize,
 }
 
-/// Numbers in whole packets, on cache lines.
+/// Numbers in whole packets, aligned to cache lines.
 pub(super) type Packed = AVec<f64, ConstAlign<64>>;
 
-/// Zeros in whole packets.
+/// Zeros in whole packets, at least `count` of them.
 pub(super) fn packed(count: usize) -> Packed {
     let mut values = AVec::with_capacity(64, count);
     values.resize(count, 0.0);
@@ -51,7 +51,7 @@ impl<T: Packet> ColumnStore<T> {
         Column { offset, stride: 0 }
     }
 
-    /// Adds a quantity with one value per pose; the last packet is filled up with `padding`.
+    /// Adds a quantity with one value per pose; the last packet is padded with `padding`.
     pub fn varying(&mut self, values: impl Iterator<Item = f64>, padding: f64) -> Column {
         let start = self.values.len();
         extend(&mut self.values, values);
@@ -64,7 +64,7 @@ impl<T: Packet> ColumnStore<T> {
         }
     }
 
-    /// The packets of a cable's ports.
+    /// Loads the ports of a cable for a batch.
     #[inline(always)]
     pub fn load_cable(&self, ports: &CablePorts<Column>, batch: usize) -> CablePorts<T> {
         CablePorts {
@@ -81,7 +81,7 @@ impl<T: Packet> ColumnStore<T> {
         }
     }
 
-    /// The packets of the platform's ports.
+    /// Loads the ports of the platform for a batch.
     #[inline(always)]
     pub fn load_platform(&self, ports: &PlatformPorts<Column>, batch: usize) -> PlatformPorts<T> {
         PlatformPorts {
@@ -99,7 +99,7 @@ impl<T: Packet> ColumnStore<T> {
         }
     }
 
-    /// The packets of the first three of some columns.
+    /// Loads the first three of the given columns for a batch.
     #[inline(always)]
     pub fn load_three(&self, columns: &[Column], batch: usize) -> [T; 3] {
         [
@@ -109,7 +109,7 @@ impl<T: Packet> ColumnStore<T> {
         ]
     }
 
-    /// The packet of a batch.
+    /// Loads a column for a batch.
     #[inline(always)]
     pub fn load(&self, column: Column, batch: usize) -> T {
         T::load(

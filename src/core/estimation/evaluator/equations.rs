@@ -5,7 +5,7 @@ use crate::estimation::observation::ObservationKind as Kind;
 use crate::real::{Real, scaled};
 use crate::small_cholesky::{TRIANGLE, back_substitute};
 
-/// Rows of one packet of poses; sparse where the equations are.
+/// Rows of one packet of poses; stored sparsely where the equations are sparse.
 #[derive(Debug, Clone)]
 pub(in crate::estimation) struct Equations<T> {
     /// Whitened residual of each row.
@@ -23,13 +23,13 @@ pub(in crate::estimation) struct Equations<T> {
     /// Derivative of every row with respect to the effects, row by row; those of the
     /// equilibrium rows are in `equilibrium_by_column`.
     pub by_effect: Vec<T>,
-    /// 1 where a row was measured, else 0.
+    /// 1 where a row was measured, otherwise 0.
     pub present: Vec<T>,
-    /// Cholesky factor of the equilibrium rows' covariance, its diagonal inverted.
+    /// Cholesky factor of the equilibrium rows' covariance, with the reciprocals of its diagonal.
     pub equilibrium_factor: [T; TRIANGLE],
     /// `dL0/dT` of each cable (m/N); filled in for latent tensions and details only.
     pub length_by_tension: Vec<T>,
-    /// Force and torque per tension of each cable; likewise.
+    /// Force and torque per unit tension of each cable; filled in likewise.
     pub structure: Vec<[T; 6]>,
 }
 
@@ -66,8 +66,8 @@ impl<T: Real> Equations<T> {
         &mut self.by_effect[row * layout.effects..(row + 1) * layout.effects]
     }
 
-    /// Huber weighting: rows beyond `limit` standard deviations are scaled down, which makes their
-    /// square equal to the linear loss up to a constant. Returns the loss of all weighted rows.
+    /// Applies Huber weights: rows beyond `limit` standard deviations are scaled down so that their
+    /// square equals the linear loss up to a constant. Returns the loss of all weighted rows.
     #[inline(always)]
     pub fn weigh_down_outliers(&mut self, layout: &Layout, limit: f64) -> T {
         let zero = self.laser_by_plane.lift(0.0);
@@ -118,7 +118,7 @@ impl<T: Real> Equations<T> {
     #[inline(always)]
     pub fn length_multiplier(&self, cable: usize, tension_variance: f64, lambda: &[T; 6]) -> T {
         let c = self.length_by_tension[cable];
-        // The length row carries the weight 1 / sqrt(D) as its derivative by the length at home.
+        // The derivative of the length row by the length at home is minus its weight 1 / sqrt(D).
         let weight = -self.length_by_cable[cable][3];
         let regression = c * c.lift(tension_variance) * weight * weight;
         self.residual[cable] * weight - regression * self.structure_product(cable, lambda)

@@ -1,4 +1,4 @@
-//! Packs what the equations of many poses need.
+//! Packs the inputs that the equations of many poses need.
 
 use std::sync::Arc;
 
@@ -14,50 +14,50 @@ use crate::measurement::Measurements;
 use crate::real::Packet;
 use crate::robot::Cable;
 
-/// A free parameter acts on a port with this slope.
+/// Slope with which a free parameter acts on a port.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Link<Port> {
     pub port: Port,
     pub parameter: usize,
     pub slope: Column,
-    /// Whether the slope is in proportion to the port, so that it is better known at the port's estimate than at its
-    /// reading: noise in both would bias the parameter.
+    /// Whether the slope is proportional to the port, so that it is evaluated at the estimate of the port rather than at its
+    /// reading: noise common to both would bias the parameter.
     pub is_proportional: bool,
-    /// Relative change of the noise of a length per unit of the parameter, which scales the reading.
+    /// Relative change of the noise of a length per unit of the parameter, if the parameter scales the reading.
     pub relative_noise: f64,
 }
 
-/// Ports of all poses, and how the free effects act on them.
+/// Ports of all poses, and the action of the free effects on them.
 #[derive(Clone)]
 pub(super) struct PortInputs<T: Packet> {
     pub store: ColumnStore<T>,
     pub cables: Vec<CableColumns>,
     pub platform: PlatformPorts<Column>,
     pub platform_links: Vec<Link<PlatformPort>>,
-    /// Motion of the platform, where it does not rest.
+    /// Motion of the platform; `None` at rest.
     pub motion: Option<MotionColumns>,
 }
 
-/// Ports of one cable, and how the free effects act on them.
+/// Ports of one cable, and the action of the free effects on them.
 #[derive(Clone)]
 pub(super) struct CableColumns {
     pub ports: CablePorts<Column>,
     pub links: Vec<Link<CablePort>>,
 }
 
-/// Which rows are packed, and as what.
+/// The rows that are packed, and whether they are the home row.
 #[derive(Debug, Clone)]
 pub(super) struct Selection {
     pub rows: Vec<usize>,
     pub is_home: bool,
-    /// What effects may depend on; there if there are effects or motion.
+    /// Contexts of the readings; present if there are effects or motion.
     pub contexts: Option<Arc<PoseContexts>>,
-    /// The row at which effects say how they scale noise, the same for all parts of a problem.
+    /// The row at which the effects' scaling of the noise is evaluated, the same for all parts of a problem.
     pub noise_row: Option<usize>,
 }
 
-/// What effects may depend on: as the problem knows it, else at the commanded poses, else the tracker's, else
-/// home; nothing without effects at rest.
+/// Contexts for a problem: those it carries, else at the commanded poses, else at the tracker's, else
+/// at the home pose; `None` without effects at rest.
 pub(super) fn contexts_of(problem: &Problem<'_>) -> Option<Arc<PoseContexts>> {
     if !problem.depends_on_poses() {
         return None;
@@ -90,7 +90,7 @@ fn nominal_home(problem: &Problem<'_>) -> Pose {
     home.map_or_else(Pose::identity, |home| home.pose())
 }
 
-/// Cable paid out since home by the reading, or the absolute length read (m).
+/// Length paid out since home according to the reading, or the absolute length read (m).
 fn nominal_paid(cable: &Cable, data: &Measurements, at: (usize, usize), is_home: bool) -> f64 {
     if is_home {
         0.0
@@ -101,7 +101,7 @@ fn nominal_paid(cable: &Cable, data: &Measurements, at: (usize, usize), is_home:
     }
 }
 
-/// Tension of a `(row, cable)` by its sensor or as assumed (N); 0 without either, NaN where it was not read.
+/// Tension of a `(row, cable)` as read or as assumed (N); 0 if tensions are not modelled, NaN where it was not read.
 fn nominal_tension(problem: &Problem<'_>, selection: &Selection, at: (usize, usize)) -> f64 {
     let data = &problem.dataset.measurements;
     let sensor = problem.dataset.robot.cables[at.1].force_sensor;
@@ -114,7 +114,7 @@ fn nominal_tension(problem: &Problem<'_>, selection: &Selection, at: (usize, usi
     }
 }
 
-/// The ports of the cable of a `(row, cable)` before any effect.
+/// Ports of a cable at a `(row, cable)` before any effect.
 fn nominal_cable_ports(
     problem: &Problem<'_>,
     selection: &Selection,
@@ -127,9 +127,9 @@ fn nominal_cable_ports(
     CablePorts::nominal(cable, paid, tension)
 }
 
-/// Change of a port per unit of the reading behind it, at one row; its slope is that by the `chosen`
-/// parameter. Every effect that acts on a reading scales it or adds to it. Noise is the reading's, so what
-/// scales a reading scales its noise: without this, readings that shrink would seem to fit better.
+/// Derivative of a port with respect to the reading behind it, at one row; its slope is that by the `chosen`
+/// parameter. Every effect that acts on a reading scales it or adds to it. The noise belongs to the reading, so what
+/// scales a reading scales its noise: otherwise, shrinking the readings would seem to improve the fit.
 fn reading_gain(
     problem: &Problem<'_>,
     globals: &Globals,
@@ -154,10 +154,10 @@ fn reading_gain(
     port_at(1.0) - port_at(0.0)
 }
 
-/// By how much the effects scale the noise of a cable's readings.
+/// Factors by which the effects scale the noise of a cable's readings.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NoiseGain {
-    /// 1 where revolutions are counted: how evenly cable lies on a drum is in metres, whatever the drum's scale.
+    /// 1 where revolutions are counted: the irregularity of winding is in metres, whatever the scale of the drum.
     pub length: f64,
     pub tension: f64,
 }
@@ -181,7 +181,7 @@ impl NoiseGain {
     }
 }
 
-/// Whether lengths of cables are read rather than revolutions of motors.
+/// Whether cable lengths are read directly rather than motor revolutions.
 fn reads_lengths(problem: &Problem<'_>) -> bool {
     problem.dataset.measurements.revolutions.is_empty()
 }
@@ -232,8 +232,8 @@ impl<T: Packet> PortInputs<T> {
     }
 }
 
-/// The free parameters by number, those that are given and not estimated left out, and the effect, by its number
-/// in `Globals::effects`, to which each belongs.
+/// The estimated parameters by number, each with the index in `Globals::effects` of the effect to which it belongs;
+/// discrete ones are left out.
 fn owners(problem: &Problem<'_>) -> Vec<(usize, usize)> {
     if problem.geometry == Geometry::Held {
         return Vec::new();
@@ -251,7 +251,7 @@ fn owners(problem: &Problem<'_>) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// The effects that satisfy a condition, in the order in which they act.
+/// Indices of the effects that satisfy a condition, in the order in which they act.
 fn concerned(globals: &Globals, condition: impl Fn(&BoundEffect) -> bool) -> Vec<usize> {
     let mut found: Vec<usize> = (0..globals.effects.len())
         .filter(|k| condition(&globals.effects[*k]))
@@ -260,7 +260,7 @@ fn concerned(globals: &Globals, condition: impl Fn(&BoundEffect) -> bool) -> Vec
     found
 }
 
-/// Packs the ports of the platform; only what differs from pose to pose takes space per pose.
+/// Packs the ports of the platform; only ports that vary take space per pose.
 fn pack_platform<T: Packet>(
     store: &mut ColumnStore<T>,
     problem: &Problem<'_>,
@@ -308,7 +308,7 @@ fn pack_platform<T: Packet>(
     (columns, links)
 }
 
-/// Packs the ports of one cable; only what differs from pose to pose takes space per pose.
+/// Packs the ports of one cable; only ports that vary take space per pose.
 fn pack_cable<T: Packet>(
     store: &mut ColumnStore<T>,
     problem: &Problem<'_>,
@@ -333,7 +333,7 @@ fn pack_cable<T: Packet>(
             }
         }
         // The error of the tension at home is a separate parameter; like the errors at the other
-        // poses it concerns the tension that the effects have made of the reading.
+        // poses it refers to the tension after the effects have corrected the reading.
         if selection.is_home {
             ports.tension += Dual::constant(globals.home_tension_error_n[index]);
         }
@@ -354,7 +354,7 @@ fn pack_cable<T: Packet>(
         }
         let ports = ports_with(Some(parameter));
         for port in CablePort::ALL {
-            // Nothing moves a reading that was not made.
+            // A missing reading has no derivative.
             let slope_of = |ports: &CablePorts| {
                 let dual = ports.get(port);
                 if dual.value.is_nan() { 0.0 } else { dual.slope }
@@ -385,12 +385,12 @@ fn pack_cable<T: Packet>(
     }
 }
 
-/// Readings are missing in the lanes that fill up the last packet; all else repeats its last value.
+/// Padding of the last packet: readings are missing there, everything else repeats its last value.
 fn padding_of(port: CablePort) -> Option<f64> {
     matches!(port, CablePort::Paid | CablePort::Tension).then_some(f64::NAN)
 }
 
-/// Without effects only the readings, cable paid out and tension, differ from pose to pose.
+/// Without effects only the readings (length paid out and tension) vary from pose to pose.
 fn pack_without_effects<T: Packet>(
     store: &mut ColumnStore<T>,
     problem: &Problem<'_>,

@@ -1,4 +1,4 @@
-//! Which rows a pose has and which columns the common parameters have.
+//! Layout of the equations: the rows of a pose and the columns of the common parameters.
 
 use crate::estimation::observation::ObservationKind as Kind;
 use crate::estimation::problem::{Geometry, Poses, Problem};
@@ -6,7 +6,7 @@ use crate::geometry::Coordinate;
 
 /// Row and column numbering of one pose's whitened equations.
 ///
-/// Columns of the common parameters, before they are mapped to the estimated ones: for each cable
+/// The columns, before they are mapped to the estimated parameters, are for each cable
 /// `[a_x a_y a_z s]` (entry point, unstrained length at home), then the offset of the target plane,
 /// then the parameters of free effects.
 #[derive(Debug, Clone)]
@@ -14,14 +14,14 @@ pub(in crate::estimation) struct Layout {
     pub cables: usize,
     /// Number of columns of effects.
     pub effects: usize,
-    /// First row of each kind, where the problem has it; the length rows come first of all, one per cable.
+    /// First row of each kind that the problem has; the length rows precede them, one per cable.
     pub equilibrium: Option<usize>,
     pub laser: Option<usize>,
     pub swivel: Option<usize>,
     pub tracker_position: Option<usize>,
     pub tracker_orientation: Option<usize>,
     pub inclination: Option<usize>,
-    /// What each row is.
+    /// Kind of each row.
     pub kinds: Vec<Kind>,
     /// Number of rows.
     pub rows: usize,
@@ -57,7 +57,7 @@ impl Layout {
             cables,
             &Kind::Swivel,
         );
-        // Held poses are the tracker's: there is nothing to compare.
+        // Held poses are those of the tracker, so its rows would compare them with themselves.
         let tracked = robot.tracker.is_some() && problem.poses == Poses::Estimated;
         let positions = tracked && !data.tracked_position_m.is_empty();
         let tracker_position = block(positions, 3, &Kind::TrackerPosition);
@@ -99,13 +99,13 @@ impl Layout {
         CABLE_COLUMNS * self.cables
     }
 
-    /// First column of the effects.
+    /// First column of the effect parameters.
     pub fn effect_column(&self) -> usize {
         CABLE_COLUMNS * self.cables + 1
     }
 }
 
-/// Number of columns that free effects take.
+/// Number of columns of the free effects.
 pub(in crate::estimation) fn effect_columns(problem: &Problem<'_>) -> usize {
     if problem.geometry == Geometry::Held {
         return 0;

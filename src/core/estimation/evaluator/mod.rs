@@ -1,4 +1,4 @@
-//! Evaluates the equations of many poses at once, one pose per SIMD lane.
+//! Evaluates the equations of many poses at once, with one pose per SIMD lane.
 
 mod cable_rows;
 mod columns;
@@ -36,9 +36,9 @@ use crate::effect::{CablePort, PoseContexts};
 use crate::geometry::{Pose, PosePacket};
 use crate::real::{Kernel, Packet};
 
-/// Largest error of a tension reading at which the equilibrium is linearised, in its standard deviations.
+/// Largest estimated error of a tension reading at which the equilibrium is linearised, in its standard deviations.
 const LARGEST_ERROR: f64 = 5.0;
-/// Scalars of a pose: position and quaternion.
+/// Numbers per pose: position and quaternion.
 const POSE_NUMBERS: usize = 7;
 
 /// The equations of a set of poses, packed for evaluation.
@@ -47,7 +47,7 @@ pub(super) struct Evaluator<'a, T: Packet> {
     token: T::Token,
     problem: &'a Problem<'a>,
     selection: Selection,
-    /// Whether tensions have errors of their own.
+    /// Whether tensions are latent variables.
     is_latent: bool,
     pub layout: Layout,
     ports: PortInputs<T>,
@@ -60,18 +60,18 @@ pub(super) struct Evaluator<'a, T: Packet> {
     down: [f64; 3],
     gravity: [f64; 3],
     wrench_variance: [f64; 6],
-    /// 1 for coordinates in which the poses move, else 0.
+    /// 1 for coordinates in which the poses are free, otherwise 0.
     free: [f64; 6],
-    /// 1 for coordinates of the wrench that are in equilibrium, else 0.
+    /// 1 for components of the wrench that are in equilibrium, otherwise 0.
     in_equilibrium: [f64; 6],
-    /// Whether the equations carry what only the home row and reports need.
+    /// Whether the equations carry the details that only the home row and reports need.
     pub detailed: bool,
-    /// Poses, packet by packet; the previous ones are kept for a rejected step.
+    /// Poses, packet by packet; the previous ones are kept so that a step can be undone.
     packed_poses: Packed,
     previous: Packed,
-    /// What the next step of the poses needs.
+    /// Elimination of the poses by the last pass, from which their next step follows.
     eliminated: Eliminated,
-    /// Estimated errors of the tension readings (N), packet by packet, cable by cable.
+    /// Estimated errors of the tension readings (N), by packet and cable.
     tension_errors: Packed,
     equations: Equations<T>,
     elimination: Elimination<T>,
@@ -168,7 +168,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         evaluator
     }
 
-    /// Replaces what effects may depend on; takes effect with the next `set_globals`.
+    /// Replaces the contexts; takes effect with the next `set_globals`.
     pub fn set_contexts(&mut self, contexts: Arc<PoseContexts>) {
         self.selection.contexts = Some(contexts);
     }
@@ -178,13 +178,13 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         self.selection.rows.len().div_ceil(T::LANES)
     }
 
-    /// Rows of the measurements that are packed, in order.
+    /// Packed rows of the measurements, in order.
     pub fn rows(&self) -> &[usize] {
         &self.selection.rows
     }
 
-    /// Takes over the common parameters; `home_lengths` are the unstrained lengths at home, or the
-    /// runs from drum to pulley where readings are absolute.
+    /// Sets the common parameters; `home_lengths` are the unstrained lengths at home, or the
+    /// run-in lengths from drum to pulley where readings are absolute.
     pub fn set_globals(&mut self, globals: &Globals, home_lengths: Option<&[f64]>) {
         let splat = |v: f64| T::splat(self.token, v);
         self.entry = globals.entry_points.iter().map(|p| p.map(splat)).collect();
@@ -213,7 +213,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         }
     }
 
-    /// Evaluates all packets and sums up, at the poses after the step that was taken last.
+    /// Moves the poses by the step taken last, evaluates all packets there and accumulates the normal equations.
     pub fn assemble(&mut self, huber: Option<f64>, damping: f64) {
         self.sums.clear();
         let step = self.begin_elimination(huber, damping);
@@ -286,19 +286,19 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         (0..self.selection.rows.len()).map(pose).collect()
     }
 
-    /// Sets the pose of a packed row, which must be the only one.
+    /// Sets the pose of the only packed row.
     pub fn set_single_pose(&mut self, pose: &Pose) {
         self.packed_poses = pack_poses::<T>(std::slice::from_ref(pose));
     }
 
-    /// Estimated error of a cable's tension reading (N), by the last evaluation of the packet.
+    /// Estimated error of a cable's tension reading (N) from the last evaluation of the packet.
     #[inline(always)]
     pub fn tension_error(&self, batch: usize, cable: usize) -> T {
         let at = batch * self.layout.cables + cable;
         T::load(self.token, &self.tension_errors, at)
     }
 
-    /// Takes over the estimated errors of the tension readings from the present equations.
+    /// Updates the estimated errors of the tension readings from the present equations.
     #[inline(always)]
     fn update_tension_errors(&mut self, batch: usize) {
         let first = batch * self.layout.cables;
@@ -310,12 +310,12 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         }
     }
 
-    /// Standard deviation of a length (m), as effects scale it.
+    /// Standard deviation of a length (m), with the scaling by effects.
     pub fn length_sd(&self, cable: usize) -> f64 {
         self.constants[cable].length_sd
     }
 
-    /// Standard deviation of a tension (N), as effects scale it; 0 where tensions are exact.
+    /// Standard deviation of a tension (N), with the scaling by effects; 0 where tensions are exact.
     pub fn tension_sd(&self, cable: usize) -> f64 {
         self.constants[cable].tension_sd
     }
@@ -325,7 +325,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         self.wrench_variance[coordinate]
     }
 
-    /// The estimated noise of each reading as a function of the equations that were evaluated last.
+    /// Estimated noise of each reading as a function of the equations evaluated last.
     #[inline(always)]
     pub fn noise_estimates(&self) -> Vec<NoiseEstimate<T>> {
         let tensions = self.constants.iter().filter(|_| self.is_latent);
@@ -337,12 +337,12 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         self.equations.noise_estimates(&self.layout, &sizes)
     }
 
-    /// The equations that were evaluated last.
+    /// The equations evaluated last.
     pub fn equations(&self) -> &Equations<T> {
         &self.equations
     }
 
-    /// A port of a cable.
+    /// Value of a port of a cable.
     pub fn cable_port(&self, batch: usize, cable: usize, port: CablePort) -> T {
         let column = self.ports.cables[cable].ports.get(port);
         self.ports.store.load(column, batch)
@@ -350,8 +350,8 @@ impl<'a, T: Packet> Evaluator<'a, T> {
 
     /// Equations of a packet at its present poses.
     ///
-    /// A kernel of its own, so that the evaluation is compiled once for each instruction set and not
-    /// once for each use.
+    /// A kernel of its own, so that the evaluation is compiled once per instruction set instead of
+    /// once per use.
     #[inline(never)]
     pub fn equations_at(&mut self, batch: usize) -> &mut Equations<T> {
         let token = self.token;
@@ -415,7 +415,7 @@ impl<T: Packet> Kernel for Assemble<'_, '_, T> {
     }
 }
 
-/// One packet at its present poses.
+/// Evaluation of one packet at its present poses.
 struct Evaluate<'e, 'a, T: Packet> {
     evaluator: &'e mut Evaluator<'a, T>,
     batch: usize,

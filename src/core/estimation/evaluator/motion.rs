@@ -1,4 +1,4 @@
-//! What motion adds to the equations of a packet of poses: inertia, and an external instrument that lags behind.
+//! Terms that motion adds to the equations of a packet of poses: inertia, and the delay of an external instrument.
 
 use super::columns::{Column, ColumnStore};
 use super::equations::Equations;
@@ -19,7 +19,7 @@ pub(super) struct MotionColumns {
 }
 
 impl MotionColumns {
-    /// That of the selected rows; nothing where poses are at rest.
+    /// Packs the motion at the selected rows; `None` where poses are at rest.
     pub fn pack<T: Packet>(
         store: &mut ColumnStore<T>,
         problem: &Problem<'_>,
@@ -42,7 +42,7 @@ impl MotionColumns {
     }
 }
 
-/// Where the platform was when an external instrument saw it: the pose moved by `-delay v + delay^2 a/2`.
+/// Pose at the time when an external instrument saw it: the present pose moved by `-delay v + delay^2 a/2`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lag<T> {
     pub step: [T; 6],
@@ -64,8 +64,8 @@ impl<T: Real> Lag<T> {
         lag
     }
 
-    /// Completes the rows of the instrument at the pose that it saw: their derivatives by the delay, and those of the
-    /// orientation by the rotation of the pose now.
+    /// Completes the rows of the instrument at the pose it saw: adds their derivatives by the delay, and refers those of the
+    /// orientation to the rotation of the present pose.
     #[inline(always)]
     pub fn complete(
         &self,
@@ -79,7 +79,7 @@ impl<T: Real> Lag<T> {
         let still = PosePacket::new([zero; 3], [one, zero, zero, zero]);
         let turned = still.moved(self.step).rotation;
         let turn = [self.step[3], self.step[4], self.step[5]];
-        // Rotation on top of the pose seen by a change of the step: that of Rodrigues' parameters, half the step.
+        // A change of the step rotates the pose seen as its Rodrigues parameters (half the step) do.
         let half = turn_x.lift(0.5);
         let by_turn = [turn_x, turn_y, turn_z];
         let by_turn = add_scaled(by_turn, half, cross(turn, by_turn));
@@ -102,7 +102,7 @@ impl<T: Real> Lag<T> {
     }
 }
 
-/// Adds the derivative of a row by the delay.
+/// Adds the derivative of a row with respect to the delay.
 #[inline(always)]
 fn link<T: Real>(
     row: usize,

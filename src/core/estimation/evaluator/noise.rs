@@ -2,8 +2,8 @@
 //!
 //! The readings of a pose enter the rows through `B`, one column per reading in its standard deviations; with the
 //! covariance `D = B B^T` of the rows and the whitened rows `r = D^(-1/2) (...)`, the least-squares estimate of the
-//! noise is `e = B^T D^(-1/2) r`. A reading of its own is its row. Where tensions are latent, a length reading and the
-//! tension reading of its cable share the length row, and all tensions share the rows of the equilibrium.
+//! noise is `e = B^T D^(-1/2) r`. A reading that shares no row is its row. Where tensions are latent, a length reading and the
+//! tension reading of its cable share the length row, and all tensions share the equilibrium rows.
 
 use super::equations::Equations;
 use super::layout::Layout;
@@ -11,31 +11,31 @@ use crate::estimation::observation::ObservationKind as Kind;
 use crate::real::{Real, scaled};
 use crate::small_cholesky::back_substitute;
 
-/// The estimated noise of a reading, in its standard deviations, sign as prediction minus reading:
-/// `own r_row + sum_k balance_k r_(q + k)` with the rows `q..q + 6` of the equilibrium.
+/// Estimated noise of a reading, in its standard deviations, sign as prediction minus reading:
+/// `own r_row + sum_k balance_k r_(q + k)` with the equilibrium rows `q..q + 6`.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::estimation) struct NoiseEstimate<T> {
     pub kind: Kind,
-    /// A row that is the reading's own, or that of its cable.
+    /// The row of the reading itself, or the length row of its cable.
     pub row: usize,
-    /// Factor of that row.
+    /// Coefficient of that row.
     pub own: T,
-    /// Factors of the rows of the equilibrium.
+    /// Coefficients of the equilibrium rows.
     pub balance: [T; 6],
 }
 
-/// Standard deviations of what enters the rows of one pose.
+/// Standard deviations of the quantities that enter the rows of one pose.
 pub(in crate::estimation) struct NoiseSizes {
-    /// Of each length reading (m).
+    /// Standard deviation of each length reading (m).
     pub length_m: Vec<f64>,
-    /// Of each tension reading (N); 0 where it is no reading.
+    /// Standard deviation of each tension reading (N); 0 if it is not a reading.
     pub tension_n: Vec<f64>,
-    /// Of each component of the unexplained wrench (N, N m).
+    /// Standard deviation of each component of the unexplained wrench (N, N m).
     pub wrench: [f64; 6],
 }
 
 impl<T: Real> Equations<T> {
-    /// The noise of every row that is a reading or an equation, then that of the tension readings.
+    /// Noise of every row that is a reading or an equation, then that of the tension readings.
     #[inline(always)]
     pub fn noise_estimates(&self, layout: &Layout, sizes: &NoiseSizes) -> Vec<NoiseEstimate<T>> {
         let zero = self.laser_by_plane.lift(0.0);
@@ -82,7 +82,7 @@ impl<T: Real> Equations<T> {
         estimates
     }
 
-    /// `E^-1 r` for a whitened residual of 1 in each row of the equilibrium; zero where there is none.
+    /// `E^-1 r` for a unit whitened residual in each equilibrium row; zero without equilibrium.
     #[inline(always)]
     fn multipliers(&self, layout: &Layout) -> [[T; 6]; 6] {
         let zero = self.laser_by_plane.lift(0.0);
@@ -105,7 +105,7 @@ impl<T: Real> Equations<T> {
         multipliers: &[[T; 6]; 6],
     ) -> SharedRow<T> {
         let zero = self.laser_by_plane.lift(0.0);
-        // The length row carries the weight 1 / sqrt(D) as its derivative by the length at home.
+        // The derivative of the length row by the length at home is minus its weight 1 / sqrt(D).
         let weight = zero - self.length_by_cable[cable][3];
         let sd = sizes.tension_n.get(cable).copied().unwrap_or(0.0);
         let c = self.length_by_tension[cable];
@@ -124,12 +124,12 @@ impl<T: Real> Equations<T> {
     }
 }
 
-/// What the length row of a cable shares with its tension.
+/// Quantities of the length row of a cable that its tension shares.
 struct SharedRow<T> {
     /// `1 / sqrt(D)`.
     weight: T,
     /// `c sd_T^2 / D`.
     regression: T,
-    /// `A lambda` for a residual of 1 in each row of the equilibrium.
+    /// `A lambda` for a unit residual in each equilibrium row.
     balance: [T; 6],
 }

@@ -1,8 +1,8 @@
 //! Normal equations of many poses with the poses eliminated (Schur complement).
 //!
-//! A pose has the rows `r + J dx + G dg` with its own step `dx` and the common one `dg`. With the
-//! Cholesky factor `L L^T = J^T J`, `y = L^-1 J^T r` and `Y = L^-1 J^T G`, the common step sees
-//! `S = sum (G^T G - Y^T Y)` and `v = sum (G^T r - Y^T y)`, and `dx = -L^-T (y + Y dg)`.
+//! A pose has the rows `r + J dx + G dg` with its own step `dx` and the common step `dg`. With the
+//! Cholesky factor `L L^T = J^T J`, `y = L^-1 J^T r` and `Y = L^-1 J^T G`, the reduced normal equations have the matrix
+//! `S = sum (G^T G - Y^T Y)` and the gradient `v = sum (G^T r - Y^T y)`, and `dx = -L^-T (y + Y dg)`.
 
 use super::columns::{Packed, packed};
 use super::equations::Equations;
@@ -14,7 +14,7 @@ use crate::small_cholesky::{TRIANGLE, back_substitute, entry, factorise, forward
 /// Elimination of one packet of poses.
 #[derive(Clone)]
 pub(in crate::estimation) struct Elimination<T> {
-    /// Lower triangle of `L`, row by row, with the reciprocals of its diagonal in place of it.
+    /// Lower triangle of `L`, row by row, with the reciprocals of its diagonal.
     pub factor: [T; TRIANGLE],
     /// `y`.
     pub residual: [T; 6],
@@ -22,7 +22,7 @@ pub(in crate::estimation) struct Elimination<T> {
     pub columns: Vec<[T; 6]>,
 }
 
-/// Sums over all poses.
+/// Reduced normal equations, summed over all poses.
 #[derive(Clone)]
 pub(in crate::estimation) struct Sums<T: Packet> {
     token: T::Token,
@@ -49,7 +49,7 @@ impl<T: Packet> Elimination<T> {
         }
     }
 
-    /// Eliminates the poses from `equations`. Coordinates that nothing measures do not move.
+    /// Eliminates the poses from `equations`. Coordinates that no reading depends on stay where they are.
     #[inline(always)]
     pub fn eliminate(&mut self, equations: &Equations<T>, layout: &Layout, damping: f64) {
         let zero = equations.laser_by_plane.lift(0.0);
@@ -132,7 +132,7 @@ impl<T: Packet> Elimination<T> {
         row
     }
 
-    /// What is left of a row's derivative with respect to the columns once the poses follow:
+    /// Derivative of a row with respect to the columns with the pose eliminated:
     /// `g - Y^T y` with `y = L^-1 j`, written to `gradient`.
     #[inline(always)]
     pub fn remaining_gradient(
@@ -169,7 +169,7 @@ impl<T: Packet> Elimination<T> {
                 let plane = layout.plane_column();
                 gradient[plane] = gradient[plane] + equations.laser_by_plane;
             }
-            // A tension has no row of its own.
+            // A tension reading has no row.
             Kind::Tension(_)
             | Kind::TrackerPosition(_)
             | Kind::TrackerOrientation(_)
@@ -179,7 +179,7 @@ impl<T: Packet> Elimination<T> {
         add_to(&mut gradient[layout.effect_column()..], effects);
     }
 
-    /// `dx` from `Y dg` of the poses.
+    /// Step `dx` of the poses, from `y` and `Y dg`.
     #[inline(always)]
     pub fn pose_step(factor: &[T; TRIANGLE], residual: [T; 6], moved: [T; 6]) -> [T; 6] {
         let mut x = residual;
@@ -258,7 +258,7 @@ impl<T: Packet> Sums<T> {
         self.add_sparse(equations, layout);
     }
 
-    /// `- Y^T Y`, and the equilibrium rows' `G^T G`.
+    /// Subtracts `Y^T Y` and adds `G^T G` of the equilibrium rows.
     #[inline(always)]
     fn add_columns(
         &mut self,
@@ -308,7 +308,7 @@ impl<T: Packet> Sums<T> {
         }
     }
 
-    /// `G^T G` of all other rows, each of which concerns few columns.
+    /// Adds `G^T G` of all other rows, each of which has few nonzero columns.
     #[inline(always)]
     fn add_sparse(&mut self, equations: &Equations<T>, layout: &Layout) {
         for (cable, g) in equations.length_by_cable.iter().enumerate() {
@@ -341,7 +341,7 @@ impl<T: Packet> Sums<T> {
         }
     }
 
-    /// `g g^T` and `g r` for consecutive columns from `first`.
+    /// Adds `g g^T` and `g r` for consecutive columns from `first`.
     #[inline(always)]
     fn add_block(&mut self, first: usize, g: &[T], residual: T) {
         for (k, g_k) in g.iter().enumerate() {
@@ -357,7 +357,7 @@ impl<T: Packet> Sums<T> {
         }
     }
 
-    /// Products of a row's own columns with its effect derivatives.
+    /// Adds the products of a row's own columns with its effect derivatives.
     #[inline(always)]
     fn add_effects(
         &mut self,
@@ -380,7 +380,7 @@ impl<T: Packet> Sums<T> {
         }
     }
 
-    /// Adds those over other poses.
+    /// Adds the sums over other poses.
     pub fn add_sums(&mut self, other: &Self) {
         let own = self.information.iter_mut().chain(&mut *self.gradient);
         for (sum, term) in own.zip(other.information.iter().chain(&*other.gradient)) {
@@ -392,7 +392,7 @@ impl<T: Packet> Sums<T> {
         self.coordinates += other.coordinates;
     }
 
-    /// Whether any row depends on a column; NaN counts as yes.
+    /// Whether any row depends on a column; NaN counts as a dependence.
     pub fn concerns(&self, column: usize) -> bool {
         let first = entry(column, column) * T::LANES;
         let diagonal = &self.information[first..first + T::LANES];

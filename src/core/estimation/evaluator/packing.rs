@@ -19,7 +19,7 @@ pub(super) struct InstrumentInputs {
     pub inclination: Vec<Column>,
 }
 
-/// What does not change from pose to pose, per cable; at home lengths are predictions and tensions not
+/// Constants of each cable; at home, lengths are predictions and tensions are not
 /// latent.
 pub(super) fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableConstants> {
     let has_forces = !problem.dataset.measurements.force_n.is_empty();
@@ -47,7 +47,7 @@ pub(super) fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableCon
         .collect()
 }
 
-/// Poses as position and quaternion, packet by packet; the last pose fills up the last packet.
+/// Poses as position and quaternion, packet by packet; the last pose is repeated to fill the last packet.
 pub(super) fn pack_poses<T: Packet>(poses: &[Pose]) -> Packed {
     let count = poses.len().next_multiple_of(T::LANES);
     let mut values = packed(count * POSE_NUMBERS);
@@ -115,7 +115,7 @@ pub(super) fn pack_instruments<T: Packet>(
     };
     let swivel = (0..swivels)
         .map(|cable| {
-            // Without direction of zero or standard deviation the reading cannot be used.
+            // Without zero direction or standard deviation the reading cannot be used.
             let pulley = &problem.dataset.robot.cables[cable].pulley;
             let usable = pulley.swivel_zero.is_some() && pulley.swivel_sd_rad.is_some();
             let at = |row: &usize| {

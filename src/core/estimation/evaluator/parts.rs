@@ -1,7 +1,7 @@
-//! Poses in parts, which are evaluated on threads of their own and summed up in their order.
+//! Poses divided into parts, which are evaluated on separate threads and summed in order.
 //!
-//! Where a part ends depends on the number of poses alone, so that every number of threads gives the same result, to the last
-//! bit. Few poses are one part and start no thread.
+//! The division depends on the number of poses only, so that any number of threads gives the same result to the last
+//! bit. A small number of poses is one part and starts no thread.
 
 use std::sync::Arc;
 
@@ -14,10 +14,10 @@ use crate::estimation::options::Division;
 use crate::real::Packet;
 use crate::threads;
 
-/// The equations of a set of poses, one evaluator for each part of them.
+/// Equations of a set of poses, with one evaluator per part.
 #[derive(Clone)]
 pub(in crate::estimation) struct Parts<'a, T: Packet> {
-    /// At least one; the first has the sums over all of them.
+    /// At least one; the first holds the sums over all parts.
     parts: Vec<Evaluator<'a, T>>,
     poses_per_part: usize,
     threads: usize,
@@ -60,12 +60,12 @@ impl<'a, T: Packet> Parts<'a, T> {
         }
     }
 
-    /// Does the same with every part.
+    /// Applies `work` to every part.
     fn for_each(&mut self, work: impl Fn(&mut Evaluator<'a, T>) + Sync) {
         threads::for_each(&mut self.parts, self.threads, work);
     }
 
-    /// Does the same with every part and what goes with it, which `with` makes; what it has become, in the order of the parts.
+    /// Applies a function to every part, each with a value made by `with`; returns those values in the order of the parts.
     pub fn work_out<R: Send>(
         &mut self,
         with: impl FnMut() -> R,
@@ -77,13 +77,13 @@ impl<'a, T: Packet> Parts<'a, T> {
         pairs.into_iter().map(|(_, own)| own).collect()
     }
 
-    /// The evaluator with the pose of this number, and its number there.
+    /// The evaluator of the part that contains pose number `pose`, and the index of the pose there.
     pub fn part_with(&mut self, pose: usize) -> (&mut Evaluator<'a, T>, usize) {
         let size = self.poses_per_part;
         (&mut self.parts[pose / size], pose % size)
     }
 
-    /// How rows and columns are laid out.
+    /// Layout of rows and columns.
     pub fn layout(&self) -> &Layout {
         &self.parts[0].layout
     }
@@ -104,14 +104,14 @@ impl<'a, T: Packet> Parts<'a, T> {
         parts.flat_map(|part| part.rows().iter().copied().zip(part.poses()))
     }
 
-    /// Whether the equations carry what only reports need.
+    /// Makes the equations carry the details that only reports need.
     pub fn set_detailed(&mut self) {
         for part in &mut self.parts {
             part.detailed = true;
         }
     }
 
-    /// Takes over the common parameters, see [`Evaluator::set_globals`].
+    /// Sets the common parameters, see [`Evaluator::set_globals`].
     pub fn set_globals(&mut self, globals: &Globals, home_lengths: &[f64]) {
         self.for_each(|part| part.set_globals(globals, Some(home_lengths)));
     }
@@ -125,7 +125,7 @@ impl<'a, T: Packet> Parts<'a, T> {
         });
     }
 
-    /// Evaluates all poses and sums up, at the poses after the step that was taken last.
+    /// Moves the poses by the step taken last, evaluates all of them and accumulates the normal equations.
     pub fn assemble(&mut self, huber: Option<f64>, damping: f64) {
         self.for_each(|part| part.assemble(huber, damping));
         if let Some((first, rest)) = self.parts.split_first_mut() {

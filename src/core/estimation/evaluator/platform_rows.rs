@@ -1,4 +1,4 @@
-//! Equations of the readings that concern the platform: laser, external instrument, inclinometer.
+//! Equations of the instruments on the platform: laser, external instrument, inclinometer.
 
 use super::equations::Equations;
 use super::layout::Layout;
@@ -38,7 +38,7 @@ impl<T: Real> LaserInputs<T> {
         let (reading, present) = self.reading.present();
         let weight = self.inverse_sd * present;
         let slope = gain * inverse * weight;
-        // Both the origin and the beam's end move: d dist = -n.(d o + dist d q) / (n.q).
+        // Origin and direction of the beam both move: d dist = -n.(d o + dist d q) / (n.q).
         let g = scaled(normal, -slope);
         let end = add_scaled(lever, distance, direction);
         let torque = cross(end, g);
@@ -65,7 +65,7 @@ impl<T: Real> LaserInputs<T> {
     }
 }
 
-/// Three rows of the external instrument's position: of the point `r + R p` of the platform, shifted.
+/// Three rows of the external instrument's position: that of the point `r + R p` of the platform, plus its shift.
 #[inline(always)]
 pub(super) fn tracker_position_rows<T: Real>(
     first: usize,
@@ -104,7 +104,7 @@ pub(super) fn tracker_position_rows<T: Real>(
 }
 
 /// Three rows of the external instrument's orientation: twice the vector part of
-/// `q q_measured^-1`, the rotation vector up to third order, and what it reads beside the orientation.
+/// `q q_measured^-1`, the rotation vector up to third order, plus the offset of the orientation reading.
 #[inline(always)]
 pub(super) fn tracker_orientation_rows<T: Real>(
     first: usize,

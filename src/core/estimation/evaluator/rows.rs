@@ -48,7 +48,7 @@ impl<T: Packet> Evaluator<'_, T> {
     ) {
         let columns = &self.ports.cables[cable];
         let swivel = self.platform.swivel.get(cable);
-        // Far from the solution the estimated errors are meaningless, and the readings are better.
+        // Far from the solution the estimated errors are meaningless, so they are limited.
         let limit = T::splat(self.token, LARGEST_ERROR * self.constants[cable].tension_sd);
         let tension_error = self.tension_error(batch, cable).min(limit).max(-limit);
         let inputs = CableInputs {
@@ -89,7 +89,7 @@ impl<T: Packet> Evaluator<'_, T> {
         }
     }
 
-    /// Adds gravity and inertia, whitens, and leaves out coordinates that are not free.
+    /// Adds gravity and inertia, whitens the rows, and drops coordinates that are not free.
     #[inline(always)]
     fn whiten_equilibrium(
         &mut self,
@@ -122,7 +122,7 @@ impl<T: Packet> Evaluator<'_, T> {
         }
         factorise(&mut equilibrium.covariance, 0.0);
         self.equations.equilibrium_factor = equilibrium.covariance;
-        // A factor whose inverse diagonal is zero whitens to nothing where a tension was not read.
+        // Where a tension was not read, a zero inverse diagonal makes the whitened rows vanish.
         let mut factor = equilibrium.covariance;
         for k in 0..6 {
             let diagonal = entry(k, k);
@@ -265,7 +265,7 @@ impl<T: Packet> Evaluator<'_, T> {
         }
     }
 
-    /// What the external instrument lags behind; nothing at rest, or without one.
+    /// Delay of the external instrument; `None` at rest or without one.
     #[inline(always)]
     fn lag(&self, batch: usize, delay: T) -> Option<Lag<T>> {
         let motion = self.ports.motion.as_ref()?;

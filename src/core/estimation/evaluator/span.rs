@@ -1,11 +1,11 @@
-//! Where cables lie on their measured elongation.
+//! Range of the measured elongation that cables use.
 
 use super::Evaluator;
 use super::cable_rows::{CableInputs, CableState};
 use crate::cable::ElongationSurface;
 
 impl Evaluator<'_, f64> {
-    /// The surface of a cable and its length from drum to anchor (m) at the first packed pose.
+    /// Elongation surface of a cable and its length from drum to anchor (m) at the first packed pose.
     pub fn span_on_surface(&self, cable: usize) -> Option<(&ElongationSurface, f64)> {
         let pose = self.pose_packet(0);
         let inputs = CableInputs {

@@ -1,8 +1,8 @@
-//! Steps of the poses, once the common step is known.
+//! Steps of the poses once the common step is known.
 //!
-//! A pose moves by `-L^-T (y + Y dg)`, see [`super::normal`]. Of few poses, `L`, `y` and `Y` are stored by the pass that
-//! eliminates them: 1.8 kB for a pose of eight cables. Of many poses that is more than the caches of a processor hold, and
-//! writing and reading it takes longer than the elimination itself, so that they are eliminated again, in the state in
+//! A pose moves by `-L^-T (y + Y dg)`, see [`super::normal`]. If there are few poses, the pass that eliminates them stores
+//! `L`, `y` and `Y`: 1.8 kB for a pose of eight cables. If there are many, these exceed the caches of a processor, and
+//! writing and reading them takes longer than the elimination itself, so the poses are eliminated again in the state in
 //! which that pass found them.
 
 use super::columns::{Packed, packed};
@@ -12,17 +12,17 @@ use crate::geometry::PosePacket;
 use crate::real::{Kernel, Packet};
 use crate::small_cholesky::TRIANGLE;
 
-/// Scalars per pose that a step needs, besides `Y`.
+/// Scalars per pose that a step needs, in addition to `Y`.
 const FACTOR_AND_RESIDUAL: usize = TRIANGLE + 6;
-/// Most scalars that are stored: 16 MiB.
+/// Largest number of scalars stored: 16 MiB.
 pub(super) const LARGEST_STORE: usize = 2 << 20;
 
-/// What the last pass over the poses eliminated them with.
+/// Elimination of the poses by the last pass, or the state needed to repeat it.
 #[derive(Clone)]
 pub(super) struct Eliminated {
-    /// Factor, residual and `Y` of every packet; empty where poses are eliminated again.
+    /// Factor, residual and `Y` of every packet; empty if poses are eliminated again.
     stored: Packed,
-    /// Most scalars that are stored.
+    /// Largest number of scalars stored.
     pub largest_store: usize,
     /// Estimated errors of the tension readings at which the equilibrium was linearised (N).
     tension_errors: Packed,
@@ -46,8 +46,8 @@ impl Eliminated {
 }
 
 impl<T: Packet> Evaluator<'_, T> {
-    /// Moves all poses by their part of the common `step` (per column), at the latest with the next
-    /// [`assemble`](Self::assemble). Comes before [`set_globals`](Self::set_globals) moves the common parameters.
+    /// Schedules a move of all poses by their part of the common `step` (per column), made by the next
+    /// [`assemble`](Self::assemble) at the latest. Call it before [`set_globals`](Self::set_globals) moves the common parameters.
     pub fn take_step(&mut self, step: &[f64]) {
         self.previous.clone_from(&self.packed_poses);
         if self.is_stored() {
@@ -57,19 +57,19 @@ impl<T: Packet> Evaluator<'_, T> {
         }
     }
 
-    /// Goes back to the poses before the last step.
+    /// Restores the poses before the last step.
     pub fn undo_step(&mut self) {
         std::mem::swap(&mut self.packed_poses, &mut self.previous);
     }
 
-    /// Moves all poses by their part of the common `step` (per column) now.
+    /// Moves all poses by their part of the common `step` (per column) immediately.
     pub fn move_poses(&mut self, step: &[f64]) {
         let token = self.token;
         if self.is_stored() {
             let evaluator = self;
             return T::run(token, MovePoses { evaluator, step });
         }
-        // Those of the last pass serve once: the next one replaces them.
+        // The estimated errors of the last pass are used only once: the next pass replaces them.
         std::mem::swap(
             &mut self.tension_errors,
             &mut self.eliminated.tension_errors,
@@ -82,7 +82,7 @@ impl<T: Packet> Evaluator<'_, T> {
         );
     }
 
-    /// Begins a pass that eliminates the poses; returns the step by which it moves them.
+    /// Begins a pass that eliminates the poses; returns the step by which it moves them first.
     pub(super) fn begin_elimination(
         &mut self,
         huber: Option<f64>,
@@ -99,7 +99,7 @@ impl<T: Packet> Evaluator<'_, T> {
         self.eliminated.step.take()
     }
 
-    /// Whether what a step needs is stored by the pass that eliminates the poses.
+    /// Whether the pass that eliminates the poses stores what their steps need.
     pub(super) fn is_stored(&self) -> bool {
         self.batches() * self.stored_per_packet() <= self.eliminated.largest_store
     }
@@ -144,7 +144,7 @@ impl<T: Packet> Evaluator<'_, T> {
         Elimination::pose_step(&factor, residual, moved)
     }
 
-    /// Eliminates a packet as the last pass did, and moves it.
+    /// Repeats the elimination of the last pass for a packet, and moves its poses.
     #[inline(always)]
     fn move_packet_again(&mut self, batch: usize, step: &[f64]) {
         self.equations_at(batch);
@@ -168,7 +168,7 @@ impl<T: Packet> Evaluator<'_, T> {
     }
 }
 
-/// Steps of poses whose elimination is stored.
+/// Moves poses whose elimination is stored.
 struct MovePoses<'e, 'a, T: Packet> {
     evaluator: &'e mut Evaluator<'a, T>,
     step: &'e [f64],
@@ -184,7 +184,7 @@ impl<T: Packet> Kernel for MovePoses<'_, '_, T> {
     }
 }
 
-/// Steps of poses that are eliminated again.
+/// Moves poses by repeating their elimination.
 struct MovePosesAgain<'e, 'a, T: Packet> {
     evaluator: &'e mut Evaluator<'a, T>,
     step: &'e [f64],
@@ -231,7 +231,7 @@ mod tests {
                     evaluator.set_globals(&moved, None);
                 }
             }
-            // The stored elimination moves its poses with the next pass.
+            // With a stored elimination, the poses move in the next pass.
             stored.assemble(huber, 0.0);
             again.assemble(huber, 0.0);
             assert!(again.eliminated.stored.is_empty());

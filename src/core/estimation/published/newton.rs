@@ -10,11 +10,11 @@ use crate::robot::Robot;
 
 use super::pseudo_inverse_times;
 
-/// Limit on the Newton steps.
+/// Largest number of Newton steps.
 const STEPS: usize = 30;
-/// All poses are solved when none moves by as much any more (m, rad).
+/// The poses are solved when none of them moves by as much (m, rad).
 const STEP_STOP: f64 = 1e-10;
-/// Below this ratio of pivot to column the triangular solution is left to singular values.
+/// Below this ratio of pivot to column norm, the triangular solution gives way to singular values.
 const SOUND_PIVOT: f64 = 1e-9;
 
 type Lengths = [f64; MAX_CABLES];
@@ -28,7 +28,7 @@ pub(super) struct PlainNewton {
     difference: f64,
 }
 
-/// Where Newton stopped.
+/// Poses at which Newton's method stopped.
 pub(super) struct Found {
     pub(super) poses: Vec<Pose>,
     /// Length residuals (m), row-major.
@@ -63,7 +63,7 @@ impl PlainNewton {
         })
     }
 
-    /// The poses with the given lengths (m, row-major) from the given starts.
+    /// Solves for the poses with the given lengths (m, row-major) from the given starts.
     pub(super) fn solve(&self, lengths_m: &[f64], starts: &[Pose]) -> Found {
         let m = self.cables.count();
         let mut poses = starts.to_vec();
@@ -98,7 +98,7 @@ impl PlainNewton {
         for (column, k) in self.free.iter().enumerate() {
             let there = self.lengths_at(&pose.perturbed(&Twist::ith(*k, self.difference)));
             for i in 0..m {
-                // Through the residuals, as published: their rounding is that of the reference.
+                // Differences of residuals, not of lengths, as published: their rounding is that of the reference.
                 let (after, before) = (there[i] - measured[i], here[i] - measured[i]);
                 system.columns[column][i] = (after - before) / self.difference;
             }
@@ -133,7 +133,7 @@ impl WithSimd for LengthsAt<'_> {
             let arm = self.cables.arms(simd, index, &pose);
             let anchor = add_scaled(pose.position, one, arm);
             let path = self.cables.pulleys(simd, index).path_to(anchor);
-            // Where an anchor is inside its pulley there is no length.
+            // Where an anchor is inside its pulley, there is no length.
             let none = Lanes::splat(simd, f64::NAN);
             let length = (-path.clearance).select_positive(none, path.length);
             length.store(&mut lengths, index);
@@ -150,8 +150,8 @@ struct System {
 }
 
 impl System {
-    /// The solution of least norm: by modified Gram-Schmidt where `J` has full rank, which is the
-    /// same up to rounding, else by singular values.
+    /// Minimum-norm solution: by modified Gram-Schmidt where `J` has full rank, which is equal
+    /// up to rounding, else by singular values.
     fn solve(&self) -> [f64; 6] {
         self.triangular()
             .unwrap_or_else(|| self.by_singular_values())

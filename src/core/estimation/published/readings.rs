@@ -1,4 +1,4 @@
-//! What the published method takes from a dataset.
+//! Readings and constants that the published method takes from a dataset.
 
 use crate::geometry::{Pose, Vec3};
 use crate::kinematics::ForwardKinematics;
@@ -10,14 +10,14 @@ use super::PublishedError;
 /// Readings and constants, poses in the order of the measurements.
 pub(super) struct Readings {
     pub(super) home: Pose,
-    /// Where forward kinematics starts at every pose.
+    /// Start of the forward kinematics at every pose.
     pub(super) starts: Vec<Pose>,
     /// Laser readings (m).
     pub(super) laser_m: Vec<f64>,
     home_row: usize,
     laser: Laser,
     plane_offset_m: f64,
-    /// Row-major, one row per pose: cable paid out since home (m), and strain `T/EA`.
+    /// Row-major with one row per pose: length paid out since home (m), and strain `T/EA`.
     paid_out_m: Vec<f64>,
     strain: Vec<f64>,
     length_to_pulley_m: Vec<f64>,
@@ -44,7 +44,7 @@ impl Readings {
             length_to_pulley_m: Vec::new(),
         };
         readings.take_cables(robot, measured);
-        // The home reading fixes the reflector.
+        // The laser reading at home determines the plane offset.
         let (origin, direction) = readings.beam(&home);
         let normal = Vec3::from(laser.target_plane.normal);
         let distance = readings.laser_m[home_row];
@@ -68,8 +68,8 @@ impl Readings {
         }
     }
 
-    /// Chooses the start of every pose: the commanded pose, or where it is not given the forward
-    /// kinematics of the robot as drawn.
+    /// Chooses the start of every pose: the commanded pose, or, if it is not given, the forward
+    /// kinematics of the robot as described.
     pub(super) fn choose_starts(
         &mut self,
         dataset: &Dataset,
@@ -125,7 +125,7 @@ impl Readings {
     }
 }
 
-/// Refuses what the method has no place for.
+/// Rejects data and models that the method cannot handle.
 fn check(robot: &Robot, measured: &Measurements) -> Result<(), PublishedError> {
     if !robot.has_force_sensors() {
         let what = "a force sensor on every cable";
@@ -133,11 +133,11 @@ fn check(robot: &Robot, measured: &Measurements) -> Result<(), PublishedError> {
     }
     let surfaces = robot.cables.iter().map(|c| &c.cable.elongation_surface);
     if surfaces.flatten().next().is_some() {
-        let what = "measured elongation surface, only a constant axial stiffness";
+        let what = "a measured elongation surface, only a constant axial stiffness";
         return Err(PublishedError::NotModelled { what });
     }
     if !robot.effects.is_empty() {
-        let what = "effects of an extended model";
+        let what = "the effects of an extended model";
         return Err(PublishedError::NotModelled { what });
     }
     for (j, label) in measured.labels.iter().enumerate() {

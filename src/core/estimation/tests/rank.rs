@@ -147,7 +147,7 @@ fn a_parameter_on_which_nothing_depends_is_named() {
     run.dataset.robot.cables[1].pulley.entry_point_sd_m = PerAxis::default();
     for method in [Method::Simple, Method::Joint] {
         let found = sentences(&run.dataset, method);
-        let expected = "nothing that was measured depends on cable-2 entry point z";
+        let expected = "no reading depends on cable-2 entry point z";
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(mentions(&found, expected), "{found:?}");
         // The rest is fitted all the same.
@@ -239,7 +239,7 @@ fn a_pose_with_too_few_cables_is_told() {
         assert_eq!(solution.undetermined_coordinates, 3);
         let found = sentences(&run.dataset, method);
         assert!(
-            mentions(&found, "leave 3 pose coordinates open"),
+            mentions(&found, "leave 3 pose coordinates undetermined"),
             "{found:?}"
         );
     }

@@ -6,15 +6,15 @@ use super::super::cable_arrays::CableArrays;
 use super::normal::{NormalEquations, assemble};
 use crate::geometry::PosePacket;
 
-/// Limit on the steps tried from one start.
+/// Largest number of steps tried from one start.
 const MAX_STEPS: usize = 60;
 /// Steps below this are converged (m, and rad: platforms are smaller than metres).
 const STEP_TOLERANCE: f64 = 1e-11;
-/// Longest rotation in one step (rad); the linear model does not hold beyond it.
+/// Longest rotation in one step (rad), beyond which the linear model does not hold.
 const MAX_ROTATION: f64 = 0.8;
-/// Damping after the first rejected step; before it, and below it, steps are undamped.
+/// Damping after the first rejected step; before it, and below this value, steps are undamped.
 const FIRST_DAMPING: f64 = 1e-3;
-/// Damping at which no direction is left that reduces the residual.
+/// Damping beyond which no direction that reduces the residual is left.
 const LAST_DAMPING: f64 = 1e10;
 
 /// The pose that an iteration ended at.
@@ -23,7 +23,7 @@ pub(super) struct Minimum {
     pub(super) pose: PosePacket<f64>,
     /// Sum of squared residuals (m^2).
     pub(super) cost: f64,
-    /// Whether no step improves it any more.
+    /// Whether no step reduces it further.
     pub(super) converged: bool,
     /// Whether an anchor is inside its pulley.
     pub(super) blocked: bool,
@@ -31,7 +31,7 @@ pub(super) struct Minimum {
     pub(super) iterations: usize,
 }
 
-/// The least-squares problem: lengths to be met in the free coordinates.
+/// The least-squares problem: measured lengths to be matched in the free coordinates.
 #[derive(Clone, Copy)]
 pub(super) struct LengthProblem<'a> {
     pub(super) cables: &'a CableArrays,
@@ -102,7 +102,7 @@ impl LevenbergMarquardt {
             size = size.max(value.abs());
         }
         let reduction = self.normal.cost - normal.cost;
-        // Differences below the rounding of the lengths are no reduction.
+        // Differences below the rounding of the lengths do not count as a reduction.
         let rounding = 1e-30 + 1e-14 * self.normal.cost;
         if reduction.is_nan() || reduction < -rounding {
             self.converged = size < STEP_TOLERANCE;
@@ -112,7 +112,7 @@ impl LevenbergMarquardt {
         let predicted = self.normal.predicted_reduction(step);
         self.damping = lowered(self.damping, reduction, predicted);
         (self.pose, self.normal) = (trial, normal);
-        // Steps shrink at least by this ratio from now on, so that the rest of the way is their sum.
+        // If steps keep shrinking by this ratio, the remaining distance is their geometric sum.
         let ratio = if self.last_step > 0.0 {
             size / self.last_step
         } else {
@@ -127,7 +127,7 @@ fn raised(damping: f64) -> f64 {
     (damping * 8.0).max(FIRST_DAMPING)
 }
 
-/// Damping after an accepted step: less where the linear model was right, none once it is small.
+/// Damping after an accepted step: lowered where the linear model was right, none once it is small.
 #[inline(always)]
 fn lowered(damping: f64, reduction: f64, predicted: f64) -> f64 {
     if damping == 0.0 || reduction < 0.25 * predicted {

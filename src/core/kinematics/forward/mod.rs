@@ -66,26 +66,26 @@ pub struct ForwardKinematics {
 pub struct ForwardSolution {
     /// The pose with the smallest residual that was found.
     pub pose: Pose,
-    /// Whether the iteration converged, the residual is within the limit, every cable has a path and the pose is not
-    /// singular.
+    /// Whether the iteration converged to a regular pose within the residual limit at which every cable has a
+    /// path.
     pub converged: bool,
     /// Root mean square of the length residuals (m).
     pub residual_rms_m: f64,
-    /// Steps tried, over all starts.
+    /// Number of steps tried, over all starts.
     pub iterations: usize,
-    /// Starts used; 1: the given one sufficed.
+    /// Number of starts used; 1 if the given one sufficed.
     pub starts_used: usize,
-    /// Independence of the free coordinates as the cables see them: the sine of the smallest angle
-    /// between a column of the length Jacobian and the columns before it. 1: orthogonal; 0:
+    /// Independence of the free coordinates in the length Jacobian: the sine of the smallest angle
+    /// between a column and the span of the columns before it. 1: orthogonal; 0:
     /// singular, some motion changes no length.
     pub conditioning: f64,
 }
 
 impl ForwardKinematics {
-    /// Prepares `robot`.
+    /// Prepares the forward kinematics of `robot`.
     ///
     /// # Errors
-    /// A pulley whose numbers cannot be used, by name, or an impossible number of cables.
+    /// If the geometry of a pulley is invalid (naming it), or the number of cables is outside 1 to 64.
     pub fn new(robot: &Robot) -> Result<Self, KinematicsError> {
         let cables = CableArrays::new(robot)?;
         let freedom = robot.platform.freedom();
@@ -107,10 +107,10 @@ impl ForwardKinematics {
         })
     }
 
-    /// With another limit on the rms residual (m) that a pose may have to count as found.
+    /// Sets the largest rms residual (m) of a pose that counts as found.
     ///
-    /// By default a millionth of the frame's size: for lengths without error. For measured lengths
-    /// choose a few times their error. The tighter, the surer that a local minimum is recognised:
+    /// The default, a millionth of the frame's size, is for exact lengths. For measured lengths,
+    /// choose a few times their error. A tighter limit recognises local minima more reliably:
     /// a small platform can have some that fit to one percent of the frame.
     #[must_use]
     pub fn with_residual_limit(mut self, limit_m: f64) -> Self {
@@ -118,7 +118,7 @@ impl ForwardKinematics {
         self
     }
 
-    /// With another number of starts that are tried at most; 1 forbids any but the given one.
+    /// Sets the largest number of starts; 1 allows only the given one.
     #[must_use]
     pub fn with_starts(mut self, starts: usize) -> Self {
         self.starts = starts.max(1);
@@ -131,16 +131,16 @@ impl ForwardKinematics {
         self.cables.count()
     }
 
-    /// The start of [`Self::solve_from_anywhere`]: the home pose or the middle of the frame.
+    /// The start of [`Self::solve_from_anywhere`]: the home pose or the centre of the frame.
     #[must_use]
     pub fn centre(&self) -> &Pose {
         &self.centre
     }
 
-    /// The pose with the given lengths (m) from entry points to platform anchors, searched from
-    /// `start`; the coordinates that are not free stay as they are there.
+    /// Finds the pose with the given lengths (m) from entry points to platform anchors, starting from
+    /// `start`, which also provides the coordinates that are not free.
     ///
-    /// The first pose within the residual limit is taken; further starts are tried only where that
+    /// The first pose within the residual limit is returned; further starts are tried only if that
     /// from `start` is not. A length that is NaN or missing leaves its cable out. Never fails:
     /// see [`ForwardSolution::converged`].
     #[must_use]
@@ -148,8 +148,8 @@ impl ForwardKinematics {
         self.search(lengths_m, start, self.residual_limit_m)
     }
 
-    /// As [`Self::solve`], from the [centre](Self::centre) of the workspace, and by the best of all
-    /// starts unless one fits within rounding.
+    /// As [`Self::solve`], from the [centre](Self::centre) of the workspace; returns the best of all
+    /// starts unless one fits to rounding.
     #[must_use]
     pub fn solve_from_anywhere(&self, lengths_m: &[f64]) -> ForwardSolution {
         let rounding = RELATIVE_ROUNDING * self.frame_size_m;
@@ -226,7 +226,7 @@ impl Search<'_> {
         (found.cost / self.known.max(1) as f64).sqrt()
     }
 
-    /// Order of preference: accepted before not, then by residual.
+    /// Order of preference: accepted minima first, then by residual.
     fn rank(&self, found: &Minimum) -> (bool, f64) {
         (!self.accepts(found), found.cost)
     }

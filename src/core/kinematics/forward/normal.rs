@@ -14,11 +14,11 @@ pub(super) struct NormalEquations {
     pub(super) cost: f64,
     pub(super) gradient: [f64; 6],
     pub(super) matrix: [f64; TRIANGLE],
-    /// Sum over the cables of how far (m^2) their anchors are inside their pulleys.
+    /// Sum over the cables (m^2) of the depth of their anchors inside their pulleys.
     pub(super) blocked: f64,
 }
 
-/// Normal equations at a pose; cables whose length is NaN do not take part. `lengths` is
+/// Accumulates the normal equations at a pose; cables whose length is NaN are left out. `lengths` is
 /// padded with NaN to whole vectors.
 #[inline(always)]
 pub(super) fn assemble<S: Simd>(
@@ -111,7 +111,7 @@ impl NormalEquations {
         })
     }
 
-    /// Decrease of the cost that the linear model predicts for `step`.
+    /// Reduction of the cost that the linear model predicts for `step`.
     #[inline(always)]
     pub(super) fn predicted_reduction(&self, step: &[f64; 6]) -> f64 {
         let mut curvature = 0.0;

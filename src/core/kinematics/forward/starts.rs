@@ -5,9 +5,9 @@ use super::ForwardKinematics;
 use crate::geometry::{Pose, Vec3};
 use crate::robot::Robot;
 
-/// Largest component of the rotation vector of a further start (rad).
+/// Largest component of the rotation vector of a random start (rad).
 const MAX_ROTATION: f64 = 1.2;
-/// Half width of the box of further starts, relative to that of the frame.
+/// Half-width of the box of further starts, relative to that of the frame.
 const SPREAD: f64 = 0.6;
 
 /// Diagonal of the box around the entry points (m).
@@ -22,8 +22,8 @@ fn half_width(cables: &CableArrays) -> Vec3 {
     })
 }
 
-/// The middle of the entry points; below it, along gravity, where they all lie at one height: there
-/// the platform hangs, and at that height itself vertical motion would change no length.
+/// Centroid of the entry points, or a point below it, along gravity, if they all lie at one height: there
+/// the platform hangs, and at that height itself vertical motion would change no length to first order.
 pub(super) fn centre(cables: &CableArrays, robot: &Robot, frame_size_m: f64) -> Pose {
     let mut position = Vec3::from(cables.entry_centroid());
     let down = robot.gravity().try_normalize(1e-9).unwrap_or_default();
@@ -47,11 +47,11 @@ pub(super) fn centre(cables: &CableArrays, robot: &Robot, frame_size_m: f64) -> 
     }
 }
 
-/// Further start number `number`, from 1, in the free coordinates only; the others stay as in
+/// Further start number `number`, counted from 1; only the free coordinates differ from
 /// `start`.
 ///
 /// A small platform converges to its position from almost anywhere, but not to its orientation. So the first starts
-/// rotate the platform at the best minimum so far; then follow points of a Halton sequence around the centre.
+/// rotate the platform at the best minimum so far; the others follow a Halton sequence around the centre.
 pub(super) fn further(
     problem: &ForwardKinematics,
     start: &Pose,
@@ -66,7 +66,7 @@ pub(super) fn further(
             twist[3 + k] = ROTATIONS[number - 1][k];
         }
     } else {
-        // Along a flat frame's normal the platform may still be far: use a part of the size.
+        // Along the normal of a flat frame the platform may still be far away, so use a fraction of the size.
         let least = 0.25 * problem.frame_size_m;
         let half = half_width(&problem.cables).map(|v| v.max(least));
         for k in 0..6 {

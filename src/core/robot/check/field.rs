@@ -1,11 +1,11 @@
-//! Checks of one field by itself.
+//! Checks of single fields.
 
 use std::fmt::Display;
 
 use super::{Checked, FieldError};
 use crate::geometry::Vec3;
 
-/// How far the norm of a direction or quaternion may be from one.
+/// Largest deviation of the norm of a direction or quaternion from one.
 const NORM_TOLERANCE: f64 = 1e-6;
 
 /// An object of the description, known by its JSON pointer.
@@ -33,7 +33,7 @@ impl Object {
         format!("{}/{key}", self.pointer)
     }
 
-    /// Refuses the field `key`.
+    /// Rejects the field `key`.
     pub fn fail(&self, key: impl Display, message: impl Into<String>) -> Checked {
         Err(FieldError {
             pointer: self.pointer_to(key),
@@ -60,7 +60,7 @@ impl Object {
         self.ensure(good, key, value, "a number other than 0")
     }
 
-    /// Refuses a length in metres that no robot has.
+    /// Rejects a length that no robot has in metres.
     pub fn below(&self, key: impl Display, value: f64, limit_m: f64) -> Checked {
         if value > limit_m {
             let message =
@@ -95,7 +95,7 @@ impl Object {
         Ok(())
     }
 
-    /// Refuses a direction within 2.5 degrees of another one.
+    /// Rejects a direction within 2.5 degrees of another one.
     pub fn not_parallel(
         &self,
         key: &str,

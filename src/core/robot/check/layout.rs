@@ -1,19 +1,19 @@
-//! Checks of pulleys and anchors together, and the size of the frame they span.
+//! Checks of pulleys and anchors together, and of the size of the frame they span.
 
 use super::super::{Cable, Robot};
 use super::{Checked, FieldError};
 use crate::geometry::{Pose, Vec3};
 use crate::kinematics::check_path_at;
 
-/// No cable robot's frame is larger; one that seems to be is given in millimetres.
+/// No cable robot has a larger frame; one that seems to is described in millimetres.
 const LARGEST_FRAME_M: f64 = 500.0;
-/// Pulleys closer than this share of the frame are in one place (Jin et al. 2018 print two within
+/// Pulleys closer than this fraction of the frame coincide (Jin et al. 2018 print two within
 /// 1.3 % of MINI's frame) ...
 const SAME_PLACE_SHARE: f64 = 0.02;
-/// ... but on large frames pairs of pulleys do sit a few decimetres from each other on one post.
+/// ... but on large frames, two pulleys on one post can be a few decimetres apart.
 const SAME_PLACE_AT_MOST_M: f64 = 0.1;
 impl Robot {
-    /// Size of the frame (m): the largest distance between two pulleys, or with one cable from
+    /// Size of the frame (m): the largest distance between two pulleys, or with one cable the distance from
     /// the pulley to the home position. `None` if neither is known.
     #[must_use]
     pub fn frame_size_m(&self) -> Option<f64> {
@@ -71,7 +71,7 @@ impl Robot {
         }
     }
 
-    /// Distance from the origin within which everything of the robot is to be expected (m).
+    /// Distance from the origin within which all parts of the robot are expected (m).
     fn reach_m(&self, size_m: f64) -> f64 {
         let farthest = self.cables.iter().map(|c| entry_point(c).norm());
         farthest.fold(size_m, f64::max)
@@ -97,7 +97,7 @@ impl Robot {
         Ok(())
     }
 
-    /// Two cables that run side by side: their anchors differ as their pulleys do.
+    /// Whether two cables run side by side: their anchors differ as their pulleys do.
     fn are_parallel(&self, cable: &Cable, other: &Cable) -> bool {
         let home = self.home.map_or_else(Pose::identity, |home| home.pose());
         let arm = Vec3::from(cable.platform_anchor_m) - Vec3::from(other.platform_anchor_m);
@@ -105,14 +105,15 @@ impl Robot {
         (offset - home.orientation * arm).norm() < 0.5 * offset.norm()
     }
 
-    /// Checks that every cable can reach its anchor when the platform is at `pose`.
+    /// Checks that every cable has a path to its anchor with the platform at `pose`.
     ///
     /// # Errors
-    /// The first cable whose anchor is where no cable can lead.
+    /// Names the first cable that has none.
     pub fn check_reach(&self, pose: &Pose) -> Result<(), FieldError> {
         for (i, cable) in self.cables.iter().enumerate() {
             if let Err(error) = check_path_at(cable, pose) {
-                let message = format!("found that {error}, expected it clear of the pulley");
+                let message =
+                    format!("found that {error}, expected the anchor clear of the pulley");
                 return fail(format!("/cables/{i}/platform_anchor_m"), message);
             }
         }

@@ -1,7 +1,7 @@
 //! Consistency of a robot description.
 //!
-//! Checks of single fields are in `field`, those of fields together (pulleys,
-//! anchors, the size of the frame) in `layout`.
+//! Checks of single fields are in `field`, those of several fields together (pulleys,
+//! anchors, size of the frame) in `layout`.
 
 mod field;
 mod layout;
@@ -14,12 +14,12 @@ use crate::kinematics::MAX_CABLES;
 use field::Object;
 use nalgebra::Matrix6;
 
-/// Largest asymmetry of a correlation matrix: what rounding leaves.
+/// Largest asymmetry of a correlation matrix that rounding can cause.
 const SYMMETRY: f64 = 1e-9;
-/// Smallest pivot of a correlation matrix that can be inverted.
+/// Smallest pivot of a correlation matrix that counts as invertible.
 const LEAST_PIVOT: f64 = 1e-6;
 
-/// What is wrong with one field of a robot description.
+/// An invalid field of a robot description.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{pointer}: {message}")]
 pub struct FieldError {
@@ -32,10 +32,10 @@ pub struct FieldError {
 type Checked = Result<(), FieldError>;
 
 impl Robot {
-    /// Checks everything that can be wrong in a description by itself.
+    /// Checks everything that a description can get wrong by itself.
     ///
     /// # Errors
-    /// The first field that no robot can have.
+    /// The first invalid field.
     pub fn check(&self) -> Result<(), FieldError> {
         let root = Object::root();
         root.not_blank("name", &self.name)?;
@@ -96,7 +96,7 @@ impl Robot {
         Ok(())
     }
 
-    /// The default is a share of the weight: without gravity the standard deviation must be stated.
+    /// The default is a fraction of the weight, so without gravity the standard deviation must be stated.
     fn check_wrench_sd(&self, root: &Object) -> Checked {
         let stated = self.platform.wrench_sd.is_some();
         let needed = self.has_tensions();
@@ -149,7 +149,7 @@ fn check_home(object: &Object, home: &Home) -> Checked {
     }
 }
 
-/// Metres and radians mix in it, so that symmetry and rank are judged in units of its own standard deviations.
+/// The covariance mixes metres and radians, so symmetry and rank are judged in units of its own standard deviations.
 fn check_covariance(object: &Object, rows: &[[f64; 6]; 6]) -> Checked {
     let list = object.child("covariance");
     for (k, row) in rows.iter().enumerate() {
@@ -163,7 +163,8 @@ fn check_covariance(object: &Object, rows: &[[f64; 6]; 6]) -> Checked {
     if is_symmetric && least > LEAST_PIVOT {
         return Ok(());
     }
-    let message = "found a matrix that is no covariance, expected one that is symmetric and positive definite";
+    let message =
+        "found a matrix that is not a covariance, expected a symmetric and positive definite one";
     object.fail("covariance", message)
 }
 
@@ -187,7 +188,7 @@ fn check_platform(object: &Object, platform: &Platform) -> Checked {
     if let Some(inertia) = &platform.inertia_kg_m2 {
         object.vector("inertia_kg_m2", inertia)?;
         if inertia_matrix(inertia).cholesky().is_none() {
-            let message = "found no inertia of a body, expected [xx yy zz xy xz yz] of a positive definite matrix";
+            let message = "found an impossible inertia, expected [xx yy zz xy xz yz] of a positive definite matrix";
             return object.fail("inertia_kg_m2", message);
         }
     }
@@ -319,7 +320,7 @@ fn check_home_platform(object: &Object, platform: &HomePlatform) -> Checked {
     check_home_sensors(object, platform)
 }
 
-/// Six distances fix six coordinates only if every plane is looked at and none by more than three.
+/// Six distances determine six coordinates only if every plane has a sensor and none more than three.
 fn check_home_sensors(object: &Object, platform: &HomePlatform) -> Checked {
     let sensors = object.child("sensors");
     let mut sensors_on_plane = [0; 3];

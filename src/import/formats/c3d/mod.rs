@@ -19,9 +19,9 @@ use crate::values::{Filling, Storage, Values};
 
 /// Bytes of the header, and of a block in which places are counted.
 const BLOCK: u64 = 512;
-/// What stands in the header where it has events with names.
+/// Key word in the header that announces events with labels.
 const HAS_EVENTS: u16 = 12345;
-/// Parameters that say which of the points are no markers, and their units.
+/// Parameters that list the points that are not markers, and their units.
 const OTHER_POINTS: [(&str, &str); 5] = [
     ("ANGLES", "ANGLE_UNITS"),
     ("FORCES", "FORCE_UNITS"),
@@ -67,7 +67,7 @@ pub(super) fn read(mut input: Input<'_>, file: &str, name: &str) -> Result<Sourc
     let parameters = Parameters::parse(processor, &bytes);
     let mut notices = Vec::new();
     if !parameters.is_whole {
-        notices.push("its parameters are damaged, those that follow left out".to_owned());
+        notices.push("its parameters are damaged; those after the damage are left out".to_owned());
     }
     let frames = Frames::of(processor, &header, &parameters, size).map_err(refuse)?;
     input.seek(SeekFrom::Start(frames.at)).map_err(failed)?;
@@ -85,25 +85,25 @@ pub(super) fn read(mut input: Input<'_>, file: &str, name: &str) -> Result<Sourc
     })
 }
 
-/// What of the header is used.
+/// The fields of the header that are used.
 struct Header {
     points: usize,
-    /// Analog numbers of a frame.
+    /// Number of analog samples per frame.
     analog: usize,
     /// Numbers of the first and the last frame.
     frames: [u16; 2],
     scale: f64,
     data_block: u64,
-    /// Samples of each analog channel in a frame.
+    /// Samples per analog channel in a frame.
     samples: usize,
     rate_hz: f64,
-    /// Events that have no name in the parameters.
+    /// Number of events in the header.
     events: u16,
 }
 
 impl Header {
     fn read(processor: Processor, bytes: &[u8; BLOCK as usize]) -> Self {
-        // The words of the description of the format begin with 1.
+        // The format specification numbers words from 1.
         let word = |k: usize| processor.integer([bytes[2 * k - 2], bytes[2 * k - 1]]);
         let float = |k: usize| {
             let [a, b] = [2 * k - 2, 2 * k];
@@ -126,12 +126,12 @@ impl Header {
     }
 }
 
-/// The frames: where and how many they are, and what one of them has.
+/// Position, number and layout of the frames.
 struct Frames {
     processor: Processor,
-    /// Where they begin (bytes).
+    /// Offset of the first frame (bytes).
     at: u64,
-    /// Frames that the file has, and those that it should have.
+    /// Number of frames present in the file, and number stated.
     held: u64,
     count: u64,
     /// Number of the first one.
@@ -141,12 +141,12 @@ struct Frames {
     points: usize,
     channels: usize,
     samples: usize,
-    /// Factor of coordinates; `None` where they are floating-point numbers.
+    /// Scale factor of coordinates; `None` if they are floating-point numbers.
     scale: Option<f64>,
 }
 
 impl Frames {
-    /// The frames of a file of `size` bytes; or why they cannot be read.
+    /// Locates the frames in a file of `size` bytes.
     fn of(
         processor: Processor,
         header: &Header,
@@ -167,12 +167,14 @@ impl Frames {
         if !header.analog.is_multiple_of(samples) {
             let analog = header.analog;
             return Err(format!(
-                "found {analog} analog numbers in a frame, expected {samples} of each channel"
+                "found {analog} analog samples in a frame, expected {samples} per channel"
             ));
         }
         let scale = one("SCALE").unwrap_or(header.scale);
         if header.points > 0 && (scale == 0.0 || !scale.is_finite()) {
-            return Err(format!("found {scale} as POINT:SCALE, expected a factor"));
+            return Err(format!(
+                "found {scale} as POINT:SCALE, expected a finite factor"
+            ));
         }
         let data_block = match header.data_block {
             0 => one("DATA_START").map_or(0, |block| block as u64),
@@ -196,7 +198,7 @@ impl Frames {
         }
         frames.held = size.saturating_sub(frames.at) / frames.bytes() as u64;
         if frames.held == 0 || frames.at < BLOCK {
-            return Err("found no frame, expected data behind the parameters".into());
+            return Err("found no frame, expected data after the parameters".into());
         }
         frames.count = frame_count(header, parameters, frames.held);
         Ok(frames)
@@ -213,7 +215,7 @@ impl Frames {
         number * self.numbers()
     }
 
-    /// The number at a place of a frame, before it is scaled.
+    /// The unscaled number at an index of a frame.
     fn number(&self, frame: &[u8], k: usize, is_unsigned: bool) -> f64 {
         if self.scale.is_none() {
             let at = 4 * k;
@@ -227,7 +229,7 @@ impl Frames {
         }
     }
 
-    /// Reads markers and analog channels, a series of each, whose names begin with `name`.
+    /// Reads markers and analog channels into one series each, whose names begin with `name`.
     fn read(
         &self,
         input: &mut impl Read,
@@ -276,21 +278,21 @@ impl Frames {
         Ok(all)
     }
 
-    /// Says what is odd about the frames.
+    /// Adds notices about missing or surplus frames.
     fn notice(&self, notices: &mut Vec<String>) {
         let Self { held, count, .. } = self;
         if held < count {
             notices.push(format!("ends after {held} of {count} frames"));
         }
-        // The last block is filled up.
+        // The last block is padded.
         let others = held.saturating_sub(*count);
         if others * self.bytes() as u64 >= BLOCK {
             notices.push(format!(
-                "states {count} frames, what could be {others} more is left out"
+                "states {count} frames; data that could be {others} more are left out"
             ));
         }
         if self.rate_hz.is_none() {
-            notices.push("states no rate of sampling, its rows have no times".into());
+            notices.push("states no sampling rate, so its rows have no times".into());
         }
     }
 
@@ -331,8 +333,8 @@ fn first_frame(header: &Header, parameters: &Parameters) -> f64 {
     long.unwrap_or(header.frames[0].into()).max(1.0)
 }
 
-/// How many frames there should be. Longer captures have their number in other places, and in the older ones what fits there:
-/// of all that the file can hold the largest is right.
+/// The stated number of frames. Long captures store it in additional fields while the older ones are truncated: the largest
+/// number that the file can hold is correct.
 fn frame_count(header: &Header, parameters: &Parameters, held: u64) -> u64 {
     let [first, last] = header.frames.map(f64::from);
     let begin = long_number(&parameters.counts("TRIAL", "ACTUAL_START_FIELD"));
@@ -384,7 +386,7 @@ fn unit_of(text: Option<&String>) -> Option<String> {
     unit.filter(|unit| !unit.is_empty())
 }
 
-/// The labels of a group, `point_7` where there is none.
+/// The labels of a group; `point_7` for a missing one.
 fn names(
     parameters: &Parameters,
     group: &str,
@@ -403,19 +405,19 @@ fn names(
     }
     if unnamed > 0 {
         notices.push(format!(
-            "{unnamed} of {count} labels of {group} are empty, their channels are called {kind}_1, {kind}_2 and so on"
+            "{unnamed} of {count} labels of {group} are empty; their channels are called {kind}_1, {kind}_2 and so on"
         ));
     }
     names
 }
 
-/// How the numbers of analog channels are meant.
+/// Scaling of the analog channels.
 struct Analog {
     names: Vec<String>,
     units: Vec<String>,
     offsets: Vec<f64>,
     scales: Vec<f64>,
-    /// Factor of all channels.
+    /// Common scale factor.
     scale: f64,
     is_unsigned: bool,
     unnamed: Vec<String>,
@@ -444,7 +446,7 @@ impl Analog {
         }
     }
 
-    /// The value of a channel.
+    /// The scaled value of a channel.
     fn value(&self, channel: usize, number: f64) -> f64 {
         let offset = self.offsets.get(channel).copied().unwrap_or(0.0);
         let scale = self.scales.get(channel).copied().unwrap_or(1.0);
@@ -461,7 +463,7 @@ impl Analog {
     }
 }
 
-/// What the file has beside markers and analog channels, and what it says of its axes.
+/// Notices about content other than markers and analog channels, and about the axes.
 fn left_out(header: &Header, parameters: &Parameters) -> Vec<String> {
     let used = |group: &str| {
         let used = parameters.counts(group, "USED").first().copied();
@@ -478,7 +480,7 @@ fn left_out(header: &Header, parameters: &Parameters) -> Vec<String> {
     let up = parameters.texts("POINT", "Y_SCREEN");
     if let Some(up) = up.first().filter(|up| up.contains(['X', 'Y'])) {
         notices.push(format!(
-            "its axis {} is shown upwards, expected +Z: check which axis is up",
+            "its axis {} points up, expected +Z: check which axis is vertical",
             quoted(up)
         ));
     }

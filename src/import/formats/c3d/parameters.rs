@@ -3,14 +3,14 @@
 use super::processor::Processor;
 use crate::text::decoded;
 
-/// Most parameters that continue one of more than 255 elements: `LABELS`, `LABELS2`, `LABELS3`, ...
+/// Maximum number of continuation parameters of one with more than 255 elements: `LABELS`, `LABELS2`, `LABELS3`, ...
 const CONTINUED: usize = 300;
 
 pub struct Parameters {
     processor: Processor,
     groups: Vec<(u8, String)>,
     all: Vec<Parameter>,
-    /// Whether the chain has its end.
+    /// Whether the chain is terminated properly.
     pub is_whole: bool,
 }
 
@@ -71,7 +71,7 @@ impl Parameters {
         parameters
     }
 
-    /// Takes a group or a parameter; what comes after it.
+    /// Parses a group or a parameter and returns the remaining bytes.
     fn entry<'a>(&mut self, bytes: &'a [u8]) -> Option<&'a [u8]> {
         let ([length, number], bytes) = bytes.split_first_chunk()?;
         // Negative lengths are those of entries that are locked, negative numbers those of groups.

@@ -1,6 +1,6 @@
-//! Numbers as the computers stored them for which C3D was made.
+//! Number formats of the computers for which C3D was designed.
 
-/// The computer whose numbers a file has.
+/// Processor whose number format a file uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Processor {
     Intel,
@@ -35,7 +35,7 @@ impl Processor {
     }
 }
 
-/// F_floating of DEC: the halves of a number are exchanged, and its exponent has another zero.
+/// F_floating of DEC: the 16-bit halves are swapped, and the exponent has another bias.
 fn dec_float([a, b, c, d]: [u8; 4]) -> f64 {
     let bits = u32::from_le_bytes([c, d, a, b]);
     let exponent = (bits >> 23) & 0xff;

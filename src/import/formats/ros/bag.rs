@@ -1,4 +1,4 @@
-//! Bags of ROS 1, version 2.0: records of a header and data, most of them inside of chunks that may be compressed.
+//! ROS 1 bags, version 2.0: records of header and data, most of them in chunks that may be compressed.
 
 use std::borrow::Cow;
 use std::io::{self, BufReader, ErrorKind, Read};
@@ -13,13 +13,13 @@ use super::{CUT_OFF, Decoder, RECORD, Recording, longest_record};
 use crate::input::Input;
 use crate::source::{Format, Source};
 
-/// How a bag begins.
+/// Magic number of a bag.
 const BEGIN: &[u8] = b"#ROSBAG V2.0\n";
 /// Longest header of a record (bytes): it has a few short fields.
 const LONGEST_HEADER: u64 = 1 << 20;
 const DAMAGED: &str = "is damaged";
 
-/// What a record is, by the field `op` of its header; the others are an index.
+/// Record types by the field `op` of the header; other records belong to the index.
 mod op {
     pub const MESSAGE: &[u8] = &[2];
     pub const BAG: &[u8] = &[3];
@@ -60,22 +60,22 @@ pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let mut notices = Vec::new();
     if bag.damaged_chunks > 0 {
         notices.push(format!(
-            "{} of its chunks are damaged; their messages are read as far as they go, and may be wrong",
+            "{} of its chunks are damaged; their messages are read as far as possible and may be wrong",
             bag.damaged_chunks
         ));
     }
     bag.recording.source(file, Format::RosBag, end, notices)
 }
 
-/// What was read so far.
+/// State of reading.
 #[derive(Default)]
 struct Bag {
     recording: Recording,
-    /// Names and check sums of the types of messages.
+    /// Names and checksums of the message types.
     types: Vec<(String, Vec<u8>)>,
     /// Bytes of the file.
     size: u64,
-    /// Where the index begins; 0 until the recorder has closed the bag.
+    /// Offset of the index; 0 until the recorder has closed the bag.
     index_at: u64,
     is_encrypted: bool,
     damaged_chunks: usize,
@@ -87,7 +87,7 @@ impl Bag {
         self.index_at == 0 || self.index_at > self.size
     }
 
-    /// Takes a record of the file; or says how the recording ends there.
+    /// Handles a record of the file; the inner error states how the recording ends.
     fn record(&mut self, header: &[u8], data: &[u8]) -> io::Result<Result<(), String>> {
         let read = match field(header, "op") {
             Some(op::BAG) => self.begin(header),
@@ -113,7 +113,7 @@ impl Bag {
         ) else {
             return Ok(Err(DAMAGED.to_owned()));
         };
-        // One that is being recorded has no length; its records follow.
+        // A chunk still being written has no length; its records follow.
         if data.is_empty() {
             return Ok(Ok(()));
         }
@@ -124,7 +124,7 @@ impl Bag {
             b"lz4" => decompressed(FrameDecoder::new(data), most),
             other => {
                 let name = quoted(&String::from_utf8_lossy(other));
-                return Ok(Err(format!("uses what is not read (compression {name})")));
+                return Ok(Err(format!("uses an unsupported compression ({name})")));
             }
         };
         let mut is_whole = is_intact && content.len() as u64 == u64::from(size);
@@ -174,7 +174,7 @@ impl Bag {
             let text = field(data, "message_definition").unwrap_or_default();
             if text.is_empty() {
                 return Err(format!(
-                    "messages of the type {}, of which no field is known",
+                    "messages of the type {}, whose fields are unknown",
                     quoted(&name)
                 ));
             }
@@ -203,7 +203,7 @@ fn record(input: &mut impl Read) -> io::Result<Option<(Vec<u8>, Vec<u8>)>> {
     Ok(Some((header, data)))
 }
 
-/// So many bytes; they take memory as they come.
+/// Reads `length` bytes, allocating only as they arrive.
 fn part(input: &mut impl Read, length: u32, most: u64) -> io::Result<Vec<u8>> {
     let length = u64::from(length);
     if length > most {
@@ -217,16 +217,17 @@ fn part(input: &mut impl Read, length: u32, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What is compressed, at most one byte more than so many, and whether it is intact: asking for that byte checks the sum.
+/// Decompresses at most `most` bytes plus one, and returns whether they are intact: reading the extra byte verifies the
+/// checksum.
 fn decompressed(reader: impl Read, most: u64) -> (Cow<'static, [u8]>, bool) {
     let mut bytes = Vec::new();
     let mut reader = reader.take(most + 1);
-    // The decompressors are of others, and the file may be damaged.
+    // Third-party decompressors may panic on a damaged file.
     let read = read_damaged(|| reader.read_to_end(&mut bytes));
     (bytes.into(), matches!(read, Some(Ok(_))))
 }
 
-/// The bytes behind their number.
+/// Bytes preceded by their number.
 fn counted<'a>(bytes: &mut &'a [u8]) -> Option<&'a [u8]> {
     let (count, rest) = bytes.split_first_chunk::<4>()?;
     let count = usize::try_from(u32::from_le_bytes(*count)).ok()?;

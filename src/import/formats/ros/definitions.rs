@@ -1,6 +1,6 @@
-//! Types of messages as a recording has them: the text of a `.msg` file, followed by those of the types inside of it.
+//! Message definitions in a recording: the text of a `.msg` file, followed by those of its nested types.
 
-/// The type of a message and those inside of it; that of the message is the first.
+/// The type of a message and its nested types; the message itself comes first.
 pub(super) struct Definitions(Vec<Definition>);
 
 pub(super) struct Definition {
@@ -21,7 +21,7 @@ pub(super) enum Kind {
     Text,
     /// Seconds and nanoseconds, stored as these.
     Time([Number; 2]),
-    /// Another type, by its place.
+    /// A nested type, by its index.
     Nested(usize),
 }
 
@@ -40,7 +40,7 @@ pub(super) enum Number {
     F64,
 }
 
-/// Whose types these are: their words have other meanings.
+/// ROS version: some type names differ in meaning.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Version {
     Ros1,
@@ -51,12 +51,12 @@ pub(super) enum Version {
 pub(super) enum Count {
     One,
     Fixed(usize),
-    /// As many as a message says.
+    /// A sequence whose length is stored in the message.
     Sequence,
 }
 
 impl Definitions {
-    /// Reads the text of a type of this name; or says what is not understood.
+    /// Parses the definition of a type; the error names what is not understood.
     pub fn parse(version: Version, name: &str, text: &str) -> Result<Self, String> {
         let mut sections = vec![(normal(name), Vec::new())];
         let mut begins = false;
@@ -95,12 +95,12 @@ impl Definitions {
         &self.0[place]
     }
 
-    /// Whether a part says how an array is meant.
+    /// Whether a part is a `MultiArrayLayout`.
     pub fn is_array_layout(&self, kind: Kind) -> bool {
         matches!(kind, Kind::Nested(place) if self.get(place).name == "std_msgs/MultiArrayLayout")
     }
 
-    /// Whether the message is nothing but `data`, which its topic names better.
+    /// Whether the message consists of `data` only, so that the topic is the better name.
     pub fn is_only_data(&self) -> bool {
         let fields = self.message().fields.iter();
         let mut others = fields.filter(|field| !self.is_array_layout(field.kind));
@@ -123,7 +123,7 @@ fn is_transforms(name: &str) -> bool {
     name.ends_with("/TFMessage") || name == "tf/tfMessage"
 }
 
-/// The name of a type without the folder that ROS 2 puts between package and type.
+/// The name of a type without the `msg` folder that ROS 2 inserts between package and type.
 fn normal(name: &str) -> String {
     name.replace("/msg/", "/")
 }
@@ -135,11 +135,11 @@ fn field(line: &str, kind_of: impl Fn(&str) -> Option<Kind>) -> Option<Result<Fi
     let end = rest
         .find(|letter: char| letter.is_whitespace() || letter == '=')
         .unwrap_or(rest.len());
-    // What follows a name is a default value, unless it is the value of a constant.
+    // A default value may follow the name; with an equals sign the field is a constant.
     if rest[end..].trim_start().starts_with('=') {
         return None;
     }
-    let unknown = || format!("its type has {kind}");
+    let unknown = || format!("its type contains {kind}");
     let (base, count) = match kind.split_once('[') {
         None => (kind, Some(Count::One)),
         Some((base, length)) => (base, length.strip_suffix(']').and_then(count_of)),
@@ -154,7 +154,7 @@ fn field(line: &str, kind_of: impl Fn(&str) -> Option<Kind>) -> Option<Result<Fi
     Some(field.ok_or_else(unknown))
 }
 
-/// What the brackets of an array hold: nothing, a number, or the most.
+/// The length in the brackets of an array: none, fixed, or an upper bound.
 fn count_of(length: &str) -> Option<Count> {
     if length.is_empty() || length.starts_with("<=") {
         return Some(Count::Sequence);
@@ -188,7 +188,7 @@ fn kind_of(version: Version, base: &str, owner: &str, names: &[&str]) -> Option<
     Some(Kind::Number(number))
 }
 
-/// A type by its name, in the package of its owner where it has none of its own.
+/// A type by its name, in the package of its owner if it states none.
 fn nested(base: &str, owner: &str, names: &[&str]) -> Option<Kind> {
     let package = owner.split('/').next().unwrap_or_default();
     let candidates = match base.contains('/') {
@@ -249,7 +249,7 @@ mod tests {
             ("int32[-1] c", "int32[-1]"),
         ] {
             let error = Definitions::parse(Version::Ros2, "p/Kind", line).err();
-            assert_eq!(error, Some(format!("its type has {kind}")));
+            assert_eq!(error, Some(format!("its type contains {kind}")));
         }
     }
 
@@ -271,6 +271,6 @@ mod tests {
             ]
         );
         let error = Definitions::parse(Version::Ros2, "p/Kind", "time a").err();
-        assert_eq!(error.as_deref(), Some("its type has time"));
+        assert_eq!(error.as_deref(), Some("its type contains time"));
     }
 }

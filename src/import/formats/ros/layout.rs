@@ -1,4 +1,4 @@
-//! Which columns the messages of a topic have: as many as the first one says, into which the later ones are filled.
+//! Columns of a topic: the first message defines them, later messages fill them.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
@@ -8,15 +8,15 @@ use tautline_session::quoted;
 use super::definitions::{Count, Definitions, Field, Kind};
 use super::wire::Wire;
 
-/// Largest list that becomes columns: a covariance has 36, images and scans have more.
+/// Longest list that becomes columns: a covariance has 36 elements; images and scans have more.
 const MOST_ELEMENTS: usize = 64;
 /// Most columns of a topic.
 const MOST_COLUMNS: usize = 1000;
-/// Deepest type inside of others.
+/// Maximum nesting depth of types.
 const DEEPEST: usize = 20;
 /// Longest name of an element (bytes).
 const LONGEST_LABEL: usize = 60;
-/// Longest text that is kept (bytes): names and states are short, documents are no readings.
+/// Longest text that is kept (bytes): names and states are short, and documents are not readings.
 const LONGEST_TEXT: usize = 200;
 
 /// A column of numbers.
@@ -33,22 +33,22 @@ pub(super) struct Layout {
     /// Values of the message by column.
     pub row: Vec<f64>,
     pub row_texts: Vec<String>,
-    /// When the message says that it was measured (s).
+    /// Time stamp in the header of the message (s).
     pub stamp_s: Option<f64>,
-    /// What of the messages is left out.
+    /// Parts of the messages that are left out.
     pub left_out: BTreeSet<String>,
     /// Whether the columns are known.
     is_known: bool,
     root: Node,
-    /// Columns by name, of messages that have the names of their fields inside.
+    /// Columns by path, for self-describing messages.
     by_path: HashMap<String, Place>,
 }
 
-/// Part of a message, and where it goes.
+/// Part of a message with its destination.
 #[derive(Default)]
 struct Node {
     place: Option<Place>,
-    /// Names of the elements of a list, where another list of the message gives them.
+    /// Names of the elements of a list, if another list of the message states them.
     labels: Vec<String>,
     /// Parts of it.
     inner: Vec<Node>,
@@ -65,7 +65,7 @@ enum Place {
 }
 
 impl Node {
-    /// Where the element `k` of a list goes whose elements have these names in this message.
+    /// Destination of the element `k` of a list with these element names in this message.
     fn element(&mut self, k: usize, labels: &[&str]) -> Option<&mut Self> {
         let at = match (self.labels.get(k), labels.get(k)) {
             _ if self.labels.is_empty() => k,
@@ -77,8 +77,8 @@ impl Node {
     }
 }
 
-/// What a later message has and the first one had not.
-const LATER: &str = "what its first message does not have";
+/// Notice about fields that only later messages have.
+const LATER: &str = "fields that its first message does not have";
 
 impl Layout {
     /// Reads a message of this type into the row; `None` where it does not fit. A message that is nothing but data gives
@@ -154,7 +154,7 @@ impl Layout {
     fn has_room(&mut self) -> bool {
         let has_room = self.columns.len() + self.texts.len() < MOST_COLUMNS;
         if !has_room {
-            let what = format!("what follows the first {MOST_COLUMNS} columns");
+            let what = format!("all after the first {MOST_COLUMNS} columns");
             self.left_out.insert(what);
         }
         has_room
@@ -243,8 +243,8 @@ struct Walk<'w, 'a> {
 }
 
 impl<'a> Walk<'_, 'a> {
-    /// A part of a message; `node` says where it goes, and `path` is its name in the first message. `labels` are the names
-    /// that a list beside it gives.
+    /// Reads a part of a message; `node` is its destination, and `path` its name in the first message. `labels` are element names
+    /// from a sibling list.
     fn part(
         &mut self,
         kind: Kind,
@@ -318,7 +318,7 @@ impl<'a> Walk<'_, 'a> {
                 }
             }
             let part = inner.and_then(|node| node.inner.get_mut(k));
-            // How an array is meant is no reading, nor is the number that ROS 1 gives each message.
+            // Array layouts and the sequence numbers of ROS 1 are not readings.
             let is_number = is_header && field.name == "seq";
             let part = part.filter(|_| !is_number && !self.definitions.is_array_layout(field.kind));
             let path = match is_first {
@@ -398,13 +398,13 @@ impl<'a> Walk<'_, 'a> {
     }
 }
 
-/// Whether a field names the elements of the lists beside it, as `name` does in the states of joints.
+/// Whether a field names the elements of its sibling lists, as `name` does in `JointState`.
 fn are_names(field: &Field) -> bool {
     let is_called = field.name == "name" || field.name == "names" || field.name.ends_with("_names");
     is_called && field.kind == Kind::Text && field.count != Count::One
 }
 
-/// Whether each of the names means one element.
+/// Whether the names are unique.
 fn are_distinct(labels: &[&str]) -> bool {
     let mut seen = HashSet::new();
     labels.iter().all(|label| {

@@ -14,7 +14,7 @@ use super::{CUT_OFF, Decoder, Recording, longest_record};
 use crate::input::Input;
 use crate::source::{Format, Source};
 
-/// Bytes that are read at a time.
+/// Bytes read at a time.
 const BLOCK: usize = 64 << 10;
 
 pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
@@ -27,14 +27,14 @@ pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let mut records = Records::default();
     let mut damaged_chunks = 0_usize;
     let end = loop {
-        // The reader is of others, and the file may be damaged.
+        // The third-party reader may panic on a damaged file.
         match read_damaged(|| reader.next_event()) {
             Some(None) => break None,
             Some(Some(Ok(LinearReadEvent::ReadRequest(_)))) => {
                 let read = input.read(reader.insert(BLOCK)).map_err(io)?;
                 reader.notify_read(read);
             }
-            // What follows is a summary of what was read.
+            // Only the summary section follows.
             Some(Some(Ok(LinearReadEvent::Record { opcode, .. }))) if opcode == op::DATA_END => {
                 break None;
             }
@@ -50,7 +50,7 @@ pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
             }
             Some(Some(Err(McapError::UnsupportedCompression(name)))) => {
                 break Some(format!(
-                    "uses what is not read (compression {})",
+                    "uses an unsupported compression ({})",
                     quoted(&name)
                 ));
             }
@@ -60,14 +60,14 @@ pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let mut notices = Vec::new();
     if damaged_chunks > 0 {
         notices.push(format!(
-            "check sums of {damaged_chunks} of its chunks are wrong; their values may be, too"
+            "the checksums of {damaged_chunks} of its chunks are wrong; their values may be wrong, too"
         ));
     }
     let recording = records.recording;
     recording.source(file, Format::Mcap, end, notices)
 }
 
-/// What was read so far, and the types of its messages.
+/// State of reading, with the message types.
 #[derive(Default)]
 struct Records {
     schemas: HashMap<u16, Schema>,
@@ -81,7 +81,7 @@ struct Schema {
 }
 
 impl Records {
-    /// Takes a record; `None` where it is damaged.
+    /// Handles a record; `None` if it is damaged.
     fn record(&mut self, opcode: u8, data: &[u8]) -> io::Result<Option<()>> {
         if ![op::SCHEMA, op::CHANNEL, op::MESSAGE].contains(&opcode) {
             return Ok(Some(()));
@@ -114,7 +114,7 @@ impl Records {
     }
 }
 
-/// How the messages of a connection are decoded; or why they are not.
+/// The decoder of the messages of a connection; the error states why there is none.
 fn decoder(schemas: &HashMap<u16, Schema>, connection: &Connection) -> Result<Decoder, String> {
     let schema = schemas.get(&connection.schema_id);
     let encoding = schema.map_or("", |schema| schema.encoding.as_str());
@@ -124,20 +124,23 @@ fn decoder(schemas: &HashMap<u16, Schema>, connection: &Connection) -> Result<De
             let definitions = Definitions::parse(Version::Ros2, &schema.name, &schema.text)?;
             Decoder::typed(|data| Wire::cdr(data), definitions)
         }
-        ("cdr", encoding, _) => Err(format!("messages whose type is in {}", named(encoding))),
+        ("cdr", encoding, _) => Err(format!(
+            "messages whose type is described in {}",
+            named(encoding)
+        )),
         (encoding, _, _) => Err(format!("messages in {}", named(encoding))),
     }
 }
 
-/// An encoding in sentences.
+/// An encoding, for use in sentences.
 fn named(encoding: &str) -> String {
     match encoding {
-        "" => "an encoding that is not named".to_owned(),
+        "" => "an unnamed encoding".to_owned(),
         encoding => format!("the encoding {}", quoted(encoding)),
     }
 }
 
-/// Seconds of nanoseconds, without losing some to the size of the number.
+/// Converts nanoseconds to seconds with full precision.
 fn seconds(nanoseconds: u64) -> f64 {
     const SECOND: u64 = 1_000_000_000;
     (nanoseconds / SECOND) as f64 + (nanoseconds % SECOND) as f64 * 1e-9

@@ -1,6 +1,6 @@
-//! Recordings of ROS: every topic is a series, its messages are decoded by the types that the recording holds.
+//! ROS recordings: every topic is a series, its messages are decoded with the definitions in the recording.
 //!
-//! The files are read from their beginning, record by record, so that a recording without its end is read as far as it goes.
+//! The files are read sequentially, record by record, so that a truncated recording is read as far as possible.
 
 pub(super) mod bag;
 mod definitions;
@@ -19,23 +19,23 @@ use self::wire::Wire;
 use crate::source::{Channel, FillingTexts, Format, Series, Source};
 use crate::values::{Filling, Storage};
 
-/// Bytes of the longest record, as a multiple of those of the file: a compressed one is larger than what is stored, and a
-/// damaged length must not take memory that nothing fills.
+/// Maximum record length as a multiple of the file size: a compressed record expands, but a damaged length must not
+/// allocate memory without data to fill it.
 const RECORD_PER_FILE: u64 = 64;
-/// Limits between which that is kept.
+/// Lower and upper bound of that limit (bytes).
 const RECORD: [u64; 2] = [1 << 20, 256 << 20];
 /// Most frames of a topic of transforms.
 const MOST_FRAMES: usize = 256;
 
-/// How a recording ends that has no end of its own.
+/// Notice about a recording that was not closed.
 const CUT_OFF: &str = "has no end: the recorder was stopped, or the file was cut off";
 
-/// Bytes of the longest record of a file of so many.
+/// Maximum record length in a file of a given size (bytes).
 fn longest_record(bytes: u64) -> u64 {
     (RECORD_PER_FILE.saturating_mul(bytes)).clamp(RECORD[0], RECORD[1])
 }
 
-/// What was read so far.
+/// State of reading.
 #[derive(Default)]
 struct Recording {
     connections: HashMap<u32, Kept>,
@@ -44,31 +44,31 @@ struct Recording {
     notices: Vec<String>,
 }
 
-/// What becomes of the messages of a connection.
+/// Handling of the messages of a connection.
 enum Kept {
     Topic(usize),
-    /// Nothing; the notice that says why, until a message has come.
+    /// Left out, with the notice that states why, to be issued with the first message.
     LeftOut(Option<String>),
 }
 
 struct Topic {
     name: String,
-    /// Number of its type.
+    /// Index of its message type.
     kind: u32,
     decoder: Decoder,
     layout: Layout,
     series: Vec<Rows>,
-    /// Messages that do not fit their type.
+    /// Number of messages that do not match their type.
     unread: usize,
-    /// Frames beyond those that are kept.
+    /// Whether frames beyond the maximum were left out.
     has_more_frames: bool,
 }
 
-/// How messages are decoded.
+/// Decoder of messages.
 enum Decoder {
     /// By their type.
     Typed(Begin, Definitions),
-    /// Transforms, of which each frame has a series.
+    /// Transforms, with one series per frame.
     Transforms(Begin, Definitions, Kind),
     Json,
 }
@@ -77,7 +77,7 @@ enum Decoder {
 type Begin = for<'a> fn(&'a [u8]) -> Option<Wire<'a>>;
 
 impl Decoder {
-    /// The decoder of messages of this type; or why they are left out.
+    /// The decoder of messages of a type; the error states why they are left out.
     fn typed(begin: Begin, definitions: Definitions) -> Result<Self, String> {
         if let Some(what) = no_reading(&definitions.message().name) {
             return Err(what.into());
@@ -108,7 +108,7 @@ struct Texts {
 }
 
 impl Recording {
-    /// Takes a connection with the number of its type; each chunk may repeat those of which it has messages.
+    /// Registers a connection; each chunk may repeat the connections of its messages.
     fn connect(
         &mut self,
         id: u32,
@@ -145,7 +145,7 @@ impl Recording {
         self.connections.insert(id, kept);
     }
 
-    /// Takes a message of a connection, recorded at this time.
+    /// Handles a message of a connection with its log time (s).
     fn message(&mut self, id: u32, log_s: f64, data: &[u8]) -> io::Result<()> {
         match self.connections.get_mut(&id) {
             Some(Kept::Topic(place)) => self.topics[*place].message(data, log_s, &mut self.storage),
@@ -157,7 +157,7 @@ impl Recording {
         }
     }
 
-    /// What was read of a file; `end` says how it ends, if not well, and `others` what else there is to know.
+    /// The source; `end` describes an abnormal end, and `others` are further notices.
     fn source(
         self,
         file: &str,
@@ -176,7 +176,7 @@ impl Recording {
             return Err(ReadError::new(file, Place::File, message));
         }
         if let Some(end) = end {
-            notices.push(format!("{end}; it is read as far as it goes"));
+            notices.push(format!("{end}; it is read as far as possible"));
         }
         notices.extend(others);
         let notices = notices.iter().map(|notice| format!("{file}: {notice}"));
@@ -321,7 +321,7 @@ impl Rows {
         }
     }
 
-    /// Adds the message that was read last.
+    /// Adds the message read last.
     fn push(&mut self, layout: &Layout, log_s: f64, storage: &mut Storage) -> io::Result<()> {
         storage.push(&mut self.time_s, layout.stamp_s.unwrap_or(log_s))?;
         for (values, value) in self.numbers.iter_mut().zip(&layout.row) {
@@ -336,14 +336,14 @@ impl Rows {
     }
 }
 
-/// What messages hold that are known to have no readings.
+/// Content of message types known to have no readings.
 fn no_reading(kind: &str) -> Option<&'static str> {
     match kind.split_once('/')? {
         ("rcl_interfaces" | "diagnostic_msgs", _) | ("rosgraph_msgs", "Log") => {
-            Some("messages of the programs")
+            Some("log messages")
         }
         ("sensor_msgs", "Image" | "CompressedImage") => Some("images"),
-        ("sensor_msgs", "PointCloud" | "PointCloud2") => Some("clouds of points"),
+        ("sensor_msgs", "PointCloud" | "PointCloud2") => Some("point clouds"),
         _ => None,
     }
 }

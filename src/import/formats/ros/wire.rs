@@ -12,7 +12,7 @@ pub(super) struct Wire<'a> {
     at: usize,
     is_big: bool,
     is_aligned: bool,
-    /// Parts without bytes that may still come.
+    /// Remaining budget of parts without bytes.
     empty: usize,
 }
 
@@ -45,7 +45,7 @@ impl<'a> Wire<'a> {
         }
     }
 
-    /// Goes to the next place for a number of this size.
+    /// Aligns to the size of a number.
     fn align(&mut self, size: usize) {
         if self.is_aligned {
             self.at = self.at.next_multiple_of(size);
@@ -79,7 +79,7 @@ impl<'a> Wire<'a> {
         })
     }
 
-    /// Passes over numbers.
+    /// Skips numbers.
     pub fn skip(&mut self, number: Number, count: usize) -> Option<()> {
         // Nothing is aligned for an empty list.
         if count == 0 {
@@ -98,7 +98,7 @@ impl<'a> Wire<'a> {
         Some(())
     }
 
-    /// Passes over a part whose type has no fields: one byte in CDR.
+    /// Skips a part whose type has no fields: one byte in CDR.
     pub fn skip_empty(&mut self) -> Option<()> {
         if self.is_aligned {
             return self.skip(Number::U8, 1);
@@ -107,12 +107,12 @@ impl<'a> Wire<'a> {
         Some(())
     }
 
-    /// Number of what follows.
+    /// Length prefix.
     pub fn count(&mut self) -> Option<usize> {
         usize::try_from(u32::from_le_bytes(self.take()?)).ok()
     }
 
-    /// A time (s) in seconds and nanoseconds; 0 is none that was set.
+    /// A time (s) stored as seconds and nanoseconds; `None` if it is 0, i.e. not set.
     pub fn time_s(&mut self, [seconds, nanoseconds]: [Number; 2]) -> Option<f64> {
         let seconds = self.number(seconds)?;
         let nanoseconds = self.number(nanoseconds)?;

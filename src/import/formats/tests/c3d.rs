@@ -98,7 +98,7 @@ fn captures_are_read_in_their_variants() {
             "dec",
             &[
                 "dec.c3d: 2 events left out",
-                "dec.c3d: its axis \"+Y\" is shown upwards, expected +Z: check which axis is up",
+                "dec.c3d: its axis \"+Y\" points up, expected +Z: check which axis is vertical",
             ],
         ),
         ("mips", &["mips.c3d: rotations of 1 segments left out"]),
@@ -165,7 +165,7 @@ fn captures_that_are_broken() {
     assert_eq!(source.series[0].rows, 6);
     assert_eq!(
         source.notices,
-        ["a.c3d: states 6 frames, what could be 42 more is left out"]
+        ["a.c3d: states 6 frames; data that could be 42 more are left out"]
     );
     // The length of a name in the parameters.
     let mut bytes = whole.clone();
@@ -193,7 +193,7 @@ fn captures_that_are_broken() {
         ),
         (
             changed(b"SCALE\x09\0\x04\0", &[0; 4]),
-            "found 0 as POINT:SCALE, expected a factor",
+            "found 0 as POINT:SCALE, expected a finite factor",
         ),
     ] {
         let sentence = refusal("a.c3d", bytes);

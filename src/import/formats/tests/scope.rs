@@ -78,7 +78,7 @@ fn a_file_that_was_cut_off_is_read_as_far_as_it_goes() {
     assert_eq!(
         source.notices,
         [
-            "b.csv: a ScaleFactor other than 1 is stated for \"GVL.Temp\"; values are taken as written"
+            "b.csv: a ScaleFactor other than 1 is stated for \"GVL.Temp\"; the values are used as written"
         ]
     );
 }
@@ -101,7 +101,7 @@ fn what_is_wrong_is_named_with_its_place() {
         ),
         (
             format!("{HEAD}SampleTime"),
-            "a.csv: found no header of channels",
+            "a.csv: found no channel header",
         ),
         (
             whole[..whole.find("0\t1.5").expect("data")].to_owned(),

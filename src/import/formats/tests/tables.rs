@@ -83,7 +83,7 @@ fn what_is_left_out_is_told() {
         [
             "a.csv, line 1: \"log of X\" before the table: not used",
             "a.csv, line 5: found 1 cells, expected 2: 3 such rows left out",
-            "a.csv, column \"v\": line 7 holds \"abc\" and 1 more such cells, taken as no reading",
+            "a.csv, column \"v\": line 7 holds \"abc\" and 1 more such cells, treated as missing",
         ]
     );
     let source = read("b.csv", "t,v\n0,1\n1,2\n2");
@@ -105,7 +105,7 @@ fn tables_without_a_header_go_by_numbers() {
     );
     assert_eq!(
         source.notices,
-        ["a.txt: no header row; the columns go by their number"]
+        ["a.txt: no header row; columns are numbered"]
     );
     let source = read("one.txt", "1.5\n2.5\n");
     assert_eq!(

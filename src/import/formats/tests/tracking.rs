@@ -68,10 +68,7 @@ fn motive_exports_that_are_broken() {
         ["a.csv, line 11: the last row ends after 7 of 10 cells: left out"]
     );
     let source = read("b.csv", MOTIVE.replace("\n2,0.016667", "\n5,0.041667"));
-    assert_eq!(
-        source.notices,
-        ["b.csv: 3 frames are missing between the others"]
-    );
+    assert_eq!(source.notices, ["b.csv: 3 frames are missing in between"]);
     let euler = MOTIVE.replace("Quaternion", "XYZ");
     assert!(read("c.csv", euler).notices[0].contains("expected quaternions"));
     for (text, part) in [
@@ -142,14 +139,11 @@ fn nexus_exports_are_read_in_their_variants() {
 #[test]
 fn nexus_exports_that_are_broken() {
     let source = read("a.csv", NEXUS.replace("\n3,0", "\n7,0"));
-    assert_eq!(
-        source.notices,
-        ["a.csv: 4 frames are missing between the others"]
-    );
+    assert_eq!(source.notices, ["a.csv: 4 frames are missing in between"]);
     for (text, part) in [
         (
             NEXUS.replace("\n100\n", "\nfast\n"),
-            "a.csv, line 2: found \"fast\", expected the rate of sampling in Hz",
+            "a.csv, line 2: found \"fast\", expected the sampling rate in Hz",
         ),
         (
             NEXUS.replace("4.5", "x"),

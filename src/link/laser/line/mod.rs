@@ -17,21 +17,21 @@ use super::source::{LaserReading, LaserSource};
 use crate::clock::Clock;
 use crate::error::LinkError;
 
-/// First pause before a lost connection is re-established, and the longest, to which it doubles.
+/// First and longest pause before a lost connection is re-established; the pauses double in between.
 const RECONNECT_PAUSES: [Duration; 2] = [Duration::from_millis(250), Duration::from_secs(8)];
-/// Shortest time between two commands that ask for a reading.
+/// Shortest time between two commands that request a reading.
 const BETWEEN_COMMANDS: Duration = Duration::from_millis(20);
-/// Timeout of an answer and of the rest of a line.
+/// Timeout for a response and for the rest of a line.
 const ANSWER: Duration = Duration::from_secs(1);
-/// Most bytes that are read at once.
+/// Largest number of bytes read at once.
 const CHUNK: usize = 512;
 
-/// What the thread has received.
+/// Data received by the thread.
 #[derive(Debug, Default)]
 struct Received {
     /// Time (s) and distance (m) of the latest reading.
     reading: Option<(f64, Option<f64>)>,
-    /// Why the latest line was no distance, or why the connection is lost.
+    /// Reason why the latest line was not a distance, or the connection is lost.
     trouble: Option<String>,
     /// The latest line, with unprintable characters replaced.
     line: Option<String>,
@@ -56,11 +56,11 @@ impl Shared {
         };
     }
 
-    /// An invalid line also removes the latest reading: the sensor may be at fault.
-    fn receive(&self, said: LineContent) {
+    /// Stores the content of a line. An invalid line also removes the latest reading, as the sensor may be at fault.
+    fn receive(&self, content: LineContent) {
         let mut received = self.received();
         let now_s = self.clock.now_s();
-        match said {
+        match content {
             LineContent::Distance(distance_m) => received.reading = Some((now_s, Some(distance_m))),
             LineContent::NoReturn => received.reading = Some((now_s, None)),
             LineContent::Invalid(why) => {
@@ -73,16 +73,16 @@ impl Shared {
     }
 }
 
-/// A laser that sends lines of text. While it is connected, a thread reads them and re-establishes a lost connection.
+/// A laser that sends lines of text. While connected, a thread reads them and re-establishes a lost connection.
 pub struct LineLaser {
     settings: LineLaserSettings,
     shared: Shared,
-    /// The thread ends when this is dropped.
+    /// The thread, which ends when the sender is dropped.
     running: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl LineLaser {
-    /// A laser, not connected; the clock gives the age of readings.
+    /// A laser that is not connected; the clock determines the age of readings.
     #[must_use]
     pub fn new(settings: LineLaserSettings, clock: Arc<dyn Clock>) -> Self {
         let received = Arc::default();
@@ -93,7 +93,7 @@ impl LineLaser {
         }
     }
 
-    /// The latest line, shown to find the right settings; `None` before the first one and without a connection.
+    /// The latest line, for finding the right settings; `None` before the first one and without a connection.
     #[must_use]
     pub fn line(&self) -> Option<String> {
         self.shared.received().line.clone()
@@ -185,7 +185,7 @@ struct LineReader {
 }
 
 impl LineReader {
-    /// Reads until it is asked to stop.
+    /// Reads until asked to stop.
     fn run(self, first: Box<dyn Port>) {
         let mut opened = Ok(first);
         let mut wait = RECONNECT_PAUSES[0];
@@ -210,12 +210,12 @@ impl LineReader {
         }
     }
 
-    /// Waits; whether it is asked to stop.
+    /// Waits; returns whether the thread was asked to stop.
     fn should_stop(&self, wait: Duration) -> bool {
         self.ends.recv_timeout(wait) != Err(RecvTimeoutError::Timeout)
     }
 
-    /// Reads from a port until it is lost (and why) or the thread is asked to stop; and whether a line ever arrived.
+    /// Reads from a port until it is lost (returns why) or the thread is asked to stop; also returns whether any line arrived.
     fn communicate(&self, mut port: Box<dyn Port>) -> (Option<String>, bool) {
         let mut lines = LineSplitter::default();
         let mut chunk = [0; CHUNK];
@@ -244,8 +244,8 @@ impl LineReader {
                     lines.take(bytes, |line| {
                         any = true;
                         self.shared.received().line = line.map(printable);
-                        if let Some(said) = self.parser.parse(line) {
-                            self.shared.receive(said);
+                        if let Some(content) = self.parser.parse(line) {
+                            self.shared.receive(content);
                             asks = true;
                         }
                     });
@@ -264,7 +264,7 @@ impl LineReader {
     }
 }
 
-/// A line as it can be shown.
+/// A line with unprintable characters replaced.
 fn printable(line: &[u8]) -> String {
     let text = String::from_utf8_lossy(line);
     let shown = text.chars().map(|c| if c.is_control() { ' ' } else { c });

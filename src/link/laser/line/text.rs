@@ -7,7 +7,7 @@ use crate::laser::source::LONGEST_M;
 
 /// Longest valid line (bytes).
 const LONGEST_LINE: usize = 256;
-/// Most characters of a line in a message.
+/// Length limit of a quoted line in a message (characters).
 const SHOWN: usize = 40;
 
 /// The meaning of a line.
@@ -17,17 +17,17 @@ pub(super) enum LineContent {
     Distance(f64),
     /// The sensor has no return.
     NoReturn,
-    /// Neither; the text says why.
+    /// Neither; the text states why.
     Invalid(String),
 }
 
 /// Splits bytes into lines in bounded memory.
 ///
-/// The first line is dropped, because its beginning may be missing.
+/// The first line is dropped, because its start may be missing.
 #[derive(Debug, Default)]
 pub(super) struct LineSplitter {
     line: Vec<u8>,
-    /// Whether the beginning of the present line was received.
+    /// Whether the start of the present line was received.
     whole: bool,
     too_long: bool,
 }
@@ -40,7 +40,7 @@ impl LineSplitter {
         }
     }
 
-    /// Adds bytes and passes on the lines that they complete; too long ones as `None`.
+    /// Adds bytes and passes on the completed lines; lines that are too long as `None`.
     pub fn take(&mut self, bytes: &[u8], mut each: impl FnMut(Option<&[u8]>)) {
         for byte in bytes {
             if matches!(byte, b'\n' | b'\r') {
@@ -61,14 +61,14 @@ impl LineSplitter {
     }
 }
 
-/// Parses lines by the settings of a device.
+/// Parses lines according to the settings of a device.
 pub(super) struct LineParser {
     settings: LineLaserSettings,
     expression: Regex,
 }
 
 impl LineParser {
-    /// A parser; the error says what is wrong with the pattern.
+    /// Creates a parser; fails if the pattern is invalid.
     pub fn new(settings: &LineLaserSettings) -> Result<Self, String> {
         Ok(Self {
             expression: settings.expression()?,
@@ -76,7 +76,7 @@ impl LineParser {
         })
     }
 
-    /// The meaning of a line; `None` if it is blank or the echo of our command.
+    /// The meaning of a line; `None` if it is blank or the echo of the command.
     pub fn parse(&self, line: Option<&[u8]>) -> Option<LineContent> {
         let Some(line) = line else {
             let text = format!("it sent a line of more than {LONGEST_LINE} characters");
@@ -111,8 +111,8 @@ impl LineParser {
             return garbage("in which the distance is not a number");
         };
         let unit = self.settings.unit;
-        let said = found.name("unit").map(|unit| unit.as_str());
-        if said.is_some_and(|said| said != unit.name()) {
+        let stated = found.name("unit").map(|unit| unit.as_str());
+        if stated.is_some_and(|stated| stated != unit.name()) {
             return garbage(&format!("but the unit is {} by the settings", unit.name()));
         }
         let distance_m = number * self.settings.scale * unit.metres() + self.settings.offset_m;
@@ -139,7 +139,7 @@ mod tests {
         LineParser::new(&line).unwrap()
     }
 
-    fn said(reader: &LineParser, text: &str) -> Option<LineContent> {
+    fn parse(reader: &LineParser, text: &str) -> Option<LineContent> {
         reader.parse(Some(text.as_bytes()))
     }
 
@@ -155,11 +155,11 @@ mod tests {
             "Distance = 512.5",
             "RANGE 512.5 mm",
         ] {
-            let read = said(&plain, text);
+            let read = parse(&plain, text);
             assert_eq!(read, Some(LineContent::Distance(0.5125)), "{text}");
         }
-        assert_eq!(said(&plain, "E255"), Some(LineContent::NoReturn));
-        assert_eq!(said(&plain, "  "), None);
+        assert_eq!(parse(&plain, "E255"), Some(LineContent::NoReturn));
+        assert_eq!(parse(&plain, "  "), None);
         for text in [
             "E15",
             "12,5",
@@ -184,7 +184,7 @@ mod tests {
             "code;9",
             "D: ERR 12",
         ] {
-            let read = said(&plain, text);
+            let read = parse(&plain, text);
             assert!(
                 matches!(read, Some(LineContent::Invalid(_))),
                 "{text}: {read:?}"
@@ -200,31 +200,31 @@ mod tests {
         let dimetix = reader(
             r"?pattern=^g0g\+(?<distance>\d{8})$&scale=0.1&offset_m=0.05&no_return=g0@E&command=s0g%0D%0A",
         );
-        let Some(LineContent::Distance(read)) = said(&dimetix, "g0g+00012345") else {
+        let Some(LineContent::Distance(read)) = parse(&dimetix, "g0g+00012345") else {
             panic!("no distance");
         };
         assert!((read - 1.2845).abs() < 1e-12);
-        assert_eq!(said(&dimetix, "g0@E255"), Some(LineContent::NoReturn));
-        assert_eq!(said(&dimetix, "s0g"), None);
+        assert_eq!(parse(&dimetix, "g0@E255"), Some(LineContent::NoReturn));
+        assert_eq!(parse(&dimetix, "s0g"), None);
         for text in ["g0g+0001234", "0g+00012345", "00012345"] {
             assert!(matches!(
-                said(&dimetix, text),
+                parse(&dimetix, text),
                 Some(LineContent::Invalid(_))
             ));
         }
         let letters = reader("?pattern=(?<distance>.*)");
         assert!(matches!(
-            said(&letters, "NaN"),
+            parse(&letters, "NaN"),
             Some(LineContent::Invalid(_))
         ));
         assert!(matches!(
-            said(&letters, "abc"),
+            parse(&letters, "abc"),
             Some(LineContent::Invalid(_))
         ));
         let metres = reader("?unit=m");
-        assert_eq!(said(&metres, "1.5"), Some(LineContent::Distance(1.5)));
+        assert_eq!(parse(&metres, "1.5"), Some(LineContent::Distance(1.5)));
         let micrometres = reader("?unit=um");
-        let read = said(&micrometres, "250000 um");
+        let read = parse(&micrometres, "250000 um");
         assert_eq!(read, Some(LineContent::Distance(0.25)));
     }
 

@@ -1,4 +1,4 @@
-//! Checks that the measured tensions are in equilibrium with the weight of the platform, however the controller
+//! Checks that the measured tensions balance the weight of the platform, however the controller
 //! distributes them.
 
 use nalgebra::{DMatrix, DVector};
@@ -9,17 +9,17 @@ use tautline_core::robot::Robot;
 
 use super::{FaultKind, Finding, rounded};
 
-/// Root mean square of what is missing to the balance that is looked into, in standard deviations of a tension and
-/// in parts of the mean tension: less is friction and geometry.
+/// Root mean square of the imbalance that is investigated, in standard deviations of a tension and
+/// as a fraction of the mean tension; smaller values are friction and geometry errors.
 const NOISE: f64 = 5.0;
 const FRICTION: f64 = 0.05;
-/// Part of the squares that may be left by an explanation, and by how many times the next best has to be worse.
+/// Largest fraction of the squares that an explanation may leave, and the smallest ratio to the next best one.
 const LEFT: f64 = 0.1;
 const CLEARER: f64 = 3.0;
-/// Part by which the factor of a sensor has to differ from 1.
+/// Smallest relevant deviation of a sensor's factor from 1.
 const FACTOR: f64 = 0.3;
 
-/// The balance at a pose: `A^T f + w`, torques divided by the size of the platform (N).
+/// Terms of the balance at a pose: `A^T f + w`, torques divided by the size of the platform (N).
 #[derive(Debug)]
 pub(super) struct Balance {
     /// One row per cable.
@@ -28,16 +28,16 @@ pub(super) struct Balance {
     missing_n: DVector<f64>,
 }
 
-/// What could be wrong with the force sensors.
+/// Possible faults of the force sensors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Cause {
     Exchanged([usize; 2]),
-    /// The cable, and what its sensor shows per true tension.
+    /// Cable, and reading of its sensor per true tension.
     Factor(usize, f64),
 }
 
 impl Balance {
-    /// At a measured pose; `None` without all tensions.
+    /// The balance at a measured pose; `None` unless all tensions were read.
     pub fn of(robot: &Robot, at: &Measurements) -> Option<Self> {
         let readings = robot.cables.iter().zip(at.force_n.row(0));
         let tensions = readings.map(|(c, reading)| Some(c.force_sensor?.tension_n(*reading)));
@@ -65,7 +65,7 @@ impl Balance {
         })
     }
 
-    /// Adds the change of a tension.
+    /// Adds the effect of a change of one tension.
     fn plus(&self, missing_n: &mut DVector<f64>, cable: usize, more_n: f64) {
         missing_n.axpy(more_n, &self.structure.row(cable).transpose(), 1.0);
     }
@@ -86,7 +86,7 @@ impl Balance {
     }
 }
 
-/// The factor of one sensor that would explain most.
+/// The factor of one sensor that explains most.
 fn factor_of(cable: usize, poses: &[&Balance]) -> f64 {
     let (mut with, mut own) = (0.0, 0.0);
     for pose in poses {
@@ -97,7 +97,7 @@ fn factor_of(cable: usize, poses: &[&Balance]) -> f64 {
     1.0 / (1.0 - with / own)
 }
 
-/// The one fault of the force sensors that explains why the tensions are not in equilibrium, if there is one.
+/// The single fault of the force sensors that explains the imbalance, if there is one.
 pub(super) fn explained(robot: &Robot, poses: &[&Balance]) -> Option<Finding> {
     let cables = robot.cable_count();
     let squares: f64 = poses.iter().map(|p| p.missing_n.norm_squared()).sum();
@@ -132,7 +132,7 @@ fn words(robot: &Robot, cause: Cause) -> Option<Finding> {
             what: FaultKind::ForcesExchanged(b),
             cable: Some(a),
             text: format!(
-                "{} and {}: the platform is in balance only with their force readings exchanged. Are their plugs exchanged?",
+                "{} and {}: the platform is in balance only with their force readings swapped. Are their plugs swapped?",
                 name(a),
                 name(b)
             ),

@@ -1,4 +1,4 @@
-//! Channels compared with each other over the latest poses: exchanged plugs, reversed signs, wrong factors.
+//! Comparison of channels over the latest poses: swapped plugs, reversed signs, wrong factors.
 
 mod balance;
 
@@ -10,12 +10,12 @@ use tautline_core::robot::Robot;
 use super::options::Prediction;
 use balance::Balance;
 
-/// Smallest and largest number of poses that are compared.
+/// Smallest and largest number of poses compared.
 const POSES: [usize; 2] = [4, 8];
-/// Correlation with the own prediction below which, and with each other's above which, two channels are exchanged.
+/// Two channels count as swapped if the correlation with their own prediction is below the first, and with each other's above the second.
 const OWN: f64 = 0.9;
 const OTHERS: f64 = 0.98;
-/// Part by which a factor has to differ from 1: more than any error of a drawing, less than any gear.
+/// Smallest relevant deviation of a factor from 1: more than errors of a drawing, less than any gear.
 const FACTOR: f64 = 0.2;
 
 /// Readings and predictions at the latest poses.
@@ -24,27 +24,27 @@ pub(super) struct Channels {
     revolutions: VecDeque<(Vec<f64>, Vec<f64>)>,
     laser_m: VecDeque<(f64, f64)>,
     balances: VecDeque<Balance>,
-    /// What was reported already.
+    /// Faults reported already.
     reported: Vec<(FaultKind, Option<usize>)>,
 }
 
-/// Kinds of faults of a channel.
+/// Kinds of channel faults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FaultKind {
-    /// An encoder is exchanged with that of a later cable.
+    /// An encoder is swapped with that of a later cable.
     EncodersExchanged(usize),
-    /// An encoder or the laser shows a multiple.
+    /// An encoder or the laser reads a multiple.
     LengthFactor,
-    /// A force sensor is exchanged with that of a later cable.
+    /// A force sensor is swapped with that of a later cable.
     ForcesExchanged(usize),
-    /// A force sensor shows a multiple.
+    /// A force sensor reads a multiple.
     ForceFactor,
 }
 
-/// A fault of a channel and a sentence that names it.
+/// A fault of a channel, with a sentence that describes it.
 pub(super) struct Finding {
     what: FaultKind,
-    /// The cable, where it is about one.
+    /// The cable, if the fault concerns one.
     pub cable: Option<usize>,
     pub text: String,
 }
@@ -57,7 +57,7 @@ fn keep<T>(list: &mut VecDeque<T>, row: T) {
 }
 
 impl Channels {
-    /// Adds a pose and returns what is recognised by it, each fault once.
+    /// Adds a pose and returns the faults detected with it, each only once.
     pub fn compare(
         &mut self,
         robot: &Robot,
@@ -76,7 +76,7 @@ impl Channels {
             keep(&mut self.balances, balance);
         }
         let mut found: Vec<Finding> = Vec::new();
-        // The fewest poses are enough for a fault that began recently.
+        // The smallest number of poses detects faults that began recently.
         for poses in POSES {
             if self.revolutions.len() >= poses {
                 found.extend(self.lengths(robot, poses, plausible_m));
@@ -94,7 +94,7 @@ impl Channels {
         found
     }
 
-    /// Faults of encoders and the laser over the latest poses.
+    /// Faults of encoders and laser over the latest poses.
     fn lengths(&self, robot: &Robot, poses: usize, plausible_m: f64) -> Vec<Finding> {
         let rows = latest(&self.revolutions, poses);
         let counts = rows.clone().map(|(m, p)| m.len().min(p.len())).min();
@@ -112,7 +112,7 @@ impl Channels {
                 if line(*a, *b).correlation > OTHERS && line(*b, *a).correlation > OTHERS {
                     let [a, b] = [*a, *b];
                     let text = format!(
-                        "{} and {}: each encoder follows the motion of the other cable. Are their plugs exchanged?",
+                        "{} and {}: each encoder follows the motion of the other cable. Are their plugs swapped?",
                         name(a),
                         name(b)
                     );
@@ -151,7 +151,7 @@ fn latest<T>(list: &VecDeque<T>, count: usize) -> impl Iterator<Item = &T> + Clo
     list.iter().skip(list.len().saturating_sub(count))
 }
 
-/// The sentence for an encoder that counts a multiple.
+/// The sentence for an encoder that reads a multiple.
 pub(super) fn encoder_factor(cable: &str, factor: f64) -> String {
     format!(
         "{cable}: its encoder counts about {} times what is expected. Are its unit, gear and drum right?",
@@ -159,7 +159,7 @@ pub(super) fn encoder_factor(cable: &str, factor: f64) -> String {
     )
 }
 
-/// The sentence for a laser that shows a multiple.
+/// The sentence for a laser that reads a multiple.
 pub(super) fn laser_factor(factor: f64) -> String {
     format!(
         "the laser shows about {} times the distance that is expected. Is its unit right?",
@@ -167,7 +167,7 @@ pub(super) fn laser_factor(factor: f64) -> String {
     )
 }
 
-/// The factor with two digits.
+/// The factor with two significant digits.
 fn rounded(factor: f64) -> String {
     let digits = 1 - factor.abs().log10().floor().clamp(-6.0, 1.0) as i32;
     let text = format!("{factor:.*}", digits.max(0) as usize);
@@ -177,12 +177,12 @@ fn rounded(factor: f64) -> String {
     }
 }
 
-/// Regression line of readings over predictions.
+/// Regression line of readings against predictions.
 struct Line {
     slope: f64,
-    /// Pearson's; NaN without variation.
+    /// Pearson's correlation coefficient; NaN without variation.
     correlation: f64,
-    /// Standard deviation of what was expected.
+    /// Standard deviation of the predictions.
     expected_sd: f64,
 }
 
@@ -204,7 +204,7 @@ impl Line {
         }
     }
 
-    /// Whether readings are a multiple of the predictions, by more than half of the `plausible` error.
+    /// Whether readings are a multiple of the predictions, beyond half of the `plausible` error.
     fn has_factor(&self, plausible: f64) -> bool {
         let off = (self.slope - 1.0).abs();
         self.correlation > OTHERS && off > FACTOR && off * self.expected_sd > 0.5 * plausible

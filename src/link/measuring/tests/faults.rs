@@ -132,7 +132,7 @@ fn forces() -> Vec<Case> {
             force(0.5)
         }),
         case("force in millinewtons", "pulls with", |_, _| force(1000.0)),
-        case("forces exchanged", "force readings exchanged", |_, _| {
+        case("forces exchanged", "force readings swapped", |_, _| {
             Fault::ForcesExchanged {
                 cables: [CABLE, OTHER],
             }

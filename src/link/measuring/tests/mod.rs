@@ -254,7 +254,7 @@ fn faults_of_one_cable_are_named() {
 fn exchanged_encoders_are_noticed() {
     let (warnings, end) = with_faults(8, 0, vec![Fault::Exchanged { cables: [0, 6] }]);
     assert_eq!(end, MeasuringEvent::Finished);
-    let exchanged = warnings.iter().filter(|text| text.contains("exchanged"));
+    let exchanged = warnings.iter().filter(|text| text.contains("swapped"));
     let exchanged: Vec<_> = exchanged.collect();
     assert_eq!(exchanged.len(), 1, "{warnings:?}");
     assert!(exchanged[0].starts_with("cable-1 and cable-7"));

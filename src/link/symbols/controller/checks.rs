@@ -1,4 +1,4 @@
-//! What the controller reports of itself, and what follows from it for ours: disarming, or a fault.
+//! Consequences of the controller's status: disarming, or a fault.
 
 use tautline_core::geometry::Pose;
 
@@ -6,19 +6,19 @@ use super::super::sample::{Status, status_of};
 use super::SymbolController;
 use crate::error::LinkError;
 
-/// By how much the pose that the controller was told last may differ from ours (m and rad): it may have single precision.
+/// Largest difference between the controller's last commanded pose and that of Tautline (m and rad); allows for single precision.
 const SAME_POSE: f64 = 1e-4;
 
 impl SymbolController {
-    /// Takes what the controller reports of itself.
+    /// Processes a status of the controller.
     pub(super) fn take(&mut self, status: Status) {
         self.status = status;
         self.check_alone();
         self.check_acknowledgement();
     }
 
-    /// Disarms if the controller took a command that is not ours: two clients that drive it at the same time are a danger,
-    /// and no reading belongs to the pose that we told.
+    /// Disarms if the controller accepted a command of another client: two clients driving it at the same time are dangerous,
+    /// and readings would not belong to the commanded pose.
     fn check_alone(&mut self) {
         if !self.armed || self.layout.command.is_none() {
             return;
@@ -34,31 +34,31 @@ impl SymbolController {
         ));
     }
 
-    /// The same where another command had the number of ours: then it was told to go elsewhere.
-    pub(super) fn check_told(&mut self, last: Option<&Pose>) {
-        // A target that is not reachable is taken, too, and becomes a fault.
+    /// Disarms also if a command of another client had the same number, which shows in the commanded pose.
+    pub(super) fn check_last_commanded(&mut self, last: Option<&Pose>) {
+        // An unreachable target is also accepted, and becomes a fault.
         let taken = self.armed && self.pending.is_none() && self.status.fault.is_none();
-        let ours = self.told.filter(|_| taken);
+        let ours = self.last_commanded.filter(|_| taken);
         let Some((ours, last)) = ours.zip(last) else {
             return;
         };
         if last.difference(&ours).amax() > SAME_POSE {
-            let text = "the pose that it was told last is not that of Tautline";
+            let text = "its last commanded pose is not that of Tautline";
             self.stand_back(text.to_owned());
         }
     }
 
-    /// Leaves the controller to another client.
+    /// Yields the controller to another client.
     fn stand_back(&mut self, by: String) {
         self.pending = None;
-        // Without the release whatever moves is stopped; where that cannot be written the connection ends, which the
+        // Without the release any motion is stopped; if that cannot be written, the connection ends, which the
         // watchdog notices.
         let _ = self.release(false);
         self.armed = false;
         self.own_fault = Some(format!("another client commands it: {by}"));
     }
 
-    /// Whether the next values may be written, as the controller says at this moment.
+    /// Checks with the controller whether values may be written now.
     pub(super) fn check_writable(&mut self) -> Result<(), LinkError> {
         if let Some(text) = self.with(|program, _| program.problem())? {
             self.own_fault = Some(text.clone());
@@ -78,7 +78,7 @@ impl SymbolController {
         Ok(())
     }
 
-    /// Disarms if the controller has revoked the release: a command in progress must not count as completed.
+    /// Disarms if the controller has revoked the release, as a command in progress must not count as completed.
     pub(super) fn check_release(&mut self) {
         if self.armed && !self.status.released {
             self.armed = false;

@@ -1,4 +1,4 @@
-//! A controller of symbols behind the trait [`Controller`].
+//! A symbol-based controller that implements [`Controller`].
 
 mod checks;
 
@@ -18,16 +18,16 @@ use crate::controller::{Activity, Controller, ControllerState, Sample};
 use crate::error::LinkError;
 use crate::parameters::{ParameterInfo, check_finite};
 
-/// Parameters that are written in one request, before the next of which the release is read again.
+/// Number of parameters written in one request; the release is read again before each request.
 const BLOCK: usize = 16;
-/// Time between two checks whether the program runs (s).
+/// Interval between checks whether the program runs (s).
 const STATE_EVERY_S: f64 = 1.0;
 
 const HOME: f64 = 1.0;
 const MOVE: f64 = 2.0;
 const STOP: f64 = 3.0;
 
-/// A command that is not acknowledged yet.
+/// A command without acknowledgement so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Pending {
     number: u32,
@@ -41,24 +41,24 @@ pub struct SymbolController {
     layout: Layout,
     /// Index of each parameter by its name.
     known: HashMap<String, usize>,
-    /// Timeout of the acknowledgement of a command (s).
+    /// Timeout for the acknowledgement of a command (s).
     acknowledge_s: f64,
     clock: Arc<dyn Clock>,
     program: Option<Box<dyn SymbolAccess>>,
     armed: bool,
     status: Status,
     number: u32,
-    /// Where it was told to go last; none after homing or a stop.
-    told: Option<Pose>,
+    /// The last commanded target; `None` after homing or a stop.
+    last_commanded: Option<Pose>,
     pending: Option<Pending>,
-    /// A fault that was noticed on our side, shown until it is armed again.
+    /// A fault detected by Tautline, shown until it is armed again.
     own_fault: Option<String>,
     watchdog: u32,
     state_asked_s: f64,
 }
 
 impl SymbolController {
-    /// A controller that is not connected. The clock tells a late acknowledgement.
+    /// Creates a controller that is not connected. The clock detects missing acknowledgements.
     pub(crate) fn new(
         server: Box<dyn SymbolServer>,
         (mapping, robot): (&SymbolMapping, &Robot),
@@ -79,7 +79,7 @@ impl SymbolController {
             armed: false,
             status: Status::default(),
             number: 0,
-            told: None,
+            last_commanded: None,
             pending: None,
             own_fault: None,
             watchdog: 0,
@@ -87,7 +87,7 @@ impl SymbolController {
         })
     }
 
-    /// Does something with the program; a lost connection is dropped, which also disarms.
+    /// Performs an operation on the program; drops a lost connection, which also disarms.
     fn with<T>(
         &mut self,
         action: impl FnOnce(&mut dyn SymbolAccess, &Layout) -> Result<T, Failure>,
@@ -109,11 +109,11 @@ impl SymbolController {
         self.program = None;
         self.armed = false;
         self.pending = None;
-        self.told = None;
+        self.last_commanded = None;
         self.status = Status::default();
     }
 
-    /// Reads the readings and the state.
+    /// Reads the readings and the status.
     fn poll(&mut self) -> Result<Sample, LinkError> {
         let now_s = self.clock.now_s();
         if now_s - self.state_asked_s >= STATE_EVERY_S {
@@ -131,7 +131,7 @@ impl SymbolController {
             ))
         })?;
         self.take(status);
-        self.check_told(sample.commanded.as_ref());
+        self.check_last_commanded(sample.commanded.as_ref());
         Ok(Sample {
             time_s: if self.layout.readings.time.is_some() {
                 sample.time_s
@@ -164,7 +164,7 @@ impl SymbolController {
         }
     }
 
-    /// Sends a command: target and kind first, the number in a request of its own.
+    /// Sends a command: target and kind first, the number in a separate request.
     fn send(&mut self, kind: f64, target: Option<&Pose>) -> Result<(), LinkError> {
         let number = self.number.wrapping_add(1);
         self.with(|program, layout| {
@@ -178,7 +178,7 @@ impl SymbolController {
             program.write(&[(command.number, f64::from(number))])
         })?;
         self.number = number;
-        self.told = target.copied();
+        self.last_commanded = target.copied();
         self.pending = Some(Pending {
             number,
             since_s: self.clock.now_s(),
@@ -186,7 +186,7 @@ impl SymbolController {
         Ok(())
     }
 
-    /// The number of the last command, which the controller has to have acknowledged.
+    /// The number of the last command, which the controller must have acknowledged.
     fn last_number(&mut self) -> Result<u32, LinkError> {
         self.with(|program, layout| {
             let Some(command) = &layout.command else {
@@ -291,7 +291,7 @@ impl Controller for SymbolController {
         }
         self.number = self.last_number()?;
         self.pending = None;
-        self.told = None;
+        self.last_commanded = None;
         self.release(true)?;
         self.armed = true;
         Ok(())
@@ -301,7 +301,7 @@ impl Controller for SymbolController {
         if !self.armed {
             return;
         }
-        // A failure here ends the connection or is the controller's own fault; it is disarmed on our side in any case.
+        // A failure here ends the connection or is a fault of the controller; it is disarmed on this side in any case.
         if self.layout.command.is_some() && self.moves() {
             let _ = self.send(STOP, None);
         }
@@ -320,7 +320,7 @@ impl Controller for SymbolController {
 
     fn subscribe(&mut self, every_s: f64) -> Result<(), LinkError> {
         if self.layout.readings.time.is_none() {
-            let text = "no symbol has its time, without which readings that it sends cannot be put in order";
+            let text = "no symbol contains its time, so the readings it sends cannot be ordered";
             return Err(LinkError::Refused(text.to_owned()));
         }
         self.with(|program, layout| program.subscribe(&mut (0..layout.shown), every_s))
@@ -344,7 +344,7 @@ impl Controller for SymbolController {
         self.send(MOVE, Some(pose))
     }
 
-    /// Stops the platform. Nothing is written if the controller is not armed: it moves at the command of another program.
+    /// Stops the platform. If the controller is not armed, nothing is written: it moves at the command of another program.
     fn stop(&mut self) -> Result<(), LinkError> {
         if self.armed {
             return self.send(STOP, None);

@@ -16,7 +16,7 @@ type Checked = Result<(), FieldError>;
 /// Longest symbol name of a controller (characters).
 const LONGEST: usize = 255;
 
-/// Checks that symbols have names, scales can be inverted and every cable has its symbol.
+/// Checks that symbols have names, scales are invertible, and every cable has its symbol.
 pub(in crate::session) fn check(connection: &Connection, robot: &Robot) -> Checked {
     let part = |name: &'static str| {
         let at = format!("/connection/{name}");
@@ -57,10 +57,10 @@ impl VersionedFile for SymbolMapping {
 }
 
 impl SymbolMapping {
-    /// Checks the mapping for a robot; pointers in errors count from the mapping.
+    /// Checks the mapping for a robot; pointers in errors are relative to the mapping.
     ///
     /// # Errors
-    /// The first field that is wrong.
+    /// The first invalid field.
     pub fn check(&self, robot: &Robot) -> Checked {
         readings(&self.readings, robot)?;
         let state = &self.state;
@@ -160,7 +160,7 @@ fn listed(at: &str, names: &SymbolNames, count: usize) -> Checked {
 
 /// The name of one symbol.
 fn single(at: &str, name: &str) -> Checked {
-    // Identifiers of nodes may contain blanks and letters of any language.
+    // Node identifiers may contain blanks and letters of any language.
     let strange = |c: char| match is_node(name) {
         true => c.is_control() || c == '{' || c == '}',
         false => !c.is_ascii_graphic() || c == '{' || c == '}',
@@ -173,7 +173,7 @@ fn single(at: &str, name: &str) -> Checked {
     Ok(())
 }
 
-/// Whether a name is the identifier of a node: `ns=4;s=GVL_Tautline.moving`, `i=2257`.
+/// Whether a name is a node identifier: `ns=4;s=GVL_Tautline.moving`, `i=2257`.
 fn is_node(name: &str) -> bool {
     let (first, rest) = name.split_once(';').unwrap_or((name, ""));
     let kind = if first.starts_with("ns=") {
@@ -186,7 +186,7 @@ fn is_node(name: &str) -> bool {
         .any(|known| kind.starts_with(known))
 }
 
-/// A name for each cable: the rest of it is that of a symbol.
+/// Checks a name pattern with one symbol per cable: apart from the placeholder it must be a valid symbol name.
 fn placed(at: &str, pattern: &str) -> Checked {
     let rest = pattern.replace(CABLE, "c").replace(NUMBER, "1");
     if single(at, &rest).is_err() {

@@ -1,4 +1,4 @@
-//! The names that a controller uses whose engineer took over the sample program of `docs/ADS.md`.
+//! Default symbol names: those of a controller that uses the sample program of `docs/ADS.md`.
 
 use tautline_core::robot::Robot;
 
@@ -7,12 +7,12 @@ use super::{
     SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue,
 };
 
-/// The namespace of variables at TwinCAT's server.
+/// Namespace of variables in TwinCAT's server.
 const NAMESPACE: &str = "ns=4;s=";
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl SymbolMapping {
-    /// The mapping that fits the sample program, for the instruments that a robot has.
+    /// The mapping for the sample program, for the instruments of a robot.
     #[must_use]
     pub fn default_for(robot: &Robot) -> Self {
         let swivels = robot
@@ -49,7 +49,7 @@ impl SymbolMapping {
         }
     }
 
-    /// The same for OPC UA: the nodes that TwinCAT's server makes of the sample program's variables.
+    /// The mapping for OPC UA: the nodes of TwinCAT's server for the sample program's variables.
     #[must_use]
     pub fn default_nodes_for(robot: &Robot) -> Self {
         let mut mapping = Self::default_for(robot);

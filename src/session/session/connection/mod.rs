@@ -1,4 +1,4 @@
-//! Connection to the robot's controller: which one, its address, and the symbols that are read and written.
+//! Settings of the connection to the robot's controller: its kind, its address, and the symbols that are read and written.
 
 mod check;
 mod defaults;
@@ -16,10 +16,10 @@ pub use place::{AdsPlace, ControllerKind, OpcUaPlace, RecordingPlace};
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Connection {
-    /// Which controller is connected.
+    /// Kind of controller.
     #[serde(skip_serializing_if = "ControllerKind::is_simulated")]
     pub controller: ControllerKind,
-    /// The recording that is or was played back.
+    /// The recording to play back.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recording: Option<RecordingPlace>,
     /// Address of the ADS controller.
@@ -44,21 +44,21 @@ impl Connection {
     }
 }
 
-/// Symbols of a controller: of ADS by their names, of OPC UA by the identifiers of their nodes.
+/// Symbols of a controller: names for ADS, node identifiers for OPC UA.
 ///
-/// A reading is `raw * scale + offset`, in SI units after that; what is written is the inverse of that. Names of
+/// A reading is `raw * scale + offset`, in SI units; written values are converted by the inverse. Names of
 /// one symbol per cable may contain `{cable}`, the cable's name, and `{n}`, its number from 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SymbolMapping {
-    /// What is read at every sample.
+    /// Symbols read at every sample.
     pub readings: SymbolReadings,
-    /// State of the controller.
+    /// Symbols of the controller's state.
     #[serde(default)]
     pub state: SymbolStatus,
     /// Symbols of commands; absent: the controller is only read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<SymbolCommand>,
-    /// BOOL that is TRUE while the operator allows motion and writing.
+    /// BOOL that is TRUE while the operator permits motion and writing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub release: Option<String>,
     /// Integer that counts the samples while armed, so that the controller can stop if they end.
@@ -80,7 +80,7 @@ pub struct SymbolReadings {
     /// Swivel angles of the pulleys (rad), per cable.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub swivel: Option<SymbolList>,
-    /// Laser distance (m); NaN where there is no return.
+    /// Laser distance (m); NaN without a return.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub laser: Option<SymbolValue>,
     /// BOOL that is TRUE while the laser has a return.
@@ -89,13 +89,13 @@ pub struct SymbolReadings {
     /// Temperature (degrees Celsius).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub temperature: Option<SymbolValue>,
-    /// Time by the controller's clock (s); absent: time of arrival of the answer.
+    /// Time on the controller's clock (s); absent: time of arrival of the response.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<SymbolValue>,
     /// Roll, pitch and yaw of the platform (rad): three values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inclination: Option<SymbolList>,
-    /// The pose that was commanded last.
+    /// The last commanded pose.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pose: Option<SymbolPose>,
 }
@@ -118,7 +118,7 @@ pub struct SymbolList {
     /// SI units per unit of the symbol.
     #[serde(default = "one")]
     pub scale: f64,
-    /// Added after that (SI).
+    /// Offset added after scaling (SI).
     #[serde(default)]
     pub offset: f64,
 }
@@ -131,12 +131,12 @@ pub struct SymbolValue {
     /// SI units per unit of the symbol.
     #[serde(default = "one")]
     pub scale: f64,
-    /// Added after that (SI).
+    /// Offset added after scaling (SI).
     #[serde(default)]
     pub offset: f64,
 }
 
-/// How an orientation is written.
+/// Representation of an orientation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SymbolRotation {
@@ -150,7 +150,7 @@ pub enum SymbolRotation {
 }
 
 impl SymbolRotation {
-    /// Numbers of a pose: three of its position, then those of its orientation.
+    /// Number of values of a pose: three for the position, the rest for the orientation.
     #[must_use]
     pub fn pose_values(self) -> usize {
         match self {
@@ -165,7 +165,7 @@ impl SymbolRotation {
 pub struct SymbolPose {
     /// An array, or one name per value.
     pub symbol: SymbolNames,
-    /// How the orientation is written.
+    /// Representation of the orientation.
     #[serde(default)]
     pub rotation: SymbolRotation,
     /// Metres per unit of the position.
@@ -180,7 +180,7 @@ pub struct SymbolPose {
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct SymbolStatus {
-    /// BOOL that is TRUE from acknowledging a command until the drives have completed it.
+    /// BOOL that is TRUE from the acknowledgement of a command until the drives have completed it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moving: Option<String>,
     /// Integer or BOOL; 0 or FALSE: no fault.
@@ -189,7 +189,7 @@ pub struct SymbolStatus {
     /// STRING that describes the fault.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault_text: Option<String>,
-    /// Number that changes with every start of the controller: the time of its start, or a counter of its starts.
+    /// Number that changes with every start of the controller: its start time or a start counter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub started: Option<String>,
 }
@@ -207,17 +207,17 @@ pub struct SymbolCommand {
     pub acknowledged: String,
 }
 
-/// Symbol of a parameter, or of one parameter of every cable.
+/// Symbol of a parameter, or of the same parameter of every cable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SymbolParameter {
-    /// Name of the parameter; with `{cable}` that of every cable.
+    /// Name of the parameter; with `{cable}` one name per cable.
     pub name: String,
-    /// Name of the symbol. Without `{cable}` and `{n}` it is an array that holds all cables.
+    /// Name of the symbol. Without `{cable}` and `{n}` it is an array with the values of all cables.
     pub symbol: String,
-    /// Element of an array, from 0; of the first cable in an array that holds all cables.
+    /// Index of the array element, from 0; that of the first cable in an array with the values of all cables.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub element: u32,
-    /// Elements from one cable to the next.
+    /// Index difference between consecutive cables.
     #[serde(default = "one_element", skip_serializing_if = "is_one")]
     pub stride: u32,
     /// SI units per unit of the symbol.
@@ -249,16 +249,16 @@ fn is_one(number: &u32) -> bool {
     *number == 1
 }
 
-/// Whether a name stands for one symbol or parameter per cable.
+/// Whether a name is a pattern for one symbol or parameter per cable.
 #[must_use]
 pub fn is_per_cable(name: &str) -> bool {
     name.contains(CABLE) || name.contains(NUMBER)
 }
 
-/// The name for one cable, counted from 0.
+/// The name for one cable, by its index from 0.
 #[must_use]
 pub fn name_of_cable(pattern: &str, cable: &str, index: usize) -> String {
-    // The number first: a cable's name may contain anything.
+    // The number is replaced first, because a cable's name may contain anything.
     let numbered = pattern.replace(NUMBER, &(index + 1).to_string());
     numbered.replace(CABLE, cable)
 }

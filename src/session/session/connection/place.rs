@@ -1,4 +1,4 @@
-//! Which controller is connected, and its address.
+//! Kind of controller and its address.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,18 +11,18 @@ pub(super) const TIMEOUT_S: std::ops::RangeInclusive<f64> = 0.05..=60.0;
 /// Valid playback speeds, relative to that of the recording.
 const SPEED: std::ops::RangeInclusive<f64> = 0.1..=100.0;
 
-/// Which controller is connected.
+/// Kind of controller.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ControllerKind {
     /// A simulated robot.
     #[default]
     Simulated,
-    /// A recorded dataset that is played back.
+    /// A played-back dataset.
     Recording,
-    /// A Beckhoff controller, by ADS.
+    /// A Beckhoff controller over ADS.
     Ads,
-    /// A controller that speaks OPC UA.
+    /// A controller over OPC UA.
     OpcUa,
 }
 
@@ -38,7 +38,7 @@ impl ControllerKind {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingPlace {
-    /// Its folder.
+    /// Folder of the dataset.
     pub folder: String,
     /// Playback speed relative to the recording, 0.1 to 100.
     #[serde(default = "super::one")]
@@ -46,10 +46,10 @@ pub struct RecordingPlace {
 }
 
 impl RecordingPlace {
-    /// Checks it; pointers count from it.
+    /// Checks the settings; pointers are relative to them.
     ///
     /// # Errors
-    /// The first field that is wrong.
+    /// The first invalid field.
     pub fn check(&self) -> Result<(), FieldError> {
         if self.folder.trim().is_empty() {
             return fail("/folder", "found nothing, expected the folder of a dataset");
@@ -67,31 +67,31 @@ impl RecordingPlace {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AdsPlace {
-    /// Name or address of its computer.
+    /// Host name or address of the controller.
     pub host: String,
     /// Its TCP port.
     #[serde(default = "router_port")]
     pub port: u16,
-    /// The six numbers of its AMS Net ID.
+    /// AMS Net ID, six numbers.
     pub net_id: [u8; 6],
-    /// The AMS port of its program.
+    /// AMS port of the program.
     #[serde(default = "program_port")]
     pub ams_port: u16,
-    /// Timeout of a connection or an answer (s), 0.05 to 60.
+    /// Timeout for connecting and for responses (s), 0.05 to 60.
     #[serde(default = "super::one")]
     pub timeout_s: f64,
 }
 
 impl AdsPlace {
-    /// TCP port on which routers listen.
+    /// Default TCP port of AMS routers.
     pub const ROUTER_PORT: u16 = 48898;
     /// AMS port of the first program in TwinCAT 3.
     pub const PROGRAM_PORT: u16 = 851;
 
-    /// Checks it; pointers count from it.
+    /// Checks the address; pointers are relative to it.
     ///
     /// # Errors
-    /// The first field that is wrong.
+    /// The first invalid field.
     pub fn check(&self) -> Result<(), FieldError> {
         host(&self.host)?;
         for (at, port) in [("/port", self.port), ("/ams_port", self.ams_port)] {
@@ -103,31 +103,31 @@ impl AdsPlace {
     }
 }
 
-/// Address of a controller that speaks OPC UA.
+/// Address of an OPC UA controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OpcUaPlace {
-    /// Name or address of its computer.
+    /// Host name or address of the controller.
     pub host: String,
     /// Its TCP port.
     #[serde(default = "opcua_port")]
     pub port: u16,
-    /// What follows in its address, with the slash; most controllers have nothing there.
+    /// Path of the address with its leading slash; empty for most controllers.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub path: String,
-    /// Timeout of a connection or an answer (s), 0.05 to 60.
+    /// Timeout for connecting and for responses (s), 0.05 to 60.
     #[serde(default = "super::one")]
     pub timeout_s: f64,
 }
 
 impl OpcUaPlace {
-    /// TCP port that the standard reserves.
+    /// Default TCP port of the standard.
     pub const PORT: u16 = 4840;
 
-    /// Checks it; pointers count from it.
+    /// Checks the address; pointers are relative to it.
     ///
     /// # Errors
-    /// The first field that is wrong.
+    /// The first invalid field.
     pub fn check(&self) -> Result<(), FieldError> {
         host(&self.host)?;
         if self.port == 0 {

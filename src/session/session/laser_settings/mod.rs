@@ -12,9 +12,9 @@ use crate::error::fail;
 
 /// Valid baud rates.
 const BAUD: RangeInclusive<u32> = 50..=4_000_000;
-/// Valid values of the age from which a reading is no longer used (s).
+/// Valid maximum ages of a reading (s).
 const FRESH_S: RangeInclusive<f64> = 0.05..=60.0;
-/// Longest text setting (bytes).
+/// Length limit of text settings (bytes).
 const LONGEST: usize = 250;
 /// Memory limit of a pattern (bytes).
 const PATTERN_BYTES: usize = 1 << 20;
@@ -28,10 +28,10 @@ const PATTERN_BYTES: usize = 1 << 20;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum LaserSettings {
-    /// The controller, with its other readings.
+    /// The controller, together with its other readings.
     #[default]
     Controller,
-    /// The operator types it.
+    /// Typed by the operator.
     Manual,
     /// A device that sends lines of text.
     Line(LineLaserSettings),
@@ -41,16 +41,16 @@ pub enum LaserSettings {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LineLaserSettings {
-    /// Its port.
+    /// Port of the device.
     pub port: LaserPort,
-    /// Regular expression that a line with a distance matches; its group `distance` is the number, and its group
-    /// `unit`, where there is one, has to be the unit. Without it: the first number that stands alone.
+    /// Regular expression for a line with a distance; its group `distance` is the number, and its group
+    /// `unit`, if there is one, must match the unit. Default: the first standalone number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pattern: Option<String>,
     /// Unit of the number.
     #[serde(default)]
     pub unit: LaserUnit,
-    /// Factor between the number and the distance in that unit.
+    /// Factor from the number to the distance in that unit.
     #[serde(default = "one")]
     pub scale: f64,
     /// Offset added to the distance (m).
@@ -59,10 +59,10 @@ pub struct LineLaserSettings {
     /// Texts that mark a line without a return.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub no_return: Vec<String>,
-    /// Command that requests a reading, its line end included; without it the device sends unasked.
+    /// Command that requests a reading, including its line end; absent: the device sends on its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
-    /// Age from which a reading is no longer used (s).
+    /// Maximum age of a usable reading (s).
     #[serde(default = "one")]
     pub fresh_s: f64,
 }
@@ -71,7 +71,7 @@ pub struct LineLaserSettings {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum LaserPort {
-    /// The network.
+    /// A network port.
     Tcp {
         /// Name or address.
         host: String,
@@ -80,9 +80,9 @@ pub enum LaserPort {
     },
     /// A serial port, with 8 data bits.
     Serial {
-        /// Its name, such as `/dev/ttyUSB0` or `COM3`.
+        /// Device name, such as `/dev/ttyUSB0` or `COM3`.
         device: String,
-        /// Bits per second.
+        /// Baud rate.
         #[serde(default = "usual_baud")]
         baud: u32,
         /// Parity.
@@ -131,7 +131,7 @@ fn one_bit() -> u8 {
 }
 
 impl LaserUnit {
-    /// Metres in one of the unit.
+    /// Metres per unit.
     #[must_use]
     pub fn metres(self) -> f64 {
         match self {
@@ -141,7 +141,7 @@ impl LaserUnit {
         }
     }
 
-    /// As it is written.
+    /// Symbol of the unit.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -166,7 +166,7 @@ impl LaserPort {
 }
 
 impl LineLaserSettings {
-    /// A device that sends distances in millimetres by itself.
+    /// A device that sends distances in millimetres on its own.
     #[must_use]
     pub fn new(port: LaserPort) -> Self {
         Self {
@@ -181,13 +181,13 @@ impl LineLaserSettings {
         }
     }
 
-    /// The regular expression that a line with a distance matches, and its group `distance`.
+    /// The regular expression for a line with a distance, with its group `distance`.
     ///
     /// # Errors
-    /// What is wrong with the pattern.
+    /// If the pattern is invalid.
     pub fn expression(&self) -> Result<regex::Regex, String> {
-        // Only plain numbers are distances: not "E255", one half of "12,5" or "1.2.3". Before one stands nothing, or a
-        // word that says what it is: the number of "ERR 12" or "T: 23.5" is none.
+        // Only plain numbers are distances: not "E255", one half of "12,5" or "1.2.3". Before a number there may only be a
+        // word that denotes a distance, so the numbers of "ERR 12" and "T: 23.5" are not distances.
         const PLAIN: &str = r"^(?i:(?:d|dist|distance|l|length|range)(?:\s*[:=]\s*|\s+))?(?<distance>[+-]?[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)(?:\s*(?<unit>m|mm|um))?(?:[\s;]|$)";
         let pattern = self.pattern.as_deref().unwrap_or(PLAIN);
         let built = regex::RegexBuilder::new(pattern)
@@ -278,7 +278,7 @@ impl LaserSettings {
     /// Checks the settings.
     ///
     /// # Errors
-    /// The first field that is wrong.
+    /// The first invalid field.
     pub fn check(&self) -> Result<(), FieldError> {
         match self {
             Self::Controller | Self::Manual => Ok(()),
@@ -286,7 +286,7 @@ impl LaserSettings {
         }
     }
 
-    /// Whether it is the controller's own laser.
+    /// Whether the laser is read by the controller.
     #[must_use]
     pub fn is_controller(&self) -> bool {
         *self == Self::Controller

@@ -1,4 +1,4 @@
-//! Laser settings as one text, for a command line.
+//! Laser settings as text, for the command line.
 
 use std::fmt::{self, Display, Write};
 use std::str::FromStr;
@@ -46,7 +46,7 @@ fn tcp(place: &str) -> Result<LaserPort, String> {
     })
 }
 
-/// The text after the last colon is the baud where it is a number: names of devices have colons, too.
+/// The text after the last colon is the baud rate if it is a number, as device names may contain colons.
 fn serial(place: &str) -> LaserPort {
     let parts = place.rsplit_once(':');
     let parts = parts.and_then(|(device, baud)| Some((device, baud.parse::<u32>().ok()?)));
@@ -98,7 +98,7 @@ fn set(line: &mut LineLaserSettings, key: &str, value: &str) -> Result<(), Strin
     Ok(())
 }
 
-/// `%XX` is a byte.
+/// Decodes `%XX` to bytes.
 fn decoded(text: &str) -> Result<String, String> {
     let wrong = || format!("found {text:?}, expected %XX with two hexadecimal digits for a byte");
     let mut parts = text.split('%');
@@ -113,7 +113,7 @@ fn decoded(text: &str) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|_| wrong())
 }
 
-/// The text in which nothing ends a setting.
+/// Encodes the characters that separate settings.
 fn encoded(text: &str) -> String {
     let mut safe = String::new();
     for letter in text.chars() {

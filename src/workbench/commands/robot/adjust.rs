@@ -1,6 +1,6 @@
 //! What is written to the controller, and how exactly the robot moves before and after.
 
-use tautline_link::adjusting::{Adjustment as Written, Holds};
+use tautline_link::adjusting::{Adjustment as Written, ControllerValues};
 use tautline_link::verifying::{circle, cube_poses, line};
 use tautline_session::{
     Acceptance, CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, Verification,
@@ -136,7 +136,7 @@ pub(super) fn written(
     };
     let holds = adjustment.as_ref().map(|a| &a.holds);
     let outcome = adjusting::outcome(holds, purpose, &text);
-    if holds == Some(&Holds::New) {
+    if holds == Some(&ControllerValues::New) {
         model.messages.info(&text);
     } else {
         model.messages.error(&text);
@@ -157,7 +157,7 @@ pub(super) fn settle(model: &Model) {
     }
 }
 
-pub(super) fn settled(model: &mut Model, found: &Holds, adjustment: &Written) {
+pub(super) fn settled(model: &mut Model, found: &ControllerValues, adjustment: &Written) {
     let session = model.open.as_ref().map(|open| open.session());
     let Some(open) = session.and_then(adjusting::open) else {
         return;

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::robot::Robot;
-use tautline_link::adjusting::{Adjustment, Holds};
+use tautline_link::adjusting::{Adjustment, ControllerValues};
 use tautline_link::measuring::{Rates, Warning};
 use tautline_link::verifying::CheckTarget;
 use tautline_link::{ControllerState, ParameterInfo, Sample};
@@ -146,7 +146,7 @@ pub enum DriverEvent {
     /// An interrupted attempt to write was looked at, and settled if possible; what the controller holds now.
     Settled {
         /// What it held.
-        found: Holds,
+        found: ControllerValues,
         /// What came of it.
         adjustment: Box<Adjustment>,
         /// What it holds now, if it tells.

@@ -5,7 +5,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use tautline_link::adjusting::{
-    Adjustment, Holds, holds, settle_adjustment, write_adjustment, write_adjustment_reconnecting,
+    Adjustment, ControllerValues, check_values, settle_adjustment, write_adjustment,
+    write_adjustment_reconnecting,
 };
 use tautline_link::measuring::LOST;
 use tautline_link::verifying::CheckTarget;
@@ -178,7 +179,7 @@ impl Worker {
             return Ok(());
         };
         let controller = &mut connection.controller;
-        let found = holds(controller, old, new)?;
+        let found = check_values(controller, old, new)?;
         let adjustment = settle_adjustment(controller, old, new)?;
         self.publisher.report(DriverEvent::Settled {
             found,
@@ -440,8 +441,8 @@ impl Worker {
 
 /// Whether the controller holds the values that are recorded as the old ones.
 fn check_old(connection: &mut Connection, old: &[(String, f64)]) -> Result<(), LinkError> {
-    match holds(&mut connection.controller, old, old)? {
-        Holds::New => Ok(()),
+    match check_values(&mut connection.controller, old, old)? {
+        ControllerValues::New => Ok(()),
         _ => {
             let text = "its values are not those that were read before: read them back first";
             Err(LinkError::Refused(text.to_owned()))

@@ -187,7 +187,7 @@ mod tests {
     use crate::theme;
     use crate::views::plots::screen::colours;
     use tautline_workflow::plot::figure::{Ink, Point, Series};
-    use tautline_workflow::plot::{Figure, Layout, Seen};
+    use tautline_workflow::plot::{Figure, Layout, VisiblePoints};
 
     fn figure(count: i32) -> Figure {
         let point = |k: i32| Point::new(f64::from(k), (f64::from(k) * 0.7).sin());
@@ -209,7 +209,7 @@ mod tests {
         let plot = Plot {
             figure,
             layout: &layout,
-            seen: &Seen::new(figure, &layout.scale, selection, pixels_per_point),
+            seen: &VisiblePoints::new(figure, &layout.scale, selection, pixels_per_point),
             selection,
             colours: &colours(theme::palette(Theme::Dark)),
         };

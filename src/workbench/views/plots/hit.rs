@@ -115,7 +115,7 @@ mod tests {
     use egui::Rect;
 
     use super::*;
-    use tautline_workflow::plot::Seen;
+    use tautline_workflow::plot::VisiblePoints;
     use tautline_workflow::plot::figure::{Point, Series};
 
     #[test]
@@ -135,7 +135,7 @@ mod tests {
             ..Figure::default()
         };
         let selection = Selection::default();
-        let seen = Seen::new(&figure, &scale, selection, 1.0);
+        let seen = VisiblePoints::new(&figure, &scale, selection, 1.0);
         assert!(!seen.thinned[0].points.contains(&43_210), "it is covered");
         let place = scale.place(43_210.0, 0.1);
         let hit = nearest(&figure, &scale, place, selection).expect("a point");

@@ -4,7 +4,7 @@ use egui::{Align2, Context, Key, Popup, Response, Role, Sense, Theme, Ui, Widget
 use tautline_workflow::plot::draw::TEXT;
 use tautline_workflow::plot::figure::{Point, Series};
 use tautline_workflow::plot::scale::{Scale, readable};
-use tautline_workflow::plot::{Canvas, Colours, Figure, Layout, Plot, Seen, Stroke};
+use tautline_workflow::plot::{Canvas, Colours, Figure, Layout, Plot, Stroke, VisiblePoints};
 
 use super::dense::{PictureTexture, picture};
 use super::hit::{Hit, cell_words, nearest, selects, words};
@@ -28,7 +28,7 @@ pub struct Panel {
     grabbed: Option<usize>,
     /// The view that shows everything.
     whole: Memo<u64, [[f64; 2]; 2]>,
-    seen: Memo<SeenOf, Seen>,
+    seen: Memo<SeenOf, VisiblePoints>,
     /// Very many points as a picture, and where it belongs.
     dense: Memo<(SeenOf, Theme), Option<PictureTexture>>,
     /// What was drawn last, for files.
@@ -124,7 +124,7 @@ impl Panel {
             figure: shown.figure,
             layout: &layout,
             seen: self.seen.get(key.clone(), || {
-                Seen::new(shown.figure, &scale, shown.selection, pixels_per_point)
+                VisiblePoints::new(shown.figure, &scale, shown.selection, pixels_per_point)
             }),
             selection: shown.selection,
             colours: &colours(palette),
@@ -170,7 +170,7 @@ impl Panel {
             selection,
             pixels_per_point,
         };
-        let see = || Seen::new(figure, &layout.scale, selection, pixels_per_point);
+        let see = || VisiblePoints::new(figure, &layout.scale, selection, pixels_per_point);
         Some(Plot {
             figure,
             layout,

@@ -2,7 +2,7 @@
 
 use egui::{Rect, Theme, vec2};
 use tautline_workflow::plot::draw::TEXT;
-use tautline_workflow::plot::{Layout, Plot, Seen};
+use tautline_workflow::plot::{Layout, Plot, VisiblePoints};
 
 use super::screen::{Screen, colours, text_width};
 use crate::model::command::PlotPicture;
@@ -52,7 +52,7 @@ fn draw(
     let plot = Plot {
         figure,
         layout: &layout,
-        seen: &Seen::new(figure, &layout.scale, selection, ui.pixels_per_point()),
+        seen: &VisiblePoints::new(figure, &layout.scale, selection, ui.pixels_per_point()),
         selection,
         colours,
     };

@@ -4,7 +4,7 @@ use egui::{Align, Rect, Role, Sense, Theme, Ui, UiBuilder, WidgetInfo, vec2};
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Series};
 use tautline_workflow::plot::round::round_up;
 use tautline_workflow::plot::scale::Scale;
-use tautline_workflow::plot::{Layout, Plot, Seen};
+use tautline_workflow::plot::{Layout, Plot, VisiblePoints};
 use tautline_workflow::wording::cable_label;
 
 use super::dense::{PictureTexture, traces as picture_of};
@@ -174,7 +174,7 @@ fn draw(
     let plot = Plot {
         figure,
         layout: &layout,
-        seen: &Seen::new(figure, &scale, selection, pixels_per_point),
+        seen: &VisiblePoints::new(figure, &scale, selection, pixels_per_point),
         selection,
         colours: &colours,
     };

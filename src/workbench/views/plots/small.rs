@@ -2,7 +2,7 @@
 
 use egui::{Rect, Role, Sense, Ui, WidgetInfo, vec2};
 
-use tautline_workflow::plot::{Figure, Layout, Plot, Seen};
+use tautline_workflow::plot::{Figure, Layout, Plot, VisiblePoints};
 
 use super::hit::{nearest, selects, words};
 use super::screen::{Screen, colours, text_width};
@@ -45,7 +45,7 @@ pub fn show(
     let plot = Plot {
         figure,
         layout: &layout,
-        seen: &Seen::new(figure, scale, selection, ui.ctx().pixels_per_point()),
+        seen: &VisiblePoints::new(figure, scale, selection, ui.ctx().pixels_per_point()),
         selection,
         colours: &colours(theme::of(ui)),
     };

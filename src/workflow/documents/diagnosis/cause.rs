@@ -24,7 +24,7 @@ impl Diagnosed {
         format!(" ({})", words.join(", "))
     }
 
-    /// The cables `targets` of a cause; `None` for an effect of the robot or an instrument.
+    /// The cables `targets` of a cause in words; `None` for an effect of the robot or an instrument.
     #[must_use]
     pub fn cables(&self, cause: &Cause, targets: &[String]) -> Option<String> {
         match targets.len() {
@@ -37,7 +37,7 @@ impl Diagnosed {
     }
 }
 
-/// When a cause acts, if that is not always.
+/// The pose at which, or from which on, a cause acts.
 fn event(cause: &Cause) -> Option<String> {
     let value = |index: usize| cause.instances[0].values[index];
     match cause.effect().search() {

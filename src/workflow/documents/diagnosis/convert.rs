@@ -1,4 +1,4 @@
-//! From a diagnosis to its JSON document.
+//! Conversion of a diagnosis to its JSON document.
 
 use tautline_core::diagnosis::{
     Adequacy, Alternative, Cause, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
@@ -28,7 +28,7 @@ fn finite_pair(pair: [f64; 2]) -> Option<[f64; 2]> {
 }
 
 impl Diagnosed {
-    /// Machine form.
+    /// Machine-readable form.
     pub fn document(&self) -> DiagnosisDocument {
         let diagnosis = &self.diagnosis;
         let discrepancies = |found: &[Discrepancy]| -> Vec<DiscrepancyDocument> {
@@ -160,7 +160,7 @@ impl Diagnosed {
         }
     }
 
-    /// The sentence; where the cause is ambiguous with what it could be as well, and what would tell them apart.
+    /// The sentence; for an ambiguous cause with its alternatives and what would separate them.
     fn text(&self, finding: &Finding) -> String {
         let separation = finding.separation.as_ref().map(|s| s.advice.clone());
         let others = self.otherwise(finding).map(|others| {

@@ -1,11 +1,11 @@
-//! Machine form of a diagnosis: a public format.
+//! Machine-readable form of a diagnosis: a public format.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::effect::EffectSetting;
 use tautline_session::VersionedFile;
 
-/// Machine form of a diagnosis.
+/// Machine-readable form of a diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DiagnosisDocument {
     /// Whether the original model explains the data; then there are no findings.
@@ -14,27 +14,27 @@ pub struct DiagnosisDocument {
     pub global_test: GlobalTestDocument,
     /// Dependences of the residuals of the original model, the strongest first.
     pub discrepancy: Vec<DiscrepancyDocument>,
-    /// What was found, in the order in which it was added.
+    /// Findings, in the order in which they were added.
     pub findings: Vec<FindingDocument>,
     /// Causes that are possible but too improbable for a finding, the likeliest first.
     pub possible: Vec<AlternativeDocument>,
     /// The extended model.
     pub model: ModelDocument,
-    /// Probability of a false alarm that was allowed.
+    /// False-alarm probability of the tests.
     pub alpha: f64,
     /// Time of the diagnosis alone (s).
     pub seconds: f64,
-    /// Whether it ran to its end.
+    /// Whether the diagnosis was completed.
     pub complete: bool,
     /// Tests of the original model, per kind of reading, then per cable.
     pub groups: Vec<GroupTestDocument>,
-    /// Tests of the extended model, which is the original one where there are no findings.
+    /// Tests of the extended model; it equals the original one if there are no findings.
     pub extended: ExtendedDocument,
-    /// Dependences that are left with the extended model.
+    /// Dependences that remain with the extended model.
     pub remaining_discrepancy: Vec<DiscrepancyDocument>,
-    /// Noise that is not as robot.json says.
+    /// Noise that differs from robot.json.
     pub noise: Vec<NoiseDocument>,
-    /// Effects that these data cannot show at their typical size.
+    /// Effects that these data cannot reveal at their typical size.
     pub not_visible: Vec<InvisibleDocument>,
 }
 
@@ -45,7 +45,7 @@ pub struct GlobalTestDocument {
     pub chi2: f64,
     /// Degrees of freedom.
     pub dof: f64,
-    /// Probability of a chi-square at least as large if model and noise are right; null where nothing is redundant.
+    /// Probability of a chi-square at least as large if model and noise are right; null without redundancy.
     pub p_value: Option<f64>,
 }
 
@@ -58,7 +58,7 @@ pub struct GroupTestDocument {
     pub target: Option<String>,
     /// Number of readings.
     pub readings: usize,
-    /// Root mean square of the residuals over what noise alone gives; null where nothing is redundant.
+    /// Root mean square of the residuals over what noise alone gives; null without redundancy.
     pub rms_over_sd: Option<f64>,
     /// Two-sided probability, not corrected for the number of tests.
     pub p_value: Option<f64>,
@@ -69,9 +69,9 @@ pub struct GroupTestDocument {
 pub struct ExtendedDocument {
     /// Whether it explains the data.
     pub adequate: bool,
-    /// All readings together.
+    /// Test of all readings together.
     pub global_test: GlobalTestDocument,
-    /// Per kind of reading, then per cable.
+    /// Tests per kind of reading, then per cable.
     pub groups: Vec<GroupTestDocument>,
 }
 
@@ -80,19 +80,19 @@ pub struct ExtendedDocument {
 pub struct DiscrepancyDocument {
     /// Kind of reading.
     pub reading: String,
-    /// Cable; null where the reading is none of a cable.
+    /// Cable; null if the reading does not belong to a cable.
     pub target: Option<String>,
     /// Root mean square of these residuals over what noise alone gives.
     pub rms_over_sd: Option<f64>,
-    /// On what the residual depends.
+    /// Variable on which the residual depends.
     pub depends_on: String,
     /// Probability if there is no dependence, corrected for the number of tests.
     pub p_value: Option<f64>,
-    /// What a plot shows.
+    /// Points of the plot.
     pub points: Vec<PointDocument>,
 }
 
-/// One residual over the variable on which it depends.
+/// One residual over its variable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PointDocument {
     /// Label of the row.
@@ -103,42 +103,42 @@ pub struct PointDocument {
     pub residual: Option<f64>,
 }
 
-/// One thing that was found.
+/// One finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FindingDocument {
-    /// How sure the name is.
+    /// Certainty of the cause.
     pub verdict: VerdictDocument,
     /// Effect of the catalogue.
     pub effect: String,
     /// Cables; empty for an effect of the robot, an instrument or all cables together.
     pub targets: Vec<String>,
-    /// The sentence that a technician reads.
+    /// The cause as a sentence for a technician.
     pub cause: String,
     /// What to do in the workshop.
     pub advice: String,
-    /// Posterior probability of the cause; it and its alternatives exclude each other.
+    /// Posterior probability of the cause; it and its alternatives are mutually exclusive.
     pub probability: f64,
     /// Causes that the data cannot separate from it, the likeliest first.
     pub alternatives: Vec<AlternativeDocument>,
-    /// Its parameters.
+    /// Parameters of the cause.
     pub parameters: Vec<ParameterDocument>,
-    /// The numbers behind the verdict.
+    /// Statistics behind the verdict.
     pub evidence: EvidenceDocument,
-    /// Improvement on poses held out, on top of the findings before it.
+    /// Improvement at held-out poses, in addition to the findings before it.
     pub gain: GainDocument,
     /// Further poses that would separate it from its alternatives, the most informative first.
     pub separating_poses: Vec<PoseDocument>,
-    /// Chi-square by which the two best causes are expected to differ once these poses are measured.
+    /// Difference in chi-square expected between the two best causes once these poses are measured.
     pub separating_delta_chi2: Option<f64>,
-    /// What would separate it from its alternatives, in words.
+    /// Advice on how to separate it from its alternatives.
     pub separating_advice: Option<String>,
 }
 
-/// How sure a finding is of its name.
+/// Certainty of the cause of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum VerdictDocument {
-    /// One cause stands out.
+    /// One cause is established.
     Named,
     /// The data cannot separate it from its alternatives.
     Ambiguous,
@@ -178,24 +178,24 @@ pub struct ParameterDocument {
     pub value: f64,
     /// Unit; "1" for a ratio or a label.
     pub unit: String,
-    /// Standard deviation; null for what was searched rather than fitted, as the label of a pose.
+    /// Standard deviation; null for parameters that are searched rather than fitted, such as the label of a pose.
     pub sd: Option<f64>,
 }
 
-/// The numbers behind a verdict.
+/// Statistics behind a verdict.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EvidenceDocument {
-    /// By how much the cause lowers chi-square, all other findings present.
+    /// Reduction of chi-square by the cause, with all other findings included.
     pub delta_chi2: f64,
-    /// Number of its parameters.
+    /// Number of parameters of the cause.
     pub parameters: usize,
-    /// Probability of such a gain without the cause, corrected for the number of tests.
+    /// Probability of such a reduction without the cause, corrected for the number of tests.
     pub p_value: Option<f64>,
     /// Number of tests.
     pub questions: usize,
-    /// The best of the others.
+    /// The best of the other causes.
     pub runner_up: Option<RunnerUpDocument>,
-    /// All that were fitted in its place, the best first.
+    /// All causes fitted in its place, the best first.
     pub ranking: Vec<RivalDocument>,
 }
 
@@ -205,19 +205,19 @@ pub struct RunnerUpDocument {
     /// Effect and targets.
     #[serde(flatten)]
     pub cause: CauseDocument,
-    /// By how much it lowers chi-square.
+    /// Reduction of chi-square.
     pub delta_chi2: f64,
 }
 
-/// A cause in comparison with others that were fitted in its place.
+/// A cause in comparison with the others fitted in its place.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RivalDocument {
     /// Effect and targets.
     #[serde(flatten)]
     pub cause: CauseDocument,
-    /// By how much it lowers chi-square.
+    /// Reduction of chi-square.
     pub delta_chi2: f64,
-    /// Number of its parameters.
+    /// Number of parameters of the cause.
     pub parameters: usize,
     /// Twice the logarithm of its evidence.
     pub score: f64,
@@ -227,44 +227,44 @@ pub struct RivalDocument {
     pub holdout: Option<f64>,
 }
 
-/// What a finding gains on poses that took no part in fitting; null where nothing could be held out.
+/// Improvement by a finding at poses excluded from the fit; null if no poses could be held out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GainDocument {
     /// Root mean square over sd without the cause.
     pub holdout_before: Option<f64>,
-    /// The same with it.
+    /// Root mean square over sd with the cause.
     pub holdout_after: Option<f64>,
     /// Unit of the two.
     pub unit: String,
-    /// Number of poses that were held out.
+    /// Number of held-out poses.
     pub poses_held_out: usize,
     /// 95 % interval of the difference.
     pub interval: Option<[f64; 2]>,
-    /// Per kind of reading.
+    /// Improvement per kind of reading.
     pub per_reading: Vec<ReadingGainDocument>,
-    /// How far the platform is from where the model without the cause has it.
+    /// Change of the platform position by the cause.
     pub position_change_m: PositionChangeDocument,
 }
 
-/// Gain on one kind of reading.
+/// Improvement for one kind of reading.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReadingGainDocument {
     /// Kind of reading.
     pub reading: String,
     /// Root mean square over sd without the cause.
     pub holdout_before: Option<f64>,
-    /// The same with it.
+    /// Root mean square over sd with the cause.
     pub holdout_after: Option<f64>,
 }
 
-/// How far the platform is from where another model has it.
+/// Change of the platform position between two models.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PositionChangeDocument {
     /// Root mean square over the measured poses (m).
     pub rms: Option<f64>,
-    /// 95 % interval of it (m).
+    /// 95 % interval of the root mean square (m).
     pub interval: Option<[f64; 2]>,
-    /// The largest (m).
+    /// Largest change (m).
     pub largest: Option<f64>,
 }
 
@@ -277,22 +277,22 @@ pub struct PoseDocument {
     pub orientation_wxyz: [f64; 4],
 }
 
-/// A kind of reading whose noise is not what robot.json says.
+/// A kind of reading whose noise differs from robot.json.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NoiseDocument {
     /// Kind of reading.
     pub reading: String,
     /// Cable; null for all of them.
     pub target: Option<String>,
-    /// Standard deviation over the one given.
+    /// Estimated standard deviation over the stated one.
     pub ratio: f64,
     /// 95 % interval of the ratio.
     pub interval: [f64; 2],
-    /// Probability of such a ratio if the noise is as given, corrected for the number of tests.
+    /// Probability of such a ratio if the noise is as stated, corrected for the number of tests.
     pub p_value: Option<f64>,
 }
 
-/// An effect that the data cannot show at its typical size.
+/// An effect that the data cannot reveal at its typical size.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct InvisibleDocument {
     /// Effect and targets.
@@ -300,16 +300,16 @@ pub struct InvisibleDocument {
     pub cause: CauseDocument,
     /// Name of the parameter.
     pub parameter: String,
-    /// Its unit.
+    /// Unit of the parameter.
     pub unit: String,
     /// Smallest size that would be found with probability 0.9; null if no size would.
     pub smallest_visible: Option<f64>,
 }
 
-/// The extended model, besides its geometry.
+/// The extended model, except its geometry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ModelDocument {
-    /// All its effects, in the form of a model file.
+    /// All effects of the model, in the form of a model file.
     pub effects: Vec<EffectSetting>,
 }
 

@@ -1,4 +1,4 @@
-//! One finding in words.
+//! A finding in words.
 
 use tautline_core::diagnosis::{Alternative, Finding, FoundParameter, Gain, Verdict};
 
@@ -8,7 +8,7 @@ use crate::wording::units::{significant, unit_of, with_sd};
 use crate::wording::{count, list, ratio};
 
 impl Diagnosed {
-    /// The cause and how certain it is.
+    /// The cause and its certainty.
     #[must_use]
     pub fn heading(&self, finding: &Finding) -> String {
         match finding.verdict {
@@ -20,7 +20,7 @@ impl Diagnosed {
         }
     }
 
-    /// What else it could be, each with its probability; `None` where a cause is named.
+    /// The alternatives, each with its probability; `None` if the cause is named.
     #[must_use]
     pub fn otherwise(&self, finding: &Finding) -> Option<String> {
         if finding.verdict != Verdict::Ambiguous {
@@ -41,20 +41,20 @@ impl Diagnosed {
         ))
     }
 
-    /// What decides between the causes that a finding gives: poses, and what to look at in the workshop.
+    /// How to decide between the causes of a finding: poses to measure, and checks in the workshop.
     #[must_use]
     pub fn decides(&self, finding: &Finding) -> Option<String> {
         if finding.verdict != Verdict::Ambiguous {
             return None;
         }
         let others = finding.alternatives.iter().map(|other| &other.cause);
-        let mut said: Vec<String> = Vec::new();
-        said.extend(finding.separation.iter().map(|s| s.advice.clone()));
+        let mut advice: Vec<String> = Vec::new();
+        advice.extend(finding.separation.iter().map(|s| s.advice.clone()));
         for cause in [&finding.cause].into_iter().chain(others) {
-            said.extend(cause.effect().check().map(str::to_owned));
+            advice.extend(cause.effect().check().map(str::to_owned));
         }
         let mut different: Vec<String> = Vec::new();
-        for text in said {
+        for text in advice {
             if !different.contains(&text) {
                 different.push(text);
             }
@@ -62,7 +62,7 @@ impl Diagnosed {
         (!different.is_empty()).then(|| different.join(" "))
     }
 
-    /// Causes that are possible but not found, in a sentence.
+    /// Possible but not established causes, in a sentence.
     #[must_use]
     pub fn possible_line(&self) -> Option<String> {
         let possible = self.diagnosis.possible.iter();
@@ -72,7 +72,7 @@ impl Diagnosed {
         (!each.is_empty()).then(|| format!("Possible, but not established: {}.", list(&each)))
     }
 
-    /// The values found, where there are any.
+    /// The estimated sizes, if there are any.
     #[must_use]
     pub fn size(&self, parameters: &[FoundParameter]) -> Option<String> {
         let name_each = parameters
@@ -94,7 +94,7 @@ impl Diagnosed {
     }
 }
 
-/// Improvement by a finding: of the prediction and of the robot.
+/// Improvement by a finding, of the prediction and of the robot.
 #[must_use]
 pub fn gain(gain: &Gain) -> String {
     let position = gain.position;
@@ -120,7 +120,7 @@ pub fn gain(gain: &Gain) -> String {
     format!("{readings} {change}; {moved}.")
 }
 
-/// A length in millimetres with as many digits as anyone reads.
+/// A length in millimetres with a sensible number of digits.
 fn short(length_m: f64) -> String {
     format!("{} mm", significant(1e3 * length_m, 2))
 }

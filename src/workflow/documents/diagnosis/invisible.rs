@@ -5,7 +5,7 @@ use tautline_core::diagnosis::Invisible;
 use super::Diagnosed;
 use crate::wording::units::{range, unit_of};
 
-/// All that is invisible of one effect on cables or on the whole robot, in one unit.
+/// Everything that the data cannot reveal of one effect, in one unit.
 struct Group<'a> {
     effect: &'static str,
     unit: &'static str,
@@ -15,7 +15,7 @@ struct Group<'a> {
 
 /// Effects that the data cannot reveal.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Hidden {
+pub struct Undetectable {
     /// Effects with their smallest detectable size.
     pub sized: Vec<String>,
     /// Effects that are not detectable at any size.
@@ -28,19 +28,19 @@ pub const HIDDEN: &str = "These poses cannot reveal the following faults at thei
 impl Diagnosed {
     /// Effects that the data cannot reveal.
     #[must_use]
-    pub fn hidden_effects(&self) -> Hidden {
+    pub fn hidden_effects(&self) -> Undetectable {
         let groups = groups(&self.diagnosis.invisible);
         let has_size = |group: &&Group<'_>| group.sizes().next().is_some();
         let (sized, never): (Vec<_>, Vec<_>) = groups.iter().partition(has_size);
         let mut never: Vec<_> = never.iter().map(|group| group.title()).collect();
         never.dedup();
-        Hidden {
+        Undetectable {
             sized: sized.iter().map(|group| self.line(group)).collect(),
             never,
         }
     }
 
-    /// The same in lines of text, none if there is nothing.
+    /// The same as lines of text; empty if there are none.
     #[must_use]
     pub fn invisible_lines(&self) -> Vec<String> {
         let hidden = self.hidden_effects();
@@ -87,7 +87,7 @@ impl Group<'_> {
         self.members[0].cause.effect().title()
     }
 
-    /// Smallest visible sizes.
+    /// Smallest detectable sizes.
     fn sizes(&self) -> impl Iterator<Item = f64> {
         let sizes = self.members.iter().filter_map(|m| m.smallest_visible);
         sizes.map(f64::abs).filter(|size| size.is_finite())

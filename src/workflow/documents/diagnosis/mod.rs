@@ -18,27 +18,27 @@ use tautline_core::robot::Robot;
 
 pub use document::DiagnosisDocument;
 pub use finding::gain;
-pub use invisible::{HIDDEN, Hidden};
+pub use invisible::{HIDDEN, Undetectable};
 pub use stage::stage;
 pub use verdict::{adequacy, residual_ratio};
 
-/// A diagnosis with what it is about.
+/// A diagnosis with its subject and settings.
 #[derive(Debug)]
 pub struct Diagnosed {
-    /// Robot and measurements, excluded poses left out.
+    /// Robot and measurements, without excluded poses.
     pub dataset: Arc<Dataset>,
-    /// What was found.
+    /// The result.
     pub diagnosis: Diagnosis,
-    /// Probability of a false alarm that was asked for.
+    /// False-alarm probability of the tests.
     pub alpha: f64,
-    /// Time that it took (s).
+    /// Time taken (s).
     pub seconds: f64,
-    /// Time that it was given (s).
+    /// Time limit (s).
     pub limit_s: f64,
 }
 
 impl Diagnosed {
-    /// The robot whose model was examined.
+    /// The robot whose model was diagnosed.
     #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.dataset.robot
@@ -56,7 +56,7 @@ impl Diagnosed {
         index.map(|index| self.robot().cables[index].name.clone())
     }
 
-    /// Names of the cables that a cause is about; none for an effect of the robot, an instrument or all cables
+    /// Names of the cables that a cause acts on; empty for an effect of the robot, an instrument or all cables
     /// together.
     #[must_use]
     pub fn targets(&self, cause: &Cause) -> Vec<String> {

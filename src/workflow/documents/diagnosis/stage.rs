@@ -10,7 +10,7 @@ pub fn stage(stage: Stage) -> &'static str {
         Stage::Discrepancy => "testing the residuals",
         Stage::Scores => "testing every possible cause",
         Stage::Refits => "fitting the likeliest causes",
-        Stage::HeldOut => "testing on poses left out of the fit",
-        Stage::Separation => "looking for poses that tell causes apart",
+        Stage::HeldOut => "testing on held-out poses",
+        Stage::Separation => "searching for poses that separate the causes",
     }
 }

@@ -12,7 +12,7 @@ pub fn residual_ratio(test: &GlobalTest) -> Option<f64> {
     (test.degrees_of_freedom > 0.0).then(|| (test.chi2 / test.degrees_of_freedom).sqrt())
 }
 
-/// Goodness of fit the readings.
+/// Goodness of fit in words.
 #[must_use]
 pub fn adequacy(adequacy: &Adequacy) -> String {
     let test = &adequacy.global;
@@ -64,7 +64,7 @@ impl Diagnosed {
         format!("the model does {not} explain the readings of {poses}. {end}")
     }
 
-    /// Goodness of fit, and what casts doubt on the whole.
+    /// Goodness of fit, and reasons to doubt the result as a whole.
     #[must_use]
     pub fn fit(&self) -> Vec<String> {
         let diagnosis = &self.diagnosis;
@@ -104,7 +104,7 @@ impl Diagnosed {
         )
     }
 
-    /// A dependence that the extended model leaves, in a sentence.
+    /// A dependence that remains with the extended model, in a sentence.
     #[must_use]
     pub fn remaining_line(&self, left: &Discrepancy) -> String {
         let cable = self.cable(left.cable);
@@ -117,7 +117,7 @@ impl Diagnosed {
     }
 }
 
-/// Where robot.json says how much readings scatter.
+/// Field of robot.json that states the noise of a kind of reading.
 fn noise_key(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Length => "winch.length_sd_m",

@@ -25,7 +25,7 @@ pub fn section(input: &ReportInput<'_>) -> Section {
     section
 }
 
-/// Every step of the operator.
+/// All steps of the operator.
 pub fn log(session: &Session) -> Option<Section> {
     if session.log().is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! Accuracy by an external instrument: figures of ISO 9283.
+//! Accuracy measured by an external instrument: figures of ISO 9283.
 
 use tautline_session::{CheckRow, Session, Stage};
 
@@ -8,7 +8,7 @@ use crate::report::document::{Section, Table};
 use crate::wording::units::mm;
 use crate::wording::units::quantity;
 
-/// A run with its figures, or the sentence why there are none.
+/// A run with its figures, or the reason why there are none.
 struct Run {
     name: String,
     stage: Option<Stage>,
@@ -30,7 +30,7 @@ fn runs(session: &Session) -> Vec<Run> {
     verifications.chain(check).collect()
 }
 
-/// Accuracy before and after the adjustment, where both were measured.
+/// Accuracy before and after the adjustment, if both were measured.
 pub fn summary(session: &Session) -> Option<String> {
     let runs = runs(session);
     let last = |stage: Stage| {

@@ -1,4 +1,4 @@
-//! Values that were written to the controller.
+//! Values written to the controller.
 
 use tautline_core::robot::Cable;
 use tautline_session::{Adjustment, Outcome, Session};

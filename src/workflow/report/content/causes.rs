@@ -13,27 +13,27 @@ use crate::wording::probability::{certainty, odds_between, percent};
 use crate::wording::units::{self, significant, unit_of};
 use crate::wording::{count, list, odds, ratio, sentence};
 
-pub fn section(told: &Diagnosed) -> Section {
-    let diagnosis = &told.diagnosis;
+pub fn section(diagnosed: &Diagnosed) -> Section {
+    let diagnosis = &diagnosed.diagnosis;
     let mut section = Section::new("Model diagnosis");
-    for line in told.fit() {
+    for line in diagnosed.fit() {
         section.paragraph(line);
     }
     if diagnosis.findings.is_empty() {
         section.paragraph("No cause was found.");
     }
-    let figures = figures(told);
+    let figures = figures(diagnosed);
     for (index, finding) in diagnosis.findings.iter().enumerate() {
-        self::finding(told, index + 1, finding, &mut section);
+        self::finding(diagnosed, index + 1, finding, &mut section);
         let dependence = of_finding(&diagnosis.discrepancies, finding);
         if let Some((place, figure)) = dependence.and_then(|k| figures.get_key_value(&k)) {
             let found = &diagnosis.discrepancies[*place];
-            let name = match told.cable(found.cable) {
+            let name = match diagnosed.cable(found.cable) {
                 Some(cable) => format!("{} readings of {cable}", sentence(found.quantity.name())),
                 None => format!("{} readings", sentence(found.quantity.name())),
             };
             section.note(format!(
-                "{name} by which this was noticed, and what the findings explain of them."
+                "{name} that revealed this, and the part of them that the findings explain."
             ));
             section
                 .blocks
@@ -41,29 +41,33 @@ pub fn section(told: &Diagnosed) -> Section {
         }
     }
     let remaining = diagnosis.remaining.iter();
-    section.list(remaining.map(|left| told.remaining_line(left)).collect());
-    if let Some(text) = told.possible_line() {
+    section.list(
+        remaining
+            .map(|left| diagnosed.remaining_line(left))
+            .collect(),
+    );
+    if let Some(text) = diagnosed.possible_line() {
         section.note(text);
     }
     section.note(format!(
-        "Probability of a false finding where the model is right: {}.",
-        significant(told.alpha, 2)
+        "Probability of a false finding if the model is right: {}.",
+        significant(diagnosed.alpha, 2)
     ));
     section
 }
 
-fn finding(told: &Diagnosed, number: usize, finding: &Finding, section: &mut Section) {
-    section.heading(format!("{number}. {}", told.heading(finding)));
+fn finding(diagnosed: &Diagnosed, number: usize, finding: &Finding, section: &mut Section) {
+    section.heading(format!("{number}. {}", diagnosed.heading(finding)));
     section.paragraph(finding.sentence.clone());
     match finding.verdict {
         Verdict::Named => {}
-        Verdict::Ambiguous => section.table(candidates(told, finding)),
+        Verdict::Ambiguous => section.table(candidates(diagnosed, finding)),
         Verdict::Unknown => section.paragraph(
             "The residuals depend on something that no effect in the catalogue explains. Its cause is unknown, so no size is given; the geometry was kept free of it.",
         ),
     }
-    section.blocks.push(Block::Facts(facts(told, finding)));
-    if let Some(text) = told.decides(finding) {
+    section.blocks.push(Block::Facts(facts(diagnosed, finding)));
+    if let Some(text) = diagnosed.decides(finding) {
         section.paragraph(format!("What decides between them: {text}"));
     }
     if let Some(separation) = finding.separation.as_ref().filter(|s| !s.poses.is_empty()) {
@@ -71,27 +75,32 @@ fn finding(told: &Diagnosed, number: usize, finding: &Finding, section: &mut Sec
     }
 }
 
-/// The causes that exclude each other with their probabilities.
-fn candidates(told: &Diagnosed, finding: &Finding) -> Table {
+/// The mutually exclusive causes with their probabilities.
+fn candidates(diagnosed: &Diagnosed, finding: &Finding) -> Table {
     let mut table = Table::new(
-        "Causes that these data cannot tell apart; the values below hold for the first".to_owned(),
+        "Causes that these data cannot separate; the values below are those of the first"
+            .to_owned(),
         1,
         &["Cause", "Probability", "Odds of the first against it"],
     );
     let own = percent(finding.probability);
-    table.push([told.title(&finding.cause), own, "-".to_owned()]);
+    table.push([diagnosed.title(&finding.cause), own, "-".to_owned()]);
     for other in &finding.alternatives {
         let odds = odds_between(finding.probability, other.probability);
-        table.push([told.title(&other.cause), percent(other.probability), odds]);
+        table.push([
+            diagnosed.title(&other.cause),
+            percent(other.probability),
+            odds,
+        ]);
     }
     table
 }
 
-fn facts(told: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
+fn facts(diagnosed: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
     let mut facts = Vec::new();
     let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
     if finding.cause.effect().id() != UNKNOWN.id() {
-        if let Some(size) = told.size(&finding.parameters) {
+        if let Some(size) = diagnosed.size(&finding.parameters) {
             add("Size", size);
         }
         let intervals = intervals(&finding.parameters);
@@ -101,7 +110,7 @@ fn facts(told: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
     }
     add("Probability", sentence(&certainty(finding.probability)));
     add("Evidence", sentence(&evidence(finding)));
-    if let Some(text) = runner_up(told, finding) {
+    if let Some(text) = runner_up(diagnosed, finding) {
         add("Runner-up", text);
     }
     add("Improvement", sentence(&gain(&finding.gain)));
@@ -138,12 +147,12 @@ fn evidence(finding: &Finding) -> String {
 }
 
 /// The next best cause.
-fn runner_up(told: &Diagnosed, finding: &Finding) -> Option<String> {
+fn runner_up(diagnosed: &Diagnosed, finding: &Finding) -> Option<String> {
     let rival = finding.evidence.ranking.get(1)?;
     let own = finding.evidence.ranking.first()?;
     Some(format!(
         "{}: chi-square falls by {:.1} instead of {:.1}, held-out residuals are {} instead of {} times the expected noise",
-        told.title(&rival.cause),
+        diagnosed.title(&rival.cause),
         rival.delta_chi2,
         own.delta_chi2,
         ratio(rival.holdout),

@@ -1,4 +1,4 @@
-//! The report of a comparison of two sessions.
+//! Content of the report of a comparison of two sessions.
 
 use tautline_core::comparison::{Comparison, PulleyDifference};
 use tautline_core::estimation::Observation;
@@ -13,7 +13,7 @@ use crate::report::plots;
 use crate::wording::units::{decimals, display_unit, fixed, mm, quantity, significant, with_sd};
 use crate::wording::{count, ratio, sentence};
 
-/// The whole report.
+/// The whole content.
 pub fn document(input: &ComparisonInput<'_>) -> Document {
     let names = input.names;
     let title = match input.choice.title.trim() {
@@ -76,7 +76,7 @@ fn pulleys(input: &ComparisonInput<'_>) -> Section {
     let mut section = Section::new("Pulleys, second less first");
     if let Some(motion) = &input.comparison.motion {
         section.paragraph(format!(
-            "A motion that all pulleys have in common has been removed: a shift of {} and a rotation of {}.",
+            "The motion common to all pulleys has been removed: a shift of {} and a rotation of {}.",
             quantity(motion.shift_m.norm(), "m"),
             quantity(motion.rotation_rad.norm(), "rad")
         ));
@@ -102,7 +102,7 @@ fn pulleys(input: &ComparisonInput<'_>) -> Section {
 fn differences(compared: &Comparison) -> Table {
     let mut table = Table::new(
         format!(
-            "Differences; a pulley is called moved if noise alone would make one in fewer than {} of 100 comparisons",
+            "Differences; a pulley counts as moved if noise alone would cause one in fewer than {} of 100 comparisons",
             significant(100.0 * compared.level, 2)
         ),
         1,
@@ -150,7 +150,7 @@ fn called(pulley: &PulleyDifference) -> &'static str {
     }
 }
 
-/// What else the two have.
+/// Differences of the target plane and effects.
 fn others(compared: &Comparison) -> Section {
     let mut section = Section::new("Other differences");
     let mut table = Table::new(
@@ -164,7 +164,7 @@ fn others(compared: &Comparison) -> Section {
                 let (factor, name) = display_unit(unit);
                 value.map_or_else(
                     || super::NONE.to_owned(),
-                    // With the decimals of the difference, which is to be seen.
+                    // With the decimals of the difference, so that it can be seen.
                     |value| match factor * size.sd {
                         sd if sd.is_finite() && sd > 0.0 => {
                             let value = fixed(factor * value, decimals(sd));

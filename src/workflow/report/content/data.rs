@@ -48,7 +48,7 @@ fn left_out(session: &Session) -> String {
     }
 }
 
-/// Smallest and largest of what was measured.
+/// Smallest and largest of the measured values.
 fn range(values: &[f64]) -> Option<[f64; 2]> {
     let finite = || values.iter().copied().filter(|v| v.is_finite());
     let least = finite().reduce(f64::min)?;

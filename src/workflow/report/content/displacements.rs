@@ -1,4 +1,4 @@
-//! Displacements of the pulleys from the drawing: drawn, and judged by a tolerance.
+//! Displacements of the pulleys from the drawing, as drawings and judged against a tolerance.
 
 use nalgebra::Vector3;
 
@@ -10,7 +10,7 @@ use crate::report::tolerance::Conformity;
 use crate::wording::units::{mm, significant};
 use crate::wording::{count, list};
 
-/// The displacement of each pulley; those that are not within the tolerance stand out.
+/// The displacement of each pulley; those not within the tolerance are highlighted.
 fn deviations(fit: &Identification, tolerance_m: Option<f64>) -> Vec<Deviation> {
     let found = fit.solution.globals.entry_points.iter();
     let nominal = fit.dataset.robot.cables.iter();
@@ -36,13 +36,13 @@ fn conformity(deviation: &Deviation, tolerance_m: f64) -> Conformity {
     Conformity::of(deviation.by.norm(), deviation.uncertainty_m(), tolerance_m)
 }
 
-/// Three views and the coordinates with their intervals.
+/// Three views, and the coordinates with their intervals.
 pub fn drawn(fit: &Identification, tolerance_m: Option<f64>, section: &mut Section) {
     let pulleys = deviations(fit, tolerance_m);
     draw(&pulleys, "on the drawing", tolerance_m, section);
 }
 
-/// The same of any displacements; `before` says where the pulleys were before.
+/// The same for any displacements; `before` states the positions that they start from.
 pub fn draw(pulleys: &[Deviation], before: &str, tolerance_m: Option<f64>, section: &mut Section) {
     let (views, magnification) = views(pulleys);
     section.heading("Displacements of the pulleys");
@@ -57,12 +57,12 @@ pub fn draw(pulleys: &[Deviation], before: &str, tolerance_m: Option<f64>, secti
         .push(Block::Plots(vec![coordinates(pulleys, tolerance_m)]));
 }
 
-/// The verdict by a tolerance in a sentence, and pulley by pulley.
+/// The verdict for a tolerance in a sentence, and for each pulley.
 pub fn judged(fit: &Identification, tolerance_m: f64, section: &mut Section) {
     let limit = format!("{} mm", significant(1e3 * tolerance_m, 3));
     if !FitVerdict::of(fit.solution.p_value()).holds() || !fit.solution.converged() {
         section.lead(format!(
-            "No pulley is judged by the tolerance of {limit}: the model does not explain the data, so the uncertainties do not hold."
+            "No pulley is judged by the tolerance of {limit}: the model does not explain the data, so the uncertainties are not valid."
         ));
         return;
     }

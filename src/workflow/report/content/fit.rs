@@ -1,4 +1,4 @@
-//! How well the model explains the readings.
+//! Goodness of fit.
 
 use tautline_core::diagnosis::Quantity;
 use tautline_core::estimation::{Observation, ObservationKind};
@@ -13,7 +13,7 @@ use crate::report::plots;
 use crate::wording::units::{display_unit, quantity};
 use crate::wording::{odds, ratio, sentence};
 
-/// Most suspect readings that are listed.
+/// Largest number of suspect readings listed.
 const SUSPECTS: usize = 12;
 
 pub fn section(fit: &Identification, diagnosed: Option<&Diagnosed>) -> Section {

@@ -8,11 +8,11 @@ use crate::report::document::{Section, Table};
 use crate::wording::sentence;
 use crate::wording::units::{decimals, display_unit};
 
-/// Correlations above this are listed.
+/// Correlations above this magnitude are listed.
 const CORRELATED: f64 = 0.9;
-/// Most correlations that are listed.
+/// Largest number of correlations listed.
 const LISTED: usize = 10;
-/// Most decimals that are shown.
+/// Largest number of decimals shown.
 const FINEST: usize = 4;
 
 pub fn section(fit: &Identification, tolerance_m: Option<f64>) -> Section {
@@ -31,7 +31,7 @@ pub fn section(fit: &Identification, tolerance_m: Option<f64>) -> Section {
     section
 }
 
-/// Decimals for standard deviations (in the unit of the table): those of the middle one.
+/// Number of decimals for standard deviations (in the unit of the table), from their median.
 fn common_decimals(sds: impl Iterator<Item = f64>) -> usize {
     let mut sds: Vec<f64> = sds.filter(|sd| sd.is_finite() && *sd > 0.0).collect();
     sds.sort_by(f64::total_cmp);
@@ -39,7 +39,7 @@ fn common_decimals(sds: impl Iterator<Item = f64>) -> usize {
         .map_or(2, |sd| decimals(*sd).min(FINEST))
 }
 
-/// Standard deviation of a parameter; `None` where the data do not determine it.
+/// Standard deviation of a parameter; `None` if the data do not determine it.
 fn sd(fit: &Identification, id: &ParameterId) -> Option<f64> {
     let index = fit.solution.parameters.iter().position(|p| p.id == *id)?;
     fit.solution.standard_deviation(index)
@@ -154,7 +154,7 @@ fn correlations(fit: &Identification, section: &mut Section) {
     };
     let mut table = Table::new(
         format!(
-            "Strong correlations ({which}): such values are known better in combination than one by one"
+            "Strong correlations ({which}): such values are known better in combination than individually"
         ),
         2,
         &["Parameter", "and", "correlation"],

@@ -1,4 +1,4 @@
-//! The instruments with their uncertainties, and who signs.
+//! The instruments with their uncertainties, and the signatures.
 
 use tautline_core::robot::Robot;
 
@@ -10,9 +10,9 @@ use crate::wording::units::{mm, quantity, significant};
 
 pub fn section(robot: &Robot) -> Section {
     let mut section = Section::new("Instruments");
-    section.paragraph("Standard deviations as the description of the robot states them. Serial numbers and dates of calibration are to be filled in.");
+    section.paragraph("Standard deviations as stated in the robot's description. Serial numbers and dates of calibration are to be filled in.");
     let mut table = Table::new(
-        "What was read, and how exactly",
+        "Readings and their standard deviations",
         2,
         &[
             "Instrument",
@@ -92,7 +92,7 @@ fn instruments(robot: &Robot) -> Vec<Instrument> {
     all
 }
 
-/// One number where all are equal, else the least and the greatest.
+/// One number if all are equal, else the smallest and the largest.
 fn span(values: Vec<f64>, unit: &str) -> String {
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -106,7 +106,7 @@ fn span(values: Vec<f64>, unit: &str) -> String {
     }
 }
 
-/// What a tolerance says of the pulleys, and lines to sign.
+/// The tolerance, and lines for signatures.
 pub fn signatures(input: &ReportInput<'_>) -> Section {
     let mut section = Section::new("Signatures");
     let operator = input.choice.operator.trim();

@@ -1,4 +1,4 @@
-//! What the data do not determine, and the assumptions.
+//! Undetermined parameters and assumptions.
 
 use tautline_core::robot::Robot;
 
@@ -36,7 +36,7 @@ pub fn section(input: &ReportInput<'_>) -> Section {
             }
         }
         None => section.paragraph(
-            "The model was not diagnosed: faults that look like a displaced pulley may have gone into the values.",
+            "The model was not diagnosed: faults that look like a displaced pulley may have affected the values.",
         ),
     }
     section.paragraph("Assumptions:");
@@ -64,7 +64,7 @@ fn assumptions(robot: &Robot, input: &ReportInput<'_>) -> Vec<String> {
     let is_read = !input.session.measurements.force_n.is_empty();
     if let (false, Some(limits)) = (is_read, robot.unread_tension()) {
         all.push(format!(
-            "Tensions, which were not measured, are those that hold the platform closest to {:.0} N, between {:.0} N and {:.0} N.",
+            "Tensions, which were not measured, are those closest to {:.0} N that balance the platform, between {:.0} N and {:.0} N.",
             limits.reference_n, limits.lower_n, limits.upper_n
         ));
     }

@@ -38,7 +38,7 @@ pub fn section(session: &Session, fit: &Identification) -> Section {
     }
     let solution = &fit.solution;
     section.note(format!(
-        "Weighted least squares (Gauss-Newton with a trust region, poses eliminated one by one): {}, {}, chi-square {:.1} for {:.0} degrees of freedom, {}.",
+        "Weighted least squares (Gauss-Newton with a trust region, poses eliminated): {}, {}, chi-square {:.1} for {:.0} degrees of freedom, {}.",
         count(solution.parameters.len(), "common parameter"),
         count(solution.poses.len(), "pose"),
         solution.chi2,

@@ -1,4 +1,4 @@
-//! The content of a report, part by part: words for the technician first, then figures for the engineer.
+//! The content of a report, part by part: sentences for the technician first, then figures for the engineer.
 
 mod about;
 mod accuracy;
@@ -21,10 +21,10 @@ use super::input::ReportInput;
 use crate::wording::local_time::with_offset as when;
 use crate::wording::units;
 
-/// Shown in place of a missing number.
+/// Placeholder of a missing number.
 const NONE: &str = "–";
 
-/// The whole report.
+/// The whole content.
 pub fn document(input: &ReportInput<'_>) -> Document {
     let session = input.session;
     let sections = [
@@ -88,12 +88,12 @@ fn head(input: &ReportInput<'_>) -> Vec<String> {
     lines
 }
 
-/// A number with a typographic minus; what rounds to zero has no sign.
+/// A number with a typographic minus; zero after rounding has no sign.
 fn number(value: f64, decimals: usize) -> String {
     units::fixed(value, decimals).replace('-', "−")
 }
 
-/// The same with a plus where it is positive.
+/// A number with a sign, plus included.
 fn signed(value: f64, decimals: usize) -> String {
     units::signed(value, decimals).replace('-', "−")
 }

@@ -11,7 +11,7 @@ use crate::report::input::ReportInput;
 use crate::wording::count;
 use crate::wording::units::quantity;
 
-/// Probability below which the model is said not to explain the data.
+/// Probability below which the model does not explain the data.
 const DOUBT: f64 = 0.01;
 
 pub fn section(input: &ReportInput<'_>) -> Section {
@@ -63,10 +63,8 @@ pub fn section(input: &ReportInput<'_>) -> Section {
 
 fn nothing(session: &Session) -> String {
     match session.measurements.len() {
-        0 => {
-            "No pose has been measured yet: this report describes the robot and what was prepared."
-                .to_owned()
-        }
+        0 => "No pose has been measured yet: this report describes the robot and the preparations."
+            .to_owned(),
         poses => format!("{} measured, nothing identified yet.", count(poses, "pose")),
     }
 }

@@ -1,4 +1,4 @@
-//! The robot as the drawings describe it.
+//! The robot as described by the drawings.
 
 use tautline_core::robot::Robot;
 
@@ -49,7 +49,7 @@ fn facts(robot: &Robot) -> Vec<(String, String)> {
     facts
 }
 
-/// Instruments with their noise.
+/// Instruments with their standard deviations.
 fn instruments(robot: &Robot) -> String {
     let mut all = vec!["winch encoders".to_owned()];
     let sensors = robot.cables.iter().filter(|c| c.force_sensor.is_some());

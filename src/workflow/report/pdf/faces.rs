@@ -1,4 +1,4 @@
-//! The two weights of the font: widths and glyphs of a line of text.
+//! The two font weights: widths and glyphs of a line of text.
 
 use harfrust::{Direction, FontRef, ShapeOptions, ShaperData, UnicodeBuffer};
 use krilla::text::{Font, GlyphId, KrillaGlyph};
@@ -8,7 +8,7 @@ use crate::fonts;
 
 /// One weight.
 pub struct Face {
-    /// As the PDF embeds it.
+    /// The font embedded in the PDF.
     pub font: Font,
     reference: FontRef<'static>,
     shaping: ShaperData,
@@ -29,7 +29,7 @@ impl Faces {
         })
     }
 
-    /// One of them.
+    /// One of the weights.
     pub fn get(&self, bold: bool) -> &Face {
         if bold { &self.strong } else { &self.regular }
     }
@@ -52,7 +52,7 @@ impl Face {
         })
     }
 
-    /// Glyphs from left to right, lengths in sizes of the font.
+    /// Glyphs from left to right, with lengths relative to the font size.
     pub fn glyphs(&self, text: &str) -> Vec<KrillaGlyph> {
         let shaper = self.shaping.shaper(&self.reference).build();
         let mut buffer = UnicodeBuffer::new();
@@ -70,7 +70,7 @@ impl Face {
         let glyphs = infos.iter().zip(shaped.glyph_positions()).enumerate();
         glyphs
             .map(|(k, (info, position))| {
-                // Glyphs of one cluster stand for the same text.
+                // Glyphs of one cluster represent the same text.
                 let end = (k + 1..=infos.len()).map(start).find(|end| *end > start(k));
                 KrillaGlyph::new(
                     GlyphId::new(info.glyph_id),

@@ -1,4 +1,4 @@
-//! Layout of the pages.
+//! Page layout.
 
 use std::io::Cursor;
 
@@ -21,17 +21,17 @@ pub const LEFT: f64 = 0.5 * (PAGE[0] - WIDTH);
 const TOP: f64 = 54.0;
 /// Lower edge of the text (pt).
 pub const BOTTOM: f64 = PAGE[1] - 60.0;
-/// Space between plots that stand side by side (pt).
+/// Space between plots side by side (pt).
 const GAP: f64 = 12.0;
 /// Largest height of a picture (pt).
 const PICTURE_HEIGHT: f64 = 270.0;
-/// Room for a signature above its line (pt).
+/// Space for a signature above its line (pt).
 const SIGNATURE: f64 = 44.0;
 /// Space that must remain below a heading on the same page (pt).
 const BELOW_HEADING: f64 = 72.0;
 
 /// A picture on a page.
-pub struct Placed {
+pub struct PlacedPicture {
     /// PNG.
     pub png: Vec<u8>,
     /// Upper left corner (pt).
@@ -46,12 +46,12 @@ pub struct Page {
     /// Shapes, the lowest first.
     pub shapes: Vec<Shape>,
     /// Pictures.
-    pub pictures: Vec<Placed>,
+    pub pictures: Vec<PlacedPicture>,
 }
 
-/// A heading with its place, for the outline.
-pub struct Mark {
-    /// What it says.
+/// A heading with its position, for the outline.
+pub struct OutlineEntry {
+    /// The heading.
     pub title: String,
     /// Page, from 0.
     pub page: usize,
@@ -64,7 +64,7 @@ pub struct Mark {
 pub struct Style {
     /// Size of the font (pt).
     pub size: f64,
-    /// Distance of the lines (pt).
+    /// Line spacing (pt).
     pub leading: f64,
     /// Whether it is bold.
     pub bold: bool,
@@ -98,8 +98,8 @@ pub struct Layout<'a> {
     /// The pages so far.
     pub pages: Vec<Page>,
     /// Headings so far.
-    pub marks: Vec<Mark>,
-    /// Where the next block begins (pt).
+    pub marks: Vec<OutlineEntry>,
+    /// Upper edge of the next block (pt).
     pub y: f64,
 }
 
@@ -135,20 +135,20 @@ impl<'a> Layout<'a> {
         &mut self.pages[last]
     }
 
-    /// Begins a new page.
+    /// Starts a new page.
     pub fn turn(&mut self) {
         self.pages.push(Page::default());
         self.y = TOP;
     }
 
-    /// Begins a new page unless there is room for this height.
+    /// Starts a new page unless there is room for this height.
     pub fn reserve(&mut self, height: f64) {
         if self.y + height > BOTTOM && self.y > TOP {
             self.turn();
         }
     }
 
-    /// Space before a block, none at the top of a page.
+    /// Adds space before a block, except at the top of a page.
     fn space(&mut self, height: f64) {
         if self.y > TOP {
             self.y += height;
@@ -158,7 +158,7 @@ impl<'a> Layout<'a> {
     fn section(&mut self, section: &Section) {
         self.space(20.0);
         self.reserve(SECTION.leading + BELOW_HEADING);
-        self.marks.push(Mark {
+        self.marks.push(OutlineEntry {
             title: section.title.clone(),
             page: self.pages.len() - 1,
             y: self.y,
@@ -173,7 +173,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Lays out a block; `after` follow it.
+    /// Lays out a block that is followed by `after`.
     fn block(&mut self, block: &Block, after: &[Block]) {
         match block {
             Block::Heading(text) => {
@@ -194,7 +194,7 @@ impl<'a> Layout<'a> {
             Block::Signatures(lines) => self.signatures(lines),
             Block::Picture { png, caption } => self.picture(png, caption),
         }
-        // A lead belongs to the block below it.
+        // A lead stays with the block below it.
         if matches!(block, Block::Lead(_)) && !after.is_empty() {
             self.y += 1.0;
         }
@@ -205,7 +205,7 @@ impl<'a> Layout<'a> {
         self.text(text, style, 0.0);
     }
 
-    /// Lines of text from the left edge; at least two lines of a paragraph stay together.
+    /// Lays out text in lines; at least two lines of a paragraph stay together.
     fn text(&mut self, text: &str, style: Style, indent: f64) {
         let lines = wrap(self.faces, text, style.size, style.bold, WIDTH - indent);
         let count = lines.len();
@@ -221,7 +221,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// One line of text in the line that begins here.
+    /// Places one line of text at the current height.
     pub fn line(&mut self, text: String, style: Style, x: f64, anchor: Anchor) {
         let baseline = self.y + 0.5 * style.leading + 0.36 * style.size;
         self.page().shapes.push(Shape::Text {
@@ -291,7 +291,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Lines to sign on, side by side.
+    /// Lays out lines for signatures side by side.
     fn signatures(&mut self, lines: &[(String, String)]) {
         let count = lines.len().max(1) as f64;
         let width = (WIDTH - (count - 1.0) * 2.0 * GAP) / count;
@@ -317,7 +317,7 @@ impl<'a> Layout<'a> {
         self.space(8.0);
         self.reserve(size[1] + SMALL.leading);
         let at = [LEFT, self.y];
-        self.page().pictures.push(Placed {
+        self.page().pictures.push(PlacedPicture {
             png: png.to_vec(),
             at,
             size,
@@ -327,13 +327,13 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// Height that a heading needs below it (pt): plots stay with it and the note between them.
+/// Height to reserve below a heading (pt): plots stay with it, and the note between them.
 fn below_heading(after: &[Block]) -> f64 {
     let first = |plots: &[Drawing]| plots.first().map_or(0.0, |plot| plot.size[1]);
     match after {
         [Block::Plots(plots), ..] => 8.0 + first(plots),
         [Block::Note(_), Block::Plots(plots), ..] => {
-            // A note has three lines at most.
+            // A note has at most three lines.
             13.0 + 3.0 * SMALL.leading + first(plots)
         }
         _ => BELOW_HEADING,

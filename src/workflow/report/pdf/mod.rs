@@ -1,4 +1,4 @@
-//! A report as PDF: A4, numbered pages, an outline of the headings, text that can be selected, plots as vectors.
+//! A report as PDF: A4 with page numbers, an outline, selectable text and vector plots.
 
 mod faces;
 mod layout;
@@ -21,24 +21,24 @@ use crate::plot::drawing::{Anchor, Shape};
 use faces::Faces;
 use layout::{BOTTOM, LEFT, Layout, PAGE, Page, WIDTH};
 
-/// Why there is no PDF.
+/// Errors of creating a PDF.
 #[derive(Debug, thiserror::Error)]
 pub enum PdfError {
-    /// A font of the program cannot be used.
+    /// A built-in font cannot be used.
     #[error("the fonts of the program cannot be read")]
     Font,
-    /// The picture is no PNG.
+    /// The picture is not a PNG.
     #[error("the picture of the robot cannot be read: {0}")]
     Picture(String),
-    /// The library refused.
-    #[error("the PDF cannot be made: {0}")]
+    /// The PDF library failed.
+    #[error("the PDF cannot be created: {0}")]
     Library(String),
 }
 
-/// The report as bytes of a PDF file.
+/// Renders the report as the bytes of a PDF file.
 ///
 /// # Errors
-/// If the picture is no PNG.
+/// If the picture is not a PNG.
 pub fn render(document: &Document, now: Timestamp) -> Result<Vec<u8>, PdfError> {
     let faces = Faces::new()?;
     let Layout {
@@ -88,7 +88,7 @@ fn draw(pdf: &mut Pdf, page: &Page, faces: &Faces) -> Result<(), PdfError> {
     Ok(())
 }
 
-/// Title and number of the page.
+/// Title and page number.
 fn footer(title: &str, number: usize, count: usize) -> [Shape; 2] {
     let text = |x: f64, anchor, text: String| Shape::Text {
         at: [x, BOTTOM + 30.0],
@@ -121,7 +121,7 @@ fn date(now: Timestamp) -> DateTime {
         .utc_offset_hour(0)
 }
 
-/// Insists that every line of text and every shape is inside of the margins.
+/// Asserts that every line of text and every shape is inside the margins.
 #[cfg(test)]
 pub fn assert_on_pages(document: &Document) {
     let faces = Faces::new().expect("fonts");

@@ -10,10 +10,10 @@ use krilla::surface::Surface;
 
 use super::PdfError;
 use super::faces::Faces;
-use super::layout::Placed;
+use super::layout::PlacedPicture;
 use crate::plot::drawing::{Anchor, Shape};
 
-/// Handle of a quarter of a circle as a cubic curve.
+/// Control point distance of a cubic Bezier curve for a quarter circle.
 const ARC: f64 = 0.552_284_75;
 
 /// A colour and its opacity.
@@ -90,7 +90,7 @@ pub fn shape(surface: &mut Surface<'_>, shape: &Shape, faces: &Faces) {
     let path = match shape {
         Shape::Clip(None) => return surface.pop(),
         Shape::Clip(Some([at, size])) => {
-            // Without a path nothing is clipped, but what ends the clip needs something to end.
+            // Without a path nothing is clipped, but the end of the clip needs a counterpart.
             match rectangle(*at, *size) {
                 Some(path) => surface.push_clip_path(&path, &FillRule::NonZero),
                 None => surface.push_transform(&Transform::identity()),
@@ -154,7 +154,7 @@ pub fn shape(surface: &mut Surface<'_>, shape: &Shape, faces: &Faces) {
 }
 
 /// Draws a picture.
-pub fn picture(surface: &mut Surface<'_>, placed: &Placed) -> Result<(), PdfError> {
+pub fn picture(surface: &mut Surface<'_>, placed: &PlacedPicture) -> Result<(), PdfError> {
     let image = Image::from_png(placed.png.clone().into(), true).map_err(PdfError::Picture)?;
     let [width, height] = placed.size.map(|v| v as f32);
     if let Some(size) = Size::from_wh(width, height) {

@@ -1,4 +1,4 @@
-//! Tables on pages: as wide as they need, text broken where there is no room, the heading again on every page.
+//! Tables on pages: as wide as needed, text wrapped where there is no room, the heading repeated on every page.
 
 use super::layout::{LEFT, Layout, SMALL, Style, WIDTH};
 use super::wrap::wrap;
@@ -10,11 +10,11 @@ use crate::report::document::{Align, Table};
 const PADDING: f64 = 5.0;
 /// Space above and below the text of a row (pt).
 const ROW_SPACE: f64 = 1.5;
-/// Narrowest column of text that breaks (pt).
+/// Smallest width of a column of wrapped text (pt).
 const NARROWEST: f64 = 56.0;
-/// Height below which a table is not broken (pt).
+/// Height below which a table is kept on one page (pt).
 const KEPT_WHOLE: f64 = 180.0;
-/// Rows that stay with the heading.
+/// Number of rows that stay with the heading.
 const WITH_HEADING: usize = 2;
 
 const CELL: Style = Style {
@@ -30,7 +30,7 @@ const HEAD: Style = Style {
     colour: colours::MUTED,
 };
 
-/// Cells of a row in lines.
+/// Cells of a row, as lines.
 type Lines = Vec<Vec<String>>;
 
 impl Layout<'_> {
@@ -77,7 +77,7 @@ impl Layout<'_> {
         self.row(table, &widths, &headings, head);
         for (k, row) in rows.iter().enumerate() {
             let page = self.pages.len();
-            // The last row is not alone on its page.
+            // The last row must not be alone on its page.
             let together = rows[k..]
                 .iter()
                 .take(if k + 2 == rows.len() { 2 } else { 1 });
@@ -90,7 +90,7 @@ impl Layout<'_> {
         self.y += 2.0;
     }
 
-    /// Width of each column, and by what the font has to shrink.
+    /// Width of each column, and the factor by which the font shrinks.
     fn widths(&self, table: &Table) -> (Vec<f64>, f64) {
         let head_width = |text: &str| self.faces.width(text, HEAD.size, HEAD.bold);
         let natural = |k: usize, breaks: bool| {
@@ -113,7 +113,7 @@ impl Layout<'_> {
             widths = all(true);
         }
         let mut excess = widths.iter().sum::<f64>() - WIDTH;
-        // Headings of numbers break first, then the widest text gives way.
+        // Headings of number columns wrap first, then the widest text column is narrowed.
         while excess > 0.0 {
             let texts = (0..widths.len()).filter(|k| table.columns[*k].1 == Align::Left);
             let widest = texts.max_by(|a, b| widths[*a].total_cmp(&widths[*b]));

@@ -1,4 +1,4 @@
-//! Lines of text that fit a width.
+//! Line wrapping.
 
 use super::faces::Faces;
 
@@ -7,7 +7,7 @@ fn is_gap(letter: char) -> bool {
     letter.is_whitespace() && letter != '\u{a0}'
 }
 
-/// Breaks text at spaces; a word that is wider than the width is broken where it must be.
+/// Wraps text at spaces; a word wider than the line is broken where necessary.
 pub fn wrap(faces: &Faces, text: &str, size: f64, bold: bool, width: f64) -> Vec<String> {
     let fits = |text: &str| faces.width(text, size, bold) <= width;
     let mut lines = Vec::new();
@@ -35,7 +35,7 @@ pub fn wrap(faces: &Faces, text: &str, size: f64, bold: bool, width: f64) -> Vec
     lines
 }
 
-/// A word in pieces that fit.
+/// Pieces of a word that fit.
 fn broken(word: &str, fits: &dyn Fn(&str) -> bool) -> Vec<String> {
     if fits(word) {
         return vec![word.to_owned()];

@@ -60,7 +60,7 @@ fn topics_are_those_of_the_same_recording_of_ros_2() {
         source.notices,
         [
             "a.bag: topic \"/camera\": images, left out",
-            "a.bag: topic \"/rosout\": messages of the programs, left out",
+            "a.bag: topic \"/rosout\": log messages, left out",
             "a.bag: topic \"/scan\": \"ranges\", a list of more than 64, left out",
         ]
     );
@@ -75,8 +75,8 @@ fn topics_are_those_of_the_same_recording_of_ros_2() {
     assert_eq!(
         source.notices,
         [
-            "b.bag: topic \"/trigger\": messages of the type \"std_msgs/Empty\", of which no field is known, left out",
-            "b.bag: topic \"/cable_forces\": what its first message does not have, left out",
+            "b.bag: topic \"/trigger\": messages of the type \"std_msgs/Empty\", whose fields are unknown, left out",
+            "b.bag: topic \"/cable_forces\": fields that its first message does not have, left out",
         ]
     );
 }
@@ -90,7 +90,7 @@ fn a_bag_that_was_not_closed_is_read_as_far_as_it_goes() {
     assert_eq!(names(joints)[3], "position[winch_4]");
     let last = &joints.channels[3].values;
     assert_eq!((last.at(0), last.at(10)), (3.0, -7.0));
-    let told = "has no end: the recorder was stopped, or the file was cut off; it is read as far as it goes";
+    let told = "has no end: the recorder was stopped, or the file was cut off; it is read as far as possible";
     assert_eq!(source.notices, [format!("a.bag: {told}")]);
     for (name, part) in [("bz2.bag", "/range"), ("lz4.bag", "/ee/wrench")] {
         let whole = seed(name);
@@ -131,7 +131,7 @@ fn damaged_chunks_are_told() {
     assert_eq!(
         source.notices,
         [
-            "a.bag: 1 of its chunks are damaged; their messages are read as far as they go, and may be wrong"
+            "a.bag: 1 of its chunks are damaged; their messages are read as far as possible and may be wrong"
         ]
     );
 }
@@ -166,7 +166,7 @@ fn bags_that_are_not_read() {
     for (bytes, part) in [
         (
             bag(b"xz", &records),
-            "a.bag: uses what is not read (compression \"xz\")",
+            "a.bag: uses an unsupported compression (\"xz\")",
         ),
         (
             encrypted,
@@ -174,7 +174,7 @@ fn bags_that_are_not_read() {
         ),
         (
             bag(b"none", &unknown),
-            "found no topic with readings (topic \"/a\": its type has wstring, left out)",
+            "found no topic with readings (topic \"/a\": its type contains wstring, left out)",
         ),
         (
             bag(b"none", b""),

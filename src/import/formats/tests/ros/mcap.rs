@@ -111,7 +111,7 @@ fn lists_have_the_columns_of_the_first_message() {
     );
     assert_eq!(
         source.notices,
-        ["a.mcap: topic \"/cable_forces\": what its first message does not have, left out"]
+        ["a.mcap: topic \"/cable_forces\": fields that its first message does not have, left out"]
     );
 }
 
@@ -124,7 +124,7 @@ fn a_recording_without_its_end_is_read_as_far_as_it_goes() {
     assert_eq!(
         source.notices,
         [
-            "a.mcap: has no end: the recorder was stopped, or the file was cut off; it is read as far as it goes"
+            "a.mcap: has no end: the recorder was stopped, or the file was cut off; it is read as far as possible"
         ]
     );
     // In the middle of a compressed chunk, too.
@@ -212,7 +212,7 @@ fn quantities_are_proposed_by_names_and_topics() {
             "laser_m is range ",
         ]
     );
-    assert!(notices[0].contains("usage of ROS"), "{notices:?}");
+    assert!(notices[0].contains("conventions of ROS"), "{notices:?}");
     let (said, _) = proposed("lz4.mcap");
     assert_eq!(
         said,

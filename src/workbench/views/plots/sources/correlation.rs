@@ -3,7 +3,7 @@
 use tautline_core::estimation::{Parameter, ParameterId};
 
 use tautline_workflow::identification::Identification;
-use tautline_workflow::plot::figure::{Axis, Figure, Heat, Shades};
+use tautline_workflow::plot::figure::{Axis, ColourScale, Figure, HeatMap};
 
 /// Cable that a parameter belongs to.
 fn cable_of(parameter: &Parameter) -> Option<usize> {
@@ -61,11 +61,11 @@ pub fn figure(fit: &Identification) -> Figure {
             ..Axis::new("Parameter", "")
         },
         y,
-        heat: Some(Heat {
+        heat: Some(HeatMap {
             x: edges,
             y: down,
             values,
-            shades: Shades::Diverging(1.0),
+            shades: ColourScale::Diverging(1.0),
             axis: Axis::new("Correlation", ""),
             names: [names.clone(), names.into_iter().rev().collect()],
             cables: parameters.iter().rev().map(cable_of).collect(),

@@ -5,7 +5,7 @@ use tautline_session::Session;
 
 use tautline_workflow::plot::contour::contours;
 use tautline_workflow::plot::figure::{
-    Axis, Curve, Figure, Heat, Ink, Marker, Point, Series, Shades,
+    Axis, ColourScale, Curve, Figure, HeatMap, Ink, Marker, Point, Series,
 };
 use tautline_workflow::plot::scale::{fixed, ticks};
 
@@ -58,7 +58,7 @@ pub fn figure(session: &Session, cable: Option<usize>) -> Figure {
     figure
 }
 
-fn heat(surface: &ElongationSurface) -> Heat {
+fn heat(surface: &ElongationSurface) -> HeatMap {
     let edges = |center: f64, scale: f64| -> Vec<f64> {
         (0..=CELLS)
             .map(|k| center + scale * (2.0 * k as f64 / CELLS as f64 - 1.0))
@@ -75,11 +75,11 @@ fn heat(surface: &ElongationSurface) -> Heat {
     }
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    Heat {
+    HeatMap {
         x,
         y,
         values,
-        shades: Shades::Rising(least, greatest.max(least + 1e-9)),
+        shades: ColourScale::Rising(least, greatest.max(least + 1e-9)),
         axis: Axis::new("Elongation", "mm"),
         names: Default::default(),
         cables: Vec::new(),
@@ -87,8 +87,8 @@ fn heat(surface: &ElongationSurface) -> Heat {
 }
 
 /// Lines of equal elongation at round values.
-fn lines(heat: &Heat) -> Vec<Curve> {
-    let Shades::Rising(low, high) = heat.shades else {
+fn lines(heat: &HeatMap) -> Vec<Curve> {
+    let ColourScale::Rising(low, high) = heat.shades else {
         return Vec::new();
     };
     let levels = ticks(&heat.axis, [low, high], 8);
