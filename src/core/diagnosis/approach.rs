@@ -1,4 +1,4 @@
-//! The way to a fit that explains most, where chi-square is far from what noise makes.
+//! Stepwise nonlinear fits for data whose chi-square is far above its degrees of freedom.
 
 use std::collections::HashMap;
 
@@ -13,13 +13,14 @@ use super::search::{Search, Set, Visited};
 use super::{DiagnosisOptions, Stage};
 use crate::estimation::EstimationError;
 
-/// Chi-square per degree of freedom from which it is far.
+/// Chi-square per degree of freedom above which sets are compared by full fits rather than in the linearised problem.
 const DOMINATED: f64 = 5.0;
-/// Sets that are fitted at each step: the best, and the best of each kind with one cause more.
+/// Number of sets that are fitted in each step: the best ones, and the best of each kind that has one cause more.
 const MOST_CONTINUED: usize = 5;
 const MOST_EXTENSIONS: usize = 8;
 
-/// The best sets, and the best with so many causes, one for each effect on one cable, on all and on each.
+/// The best sets, and for variety the best set with `count` causes of each kind. The kind is that of the last cause:
+/// its effect, and whether it acts on one cable, on all alike or on each with its own value.
 fn diverse(
     candidates: &[Candidate],
     visited: &HashMap<Set, Visited>,
@@ -56,8 +57,9 @@ fn diverse(
     found
 }
 
-/// Takes in what explains most of chi-square where that is far from what noise makes: there all is nonlinear, so that
-/// each kind of cause is worth a fit, and the noise is as large as what is left.
+/// Adds the causes that explain most of chi-square, one per step, as long as chi-square is far above its degrees of
+/// freedom. The linear comparison is useless there, so one cause of each kind is fitted, with noise of the size of the
+/// residuals.
 pub(super) fn approach<'a>(
     from: Fit<'a>,
     seen: &mut Option<Vec<Visibility>>,
@@ -87,7 +89,8 @@ pub(super) fn approach<'a>(
         search.drop_from_all();
         let visited = search.visited;
         let price = (at.linear.conditions.count as f64).ln();
-        // Noise of the size of what is left, a price for each parameter (Schwarz 1978) and the prior of the set.
+        // Log-likelihood with the noise scaled to the residuals, with the BIC penalty for parameters (Schwarz 1978) and
+        // the prior of the set.
         let score = |fit: &Fit<'_>, members: &[Member]| {
             let freedom = fit.solution.degrees_of_freedom.max(1.0);
             let likelihood = freedom * (fit.solution.chi2 / freedom).max(1.0).ln();

@@ -1,11 +1,11 @@
-//! Mild model error that no cause explains: for the readings of each class a smooth function, part of the noise.
+//! Mild model error that no cause explains: a smooth random function for the readings of each class, treated as noise.
 //!
-//! The functions are polynomials of second and third degree of the position, waves over time and products with the
-//! tension, orthonormal over the poses. What an effect of the catalogue expresses is taken out of them: constants,
-//! linear functions of the pose, of the tension and of time, the square of the cable's length and so on. But where there
-//! is such an error it has constant and linear parts of the same size, which must not be taken for causes: they are
-//! part of the noise, too, once the others show the error. The
-//! coefficients have normal priors with one amplitude per class, in standard deviations of the readings as described.
+//! The functions are polynomials of the position from the second degree on, waves over time and products with the
+//! tension, orthonormal over the poses. They are made orthogonal to whatever an effect of the catalogue can express:
+//! constants, linear functions of pose, tension and time, the square of the cable length and so on. A real smooth error
+//! also has constant and linear parts of the same size, which must not be mistaken for causes, so they become part of
+//! the noise as soon as the other functions reveal the error. The coefficients have normal priors with one amplitude
+//! per class, in standard deviations of the readings as described.
 
 use std::f64::consts::PI;
 
@@ -17,23 +17,23 @@ use super::variables::Variables;
 use crate::estimation::Linearisation;
 use crate::measurement::Variable;
 
-/// Readings for each function.
+/// Readings needed for each function.
 const READINGS_PER_FUNCTION: usize = 3;
-/// Waves over the time of the measurement: half waves, from the first that is no drift.
+/// Half waves over the duration of the measurement. The first one is left out because it looks like a drift.
 const HALF_WAVES: std::ops::RangeInclusive<usize> = 2..=8;
-/// Part of a function that must be left when the others are taken out.
+/// Smallest share of a function's norm that must remain after projection for it to count as new.
 const NEW: f64 = 0.05;
 
-/// Degree of the polynomials of the position.
+/// Highest degree of the polynomials of the position.
 const DEGREE: usize = 5;
-/// On what functions depend.
+/// The variables that a group of functions depends on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Group {
-    /// On the position.
+    /// Position.
     Position,
-    /// On time.
+    /// Time.
     Time,
-    /// On the tension, alone and times the position.
+    /// Tension, alone and multiplied by the position.
     Load,
 }
 
@@ -41,19 +41,21 @@ impl Group {
     const ALL: [Self; 3] = [Self::Position, Self::Time, Self::Load];
 }
 
-/// The functions of one class of readings and one group, in conditions, one per column.
+/// Background functions of one class of readings and one group, one per column.
 pub(super) struct Shape {
     pub class: usize,
     pub group: Group,
-    /// Those that no effect of the catalogue expresses, of root mean square 1 together.
+    /// The functions that no effect of the catalogue expresses, as conditions; their joint root mean square is 1.
     pub columns: DMatrix<f64>,
-    /// The same as functions of the pose, one row per pose.
+    /// The same functions by pose, one row per pose.
     pub functions: DMatrix<f64>,
-    /// Constants and linear functions of the same size: an error that is not a cause has them, too, but they show nothing.
+    /// Constant and linear functions of the same size, as conditions. A smooth error contains them too, but they are no
+    /// evidence of one.
     pub simple: DMatrix<f64>,
 }
 
-/// The functions of every class, group after group; none where there are too few readings.
+/// Builds the functions of every class and group, skipping those with too few readings. The shapes of one class are
+/// adjacent.
 pub(super) fn shapes(
     conditions: &Conditions,
     linear: &Linearisation,
@@ -82,7 +84,7 @@ pub(super) fn shapes(
     shapes
 }
 
-/// Functions of some poses, one row each, as functions of all `count`; zero elsewhere.
+/// Expands functions given at some poses, one row each, to all `count` poses; zero elsewhere.
 pub(super) fn spread(functions: &DMatrix<f64>, poses: &[usize], count: usize) -> DMatrix<f64> {
     let mut all = DMatrix::zeros(count, functions.ncols());
     for (row, pose) in poses.iter().enumerate() {
@@ -91,17 +93,17 @@ pub(super) fn spread(functions: &DMatrix<f64>, poses: &[usize], count: usize) ->
     all
 }
 
-/// Functions with their sizes.
+/// Functions with the standard deviations of their coefficients.
 type Sized = Vec<(DVector<f64>, f64)>;
 
-/// On what the readings of one class may depend, each from -1 to 1.
+/// The variables on which the readings of one class may depend, each scaled to the interval from -1 to 1.
 pub(super) struct Circumstances {
     count: usize,
     position: Vec<DVector<f64>>,
     rotation: Vec<DVector<f64>>,
     tension: Option<DVector<f64>>,
     time: Option<DVector<f64>>,
-    /// What effects of the catalogue express beside a constant, and of which variable.
+    /// Functions that effects of the catalogue express besides a constant, with the variable that they depend on.
     expressed: Vec<(Variable, DVector<f64>)>,
 }
 
@@ -142,7 +144,7 @@ impl Circumstances {
         }
     }
 
-    /// The functions of a variable that effects of the catalogue express.
+    /// A constant and the functions of a variable that effects of the catalogue express.
     pub fn expressed(&self, of: Variable) -> Vec<DVector<f64>> {
         let constant = DVector::from_element(self.count, 1.0);
         let own = self
@@ -153,8 +155,8 @@ impl Circumstances {
         std::iter::once(constant).chain(own).collect()
     }
 
-    /// The functions of a group, one row per reading: those that effects express, and those that none does, these of root
-    /// mean square 1 together; nothing where there are none.
+    /// The functions of a group, one row per reading: those that effects express and those that none expresses. The
+    /// latter have a joint root mean square of 1. `None` if there are none of them.
     fn of_group(&self, group: Group) -> Option<[DMatrix<f64>; 2]> {
         let [simple, found] = self.functions(group);
         let total: f64 = found.iter().map(|(_, size)| size * size).sum();
@@ -166,7 +168,7 @@ impl Circumstances {
         (!found.is_empty()).then(|| [sized(&simple), sized(&found)])
     }
 
-    /// Orthonormal functions of a group: those that effects express, and those that none does.
+    /// Orthonormal functions of a group: those that effects express, and those that none expresses.
     fn functions(&self, group: Group) -> [Sized; 2] {
         let [linear, wanted] = match group {
             Group::Position => self.of_position(),
@@ -204,7 +206,8 @@ impl Circumstances {
     fn of_position(&self) -> [Sized; 2] {
         let position = &self.position;
         let mut wanted = Vec::new();
-        // Monomials of one degree from those of the degree before, each with its last variable.
+        // Each monomial of a degree is one of the previous degree times its last variable or a later one, so that none
+        // occurs twice.
         let mut monomials: Vec<(DVector<f64>, usize)> = position
             .iter()
             .enumerate()
@@ -245,11 +248,12 @@ impl Circumstances {
     }
 }
 
-/// The part of a function across orthonormal ones, of norm 1; none where nothing is left.
+/// The normalised component of a function orthogonal to an orthonormal basis; `None` if it lies in the span of the
+/// basis.
 pub(super) fn beside(basis: &[DVector<f64>], function: &DVector<f64>) -> Option<DVector<f64>> {
     let norm = function.norm();
     let mut rest = function.clone();
-    // Twice, against rounding.
+    // A second pass removes the rounding error of the first.
     for _ in 0..2 {
         for known in basis {
             rest.axpy(-known.dot(&rest), known, 1.0);

@@ -1,4 +1,4 @@
-//! All candidates at a fit, with the columns of the linear problem that they need.
+//! The candidates at a fit, with the columns that they need.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -14,34 +14,34 @@ use super::report::Cause;
 use crate::effect::{BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_EXTERNAL_POSES, Scope, Search};
 use crate::estimation::{Linearisation, ParameterId};
 
-/// Columns that are linearised at once.
+/// Maximum number of columns in one linearisation.
 const CHUNK: usize = 64;
-/// Steps of a wave's frequency for each wave over the range of its variable.
+/// Number of frequencies tried per wave over the range of the variable.
 const PERIODS_PER_WAVE: f64 = 2.5;
-/// Most periods that are tried.
+/// Maximum number of periods tried.
 const MOST_PERIODS: f64 = 300.0;
-/// Share of an effect's prior probability that is for some cables with a common value: evenly over their number, then over
-/// the choices of so many.
+/// Shares of an effect's prior probability by target. For several cables with a common value it is split evenly over
+/// their number, then over the choices of that many cables.
 const SHARED: f64 = 0.05;
-/// Share of an effect's prior probability that is for one cable, for all cables alike and for each its own value.
+/// For one cable, for all cables alike, and for each cable with its own value.
 const SHARES: [f64; 3] = [0.5, 0.3, 0.1];
-/// The same for some cables with values of their own: evenly over their number, then over the choices of so many.
+/// For several cables with values of their own, split in the same way.
 const SEVERAL: f64 = 0.1;
-/// Correlation of the values that cables have of their own.
+/// Prior correlation between the values of different cables.
 const ALIKE: f64 = 0.3;
 
-/// The columns of a fit for all candidates, and the candidates.
+/// All candidates at a fit, with the generators of their columns.
 pub(super) struct Catalogue {
     pub candidates: Vec<Candidate>,
-    /// Rows of the fit's linearisation x generators, poses and tensions eliminated.
+    /// Generators by row of the linearisation (rows x generators), with poses and tensions eliminated.
     pub generators: DMatrix<f64>,
     /// Laser reading at each fitted pose (m); NaN where there is none.
     pub distances: Vec<f64>,
 }
 
 impl Catalogue {
-    /// All candidates at a fit whose linearisation is `linear`, or only those that are causes of the fit; `expected` is
-    /// the number of causes expected beforehand.
+    /// Builds all candidates at a fit whose linearisation is `linear`, or without `is_all` only those that are causes
+    /// of the fit. `expected` is the prior expectation of the number of causes.
     pub fn new(fit: &Fit<'_>, linear: &Linearisation, expected: f64, is_all: bool) -> Self {
         let data = &fit.problem.dataset.measurements;
         let labels: Vec<i64> = linear.poses.iter().map(|p| data.labels[p.row]).collect();
@@ -76,7 +76,7 @@ impl Catalogue {
 }
 
 impl Catalogue {
-    /// A column in conditions; `generators` are the catalogue's.
+    /// A column as conditions, given the generators as conditions.
     pub fn column(
         &self,
         column: Column,
@@ -115,11 +115,11 @@ struct Builder<'b> {
     linear: &'b Linearisation,
     labels: Vec<i64>,
     distances: Vec<f64>,
-    /// Whether causes that the fit does not have are candidates, too.
+    /// Whether to include candidates that are not causes of the fit.
     is_all: bool,
-    /// What is probed, each once.
+    /// Distinct effects to be differentiated.
     bounds: Vec<BoundEffect>,
-    /// Index of what is probed, and of its parameter.
+    /// For each generator the index in `bounds` and the parameter.
     generators: Vec<(usize, usize)>,
     candidates: Vec<Candidate>,
 }
@@ -148,7 +148,7 @@ impl Builder<'_> {
         })
     }
 
-    /// Adds all candidates of an effect, whose expected number is `expected`.
+    /// Adds all candidates of an effect; `expected` is the prior expectation of their number.
     fn add(&mut self, effect: &'static Effect, expected: f64) {
         let cables = self.fit.problem.dataset.robot.cable_count();
         let all: Vec<usize> = (0..cables).collect();
@@ -180,7 +180,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Adds the causes of the fit that some cables have in common.
+    /// Adds causes of the fit with a common value on several cables, which are not candidates by default.
     fn add_shared(&mut self, expected: f64) {
         let cables = self.fit.problem.dataset.robot.cable_count();
         for cause in &self.fit.causes {
@@ -241,7 +241,7 @@ impl Builder<'_> {
         columns
     }
 
-    /// The sine and the cosine of a wave of known period.
+    /// Sine and cosine columns of a wave with a known period.
     fn wave(&mut self, cause: &Cause, phase: usize) -> Vec<Column> {
         let mut columns = Vec::new();
         for bound in &cause.instances {
@@ -258,9 +258,10 @@ impl Builder<'_> {
         columns
     }
 
-    /// Waves in the laser's distance: from the shortest to the longest period that the readings can show.
+    /// Adds waves over the laser distance, from the shortest to the longest period that the readings can resolve.
     fn add_periods(&mut self, cause: &Cause, (phase, period): (usize, usize), expected: f64) {
-        // An endless wave at its crest is a constant.
+        // The derivative of a wave of infinite period at its crest is a constant, to which the weights of each pose
+        // apply.
         let mut at = cause.instances[0].clone();
         at.values.fill(0.0);
         at.values[period] = f64::INFINITY;
@@ -298,7 +299,7 @@ impl Builder<'_> {
     ) {
         let mut at = cause.clone();
         for bound in &mut at.instances {
-            // NaN stands for every pose.
+            // NaN makes the event act at every pose; the column weights then select the poses.
             bound.values[pose] = f64::NAN;
         }
         let mut generators = Vec::new();
@@ -309,7 +310,7 @@ impl Builder<'_> {
         }
         let mut places: Vec<usize> = (0..self.labels.len()).collect();
         if matches!(acts(0), Acts::From(_)) && !places.is_empty() {
-            // From the first pose on it would be no event but an offset.
+            // From the first pose on it would be a constant offset.
             places.remove(0);
         }
         let share = expected / places.len().max(1) as f64;
@@ -412,7 +413,7 @@ impl Builder<'_> {
             }
             first = until;
         }
-        // What no reading depends on cannot be asked.
+        // Candidates that affect no reading cannot be tested.
         let mut candidates = self.candidates;
         candidates.retain(|candidate| {
             let mut columns = candidate.columns.iter();
@@ -426,7 +427,7 @@ impl Builder<'_> {
     }
 }
 
-/// The problem of a fit linearised at its solution with further effects.
+/// Linearises the problem of a fit at its solution with further effects added.
 fn on_top_of(fit: &Fit<'_>, bounds: &[BoundEffect]) -> Linearisation {
     let mut problem = fit.problem.clone();
     problem.free_effects.extend(bounds.iter().cloned());
@@ -436,8 +437,8 @@ fn on_top_of(fit: &Fit<'_>, bounds: &[BoundEffect]) -> Linearisation {
     Linearisation::new(&problem, &solution)
 }
 
-/// Periods at which a wave is tried: from twice the mean distance of neighbouring values, or the shortest typical one if
-/// that is longer, to their range, so close that none between is missed.
+/// Periods at which a wave is tried: from twice the mean spacing of the values, or the shortest typical period if that
+/// is longer, to their range. Frequencies are spaced closely enough that no wave falls between two of them.
 fn periods(typical: [f64; 2], values: &[f64]) -> Vec<f64> {
     let finite = || values.iter().copied().filter(|v| v.is_finite());
     let range = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
@@ -457,8 +458,9 @@ fn periods(typical: [f64; 2], values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Logarithm of the prior odds of causes of one effect on `count` single cables over the product of their own, each of which
-/// has the logarithm `log_odds`: what is wrong with one winch of a robot is often wrong with others.
+/// Log ratio of the prior odds of an effect on `count` single cables and of the product of their separate odds, each
+/// with the logarithm `log_odds`. What is wrong with one winch is often wrong with others, so the causes are not
+/// independent.
 pub(super) fn log_together(count: usize, cables: usize, log_odds: f64) -> f64 {
     if count < 2 || count >= cables {
         return 0.0;
@@ -468,7 +470,7 @@ pub(super) fn log_together(count: usize, cables: usize, log_odds: f64) -> f64 {
     (several - (count - 1) as f64 * log_odds).max(0.0)
 }
 
-/// Number of ways to choose some of so many.
+/// Binomial coefficient: number of ways to choose `some` of `of`.
 fn binomial(of: usize, some: usize) -> f64 {
     (0..some)
         .map(|k| (of - k) as f64 / (k + 1) as f64)

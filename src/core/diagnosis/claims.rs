@@ -1,33 +1,34 @@
-//! What the posterior of the sets says of each cause: its probability, and what else could stand in its place.
+//! Posterior probabilities of the causes of the most probable set, and of what replaces them in other sets.
 
 use super::candidates::{is_alike, is_same_kind};
 use super::inference::Ranked;
 use super::report::{Alternative, Cause};
 use crate::effect::Search;
 
-/// Probability from which a cause is named, or several together are listed.
+/// Posterior probability from which a cause is named, or several together are listed.
 pub(super) const SURE: f64 = 0.95;
-/// Share of names that errors outside the catalogue may have at most.
+/// Upper bound of the share of names that are imitations by errors outside the catalogue.
 pub(super) const MOST_IMITATED: f64 = 0.03;
-/// Most causes that are listed beside one.
+/// Maximum number of alternatives listed with a cause.
 const MOST_ALTERNATIVES: usize = 2;
-/// Probability from which an alternative is worth a line.
+/// Smallest probability of an alternative that is listed.
 const WORTH_A_LINE: f64 = 0.005;
-/// Probability from which something is possible.
+/// Smallest probability of a possible cause.
 const POSSIBLE: f64 = 0.05;
-/// Odds against a cause that is possible by the evidence and yet not among the findings, where the findings explain the
-/// readings and where an error without a name is left, which explains what such a cause would. Of 103 and 93 causes in
-/// simulated data, half of them outside the catalogue or with a model slightly wrong, 4 and 0 were there.
+/// Odds against a cause that the evidence makes possible but that did not become a finding: where the findings explain
+/// the readings, and where an unmodelled error remains, which explains what such a cause would explain. Of 103 and 93
+/// such causes in simulated data, half of them with effects outside the catalogue or a slightly wrong model, 4 and 0
+/// were present.
 const UNCONFIRMED: f64 = 5.0;
 const SUPERSEDED: f64 = 20.0;
 
-/// What is known of one cause of the likeliest set.
+/// Posterior of one cause of the most probable set.
 #[derive(Debug, Clone)]
 pub(super) struct Claim {
     pub probability: f64,
-    /// What stands in its place in the other sets, the likeliest first.
+    /// What replaces it in the other sets, most probable first.
     pub alternatives: Vec<Alternative>,
-    /// Whether it or one of its alternatives is there with near certainty.
+    /// Whether it or one of its alternatives is present with near certainty.
     pub is_sure: bool,
 }
 
@@ -37,7 +38,7 @@ impl Claim {
     }
 }
 
-/// What is possible beside the findings, with the probability that it is there after all.
+/// Lowers the probabilities of possible causes that did not become findings, and drops those that are then too small.
 pub(super) fn possible_after(possible: Vec<Alternative>, has_nameless: bool) -> Vec<Alternative> {
     let against = if has_nameless {
         SUPERSEDED
@@ -55,7 +56,7 @@ pub(super) fn possible_after(possible: Vec<Alternative>, has_nameless: bool) -> 
     all.filter(|other| other.probability >= POSSIBLE).collect()
 }
 
-/// The claims of the causes of the likeliest set, which is the first of the ranking, and what else is possible.
+/// Posteriors of the causes of the most probable set, which is the first of the ranking, and the other possible causes.
 pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
     let Some(first) = ranking.first() else {
         return (Vec::new(), Vec::new());
@@ -88,7 +89,7 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
                 missing.push(place);
             }
         }
-        // Some cables of a family may have values of their own without the others.
+        // Several cables of a family may have values of their own while the others have none.
         missing.retain(|place| {
             let (mut some, left): (Vec<&Cause>, Vec<&Cause>) = spare
                 .iter()
@@ -105,7 +106,7 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
             add(&mut others[*place], &together, share);
             false
         });
-        // What is on the same cable stands in its place first.
+        // A cause on the same cable is the first choice for a replacement.
         missing.retain(|place| {
             let cables = first.causes[*place].cables();
             let overlaps = |cause: &&Cause| cause.cables().iter().any(|c| cables.contains(c));
@@ -115,7 +116,7 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
             }
             instead.is_none()
         });
-        // A family that takes in another of the causes may do so for one more.
+        // A family that covers another cause of the set may also replace this one.
         let is_wider = |cause: &&Cause| {
             let mut supported = first
                 .causes
@@ -138,7 +139,7 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
         let mut sum = probability;
         let mut kept: Vec<Alternative> = Vec::new();
         for alternative in alternatives {
-            // The same at another pose is no other cause.
+            // The same event at another pose is not another cause.
             let listed = kept.iter().map(|k| &k.cause);
             if std::iter::once(own)
                 .chain(listed)
@@ -157,7 +158,7 @@ pub(super) fn claims(ranking: &[Ranked]) -> (Vec<Claim>, Vec<Alternative>) {
             kept.push(alternative);
         }
         Claim {
-            // A sum of shares may exceed 1 by rounding.
+            // Rounding can make the sum of weights exceed 1.
             probability: probability.min(1.0),
             alternatives: kept,
             is_sure: probability + all >= SURE,
@@ -185,14 +186,14 @@ fn add(all: &mut Vec<Alternative>, cause: &Cause, probability: f64) {
     }
 }
 
-/// Whether a set says what a cause does: one of its causes, or those of the same effect on single cables together.
+/// Whether a set accounts for a cause, either by one of its causes or by several of the same effect on single cables.
 fn is_said_by(set: &[Cause], own: &Cause) -> bool {
     let is_same = |cause: &&Cause| {
         std::ptr::eq(cause.effect(), own.effect()) && own.effect().pose_parameter().is_none()
     };
     let together: Vec<usize> = set.iter().filter(is_same).flat_map(Cause::cables).collect();
     let cables = own.cables();
-    // A common value and one more on a cable are not a value for each.
+    // A common value plus a deviation of one cable is not the same as a value for each cable.
     let is_more = |cause: &Cause| is_part(cause, own) && !is_support(cause, own);
     let has_more = set.iter().any(is_more);
     let is_each = |cause: &Cause| !has_more || std::ptr::eq(cause.effect(), own.effect());
@@ -201,7 +202,7 @@ fn is_said_by(set: &[Cause], own: &Cause) -> bool {
         || cables.len() > 1 && cables.iter().all(|cable| together.contains(cable))
 }
 
-/// Whether a cause is that of a family on one of its cables alone.
+/// Whether a cause is the effect of a family on just one of its cables.
 fn is_part(cause: &Cause, family: &Cause) -> bool {
     let all = family.cables();
     family.instances.len() > 1
@@ -211,13 +212,13 @@ fn is_part(cause: &Cause, family: &Cause) -> bool {
         && cause.cables().iter().all(|cable| all.contains(cable))
 }
 
-/// Whether a cause says what another does, but for its values: on the same cables or more; an event at the same reading, a
-/// step at a pose beside it.
+/// Whether one cause covers another, apart from parameter values: on the same cables or more, with an event at the same
+/// reading or a step at most one pose away.
 fn is_support(one: &Cause, other: &Cause) -> bool {
     let whole = |one: &Cause, other: &Cause| {
         one.cables().is_empty() && other.instances.len() == one.instances[0].cables.len()
     };
-    // A value for all cables and one for each.
+    // A value for all cables covers a value for each, and vice versa.
     if is_same_kind(one.effect(), other.effect()) && (whole(one, other) || whole(other, one)) {
         return true;
     }
@@ -280,7 +281,7 @@ mod tests {
             on("cable_sag", &[5]),
         ];
         let (claims, _) = claims(&ranked(vec![(vec![shared], 0.5), (pair, 0.3), (all, 0.2)]));
-        // One of the pair stands in the place of all three.
+        // The pair does not cover the third cable, so it replaces the common cause.
         assert!((claims[0].probability - 0.7).abs() < 1e-12, "{claims:?}");
         assert!((claims[0].alternatives[0].probability - 0.3).abs() < 1e-12);
         assert!(!claims[0].is_named() && claims[0].is_sure);

@@ -1,4 +1,4 @@
-//! How sure the causes are that were inferred: what takes certainty from a name, or ends it.
+//! Decides which inferred causes are confirmed and with which probability they are stated.
 
 use super::adequacy::adequacy;
 use super::candidates::{log_rarity, size_parameter};
@@ -18,35 +18,37 @@ use super::{DiagnosisOptions, Quantity};
 use crate::effect::Search;
 use crate::estimation::{EstimationError, Linearisation, Problem};
 
-/// Probability from which a cause that is not sure is likely.
+/// Probability from which an unconfirmed cause counts as likely.
 const LIKELY: f64 = 0.5;
-/// Part of what a cause explains by which readings of the same cables may scatter more than those of others.
+/// A name becomes ambiguous if readings of its cables have excess scatter of more than this share of what the cause
+/// explains.
 const LEFT: f64 = 0.25;
-/// An error without a name may be part of one that a cause imitates if it explains this part of what the cause does, and is
-/// on the same cable, or this share of what the cause changes is in the same readings.
+/// A remaining unmodelled error makes a name ambiguous if it explains more than `PART` of what the cause explains and
+/// either is on the same cable or is in readings that have more than `SHARE` of the effect of the cause.
 const PART: f64 = 0.05;
 const SHARE: f64 = 0.2;
-/// Logarithm of the odds for a cause against an error that is in no catalogue and looks just like it.
+/// Log odds for a cause against an error outside the catalogue that looks exactly like it.
 const LOOKS_THE_SAME: f64 = 4.5;
-/// How often an error outside the catalogue passes for a cause that explains a chi-square of 1; with more it falls by the root.
-/// And how often none of the causes of a list is there. Both were counted in simulated data, the model slightly wrong or an
-/// effect outside the catalogue hidden in some of them.
+/// Probability that an error outside the catalogue imitates a cause that explains a chi-square of 1, which falls with
+/// the square root of the chi-square explained, and probability that none of the causes of a list is present. Both were
+/// counted on simulated development data, some with a slightly wrong model or an effect outside the catalogue.
 const IMITATED: f64 = 0.5;
 const NONE_OF_THEM: f64 = 0.2;
-/// Events on one reading from which they look like a pattern, unless each stands for itself by this gain.
+/// From this number on, events on one reading look like a pattern, unless each has at least the chi-square gain
+/// `LARGE_EVENT`.
 const MANY_EVENTS: usize = 2;
 const LARGE_EVENT: f64 = 60.0;
 
-/// Causes with what is known of them, and what else is possible.
+/// Confirmed causes with their posteriors, and other possible causes.
 pub(super) struct Kept<'a> {
     pub inference: Inference<'a>,
     pub claims: Vec<Claim>,
     pub possible: Vec<Alternative>,
-    /// Causes that are likely without being sure.
+    /// Likely causes that are not confirmed.
     likely: Vec<(Cause, Claim)>,
 }
 
-/// Leaves out the causes in whose place an error without a name is nearly certain, until none is.
+/// Rejects causes that an unmodelled error almost certainly replaces, refitting until none is left.
 pub(super) fn contested<'a>(
     problem: &Problem<'a>,
     kept: Kept<'a>,
@@ -99,7 +101,7 @@ pub(super) fn contested<'a>(
     }
 }
 
-/// Takes in again the likely causes that explain an error without a name: it is one of both.
+/// Adds likely causes back if they explain an unmodelled error. The finding is then ambiguous between the two.
 pub(super) fn weighed<'a>(
     problem: &Problem<'a>,
     (mut kept, mut remainder): (Kept<'a>, Remainder),
@@ -128,7 +130,7 @@ pub(super) fn weighed<'a>(
         }
         let is_other = |a: &Alternative| !is_same_cause(&a.cause, &causes[causes.len() - 1]);
         kept.possible.retain(is_other);
-        // One of both is there; how likely it is the cause is known already.
+        // One of the two is present, so the odds follow from the known probability of the cause.
         instead.log_odds = (claim.probability.recip() - 1.0).ln();
         if let Some(rival) = left.rivals.last_mut() {
             *rival = Some(instead);
@@ -144,8 +146,8 @@ pub(super) fn weighed<'a>(
     Ok((kept, remainder))
 }
 
-/// The causes that are there with near certainty and predict poses held out, fitted without the others; these are
-/// possible.
+/// Confirms the causes that are nearly certain and improve the prediction of held-out poses, and refits the model with
+/// those alone. The others become possible causes.
 pub(super) fn kept<'a>(
     problem: &Problem<'a>,
     inference: Inference<'a>,
@@ -160,7 +162,7 @@ pub(super) fn kept<'a>(
         let mut others = inference.fit.causes.clone();
         others.remove(index);
         let without = Fit::new(problem, &others)?;
-        // Poses held out say nothing of an event at one of the others.
+        // The other poses cannot predict an event at a single pose.
         let is_event = matches!(cause.effect().search(), Search::AtPose(_));
         if claim.is_sure && (is_event || full.is_better_than(&Prediction::new(&without))) {
             kept.push((without.solution.chi2, cause.clone(), claim));
@@ -178,7 +180,7 @@ pub(super) fn kept<'a>(
     possible.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     let is_complete = kept.len() == inference.fit.causes.len();
     let is_ordered = kept.windows(2).all(|pair| pair[0].0 >= pair[1].0);
-    // What explains most comes first.
+    // The cause that explains most comes first.
     kept.sort_by(|a, b| b.0.total_cmp(&a.0));
     let (causes, claims): (Vec<_>, Vec<_>) = kept
         .into_iter()
@@ -198,7 +200,7 @@ pub(super) fn kept<'a>(
     })
 }
 
-/// Takes the confidence from names in whose place an error without a name could be.
+/// Downgrades names that an unmodelled error might explain as well.
 pub(super) fn temper(
     findings: &mut [Finding],
     inference: &Inference<'_>,
@@ -216,9 +218,9 @@ pub(super) fn temper(
         small(&finding) && all.iter().filter(small).count() >= MANY_EVENTS
     };
     let events: Vec<bool> = findings.iter().map(|f| many(f, findings)).collect();
-    // A certain name stays one beside what is improbable.
+    // An improbable rival does not make a near-certain name ambiguous.
     let matters = |share: f64| 1.0 - share < SURE;
-    // Exchanged channels come first and have no rivals.
+    // Exchanged channels come first in the findings and have no rivals.
     let first = findings.len() - rivals.len();
     for (index, (finding, is_event)) in findings.iter_mut().zip(events).enumerate() {
         let own = finding.cause.cables();
@@ -235,7 +237,7 @@ pub(super) fn temper(
             let shares = || own_index.is_some_and(|k| inference.share_in(k, &error.id) > SHARE);
             2.0 * error.log_odds > PART * explained && (same || shares())
         });
-        // Which of them is behind what they share is open.
+        // It is undecided which of them explains what they share.
         let open = scattered.map(|(id, _)| Nameless::of(*id));
         let open = open.or_else(|| beside.cloned()).or_else(|| {
             is_event.then(|| {
@@ -246,7 +248,7 @@ pub(super) fn temper(
                 })
             })
         });
-        // A size that no machine has may be that of another error which looks the same.
+        // A size beyond that of real machines suggests another error that looks the same.
         let odds = (log_rarity_of(finding) - LOOKS_THE_SAME).exp();
         let share = odds / (1.0 + odds);
         let odd = || {
@@ -266,8 +268,8 @@ pub(super) fn temper(
     }
 }
 
-/// Allows for errors outside the catalogue, of which the evidence knows nothing: lowers the probabilities of all findings. A name
-/// that is then no longer certain becomes a list.
+/// Allows for errors outside the catalogue, which the evidence ignores, by lowering the probabilities of all findings.
+/// A name that falls below the naming threshold becomes a list.
 pub(super) fn allow_for_imitations(findings: &mut [Finding]) {
     for finding in findings {
         if finding.verdict == Verdict::Named {
@@ -286,23 +288,25 @@ pub(super) fn allow_for_imitations(findings: &mut [Finding]) {
     }
 }
 
-/// Probability of a named cause that explains a chi-square; `None` where it is too low for a name.
+/// Probability of a named cause that explains a given chi-square; `None` if it is too low for a name.
 ///
-/// An error outside the catalogue passes for a cause if noise hides the difference of their shapes. Of shapes that differ by
-/// any share of what the cause explains, a part in proportion to `1 / sqrt(chi-square explained)` does.
+/// An error outside the catalogue can pass for a cause if noise hides the difference of their shapes. If that
+/// difference is equally likely to be any fraction of what the cause explains, the share that noise hides is
+/// proportional to `1 / sqrt(chi-square explained)`.
 fn probability_of_name(probability: f64, explained: f64) -> Option<f64> {
     let imitated = (IMITATED / explained.max(1.0).sqrt()).min(MOST_IMITATED);
     let stated = probability * (1.0 - imitated);
     (stated >= SURE).then_some(stated)
 }
 
-/// Logarithm of how much rarer the size of a cause, as far as it is certain, is than the largest typical one.
+/// Log prior rarity of the size of a cause, relative to the largest typical size, at the lower end of its confidence
+/// interval.
 fn log_rarity_of(finding: &Finding) -> f64 {
     let effect = finding.cause.effect();
     let Some(size) = size_parameter(effect) else {
         return 0.0;
     };
-    // Coordinates of one vector are as large as each other at most.
+    // The typical size of a vector bounds each of its coordinates, so their squares are summed.
     let of_instance = |found: &[FoundParameter]| {
         let alike = effect.parameters().iter().zip(found);
         let alike = alike.filter(|(p, _)| p.unit == size.unit && !p.discrete);
@@ -317,8 +321,8 @@ fn log_rarity_of(finding: &Finding) -> f64 {
     log_rarity(size, instances.map(of_instance).fold(0.0, f64::max))
 }
 
-/// Chi-square of readings that depend on something, and of the readings of a cable that scatter more than those of others,
-/// beyond what noise gives.
+/// Excess chi-square, beyond that of noise, of readings whose residuals depend on a variable and of cables whose
+/// readings scatter more than those of the others.
 pub(super) fn excess(
     space: &ResidualSpace,
     remaining: &[Discrepancy],
@@ -341,9 +345,9 @@ pub(super) fn excess(
     structured.chain(loud).collect()
 }
 
-/// Whether a fit explains the data, and if not, on what its residuals depend.
+/// Tests whether a fit explains the data and on which variables its residuals depend.
 pub(super) fn judged(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>, ResidualSpace) {
-    // Half of the probability of a false alarm is for the tests of the residuals, half for the causes.
+    // Half of the false alarm probability is allotted to the tests of the residuals, half to the causes.
     let level = alpha / 2.0;
     let linear = Linearisation::new(&fit.problem, &fit.solution);
     let space = ResidualSpace::new(&linear);

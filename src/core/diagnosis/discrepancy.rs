@@ -1,15 +1,13 @@
-//! On which readings, and along which variables, a model is wrong, whatever the cause.
+//! Tests on which variables the residuals depend, without reference to any cause.
 //!
-//! For the readings `g` of one kind and cable and a variable `u`, smooth functions `Phi` of `u` stand for any
-//! dependence, monotonic or not. With the score `s = Phi^T r_g` and its covariance
-//! `I = Phi^T M_gg Phi` ([`super::residual_space`]), `s^T I^-1 s` is a chi-square variable of `rank I` degrees of
-//! freedom if there is no dependence: Rao's score test of an error `Phi c` in these readings, everything
-//! else estimated.
+//! For the readings `g` of one kind and cable and a variable `u`, smooth functions `Phi` of `u` represent any
+//! dependence, monotonic or not. With the score `s = Phi^T r_g` and its covariance `I = Phi^T M_gg Phi`
+//! ([`super::residual_space`]), `s^T I^-1 s` is chi-square distributed with `rank I` degrees of freedom if there is no
+//! dependence. This is Rao's score test of an error `Phi c` in these readings, with all other parameters estimated.
 //!
-//! Where readings scatter more than described, by noise or by an error, any function would seem to explain some
-//! of it, in these readings and in others on which they pull. So readings whose scatter is
-//! significantly too large get weights that fit it ([`super::noise`]), and there the test is that of the ratio
-//! to what the functions leave (Fisher's F).
+//! Where readings scatter more than described, any function would seem to explain some of the scatter, in these
+//! readings and in others that they influence. Readings with significantly excessive scatter are therefore reweighted
+//! ([`super::noise`]), and their test compares the explained with the remaining variance (Fisher's F test).
 
 use std::f64::consts::{PI, TAU};
 
@@ -23,20 +21,20 @@ use super::variables::{Variables, varies};
 use super::{Discrepancy, Quantity, Variable};
 use crate::statistics::{chi_square_survival, f_survival};
 
-/// Most smooth functions of a variable.
+/// Maximum number of smooth functions of a variable.
 const MOST_FUNCTIONS: usize = 5;
-/// Readings for each function.
+/// Readings needed for each function.
 const READINGS_PER_FUNCTION: usize = 4;
-/// Directions of the functions of which less than this shows in the residuals are left out.
+/// Directions of the functions whose share in the residuals is smaller than this are left out.
 const UNSEEN: f64 = 1e-6;
-/// Level at which readings count as scattering more than described.
+/// Significance level at which readings count as scattering more than described.
 const TOO_LARGE: f64 = 0.01;
-/// Variables that are reported for the same readings.
+/// Maximum number of variables that are reported for the same readings.
 const VARIABLES_REPORTED: usize = 3;
-/// Readings of which less than this shows in the residual have no residual worth a plot.
+/// Readings with a smaller redundancy than this are left out of plots, because their residuals carry no information.
 const CONTROLLED: f64 = 1e-3;
 
-/// The question whether some readings depend on a variable, and its answer.
+/// Test of whether some readings depend on a variable.
 #[derive(Debug, Clone)]
 #[cfg_attr(
     not(test),
@@ -93,7 +91,7 @@ pub fn smooth_functions(values: &[f64], variable: Variable, most: usize) -> DMat
     }
 }
 
-/// All questions of the kind "do these readings depend on that variable", with their answers.
+/// Tests every class of readings against every variable that applies to it.
 pub(crate) fn dependence_tests(
     space: &ResidualSpace,
     variables: &Variables<'_>,
@@ -121,11 +119,11 @@ pub(crate) fn dependence_tests(
     tests
 }
 
-/// Residuals in weights that fit their scatter.
+/// Residuals with weights that match their actual scatter.
 struct Fair<'a> {
-    /// The residuals in the noise as described.
+    /// The residuals with the noise as described.
     described: &'a ResidualSpace,
-    /// The same in other weights, where there are any.
+    /// The reweighted residuals, if any weight differs.
     weighted: Option<ResidualSpace>,
     factors: Vec<f64>,
     ids: Vec<ReadingId>,
@@ -168,16 +166,16 @@ impl<'a> Fair<'a> {
     }
 }
 
-/// The readings that a question is about.
+/// The readings that one test is about.
 struct Readings {
     id: ReadingId,
     described: RowGroup,
     weighted: Option<RowGroup>,
-    /// Standard deviation in the weights over that of the description.
+    /// Standard deviation in the weights over the described one.
     sd_factor: f64,
-    /// Sum of the redundancies in the weights.
+    /// Sum of the redundancies with these weights.
     trace: f64,
-    /// Factor of the scaled chi-square variable that the squares of the residuals are, in the weights.
+    /// Factor of the scaled chi-square distribution of the sum of squared residuals, with these weights.
     scaled: Option<f64>,
 }
 
@@ -221,9 +219,9 @@ impl Readings {
         })
     }
 
-    /// Variance of the residuals that the functions leave over that of the weights, and its degrees of freedom;
-    /// `None` where the noise is as described and it is not significantly larger than that. The squares
-    /// that are left are taken as a scaled chi-square variable with the factor of all.
+    /// Residual variance after fitting the functions, relative to the weights, with its degrees of freedom; `None` if
+    /// it is not significantly larger than the described noise. The remaining sum of squares is taken as scaled
+    /// chi-square with the same factor as the total.
     fn rest(&self, group: &RowGroup, score: &Score, fit: &Fit) -> Option<(f64, f64)> {
         let left = &group.residual - &score.projected * &fit.coefficients;
         let squares = score.projected.tr_mul(&score.projected);
@@ -235,7 +233,7 @@ impl Readings {
     }
 }
 
-/// Best coefficients of functions for a score.
+/// Least squares fit of functions to a score.
 struct Fit {
     chi2: f64,
     rank: usize,
@@ -276,9 +274,8 @@ impl Fit {
     }
 }
 
-/// The dependences that are significant at level `alpha` for all questions together (Bonferroni), first those that
-/// explain most of chi-square (less two for each function); of each reading of each cable at most
-/// three variables.
+/// The dependences that are significant at level `alpha` over all tests (Bonferroni), in order of the chi-square that
+/// they explain less two per function. At most three variables are reported for the readings of one kind and cable.
 pub(crate) fn discrepancies(
     space: &ResidualSpace,
     tests: &[DependenceTest],
@@ -289,7 +286,7 @@ pub(crate) fn discrepancies(
         .iter()
         .filter(|test| test.p_value * questions < alpha)
         .collect();
-    // All explain the same residuals; where an error is large, the probabilities hardly differ.
+    // Sorting by p-value would be useless for large errors, whose p-values all underflow.
     let gain = |t: &DependenceTest| t.chi2 - 2.0 * t.rank as f64;
     found.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
     let redundancy = space.redundancy();

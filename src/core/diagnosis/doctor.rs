@@ -1,4 +1,4 @@
-//! The course of a diagnosis.
+//! The sequence of steps of a diagnosis.
 
 use super::candidates::size_parameter;
 use super::claims::{claims, possible_after};
@@ -21,14 +21,14 @@ use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 use crate::statistics::normal_quantile;
 
-/// Probability with which an effect of the smallest visible size is found.
+/// Probability of detection at the smallest visible size.
 const POWER: f64 = 0.9;
 
-/// Most samples of a recording in motion that are looked at.
+/// Maximum number of samples taken from a recording in motion.
 pub const MOST_SAMPLES: usize = 300;
 
-/// Diagnoses a dataset: the joint problem of its robot, the effects of its model held. Rows of one standstill are
-/// averaged, recordings in motion thinned to independent samples.
+/// Diagnoses a dataset with the joint problem of its robot, the effects of its model held fixed. Rows of one standstill
+/// are averaged, and recordings in motion are thinned to independent samples.
 ///
 /// # Errors
 /// If the measurements cannot be used with this robot at all.
@@ -57,14 +57,15 @@ pub fn diagnose(
     examine(&after, (&first, rows), vec![found], options, &mut report)
 }
 
-/// The problem with what effects depend on taken at the poses of its solution.
+/// The problem whose effects are evaluated at the poses of its own solution.
 pub(super) fn based(dataset: &Dataset) -> Result<Problem<'_>, EstimationError> {
     let problem = Problem::new(dataset)?;
     let first = Fit::new(&problem, &[])?;
     Ok(problem.at_poses_of(&first.solution))
 }
 
-/// Examines a problem, given the fit of the model as it was and how many rows of a standstill were averaged at most.
+/// Examines a problem. `first` is the fit of the model as supplied, `rows` the largest number of averaged rows of a
+/// standstill.
 fn examine(
     problem: &Problem<'_>,
     (first, rows): (&Fit<'_>, usize),
@@ -107,7 +108,8 @@ fn examine(
     let (mut base, discrepancies, _) = judged(first, options.alpha);
     let (extended, remaining, space) = judged(fit, options.alpha);
     let mut noise = noise_statements(&space, &remaining, options.alpha);
-    // Means scatter less than rows do; how much less depends on what the rows share.
+    // The noise of means is smaller than that of single rows by a factor that depends on what the rows share, so less
+    // noise than described is not reported for them.
     noise.retain(|statement| rows == 1 || statement.ratio > 1.0);
     if !report.cancelled {
         let mut left = remainder.left;
@@ -141,8 +143,8 @@ fn examine(
     })
 }
 
-/// The effects that would not be found at their largest typical size, of those on which a reading depends at all: what an
-/// instrument shows that was not there is nobody's question.
+/// Effects that would not be found even at their largest typical size. Effects of instruments that the robot does not
+/// have are left out.
 fn invisible(
     problem: &Problem<'_>,
     visibility: &[Visibility],
@@ -170,7 +172,7 @@ fn invisible(
     found
 }
 
-/// Whether it changes the tensions that force sensors tell.
+/// Whether an effect acts only through tensions that force sensors read.
 fn acts_on_tension(asked: &Visibility, problem: &Problem<'_>) -> bool {
     let bound = &asked.cause.instances[0];
     let (Some(cable), Some(contexts)) = (bound.cables.first(), &problem.contexts) else {

@@ -1,9 +1,9 @@
-//! The evidence of a set of causes in closed form.
+//! Log evidence of a set of causes in closed form.
 //!
-//! With the Gram matrix `G` and the score `b` of the columns of a set, in units of their prior, the logarithm of the
-//! evidence over that of no cause is `1/2 b^T (1 + G)^-1 b - 1/2 log det(1 + G)`. The determinant is the price of a
-//! parameter. A parameter that is not negative has a normal prior cut at zero, which adds the logarithm of twice the
-//! probability that it is positive given the data. The size of a prior is one of several scales.
+//! With the Gram matrix `G` and the score `b` of the columns of a set, in units of their prior, the log evidence
+//! relative to no cause is `1/2 b^T (1 + G)^-1 b - 1/2 log det(1 + G)`. The determinant penalises parameters. A
+//! parameter that cannot be negative has a normal prior truncated at zero, which adds the logarithm of twice the
+//! posterior probability that it is positive. The size prior is a mixture of several scales.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -13,26 +13,26 @@ use super::exploration::log_sum;
 use super::gram::{Gram, Own};
 use crate::statistics::log_normal_cdf;
 
-/// A cause in a set: number of its candidate and place of its scale.
+/// A cause in a set: index of its candidate, and index of its scale.
 pub(super) type Member = (usize, usize);
 
-/// A set of causes with its evidence, ready to be extended.
+/// A set of causes with its evidence, prepared for evaluating extensions.
 pub(super) struct System {
     pub members: Vec<Member>,
-    /// `(L^-1 F^T R)^T` with the rows `R` of the set: one row per column of the catalogue by which it may be extended, one
-    /// column per parameter.
+    /// `(L^-1 F^T R)^T` with the rows `R` of the set: one row for each catalogue column that may extend it, one column
+    /// per parameter.
     shared: DMatrix<f64>,
-    /// What each of these columns has in common with the set: sum of the squares of its row, and its product with the
-    /// score.
+    /// Part of each extension column that the set absorbs: the sum of squares of its row of `shared`, and the product
+    /// of that row with the score.
     taken: DVector<f64>,
     explained: DVector<f64>,
-    /// Number of the first of these columns in the catalogue.
+    /// Index of the first extension column in the catalogue.
     offset: usize,
-    /// Logarithm of the evidence and the prior of the set.
+    /// Log evidence and prior of the set.
     pub log_posterior: f64,
-    /// Estimates of the columns' parameters, member after member.
+    /// Estimated coordinates, member after member.
     pub estimate: DVector<f64>,
-    /// Their covariance.
+    /// Covariance of the estimate.
     pub covariance: DMatrix<f64>,
 }
 
@@ -41,19 +41,19 @@ fn scaled_prior(candidate: &Candidate, scale: usize) -> DMatrix<f64> {
 }
 
 impl System {
-    /// The set with these members, ready to be extended by any candidate.
+    /// Prepares a set that any candidate may extend.
     pub fn extensible(gram: &mut Gram<'_>, members: &[Member]) -> Self {
         let all = 0..*gram.first.last().unwrap_or(&0);
         Self::with_columns(gram, members, all)
     }
 
-    /// The set with these members, which may be extended by one candidate.
+    /// Prepares a set that one given candidate may extend.
     pub fn extensible_by(gram: &mut Gram<'_>, members: &[Member], candidate: usize) -> Self {
         let own = gram.first[candidate]..gram.first[candidate + 1];
         Self::with_columns(gram, members, own)
     }
 
-    /// The set with these members.
+    /// Evaluates a set without preparing extensions.
     pub fn new(gram: &mut Gram<'_>, members: &[Member]) -> Self {
         Self::with_columns(gram, members, 0..0)
     }
@@ -101,7 +101,7 @@ impl System {
         matrix += factor.tr_mul(&among) * &factor;
         let matrix = (&matrix + matrix.transpose()) * 0.5;
         let cholesky = Cholesky::new(matrix).unwrap_or_else(|| {
-            // Rounding of a nearly singular matrix: one plus a positive semidefinite one.
+            // Only rounding can make this matrix, the identity plus a positive semidefinite one, fail.
             Cholesky::pack_dirty(DMatrix::identity(width, width))
         });
         let mut half = score.clone();
@@ -137,7 +137,7 @@ impl System {
         system
     }
 
-    /// What the signs of the parameters add.
+    /// Contribution of the sign constraints to the log evidence.
     fn log_signs(&self, candidates: &[Candidate]) -> f64 {
         let mut at = 0;
         let mut sum = 0.0;
@@ -150,7 +150,7 @@ impl System {
         sum
     }
 
-    /// First parameter of each member.
+    /// Range of the parameters of each member.
     pub fn parameters(&self, candidates: &[Candidate]) -> Vec<std::ops::Range<usize>> {
         let mut at = 0;
         let range = |(index, _): &Member| {
@@ -161,12 +161,12 @@ impl System {
         self.members.iter().map(range).collect()
     }
 
-    /// Logarithm of the prior odds of a further candidate.
+    /// Log prior odds of an additional candidate.
     pub fn log_odds(&self, gram: &Gram<'_>, index: usize) -> f64 {
         gram.candidates[index].log_odds + more_together(gram, &self.members, index)
     }
 
-    /// Share of what the readings say of the first parameter of a further candidate that is left when the members are
+    /// Share of the information on the first parameter of a further candidate that remains when the members are
     /// estimated, too.
     pub fn left_of(&self, gram: &Gram<'_>, index: usize) -> f64 {
         let whole = gram.own[index].information[(0, 0)];
@@ -174,8 +174,8 @@ impl System {
         left / whole.max(f64::MIN_POSITIVE)
     }
 
-    /// By how much the logarithm of the posterior rises with a further candidate, and its best scale; nothing where that is
-    /// clearly below `least`.
+    /// Gain of the log posterior by an additional candidate, and the scale that maximises it; `None` if it is clearly
+    /// below `least`.
     pub fn gain(&self, gram: &Gram<'_>, index: usize, least: f64) -> Option<(f64, usize)> {
         let candidate = &gram.candidates[index];
         let log_odds = self.log_odds(gram, index);
@@ -191,7 +191,7 @@ impl System {
         best_scale(candidate, &own, least).map(|(value, scale)| (value + log_odds, scale))
     }
 
-    /// Logarithm of the evidence of a further candidate, summed over its scales, over that at its best scale.
+    /// Log ratio of the evidence of an additional candidate summed over its scales and that at its best scale.
     pub fn log_over_scales(&self, gram: &Gram<'_>, index: usize) -> f64 {
         let candidate = &gram.candidates[index];
         let scales = 0..candidate.scales.len();
@@ -210,7 +210,7 @@ impl System {
         log_sum(values.into_iter()) - best
     }
 
-    /// What the readings say of a further candidate when the members are estimated, too.
+    /// Score and information of an additional candidate, conditional on estimating the members.
     fn conditional(&self, gram: &Gram<'_>, index: usize) -> Own {
         let own = &gram.own[index];
         let at = gram.first[index] - self.offset;
@@ -222,7 +222,7 @@ impl System {
         }
     }
 
-    /// The same of one with a single column: score and information.
+    /// The same for a candidate with a single column.
     fn conditional_on_one(&self, gram: &Gram<'_>, index: usize) -> (f64, f64) {
         let own = &gram.own[index];
         let at = gram.first[index] - self.offset;
@@ -231,7 +231,7 @@ impl System {
     }
 }
 
-/// Evidence of a candidate with one column at one of its scales, the prior of the scale included.
+/// Log evidence of a candidate with one column at one of its scales, including the prior of the scale.
 fn value_of_one(candidate: &Candidate, scale: usize, score: f64, information: f64) -> f64 {
     let (size, weight) = candidate.scales[scale];
     let sd = candidate.prior[(0, 0)] * size;
@@ -244,7 +244,7 @@ fn value_of_one(candidate: &Candidate, scale: usize, score: f64, information: f6
 }
 
 impl Own {
-    /// The same in units of the prior at scale 1.
+    /// Converts to units of the prior at scale 1.
     fn in_prior(&self, candidate: &Candidate) -> Self {
         Self {
             score: candidate.prior.tr_mul(&self.score),
@@ -252,7 +252,7 @@ impl Own {
         }
     }
 
-    /// In units of the prior at scale 1: half of the chi-square gained at a scale less the penalty, and the evidence.
+    /// In units of the prior at scale 1: half of the chi-square gain at a scale, and the log evidence.
     fn value(&self, candidate: &Candidate, scale: usize) -> Option<(f64, f64)> {
         let (size, weight) = candidate.scales[scale];
         let mut matrix = &self.information * (size * size);
@@ -275,7 +275,7 @@ fn axpy(weight: f64, from: &[f64], to: &mut [f64]) {
     }
 }
 
-/// `columns := columns L^-T`, column by column: these are long and few.
+/// `columns := columns L^-T`, column by column because the columns are long and few.
 fn divide(columns: &mut DMatrix<f64>, l: &DMatrix<f64>) {
     for k in 0..columns.ncols() {
         for j in 0..k {
@@ -286,8 +286,8 @@ fn divide(columns: &mut DMatrix<f64>, l: &DMatrix<f64>) {
     }
 }
 
-/// The largest evidence over the scales of a candidate, their probabilities included, of what the readings say in units of
-/// the prior at scale 1.
+/// Largest log evidence over the scales of a candidate, including the prior of the scale, for a score in units of the
+/// prior at scale 1. `None` if it is clearly below `least`.
 fn best_scale(candidate: &Candidate, own: &Own, least: f64) -> Option<(f64, usize)> {
     let (gain, probe) = own.value(candidate, candidate.scales.len() / 2)?;
     if gain < STRONG && probe + candidate.log_odds < least - PROBED {
@@ -297,7 +297,7 @@ fn best_scale(candidate: &Candidate, own: &Own, least: f64) -> Option<(f64, usiz
     all.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// By how much a candidate is likelier beside members of the same effect on other cables.
+/// Increase of the log prior odds of a candidate because the set has the same effect on other cables.
 fn more_together(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
     let candidate = &gram.candidates[index];
     if !candidate.is_single() {
@@ -310,8 +310,8 @@ fn more_together(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
     log(count + 1) - log(count)
 }
 
-/// How far below what is looked for a candidate is at its middle scale where other scales are not tried, unless it gains
-/// so much there that the scale may matter more.
+/// The other scales are not tried if the middle one is lower than required by more than `PROBED`, unless the gain there
+/// exceeds `STRONG`, where the scale may matter more.
 const PROBED: f64 = 12.0;
 const STRONG: f64 = 20.0;
 

@@ -1,5 +1,5 @@
-//! Two channels that are connected the wrong way round: the readings are exchanged back, pair by pair and kind by kind,
-//! and what explains what nothing else could is named.
+//! Exchanged channels: for every pair and kind of channel the readings are exchanged back, and an exchange is reported
+//! if it explains what no effect could.
 
 use super::Stage;
 use super::fit::Fit;
@@ -10,25 +10,26 @@ use crate::effect::{BoundEffect, CATALOGUE, Search};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 
-/// Chi-square per degree of freedom from which an exchange is looked for: its residuals are huge.
+/// Chi-square per degree of freedom above which an exchange is looked for, because wrong channels make huge residuals.
 const HUGE: f64 = 4.0;
-/// Steps after which a fit that leaves more than allowed is given up: the right one gets there in half as many.
+/// Number of steps after which a fit is abandoned if chi-square is still too large; the right exchange converges in
+/// half as many.
 const PATIENCE: usize = 6;
-/// Part of the excess of chi-square that may be left, and of what a second exchange of other channels leaves.
+/// Share of the excess chi-square that may remain, for example that of a second exchange.
 const LEFT: f64 = 0.25;
-/// Difference of chi-square from which one exchange is told from another.
+/// Difference of chi-square that separates one exchange from another.
 const CLEAR: f64 = 9.0;
 
-/// An exchange that was found.
+/// An exchange that explains the readings.
 pub(super) struct Exchange {
     pub bound: BoundEffect,
     /// The measurements with the exchange undone.
     pub dataset: Dataset,
-    /// All that were tried, with the chi-square of each.
+    /// All exchanges that were tried, with their chi-square.
     tried: Vec<(BoundEffect, f64)>,
 }
 
-/// The exchange that explains the readings, if there is one.
+/// Finds the exchange that explains the readings, if there is one.
 pub(super) fn exchanged(
     fit: &Fit<'_>,
     report: &mut Reporter<'_, '_>,
@@ -82,7 +83,7 @@ fn undone(dataset: &Dataset, bound: &BoundEffect) -> Dataset {
 }
 
 impl Exchange {
-    /// What is reported of it; `first` and `second` are the fits before and after.
+    /// The finding; `first` and `second` are the fits before and after undoing the exchange.
     pub fn finding(&self, first: &Fit<'_>, second: &Fit<'_>) -> Finding {
         let robot = &self.dataset.robot;
         let (before, after) = (Prediction::new(first), Prediction::new(second));

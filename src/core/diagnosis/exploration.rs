@@ -1,4 +1,4 @@
-//! The sets of causes that are likely at a fit, over a few points of the hyperparameters.
+//! Explores the probable sets of causes at a fit, over a few points of the hyperparameters.
 
 use std::collections::HashMap;
 
@@ -13,43 +13,43 @@ use super::progress::Reporter;
 use super::report::Cause;
 use super::search::{INEXACT, Search, Set, Visited, set_of, settled};
 
-/// Most points of the hyperparameters at each fit.
+/// Maximum number of points at each fit.
 const MOST_POINTS: usize = 5;
-/// Most sets that are extended in each search.
+/// Maximum number of sets that each search extends.
 pub(super) const MOST_EXTENDED: usize = 40;
-/// Chi-square per degree of freedom from which nothing explains the readings.
+/// Chi-square per degree of freedom above which the described noise is no sensible point.
 pub(super) const UNEXPLAINED: f64 = 100.0;
-/// Difference of the logarithm of the posterior up to which a set counts.
+/// Log posterior below the best down to which sets are kept.
 const COUNTED: f64 = 12.0;
-/// And up to which the scales of its members are chosen anew.
+/// Log posterior below the best down to which the scales of a set are optimised again.
 const WORTH_SETTLING: f64 = 8.0;
-/// Information, in units of the prior's, below which the data say nothing of a parameter.
+/// Information relative to that of the prior below which the data do not determine a parameter.
 const SEEN: f64 = 1e-2;
 
-/// How well the data show one cause, at its most visible place if it is an event or a wave.
+/// How well the data show one cause; for events and waves at the pose or period that shows them best.
 #[derive(Debug, Clone)]
 pub(super) struct Visibility {
     pub cause: Cause,
     /// Whether any reading depends on it.
     pub is_read: bool,
-    /// Standard deviation of its first parameter, everything else estimated; `None` where the data say nothing.
+    /// Standard deviation of its first parameter with all else estimated; `None` if the data do not determine it.
     pub sd: Option<f64>,
 }
 
-/// One point of the hyperparameters.
+/// The search at one point of the hyperparameters.
 struct Point<'l> {
     gram: Gram<'l>,
-    /// Logarithm of the evidence without causes, and of the prior of the point.
+    /// Log evidence without causes, including the prior of the point.
     of_none: f64,
     visited: HashMap<Set, Visited>,
 }
 
-/// The sets that were looked at from one fit.
+/// The sets explored at one fit.
 pub(super) struct Explored {
     pub visibility: Vec<Visibility>,
-    /// Members and logarithm of the posterior, the best first.
+    /// Members and log posterior of each set, best first.
     pub ranking: Vec<(Vec<Member>, f64)>,
-    /// Hyperparameters of the best.
+    /// Hyperparameters estimated for the best set.
     pub at: Hyperparameters,
 }
 
@@ -62,7 +62,8 @@ pub(super) fn log_sum(values: impl Iterator<Item = f64>) -> f64 {
     largest + values.iter().map(|v| (v - largest).exp()).sum::<f64>().ln()
 }
 
-/// From a fit with its own hyperparameters. Whole families are tried together, too, at the first fit of a diagnosis.
+/// Explores sets at a fit, starting with the hyperparameters `own`. At the first fit of a diagnosis, the search is also
+/// started with all families together.
 pub(super) fn explore(
     at: &LinearFit<'_, '_>,
     own: Hyperparameters,
@@ -72,7 +73,7 @@ pub(super) fn explore(
     let described = at.linear.described();
     let mut asked = vec![own.clone()];
     let left = at.fit.solution.chi2 / at.fit.solution.degrees_of_freedom;
-    // Where nothing explains the readings, everything would be a cause in noise as described.
+    // With the described noise far too small, every candidate would seem to be a cause.
     if own.is_far_from(&described) && left < UNEXPLAINED {
         asked.push(described);
     }
@@ -140,10 +141,10 @@ pub(super) fn explore(
     }
 }
 
-/// The sets of all points with their posteriors, the best first, down to some below it and below the present one: sets that
-/// seem better than that may be worse when they are fitted.
+/// Sums the posterior of each set over all points and sorts. Sets are kept down to a limit below the present set, since
+/// sets that look better than it may turn out worse when they are fitted.
 fn ranked(points: &mut [Point<'_>], counted: f64, present: &[Member]) -> Vec<(Vec<Member>, f64)> {
-    // Where each set is best.
+    // The point at which each set is best.
     let mut best: HashMap<Set, (usize, f64)> = HashMap::new();
     for (place, point) in points.iter().enumerate() {
         for (set, visited) in &point.visited {
@@ -170,11 +171,11 @@ fn ranked(points: &mut [Point<'_>], counted: f64, present: &[Member]) -> Vec<(Ve
                 continue;
             };
             for cause in causes {
-                // A complete fit may make more of the likeliest set without one of the causes.
+                // A full fit may raise the most probable set without one of the causes.
                 let without = |(set, (_, value)): &(&Set, &(usize, f64))| {
                     *value > own - RIVAL && !set.contains(cause)
                 };
-                // A linear comparison of what explains much is off by more.
+                // The linear comparison is less accurate for causes that explain much.
                 let others: Set = causes.iter().copied().filter(|c| c != cause).collect();
                 let explained = best.get(&others).map_or(0.0, |(_, value)| own - value);
                 let exchanged = |(set, (_, value)): &(&Set, &(usize, f64))| {
@@ -196,7 +197,7 @@ fn ranked(points: &mut [Point<'_>], counted: f64, present: &[Member]) -> Vec<(Ve
         }
         let mut visited = points[place].visited[&set].clone();
         if value > least - WORTH_SETTLING {
-            // Members have the scales that suited the set that they were added to.
+            // Members still have the scales that suited the smaller set to which they were added.
             visited = settled(&mut points[place].gram, &visited.members);
         }
         let all = points.iter_mut().enumerate().map(|(k, point)| {
@@ -214,7 +215,7 @@ fn ranked(points: &mut [Point<'_>], counted: f64, present: &[Member]) -> Vec<(Ve
     ranking
 }
 
-/// How well single causes are seen.
+/// How well the data show each single cause.
 pub(super) fn visibility(gram: &Gram<'_>) -> Vec<Visibility> {
     let mut found: Vec<Visibility> = Vec::new();
     for (candidate, own) in gram.candidates.iter().zip(&gram.own) {
@@ -224,7 +225,7 @@ pub(super) fn visibility(gram: &Gram<'_>) -> Vec<Visibility> {
         let information = own.information[(0, 0)];
         let scaled = information * candidate.prior[(0, 0)].powi(2);
         let sd = (scaled > SEEN).then(|| information.sqrt().recip());
-        // Columns of zeros have no score, whatever rounding leaves of their information.
+        // The score of a zero column is exactly zero, while rounding may leave some information.
         let is_read = own.score.iter().any(|s| *s != 0.0);
         match found.last_mut() {
             Some(last) if is_alike(&last.cause, &candidate.cause) => {

@@ -1,4 +1,4 @@
-//! The functions that errors without a name are made of.
+//! Functions that model an unmodelled error of the readings.
 
 use std::f64::consts::TAU;
 
@@ -13,40 +13,41 @@ use super::variables::Variables;
 use crate::measurement::Variable;
 use crate::robot::Robot;
 
-/// Most functions of one variable.
+/// Maximum number of functions of one variable.
 const TERMS: usize = 5;
-/// Most waves over the range of a variable, and steps of the frequency for each.
+/// Maximum number of waves over the range of a variable, and number of frequencies per wave.
 const MOST_WAVES: f64 = 64.0;
 const STEPS_PER_WAVE: f64 = 2.5;
-/// Fewest waves: less than that is a smooth function.
+/// Minimum number of waves over the range; anything slower is covered by the smooth functions.
 const FEWEST_WAVES: f64 = 1.5;
-/// Variables along which waves are looked for.
+/// Variables along which periodic errors are looked for.
 const ALONG: [Variable; 3] = [Variable::Revolutions, Variable::Time, Variable::Distance];
-/// Correlation lengths of fields, over the range of their variables from -1 to 1, and most points that carry one.
+/// Correlation lengths of Gaussian fields, whose variables are scaled to the interval from -1 to 1, and maximum number
+/// of inducing points.
 const LENGTHS: [f64; 2] = [0.5, 1.2];
 const MOST_POINTS: usize = 40;
-/// What makes the covariance of a field regular.
+/// Added to the diagonal to keep the covariance of a field positive definite.
 const NUGGET: f64 = 1e-6;
-/// Fewest readings in which an error of some form is looked for.
+/// Minimum number of readings for fitting an error.
 const FEWEST_READINGS: usize = 8;
 
-/// How an error depends on what.
+/// Functional form of an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Form {
-    /// Smooth in one variable.
+    /// Smooth function of one variable.
     Smooth(Variable),
-    /// Periodic in one variable, with the period in its unit.
+    /// Periodic function of one variable, with the period in its unit.
     Wave(Variable, f64),
-    /// Smooth in the tension of another cable.
+    /// Smooth function of the tension of another cable.
     Crosstalk(usize),
-    /// A Gaussian field over the position, with the correlation length.
+    /// Gaussian field over the position, with its correlation length.
     Position(f64),
-    /// The same over the orientation.
+    /// Gaussian field over the orientation, with its correlation length.
     Orientation(f64),
 }
 
 impl Form {
-    /// What is said of the error, after "have an error that".
+    /// Wording of the error in a sentence, after "have an error that".
     pub fn words(self, robot: &Robot) -> String {
         match self {
             Self::Smooth(variable) => format!("depends on the {}", variable.name()),
@@ -66,26 +67,27 @@ impl Form {
     }
 }
 
-/// The readings of one kind and cable, or of all cables.
+/// Readings that may share an error: of one kind and cable, or of one kind and all cables alike.
 pub(super) struct Target {
     pub id: ReadingId,
     pub classes: Vec<usize>,
-    /// Poses that have such a reading.
+    /// Poses at which there is such a reading.
     pub poses: Vec<usize>,
     pub families: Vec<Family>,
 }
 
-/// The functions of a form for a target.
+/// The functions of one form for given readings.
 pub(super) struct Family {
     pub form: Form,
-    /// One row per pose of the problem: the functions, and what is left of them without what effects express.
+    /// The functions, one row per pose of the problem, and their part that no effect of the catalogue expresses.
     pub whole: DMatrix<f64>,
     pub rest: DMatrix<f64>,
     pub log_prior: f64,
 }
 
 impl Target {
-    /// The target with all its families; nothing where there are too few readings. Families share a prior of 1.
+    /// Builds all function families for some readings, with log priors that sum to a probability of 1; `None` if there
+    /// are too few readings.
     pub fn new(
         id: ReadingId,
         classes: Vec<usize>,
@@ -217,8 +219,8 @@ fn centred(values: Vec<f64>) -> Vec<f64> {
     scaled.collect()
 }
 
-/// Periods of waves, so close that none between is missed. Times are evenly spaced, so that twice their distance is the
-/// shortest period that shows.
+/// Periods at which a wave is tried, with frequencies spaced closely enough that no wave falls between two. Times are
+/// evenly spaced, so that the shortest resolvable period is twice the spacing.
 fn periods(variable: Variable, values: &[f64]) -> Vec<f64> {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -229,8 +231,9 @@ fn periods(variable: Variable, values: &[f64]) -> Vec<f64> {
     steps.map(period).collect()
 }
 
-/// A Gaussian field of variance 1 over some variables, one row per value: `K_xz L^-T` with the covariances `K_xz` to some
-/// of the values and `L L^T` among these. Nothing without variables.
+/// A Gaussian field of variance 1 over some variables, one row per value: `K_xz L^-T` with the covariances `K_xz`
+/// between all values and the inducing points, and `L L^T` the covariance of the inducing points. `None` without
+/// variables.
 pub(super) fn field(variables: &[Vec<f64>], length: f64) -> Option<DMatrix<f64>> {
     let count = variables.first()?.len();
     let points: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_POINTS)).collect();

@@ -1,4 +1,4 @@
-//! Findings: the causes that are there with near certainty, fitted and tested on poses held out.
+//! Findings: confirmed causes, fitted and tested on held-out poses.
 
 use nalgebra::DMatrix;
 
@@ -13,18 +13,18 @@ use crate::estimation::{EstimationError, Linearisation, ParameterId};
 use crate::robot::Robot;
 use crate::statistics::chi_square_survival;
 
-/// A cause of a fit with everything that a finding says of it.
+/// What a finding needs to know of one cause of a fit.
 pub(super) struct Found<'f, 'a> {
-    /// The fit of all causes.
+    /// The fit of all confirmed causes.
     pub fit: &'f Fit<'a>,
-    /// Which of them.
+    /// Index of the cause in the fit.
     pub index: usize,
     pub claim: &'f Claim,
-    /// What it gains on top of those before it.
+    /// Gain on held-out poses over the causes before it.
     pub gain: Gain,
-    /// Number of causes that were asked about.
+    /// Number of causes that were tested.
     pub questions: usize,
-    /// Standard deviation of each of its parameters over that in the noise as described.
+    /// Standard deviations of its parameters, relative to those with the noise as described.
     pub spread: &'f [f64],
 }
 
@@ -70,7 +70,7 @@ impl Found<'_, '_> {
         })
     }
 
-    /// The other causes with one more, the last.
+    /// Fits the other causes together with `cause`, which comes last.
     fn last(&self, others: &[Cause], cause: &Cause) -> Result<Fit<'_>, EstimationError> {
         let mut causes = others.to_vec();
         causes.push(cause.clone());
@@ -79,7 +79,7 @@ impl Found<'_, '_> {
         Fit::new(&problem, &causes)
     }
 
-    /// The alternatives fitted in its place.
+    /// Fits each alternative in place of the cause.
     fn rivals(&self, others: &[Cause]) -> Result<Vec<Fit<'_>>, EstimationError> {
         let alternatives = self.claim.alternatives.iter();
         alternatives
@@ -129,7 +129,8 @@ impl Found<'_, '_> {
     }
 }
 
-/// A cause at the start values of its fit; waves start at a tenth of their typical size, where their phase shows.
+/// A cause with its start values. Waves start at a tenth of their typical size, since the phase has no derivative at
+/// amplitude zero.
 fn started(cause: &Cause) -> Cause {
     let mut cause = cause.clone();
     for bound in &mut cause.instances {
@@ -142,7 +143,7 @@ fn started(cause: &Cause) -> Cause {
     cause
 }
 
-/// The sentences of all instances, each once.
+/// The texts of all instances, without repetitions.
 fn joined(cause: &Cause, robot: &Robot, text: impl Fn(&BoundEffect, &Robot) -> String) -> String {
     let mut sentences: Vec<String> = Vec::new();
     for bound in &cause.instances {
@@ -154,7 +155,7 @@ fn joined(cause: &Cause, robot: &Robot, text: impl Fn(&BoundEffect, &Robot) -> S
     sentences.join(" ")
 }
 
-/// The cause itself, then its rivals in their order.
+/// Compares the cause with its fitted alternatives; the cause comes first.
 fn ranking(without: &Fit<'_>, own: &Fit<'_>, index: usize, rivals: &[Fit<'_>]) -> Vec<Rival> {
     let linear = Linearisation::new(&without.problem, &without.solution);
     let space = Space::new(&linear.design, &linear.residual);

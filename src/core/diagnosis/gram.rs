@@ -1,8 +1,8 @@
-//! Scores and information of all candidates at given hyperparameters, and their products with those in a set.
+//! Scores and information of all candidates at given hyperparameters, and the rows of their Gram matrix.
 //!
-//! With `P = 1 - U U^T` of [`Base`] and whitened columns `c`, the score is `c^T P r` and the Gram matrix `c^T P d`. It is
-//! never formed: a set needs its own rows only, each of which costs one product with the generators. Columns that act at
-//! one pose, or from one on, are sums over the poses of their generator.
+//! With `P = 1 - U U^T` of [`Base`] and whitened columns `c`, the score is `c^T P r` and the Gram matrix `c^T P d`. The
+//! Gram matrix is never formed as a whole: a set needs only its own rows, each of which costs one product with the
+//! generators. Columns that act at one pose, or from one on, are sums of their generator over poses.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -28,21 +28,21 @@ pub(super) struct Gram<'l> {
     pub base: Base<'l>,
     linear: &'l Linear,
     catalogue: &'l Catalogue,
-    /// Whitened generators: conditions x generators.
+    /// Whitened generators (conditions x generators).
     generators: DMatrix<f64>,
     pub own: Vec<Own>,
-    /// First column of each candidate, and their number at the end.
+    /// Index of the first column of each candidate, and the number of columns at the end.
     pub first: Vec<usize>,
     columns: Vec<Column>,
-    /// Generators of which columns act at some poses only, with their place among them.
+    /// Generators that have columns acting at some poses only, with their indices among them.
     local: HashMap<usize, usize>,
-    /// Weights of the waves at each pose, in the order of their columns.
+    /// Weights at each pose, for each column of a wave.
     waves: Vec<DVector<f64>>,
     rows: HashMap<usize, Rc<Vec<f64>>>,
 }
 
 impl<'l> Gram<'l> {
-    /// `generators` are those of the catalogue in conditions.
+    /// `generators` are those of the catalogue as conditions.
     pub fn new(
         linear: &'l Linear,
         base: Base<'l>,
@@ -117,7 +117,7 @@ impl<'l> Gram<'l> {
         own
     }
 
-    /// Information of generators that act at each pose alone, and from it on.
+    /// Information of generators that act at each single pose, and from each pose on.
     fn event_information(&self, generators: &[usize]) -> Vec<[DMatrix<f64>; 2]> {
         let columns = self.generators.select_columns(generators);
         let k = generators.len();
@@ -141,7 +141,7 @@ impl<'l> Gram<'l> {
         found
     }
 
-    /// A column, whitened: weights of poses and noise commute.
+    /// A whitened column. Whitening works pose by pose, so it commutes with weighting the poses.
     fn column(&self, index: usize) -> DVector<f64> {
         self.catalogue.column(
             self.columns[index],

@@ -1,10 +1,10 @@
-//! Causes of the same effect on several cables, said with fewer values.
+//! Merges causes of the same effect on several cables into one with fewer parameters.
 
 use super::fit::Fit;
 use super::report::Cause;
 use crate::effect::{BoundEffect, Search};
 
-/// The causes of a fit with those of the same effect on several single cables replaced by one with a common value.
+/// Replaces causes of the same effect on several single cables by one with a common value; `None` if there are none.
 pub(super) fn united(fit: &Fit<'_>) -> Option<Vec<Cause>> {
     if let Some(causes) = shared_by_some(fit) {
         return Some(causes);
@@ -43,8 +43,8 @@ pub(super) fn united(fit: &Fit<'_>) -> Option<Vec<Cause>> {
     Some(others.cloned().chain([common]).collect())
 }
 
-/// The causes of a fit with a family, of which some cables have about the same value and the others nearly none, replaced
-/// by one with a common value on these.
+/// Replaces a family in which some cables have about the same value and the others almost none by one cause with a
+/// common value on those cables.
 fn shared_by_some(fit: &Fit<'_>) -> Option<Vec<Cause>> {
     for (place, cause) in fit.causes.iter().enumerate() {
         let first = &cause.instances[0];

@@ -1,10 +1,10 @@
-//! From readings to the posterior probabilities of sets of causes.
+//! Infers the posterior probabilities of sets of causes from the readings.
 //!
-//! At a fit, all readings are linear in the parameters of all candidates. Sets are compared there at a few points of the
-//! hyperparameters: noise as described, and the estimates for the sets that were best; the probability of a set is the
-//! sum over the points, so that a small cause in small noise competes with no cause in large noise. The likeliest sets are
-//! then fitted completely and compared by the evidence at their own fits; at the best of them everything is linearised
-//! again, until it stays the best.
+//! At a fit, all readings are linear in the parameters of all candidates. Sets are compared there at a few points of
+//! the hyperparameters, namely noise as described and the estimates for the best sets. The probability of a set is the
+//! sum over these points, so that a small cause in small noise competes with no cause in large noise. The most probable
+//! sets are then fitted with the full model and compared by the evidence at their own fits. The problem is linearised
+//! again at the best of them until it stays the best.
 
 use nalgebra::DMatrix;
 
@@ -27,11 +27,11 @@ use super::search::alike_together;
 use super::{DiagnosisOptions, Stage};
 use crate::estimation::{EstimationError, Problem};
 
-/// Most linearisations.
+/// Maximum number of linearisations.
 const MOST_LINEARISATIONS: usize = 5;
-/// Change of chi-square from which effects depend on other poses than those of the fit before.
+/// Change of chi-square from which the effects are evaluated at the poses of the new fit.
 const MOVED: f64 = 0.5;
-/// Sizes over the largest typical one that no cause has.
+/// Sizes from this multiple of the largest typical size on are taken as impossible.
 const ABSURD: f64 = 10.0;
 
 /// A set of causes with its posterior.
@@ -41,23 +41,23 @@ pub(super) struct Ranked {
     pub log_posterior: f64,
 }
 
-/// What was inferred.
+/// Result of the inference.
 pub(super) struct Inference<'a> {
-    /// The fit of the likeliest set.
+    /// Fit of the most probable set.
     pub fit: Fit<'a>,
-    /// Sets, the likeliest first, which is that of the fit.
+    /// Sets in order of decreasing probability, that of the fit first.
     pub ranking: Vec<Ranked>,
     /// The problem linearised at the fit, with the hyperparameters estimated there.
     pub linear: Linear,
     pub at: Hyperparameters,
-    /// Columns of the causes of the fit in units of their prior.
+    /// Columns of the causes of the fit, in units of their prior.
     pub columns: DMatrix<f64>,
     catalogue: Catalogue,
     present: Vec<Member>,
 }
 
 impl Inference<'_> {
-    /// First column of each cause, and their number at the end.
+    /// Index of the first column of each cause, and the number of columns at the end.
     fn first_columns(&self) -> Vec<usize> {
         let mut first = vec![0];
         for (index, _) in &self.present {
@@ -66,7 +66,7 @@ impl Inference<'_> {
         first
     }
 
-    /// The columns of all causes but some.
+    /// Columns of all causes except those given.
     pub fn columns_without(&self, causes: &[usize]) -> DMatrix<f64> {
         let first = self.first_columns();
         let kept = (0..self.present.len()).filter(|k| !causes.contains(k));
@@ -80,12 +80,12 @@ impl Inference<'_> {
         causes.iter().map(|k| first[k + 1] - first[*k]).sum()
     }
 
-    /// Logarithm of the prior odds of some causes with their sizes and signs.
+    /// Log prior odds of some causes, including the priors of their scales and signs.
     pub fn log_prior(&self, causes: &[usize]) -> f64 {
         let of = |k: &usize| {
             let (index, scale) = self.present[*k];
             let candidate = &self.catalogue.candidates[index];
-            // A normal prior cut at zero is twice as dense.
+            // A normal prior truncated at zero has twice the density.
             let sign = if candidate.is_positive {
                 std::f64::consts::LN_2
             } else {
@@ -96,8 +96,8 @@ impl Inference<'_> {
         causes.iter().map(of).sum()
     }
 
-    /// Share of what a cause changes, whatever else is estimated, that is in the readings of one kind and cable, or of all
-    /// cables.
+    /// Share of a cause's effect on the readings, with all else estimated, that is in readings of one kind and cable,
+    /// or of one kind and all cables.
     pub fn share_in(&self, cause: usize, id: &ReadingId) -> f64 {
         let squares = self.changed(cause);
         let classes = self.linear.conditions.classes.iter().zip(&squares);
@@ -109,14 +109,14 @@ impl Inference<'_> {
         inside / squares.iter().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 
-    /// The class of readings that a cause changes most.
+    /// The class of readings on which a cause has the largest effect.
     pub fn most_changed(&self, cause: usize) -> Option<ReadingId> {
         let squares = self.changed(cause);
         let classes = self.linear.conditions.classes.iter().zip(squares);
         classes.max_by(|a, b| a.1.total_cmp(&b.1)).map(|c| *c.0)
     }
 
-    /// What a cause changes in each class of readings, whatever else is estimated, as a sum of squares.
+    /// Sum of squares of a cause's effect on each class of readings, with all else estimated.
     fn changed(&self, cause: usize) -> Vec<f64> {
         let none = DMatrix::zeros(self.linear.conditions.count, 0);
         let base = self.linear.base(&self.at, &none);
@@ -137,11 +137,12 @@ impl Inference<'_> {
         all
     }
 
-    /// Standard deviations of the columns' parameters of each cause, in the noise and the background that there is, over
-    /// those in the noise as described, whose weights the fit has.
+    /// Standard deviations of the coordinates of each cause with the actual noise and background, relative to those
+    /// with the noise as described, which determines the weights of the fit.
     ///
-    /// With the derivatives `Z`, the prior `R`, `N = Z^T Z + R` and the covariance `C` of noise and background, an estimate
-    /// in other weights has the covariance `N^-1 (Z^T C Z + R) N^-1` (White 1980), in the noise as described `N^-1`.
+    /// With the derivatives `Z`, the prior information `R`, `N = Z^T Z + R` and the covariance `C` of noise and
+    /// background, an estimate in the described weights has the covariance `N^-1 (Z^T C Z + R) N^-1` (White 1980). If
+    /// the noise is as described, this is `N^-1`.
     pub fn spread(&self) -> Vec<Vec<f64>> {
         let conditions = &self.linear.conditions;
         let fixed = self.linear.fixed.ncols();
@@ -179,7 +180,7 @@ impl Inference<'_> {
     }
 }
 
-/// Whether all values of a fit are physically possible.
+/// Whether all parameter values of a fit are physically possible.
 pub(super) fn is_possible(fit: &Fit<'_>) -> bool {
     let bounds = fit.causes.iter().flat_map(|cause| &cause.instances);
     let mut values = bounds.flat_map(|b| b.values.iter().zip(b.effect.parameters()));
@@ -191,7 +192,7 @@ pub(super) fn is_possible(fit: &Fit<'_>) -> bool {
         })
 }
 
-/// The causes of members, estimated at a point of the linear problem.
+/// The causes of some members, with the values estimated in the linear problem.
 pub(super) fn causes_of(
     at: &LinearFit<'_, '_>,
     gram: &mut Gram<'_>,
@@ -203,7 +204,7 @@ pub(super) fn causes_of(
     let mut causes = Vec::new();
     for ((index, _), range) in members.iter().zip(ranges) {
         let estimate: Vec<f64> = system.estimate.rows_range(range).iter().copied().collect();
-        // What the fit has already is known better.
+        // Values from the nonlinear fit are more accurate than linear estimates.
         let known = at.present.iter().position(|m| m.0 == *index);
         causes.push(match known {
             Some(k) => at.fit.causes[k].clone(),
@@ -213,8 +214,8 @@ pub(super) fn causes_of(
     causes
 }
 
-/// Infers the causes of a problem. What effects depend on is taken at the poses of each fit, which a large cause moves: so
-/// it is in the problem without causes that comes back.
+/// Infers the causes of a problem. Effects are evaluated at the poses of each fit, which a large cause moves, so the
+/// problem is returned with the poses of the last one.
 pub(super) fn infer<'a>(
     mut base: Problem<'a>,
     options: &DiagnosisOptions,
@@ -227,7 +228,7 @@ pub(super) fn infer<'a>(
     let mut tried: Vec<Vec<Cause>> = vec![fit.causes.clone()];
     // Evidence of sets at their own fits.
     let mut fitted: Vec<(Vec<Cause>, f64)> = Vec::new();
-    // Variance factors of the quietest noise that any fit left.
+    // Smallest variance factors found at any fit.
     let mut quietest: Vec<f64> = Vec::new();
     for round in 1.. {
         if !fit.causes.is_empty() {
@@ -274,7 +275,7 @@ pub(super) fn infer<'a>(
             if value > best.as_ref().map_or(own, |b| b.0) {
                 best = Some((value, refit));
                 if compared.is_best(place) && round < MOST_LINEARISATIONS {
-                    // Everything is compared anew from there.
+                    // Start over with a linearisation at the better fit.
                     break;
                 }
             }
@@ -309,7 +310,7 @@ pub(super) fn infer<'a>(
     unreachable!("the last round returns")
 }
 
-/// The smaller variance factors of both.
+/// Replaces each variance factor by the smaller of the two.
 fn quieten(quietest: &mut Vec<f64>, at: &Hyperparameters) {
     if quietest.is_empty() {
         quietest.clone_from(&at.variance);
@@ -319,7 +320,7 @@ fn quieten(quietest: &mut Vec<f64>, at: &Hyperparameters) {
     }
 }
 
-/// What is known at a fit, the variance factors of the noise estimated from some.
+/// The inference result at a fit. The estimation of its variance factors starts at `start`.
 pub(super) fn at_fit<'a>(
     fit: Fit<'a>,
     options: &DiagnosisOptions,
@@ -331,7 +332,7 @@ pub(super) fn at_fit<'a>(
     let (_, hyper) = at.own_evidence();
     let at = at.starting_at(&hyper.variance);
     let columns = at.columns(&at.present);
-    // The fit is of the likeliest set, but for rounding of the linear comparison.
+    // The linear comparison may rank the set of the fit slightly lower than another one.
     if let Some(own) = ranking.iter().position(|r| is_same(&r.causes, &fit.causes)) {
         let own = ranking.remove(own);
         ranking.insert(
@@ -359,13 +360,13 @@ pub(super) fn at_fit<'a>(
     }
 }
 
-/// The same causes, in whatever order.
+/// Whether two sets consist of the same causes, in any order.
 pub(super) fn is_same(one: &[Cause], other: &[Cause]) -> bool {
     let contains = |all: &[Cause], cause: &Cause| all.iter().any(|c| is_same_cause(c, cause));
     one.len() == other.len() && one.iter().all(|cause| contains(other, cause))
 }
 
-/// Same effect and targets; an event at the same pose.
+/// Whether two causes have the same effect and targets, and events the same pose.
 pub(super) fn is_same_cause(one: &Cause, other: &Cause) -> bool {
     let pose = one.effect().pose_parameter();
     is_alike(one, other)

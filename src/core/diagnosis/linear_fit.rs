@@ -1,4 +1,4 @@
-//! A fit with its linear problem: all candidates linearised there.
+//! A fit with all candidates linearised at its solution.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -13,7 +13,7 @@ use super::search::Search;
 use super::variables::Variables;
 use crate::estimation::{Linearisation, ParameterId};
 
-/// Causes expected beforehand, for each unit of the probability of a false finding that is allowed.
+/// Prior expectation of the number of causes for each unit of the false alarm probability.
 pub(super) const EXPECTED_PER_ALPHA: f64 = 80.0;
 
 /// A fit with its linear problem.
@@ -21,9 +21,9 @@ pub(super) struct LinearFit<'f, 'a> {
     pub fit: &'f Fit<'a>,
     pub linear: Linear,
     pub catalogue: Catalogue,
-    /// The generators in conditions.
+    /// Generators as conditions.
     pub generators: DMatrix<f64>,
-    /// The members that are the causes of the fit.
+    /// The causes of the fit as members.
     pub present: Vec<Member>,
 }
 
@@ -71,7 +71,7 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         }
     }
 
-    /// The same with variance factors of the noise that are known better than as described, if any are.
+    /// Starts the estimation of the variance factors at given values instead of the described noise, if there are any.
     pub fn starting_at(mut self, variance: &[f64]) -> Self {
         if !variance.is_empty() {
             self.linear.start.copy_from_slice(variance);
@@ -79,9 +79,9 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         self
     }
 
-    /// Columns of members in conditions, in units of their prior.
+    /// Columns of some members as conditions, in units of their prior.
     pub fn columns(&self, members: &[Member]) -> DMatrix<f64> {
-        // No member has no column.
+        // `joined` needs a first part with the right number of rows even if there are no members.
         let mut parts = vec![DMatrix::zeros(self.linear.conditions.count, 0)];
         for (index, scale) in members {
             let candidate = &self.catalogue.candidates[*index];
@@ -97,7 +97,7 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         joined(&parts.iter().collect::<Vec<_>>())
     }
 
-    /// The hyperparameters that suit a set.
+    /// Estimates the hyperparameters for a set.
     pub fn estimate(&self, members: &[Member]) -> Hyperparameters {
         self.linear.estimate(&self.columns(members))
     }
@@ -112,7 +112,7 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         )
     }
 
-    /// The evidence of the causes of the fit at it, its prior included, with the hyperparameters that suit it.
+    /// Log evidence and prior of the fit's own causes, with the hyperparameters estimated for them.
     pub fn own_evidence(&self) -> (f64, Hyperparameters) {
         let at = self.estimate(&self.present);
         let mut gram = self.gram(&at);

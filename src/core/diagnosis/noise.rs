@@ -1,16 +1,15 @@
-//! How large the noise of each kind of reading really is.
+//! Estimates the actual noise of each kind of reading.
 //!
-//! With the noise of class `a` of the readings `theta_a` times as large in variance as described, the squares of
-//! the residuals have the expectation `E[r_a^T r_a] = sum_b tr(M_ab M_ba) theta_b`. Solving this for `theta`,
-//! weighting all rows by the new noise and repeating until nothing changes is restricted maximum
-//! likelihood by Fisher's scoring (Helmert 1907, Foerstner 1979; Searle, Casella and McCulloch, Variance Components,
-//! section 6.6). The covariance of `theta` is then `2 F^-1`, `F_ab = tr(M_ab M_ba)` in the new
-//! weights, so `theta_a` is as well known as a variance from `1 / (F^-1)_aa` degrees of freedom; interval and probability
-//! are those of a chi-square variable divided by them. Equilibrium equations and priors keep the
-//! noise that they have.
+//! If the noise variance of class `a` of the readings is `theta_a` times the described one, the squared residuals have
+//! the expectation `E[r_a^T r_a] = sum_b tr(M_ab M_ba) theta_b`. Solving this for `theta`, reweighting all rows and
+//! repeating until convergence is restricted maximum likelihood by Fisher scoring (Helmert 1907, Foerstner 1979;
+//! Searle, Casella and McCulloch, Variance Components, section 6.6). The covariance of `theta` is `2 F^-1` with `F_ab =
+//! tr(M_ab M_ba)` in the final weights, so `theta_a` is as accurate as a variance from `1 / (F^-1)_aa` degrees of
+//! freedom; interval and p-value are those of the corresponding chi-square variable. The noise of equilibrium equations
+//! and priors is not changed.
 //!
-//! All is done in the linearised problem. Readings whose residuals depend on something are not noise: they get a
-//! variance of their own, so that others do not suffer, and nothing is said of it.
+//! All of this happens in the linearised problem. Readings whose residuals depend on a variable do not show pure noise.
+//! They get a variance of their own, so that they do not affect the others, and no statement is made about it.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,24 +21,24 @@ use super::residual_space::{ClassSums, ResidualSpace};
 use super::{Discrepancy, NoiseStatement, Quantity};
 use crate::statistics::{chi_square_quantile, chi_square_two_sided};
 
-/// Most steps of the estimation, and the change of all variances that ends it.
+/// Maximum number of steps of the estimation, and the largest relative change of a variance at convergence.
 const MOST_STEPS: usize = 8;
 const SETTLED: f64 = 1e-2;
-/// Variances known from fewer degrees of freedom are not estimated.
+/// A variance with fewer degrees of freedom than this is not estimated.
 const LEAST_FREEDOM: f64 = 2.0;
-/// A step to less than this share of a variance overshoots.
+/// Smallest factor of a variance in one step; anything smaller would overshoot.
 const LEAST_STEP: f64 = 0.1;
-/// Fewest cables of which one can be told to differ from the others.
+/// Minimum number of cables for deciding that one of them differs from the others.
 const FEWEST_CABLES: usize = 3;
 
-/// Readings with a common variance.
+/// Readings with a common variance: a kind of reading, or one cable of it.
 pub(super) type Class = (Quantity, Option<usize>);
 
-/// Readings with a variance of their own, and where its estimation starts.
+/// Classes with a variance of their own, with the start values of the estimation.
 pub(super) type Apart = BTreeMap<Class, f64>;
 
-/// Kinds of readings, and single cables where one differs clearly from the others, whose noise is larger or
-/// smaller than described: at level `alpha` for all of them together, `discrepancies` telling which are no noise.
+/// Kinds of readings, and single cables that differ clearly from the others, whose noise is larger or smaller than
+/// described, at level `alpha` for all tests together. Readings with `discrepancies` are excluded.
 pub(crate) fn noise_statements(
     space: &ResidualSpace,
     discrepancies: &[Discrepancy],
@@ -62,8 +61,7 @@ pub(crate) fn noise_statements(
         .collect()
 }
 
-/// How many times larger than described the scatter of each row is, whatever its cause; 1 where that is not
-/// significant at level `level`.
+/// Standard deviation of each row over the described one; 1 where it is not significantly larger at level `level`.
 pub(super) fn excess(space: &ResidualSpace, level: f64) -> Vec<f64> {
     let mut estimate = Estimate::with_strangers(space, Apart::new(), level);
     for class in 0..estimate.classes.len() {
@@ -75,8 +73,8 @@ pub(super) fn excess(space: &ResidualSpace, level: f64) -> Vec<f64> {
     estimate.row_factors()
 }
 
-/// The noise of every class whose variance can be estimated, the cables in `apart` on their own;
-/// probabilities are not corrected.
+/// Statements on all classes whose variance can be estimated, whatever their significance. The cables in `apart` have a
+/// variance of their own, and p-values are not corrected for the number of tests.
 #[cfg(test)]
 pub(super) fn noise_of_all(space: &ResidualSpace, apart: &Apart) -> Vec<NoiseStatement> {
     let estimate = Estimate::new(space, apart);
@@ -86,8 +84,8 @@ pub(super) fn noise_of_all(space: &ResidualSpace, apart: &Apart) -> Vec<NoiseSta
         .collect()
 }
 
-/// Mean squares of some readings, at least those of noise as described. From there estimation starts: from too small
-/// a variance the excess would be taken for noise of others.
+/// Mean squared residuals of the chosen classes, at least those of the described noise, as start values. From too small
+/// a variance the estimation would attribute their excess to other classes.
 fn scatter(space: &ResidualSpace, chosen: &BTreeSet<Class>) -> Apart {
     let (classes, of_row) = classes(space, |id| (id.quantity, id.cable));
     let sums = space.class_sums(&of_row, classes.len());
@@ -99,7 +97,7 @@ fn scatter(space: &ResidualSpace, chosen: &BTreeSet<Class>) -> Apart {
         .collect()
 }
 
-/// Number of variances about which something could be said.
+/// Number of variances that are tested.
 fn questions(space: &ResidualSpace) -> f64 {
     let ids = space.readings.iter().flatten();
     let all = ids.flat_map(|id| [(id.quantity, None), (id.quantity, id.cable)]);
@@ -112,16 +110,16 @@ fn class_of(id: &ReadingId, apart: &Apart) -> Class {
     (id.quantity, id.cable.filter(|_| apart.contains_key(&own)))
 }
 
-/// Variances of classes of readings.
+/// Estimated variances of classes of readings.
 struct Estimate {
     classes: Vec<Class>,
-    /// Variance over that of the description.
+    /// Variance over the described one.
     variance: Vec<f64>,
-    /// From how many degrees of freedom each is known; `None` where it was not estimated.
+    /// Degrees of freedom of each variance; `None` if it was not estimated.
     freedom: Vec<Option<f64>>,
     /// Class of each row.
     of_row: Vec<Option<usize>>,
-    /// The residuals with these variances.
+    /// The residuals weighted with these variances.
     space: ResidualSpace,
 }
 
@@ -159,8 +157,8 @@ impl Estimate {
         estimate
     }
 
-    /// The same with a variance of its own for each cable that differs from the others of its kind at level
-    /// `level`, besides those in `apart`.
+    /// Estimates variances with a separate one for each cable that differs from the others of its kind at level
+    /// `level`, in addition to those in `apart`.
     fn with_strangers(space: &ResidualSpace, mut apart: Apart, level: f64) -> Self {
         loop {
             let estimate = Self::new(space, &apart);
@@ -171,13 +169,13 @@ impl Estimate {
         }
     }
 
-    /// Standard deviation of each row over that of the description.
+    /// Standard deviation of each row over the described one.
     fn row_factors(&self) -> Vec<f64> {
         let sd = |class: &Option<usize>| class.map_or(1.0, |k| self.variance[k].sqrt());
         self.of_row.iter().map(sd).collect()
     }
 
-    /// What is known of a variance, the probability not corrected; `None` where it was not estimated.
+    /// Statement on one variance, with an uncorrected p-value; `None` if it was not estimated.
     fn statement(&self, class: usize) -> Option<NoiseStatement> {
         let (quantity, cable) = self.classes[class];
         let freedom = self.freedom[class]?;
@@ -195,8 +193,8 @@ impl Estimate {
         })
     }
 
-    /// The cable that differs most from the others of its kind, if it does at level `level`, and its mean square:
-    /// the score test of a variance of its own.
+    /// The cable that differs most from the others of its kind, if significantly at level `level`, with its mean
+    /// square. This is the score test of a separate variance.
     fn stranger(&self, apart: &Apart, level: f64) -> Option<(Class, f64)> {
         let (cables, of_row) = classes(&self.space, |id| (id.quantity, id.cable));
         let sums = self.space.class_sums(&of_row, cables.len());
@@ -216,7 +214,7 @@ impl Estimate {
             .filter(|(_, class)| common(class) && enough(class.0))
             .filter_map(probability)
             .filter(|(_, p, _)| *p < level)
-            // Where probabilities are too small for a number, the ratio decides.
+            // The ratio decides where p-values underflow.
             .min_by(|a, b| a.1.total_cmp(&b.1).then(b.2.total_cmp(&a.2)))?;
         let kind = self.classes.iter().position(|c| *c == (class.0, None));
         let others = kind.map_or(1.0, |k| self.variance[k]);
@@ -224,9 +222,9 @@ impl Estimate {
     }
 }
 
-/// One step of the estimation.
+/// One Fisher scoring step.
 struct VarianceStep {
-    /// By how much each variance is to be multiplied.
+    /// Factor by which each variance changes.
     factors: Vec<f64>,
     freedom: Vec<Option<f64>>,
 }
@@ -246,7 +244,7 @@ impl VarianceStep {
         let change = &inverse * excess;
         for (k, class) in estimated.iter().enumerate() {
             let scored = 1.0 + change[k];
-            // The mean square is always positive and has the same fixed point.
+            // The ratio to the expectation is always positive and has the same fixed point.
             let mean_square = sums.squares[*class] / sums.traces[*class];
             step.factors[*class] = if scored > LEAST_STEP {
                 scored
@@ -259,8 +257,8 @@ impl VarianceStep {
     }
 }
 
-/// The classes whose variances can be told from each other, and the inverse of their information. The worst known
-/// is given up until all are known well enough.
+/// The classes whose variances can be separated, with the inverse of their information. The least determined class is
+/// removed until all have enough degrees of freedom.
 fn estimable(sums: &ClassSums) -> (Vec<usize>, DMatrix<f64>) {
     let seen = |class: &usize| sums.information[(*class, *class)] > LEAST_FREEDOM;
     let mut kept: Vec<usize> = (0..sums.traces.len()).filter(seen).collect();
@@ -268,7 +266,7 @@ fn estimable(sums: &ClassSums) -> (Vec<usize>, DMatrix<f64>) {
         let information = sums.information.select_rows(&kept).select_columns(&kept);
         let alone = information.diagonal();
         let inverse = Cholesky::new(information).map(|c| c.inverse());
-        // Where even that fails, the class with least redundancy goes.
+        // If the information is singular, the class with the least redundancy is removed.
         let known = |k: &usize| inverse.as_ref().map_or(alone[*k], |i| i[(*k, *k)].recip());
         let worst = (0..kept.len()).min_by(|a, b| known(a).total_cmp(&known(b)));
         match (worst, inverse) {

@@ -1,16 +1,16 @@
-//! Errors of single readings as columns of the linear problem: products with functions of the pose cost little, as each
-//! reading acts on the conditions of its own pose alone.
+//! Errors of single readings as columns of the linear problem. A reading affects only the conditions of its own pose,
+//! so products with functions of the pose are cheap.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::hyperparameters::Base;
 
-/// An error of 1 in the readings of some classes at each pose: its score and information.
+/// Score and information of a unit error in the readings of some classes at each pose.
 pub(super) struct ReadingErrors {
     score: DVector<f64>,
-    /// Square, pose by pose, of the whitened error.
+    /// Squared norm of the whitened error at each pose.
     squares: DVector<f64>,
-    /// `U^T` times it, one column per pose.
+    /// `U^T` times the whitened error, one column per pose.
     taken: DMatrix<f64>,
 }
 
@@ -31,7 +31,7 @@ impl ReadingErrors {
         found
     }
 
-    /// Score and information of functions of the pose, one per column, one row per pose.
+    /// Score and information of errors that are functions of the pose, one function per column and one row per pose.
     pub fn of(&self, functions: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let mut weighted = functions.clone();
         for (mut row, square) in weighted.row_iter_mut().zip(self.squares.iter()) {

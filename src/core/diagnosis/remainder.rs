@@ -1,4 +1,4 @@
-//! What the causes leave, and what could explain the readings in their place: errors without a name.
+//! Unmodelled errors that remain beside the causes or explain the readings better than them.
 
 use nalgebra::DMatrix;
 
@@ -15,38 +15,38 @@ use crate::effect::{BiasedReading, BoundEffect, UNKNOWN};
 use crate::estimation::Linearisation;
 use crate::robot::Robot;
 
-/// Most errors without a name that are reported.
+/// Maximum number of unmodelled errors that are reported.
 const MOST: usize = 3;
-/// Logarithm of the posterior odds from which one is.
+/// Log posterior odds from which an unmodelled error is reported.
 const SAID: f64 = 5.0;
-/// Logarithm of the odds of a rival up to which it does not matter.
+/// Log odds of a rival below which it is ignored.
 const NO_RIVAL: f64 = -6.0;
-/// Logarithm of the odds that an error without a name is there beside a cause, up to which the cause is likelier.
+/// Log odds that an unmodelled error exists beside a cause below which the cause is more probable.
 const DOUBTED: f64 = 3.0;
-/// Shares of what an error without a name explains from which a cause with no more parameters is preferred, and from which
-/// the error has nothing over it.
+/// A cause with no more parameters than an unmodelled error is preferred if it explains at least `NEARLY_ALL` of what
+/// the error explains. From the share `ALL` on, the error has no advantage at all.
 const NEARLY_ALL: f64 = 0.9;
 const ALL: f64 = 0.98;
-/// Logarithm of the odds from which such an error is possible all the same, and those that are said of it.
+/// If the log odds of the error exceed `OPEN` all the same, the question is left open with the log odds `OPEN_ODDS`.
 const OPEN: f64 = 6.0;
 const OPEN_ODDS: f64 = 2.2;
 
-/// An error without a name.
+/// An error of some readings that no effect of the catalogue explains.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Nameless {
     pub id: ReadingId,
-    /// How it looks, after "have an error that".
+    /// Its wording in a sentence, after "have an error that".
     form: String,
-    /// Logarithm of its posterior odds.
+    /// Log posterior odds.
     pub log_odds: f64,
 }
 
-/// What causes leave, and what else could explain the readings.
+/// Unmodelled errors beside and in place of the causes of a fit.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Remainder {
-    /// The clearest first.
+    /// Errors beside the causes, the most significant first.
     pub left: Vec<Nameless>,
-    /// For each cause what could explain the readings in its place, with the logarithm of its odds over the cause.
+    /// For each cause the error that could replace it, with its log odds over the cause.
     pub rivals: Vec<Option<Nameless>>,
 }
 
@@ -79,7 +79,8 @@ impl Remainder {
                 }
             }
         }
-        // What the first leaves of one error, a period between two that are tried, is no second one.
+        // A second error in the same readings is often the rest of the first one, whose period falls between two that
+        // are tried.
         let mut said: Vec<Nameless> = Vec::new();
         for structure in &left {
             if said.iter().all(|known| known.id != structure.id) {
@@ -90,7 +91,7 @@ impl Remainder {
     }
 }
 
-/// The sets of causes for which one error without a name could stand: each, and all of the same cables.
+/// Sets of causes that one unmodelled error could replace: each cause alone, and all causes on the same cables.
 fn contested(causes: &[Cause]) -> Vec<Vec<usize>> {
     let mut sets: Vec<Vec<usize>> = (0..causes.len()).map(|k| vec![k]).collect();
     for (index, cause) in causes.iter().enumerate() {
@@ -103,7 +104,7 @@ fn contested(causes: &[Cause]) -> Vec<Vec<usize>> {
     sets
 }
 
-/// The likeliest error without a name in the place of some causes, with the logarithm of its odds over them.
+/// The most probable unmodelled error in place of some causes, with its log odds over them.
 fn rival(
     inference: &Inference<'_>,
     structures: &Structures<'_>,
@@ -121,7 +122,7 @@ fn rival(
     };
     let elsewhere = |id: &ReadingId| !is_asked(id);
     let others = beside(&inference.columns_without(set), &elsewhere);
-    // Where an error without a name is looked for there is no background, which would stand for it.
+    // The background of these readings is removed, since it would compete with the error.
     let mut amplitude = inference.at.amplitude.clone();
     for (amplitude, shape) in amplitude.iter_mut().zip(&linear.shapes) {
         if is_asked(&linear.conditions.classes[shape.class]) {
@@ -129,7 +130,7 @@ fn rival(
         }
     }
     let found = structures.instead(&others, &amplitude, is_asked)?;
-    // The causes may leave an error without a name on the same readings, or a background.
+    // The causes may leave an unmodelled error or a background in the same readings.
     let named = beside(&inference.columns, &elsewhere);
     let whole = beside(&named, &is_asked);
     let price: f64 = left
@@ -144,15 +145,15 @@ fn rival(
     ];
     let own = values.into_iter().fold(f64::NEG_INFINITY, f64::max) + inference.log_prior(set);
     let log_odds = found.log_odds - own;
-    // What both explain is compared in the noise that the error without a name leaves.
+    // Chi-squares are compared with the noise estimated for the unmodelled error.
     let with_rival = joined(&[&others, &found.columns]);
     let noise = linear.with_amplitudes(&amplitude, &with_rival).1;
     let left = |columns: &DMatrix<f64>| linear.base(&noise, columns).chi2;
     let none = left(&others);
     let share = (none - left(&named)) / (none - left(&with_rival)).max(f64::MIN_POSITIVE);
     let has_no_more = inference.parameters_of(set) <= found.columns.ncols();
-    // What a cause explains with no more parameters is not taken from it. If its rival explains more, and is far likelier,
-    // which of both it is stays open.
+    // A cause with no more parameters keeps what it explains. If the rival explains clearly more and is far more
+    // probable, both are listed.
     let log_odds = match has_no_more && share >= NEARLY_ALL {
         true if share < ALL && log_odds > OPEN => OPEN_ODDS,
         true => return None,
@@ -161,8 +162,8 @@ fn rival(
     if log_odds <= NO_RIVAL {
         return None;
     }
-    // What an error without a name has in common with the causes, its constant above all, is no reason to doubt them: of
-    // its form something must be left beside them, too.
+    // What an unmodelled error has in common with the causes, its constant above all, is no evidence against them. Part
+    // of the error must also remain beside them.
     let log_odds = if set.len() > 1 {
         log_odds
     } else {
@@ -184,7 +185,7 @@ impl Nameless {
         }
     }
 
-    /// Scatter of readings that is not noise alone.
+    /// Excess scatter of some readings without a recognisable pattern.
     pub fn of(id: ReadingId) -> Self {
         Self {
             id,
@@ -193,7 +194,7 @@ impl Nameless {
         }
     }
 
-    /// What a test of the residuals found.
+    /// An error found by a test of the residuals.
     pub fn of_discrepancy(discrepancy: &Discrepancy) -> Self {
         Self {
             id: ReadingId {
@@ -206,12 +207,12 @@ impl Nameless {
         }
     }
 
-    /// Its posterior probability.
+    /// Posterior probability.
     pub fn probability(&self) -> f64 {
         1.0 / (1.0 + (-self.log_odds).exp())
     }
 
-    /// The cause that stands for it.
+    /// The cause that represents the error in reports.
     pub fn cause(&self, cables: usize) -> Cause {
         let reading = match self.id.quantity {
             Quantity::Length => Some(BiasedReading::Length),
@@ -238,7 +239,7 @@ impl Nameless {
         }
     }
 
-    /// What is said of it.
+    /// The finding that reports the error.
     pub fn finding(&self, fit: &Fit<'_>) -> Finding {
         let robot = &fit.problem.dataset.robot;
         let name = self.id.quantity.name();

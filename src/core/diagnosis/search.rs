@@ -1,10 +1,10 @@
-//! The search over sets of causes at given hyperparameters.
+//! Search over sets of causes at given hyperparameters.
 //!
-//! The best set that was not yet looked at is extended by every candidate, and so is every set that it becomes without
-//! one of its causes: adding, dropping and exchanging. That goes on until no set near the best is left. As no single
-//! addition leads to several families of errors at once, a second start has them all and drops what is not needed;
-//! the evidence for dropping a cause is the ratio of posterior and prior density of its parameters at zero (Savage and
-//! Dickey).
+//! The best set that was not yet extended is extended by every candidate, and so is each set that results from dropping
+//! one of its causes. The search thus adds, drops and exchanges causes until no set near the best is left. As no single
+//! addition leads to several families of errors at once, a second start has all families and drops those that are not
+//! needed. The evidence for dropping a cause is the ratio of the posterior and prior densities of its parameters at
+//! zero (Savage and Dickey).
 
 use std::collections::{HashMap, HashSet};
 
@@ -12,35 +12,35 @@ use super::candidates::Acts;
 use super::evidence::{Member, System};
 use super::gram::Gram;
 
-/// Difference of the logarithm of the posterior up to which a set is looked at, and kept.
+/// Log posterior below the best down to which a set is extended, and down to which an extension is recorded.
 const NEAR: f64 = 6.0;
 const KEPT: f64 = 9.0;
-/// Most sets whose families are reduced at a time.
+/// Maximum number of sets whose families are reduced at a time.
 const REDUCED: usize = 8;
-/// How many are tried in place of a family, each extended by another.
+/// Number of causes tried in place of a family, each extended by another cause.
 const IN_PLACE: usize = 4;
-/// Share of what a cause explains by which a linear comparison of what stands in its place may be off.
+/// Relative error of the linear comparison when another cause replaces one, as a share of what the cause explains.
 pub(super) const INEXACT: f64 = 0.05;
-/// Share of what the readings say of a cause below which others are alike together.
+/// Members that have less than this share of their information left, given the others, count as collinear.
 const ALIKE: f64 = 0.05;
-/// Most extensions of one set that are kept.
+/// Maximum number of extensions recorded for one set.
 const MOST_KEPT: usize = 40;
 
-/// Candidates in ascending order.
+/// Indices of candidates in ascending order.
 pub(super) type Set = Vec<usize>;
 
 /// A set that was evaluated.
 #[derive(Debug, Clone)]
 pub(super) struct Visited {
-    /// Its members with the scales that were best for each when it was added.
+    /// Members, with the scales that were best when each was added.
     pub members: Vec<Member>,
-    /// Logarithm of evidence and prior.
+    /// Log evidence and prior.
     pub log_posterior: f64,
-    /// What of it is the sum over the scales of the members, where it is known.
+    /// Part of `log_posterior` that comes from summing over the scales of the members; 0 if it was not computed.
     pub over_scales: f64,
 }
 
-/// Sets that were evaluated at given hyperparameters.
+/// The sets evaluated at given hyperparameters.
 pub(super) struct Search<'g, 'l> {
     gram: &'g mut Gram<'l>,
     pub visited: HashMap<Set, Visited>,
@@ -49,8 +49,8 @@ pub(super) struct Search<'g, 'l> {
     most: usize,
 }
 
-/// A set evaluated exactly: the scale of each member chosen anew, and its evidence summed over the scales, those of the
-/// others being the best.
+/// Evaluates a set exactly: the scale of each member is optimised again, and the evidence is summed over the scales of
+/// each member with the others at their best scale.
 pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> Visited {
     let mut members = members.to_vec();
     let mut over_scales = 0.0;
@@ -69,7 +69,7 @@ pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> Visited {
     }
 }
 
-/// A set without each of its members.
+/// The subsets that lack one member each.
 fn each_left_out(members: &[Member]) -> impl Iterator<Item = Vec<Member>> {
     (0..members.len()).map(|left_out| {
         let mut fewer = members.to_vec();
@@ -84,8 +84,8 @@ pub(super) fn set_of(members: &[Member]) -> Set {
     set
 }
 
-/// The members of which the others say nearly the same together, as a heavier platform, stiffer cables and force sensors that
-/// read less do: a linear comparison takes what noise changes in their derivatives for a reason to prefer them.
+/// Members that are almost collinear with the others, such as a heavier platform, stiffer cables and force sensors that
+/// read low. For these, the linear comparison mistakes the effect of noise on the derivatives for evidence.
 pub(super) fn alike_together(gram: &mut Gram<'_>, members: &[Member]) -> Vec<usize> {
     let each = members.iter().zip(each_left_out(members));
     each.filter_map(|((index, _), others)| {
@@ -105,7 +105,7 @@ impl<'g, 'l> Search<'g, 'l> {
         }
     }
 
-    /// Evaluates a set.
+    /// Evaluates a set with the given scales and records it.
     pub fn visit(&mut self, members: &[Member]) -> f64 {
         let system = System::new(self.gram, members);
         self.record(members.to_vec(), system.log_posterior);
@@ -128,7 +128,7 @@ impl<'g, 'l> Search<'g, 'l> {
         }
     }
 
-    /// The best set, and the best that was not extended and is near it.
+    /// The best set.
     pub fn best(&self) -> Option<&Visited> {
         let order = |a: &&Visited, b: &&Visited| a.log_posterior.total_cmp(&b.log_posterior);
         self.visited.values().max_by(order)
@@ -146,7 +146,7 @@ impl<'g, 'l> Search<'g, 'l> {
         best.map(|(_, visited)| visited.members.clone())
     }
 
-    /// Looks at sets near the best until none is left or so many were extended; `go_on` is asked before each.
+    /// Extends sets near the best until none is left or `most_extended` were extended. `go_on` is called before each.
     pub fn run(&mut self, most_extended: usize, go_on: &mut dyn FnMut() -> bool) {
         self.reduce_families();
         for _ in 0..most_extended {
@@ -174,7 +174,7 @@ impl<'g, 'l> Search<'g, 'l> {
         }
     }
 
-    /// Looks at sets near one that seems to be far from the best, which a complete fit may show to be none.
+    /// Explores sets near one that seems far below the best, because a full fit may show that it is not.
     pub fn around(&mut self, members: &[Member]) {
         let value = self.settle(members);
         if self.top() - value < NEAR {
@@ -187,12 +187,12 @@ impl<'g, 'l> Search<'g, 'l> {
         }
     }
 
-    /// Value of the best set.
+    /// Log posterior of the best set.
     fn top(&self) -> f64 {
         self.best().map_or(f64::NEG_INFINITY, |b| b.log_posterior)
     }
 
-    /// Evaluates a set with each further candidate; what is far below `top` is left out.
+    /// Evaluates a set extended by each candidate, discarding extensions far below `top`.
     fn extend(&mut self, members: &[Member], top: f64) {
         self.extended.insert(set_of(members));
         if members.len() >= self.most {
@@ -209,7 +209,7 @@ impl<'g, 'l> Search<'g, 'l> {
             .filter(allowed)
             .filter_map(|index| {
                 let (gain, scale) = system.gain(self.gram, index, least)?;
-                // What the readings speak against is no better than nothing.
+                // A gain from the prior odds alone means that the readings speak against the candidate.
                 let speaks_for = gain > system.log_odds(self.gram, index);
                 (gain >= least && speaks_for).then_some((gain, (index, scale)))
             })
@@ -220,14 +220,14 @@ impl<'g, 'l> Search<'g, 'l> {
             more.push(member);
             self.record(more, system.log_posterior + gain);
         }
-        // What signs say of the whole set is known once it is evaluated as a whole.
+        // The sign constraints of the whole set are known only once it is evaluated as a whole.
         if let Some(best) = self.next().filter(|m| m.len() == members.len() + 1) {
             self.settle(&best);
         }
     }
 
-    /// Puts in the place of each cause of a set that explains much the likeliest other effect, though it is clearly worse
-    /// here.
+    /// Replaces each cause that explains much by the most probable other effect, even if that is clearly worse here,
+    /// because the linear comparison may be wrong by a share of what the cause explains.
     pub fn exchange(&mut self, members: &[Member]) {
         let all = self.gram.candidates;
         let whole = self.visit(members);
@@ -258,7 +258,8 @@ impl<'g, 'l> Search<'g, 'l> {
         }
     }
 
-    /// Puts in the place of each family of the best set two others: the likeliest instead of it, extended by another.
+    /// Replaces each family of the best set by two other causes: one of the most probable replacements, extended by
+    /// another cause.
     fn split_families(&mut self) {
         let all = self.gram.candidates;
         let Some(members) = self.best().map(|b| b.members.clone()) else {
@@ -296,8 +297,7 @@ impl<'g, 'l> Search<'g, 'l> {
         }
     }
 
-    /// Puts in the place of each family of the best sets single causes of its cables, one after the other, each the one that
-    /// gains most.
+    /// Replaces each family of the best sets by single causes on its cables, added one by one in order of their gain.
     fn reduce_families(&mut self) {
         let all = self.gram.candidates;
         let Some(best) = self.best().map(|b| b.log_posterior) else {
@@ -350,7 +350,7 @@ impl<'g, 'l> Search<'g, 'l> {
         }
     }
 
-    /// Evaluates a set exactly, the scale of each member chosen anew.
+    /// Evaluates a set exactly, with optimised scales, and records it.
     pub fn settle(&mut self, members: &[Member]) -> f64 {
         let settled = settled(self.gram, members);
         let value = settled.log_posterior;
@@ -358,7 +358,8 @@ impl<'g, 'l> Search<'g, 'l> {
         value
     }
 
-    /// Starts from all families and effects of the robot together, and drops the least needed until each is.
+    /// Starts with all families and effects of the robot together, and drops the least needed until all that remain are
+    /// needed.
     pub fn drop_from_all(&mut self) {
         let all = self.gram.candidates;
         let wide = |index: &usize| {
@@ -370,7 +371,7 @@ impl<'g, 'l> Search<'g, 'l> {
         };
         let mut members: Vec<Member> = Vec::new();
         for index in (0..all.len()).filter(wide) {
-            // Values of their own say more than a common one.
+            // A family includes the common value, so it takes precedence.
             members.retain(|m| !(all[index].is_family() && all[index].excludes(&all[m.0])));
             if members.iter().all(|m| !all[index].excludes(&all[m.0])) {
                 members.push((index, all[index].scales.len().min(2) - 1));

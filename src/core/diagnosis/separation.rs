@@ -1,5 +1,5 @@
-//! What would separate two causes: poses at which the models that fit these data still differ once the second has adapted
-//! all its parameters to them, and checks in the workshop.
+//! Finds measurements that would tell two causes apart: poses at which the fitted models still differ after the second
+//! has adapted all its parameters to them, and checks in the workshop.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,18 +12,18 @@ use crate::measurement::{Dataset, Measurements};
 use crate::robot::Robot;
 use crate::simulation::{SimulationOptions, TensionRange, TrueGeometry, Workspace, simulate};
 
-/// Poses that are tried at least and at most, and those that are proposed.
+/// Minimum and maximum number of poses tried, and number of poses proposed.
 const TRIED: usize = 80;
 const MOST_TRIED: usize = 500;
 const PROPOSED: usize = 5;
 /// Seed of the poses tried.
 const SEED: u64 = 41;
-/// Difference of chi-square that decides.
+/// Difference of chi-square that counts as decisive.
 const DECISIVE: f64 = 9.0;
-/// Most times that a pose is to be measured.
+/// Maximum number of measurements at one pose.
 const MOST_TIMES: usize = 40;
 
-/// The robot as a fit has it, its readings on their own channels.
+/// The robot of a fit, with its readings on the correct channels.
 fn robot_of(fit: &Fit<'_>) -> Robot {
     let mut globals = fit.solution.globals.clone();
     globals
@@ -32,7 +32,8 @@ fn robot_of(fit: &Fit<'_>) -> Robot {
     globals.model(&fit.problem.dataset.robot)
 }
 
-/// What separates the last causes of two fits; `None` where the robot cannot be simulated and no check is known.
+/// Measurements that tell apart the last causes of two fits; `None` where the robot cannot be simulated and no check is
+/// known.
 pub(super) fn separation(one: &Fit<'_>, other: &Fit<'_>) -> Option<Separation> {
     let checks = checks(one, other);
     let candidates = candidates(one, other);
@@ -59,12 +60,12 @@ pub(super) fn separation(one: &Fit<'_>, other: &Fit<'_>) -> Option<Separation> {
     })
 }
 
-/// A pose, with what the second model predicts there if the first is right.
+/// A pose, with the prediction of the second model if the first one is true.
 struct Candidate {
     pose: Pose,
-    /// Prediction less reading, without noise.
+    /// Prediction minus reading, without noise.
     residual: DVector<f64>,
-    /// Its derivative with respect to the parameters of the second model.
+    /// Derivative of the prediction with respect to the parameters of the second model.
     design: DMatrix<f64>,
 }
 
@@ -105,11 +106,11 @@ fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<Candidate>> {
     Some(linear.poses.iter().map(of).collect())
 }
 
-/// Readings at further poses without noise, as a fit predicts them, of what was read in its data; and the poses.
+/// Noise-free readings of a fit at further poses, for the instruments that its data have, and the poses.
 fn further(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
     let events = fit.causes.iter().flat_map(|cause| &cause.instances);
     let labels = events.filter_map(|bound| Some(bound.values[bound.effect.pose_parameter()?]));
-    // Events are before some of the poses.
+    // The poses must go on until after the last event.
     let last = labels.fold(0.0, f64::max) as usize;
     let options = SimulationOptions {
         geometry: TrueGeometry::Nominal,
@@ -125,7 +126,7 @@ fn further(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
     Some((further, poses))
 }
 
-/// The tensions at which the data were taken.
+/// Range of tensions of the data.
 fn tension_of(fit: &Fit<'_>) -> Option<TensionRange> {
     let dataset = fit.problem.dataset;
     let mut all = Vec::new();
@@ -145,8 +146,8 @@ fn tension_of(fit: &Fit<'_>) -> Option<TensionRange> {
     })
 }
 
-/// Chi-square that the second model has more than the first, once every one of these poses was measured so many times
-/// besides the present data, whose information it has: the least over all that it can adapt.
+/// Expected excess chi-square of the second model over the first if each of these poses is measured `times` times in
+/// addition to the present data. The second model adapts its parameters, with the present information as prior.
 fn difference(chosen: &[&Candidate], times: f64, information: &DMatrix<f64>) -> f64 {
     let mut squares = 0.0;
     let mut pull = DVector::zeros(information.nrows());
@@ -156,13 +157,13 @@ fn difference(chosen: &[&Candidate], times: f64, information: &DMatrix<f64>) -> 
         pull += candidate.design.tr_mul(&candidate.residual);
         total += candidate.design.tr_mul(&candidate.design) * times;
     }
-    // Where the data leave a parameter open, nothing can be promised.
+    // If the data leave a parameter undetermined, no difference can be promised.
     let solved = total.cholesky().map(|factor| factor.solve(&pull));
     let explained = solved.map_or(f64::INFINITY, |solved| times * pull.dot(&solved));
     (times * (squares - explained)).max(0.0)
 }
 
-/// How many measurements decide: the first poses once each, or all of them several times.
+/// Number of measurements for a decision: the first poses once each, or all of them several times.
 fn needed(chosen: &[&Candidate], information: &DMatrix<f64>) -> Option<usize> {
     let decides = |poses: usize, times: usize| {
         difference(&chosen[..poses], times as f64, information) >= DECISIVE
@@ -172,7 +173,7 @@ fn needed(chosen: &[&Candidate], information: &DMatrix<f64>) -> Option<usize> {
     few.or_else(|| Some(chosen.len() * often()?))
 }
 
-/// The checks of both causes, each once.
+/// The checks of both causes, without repetition.
 fn checks(one: &Fit<'_>, other: &Fit<'_>) -> Vec<&'static str> {
     let causes = [one, other].map(|fit| fit.causes.last());
     let mut checks: Vec<&str> = causes

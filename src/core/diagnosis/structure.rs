@@ -1,14 +1,14 @@
-//! Errors without a name: functions of one or two variables in the readings of one kind, of one cable or of all alike.
+//! Unmodelled errors: functions of one or two variables in the readings of one kind, of one cable or of all alike.
 //!
-//! The error of a target's readings is `sum_k c_k phi_k(u)` with independent normal `c_k` of one size, in standard
-//! deviations of the readings as described; [`super::families`] has the functions. With `b` the score and `K` the
-//! information of the functions, the evidence over none is `1/2 b^T (K + 1/s^2)^-1 b - 1/2 log det(1 + s^2 K)`: thousands of
-//! functions are looked at with the noise that there is, and the best compared exactly, the noise estimated anew. The odds
-//! for an error are those of all functions and sizes together.
+//! The error of a target's readings is `sum_k c_k phi_k(u)`, where the `c_k` are independent normal variables of one
+//! size in standard deviations of the readings as described. The functions are in [`super::families`]. With the score
+//! `b` and the information `K` of the functions, the log evidence relative to no error is `1/2 b^T (K + 1/s^2)^-1 b -
+//! 1/2 log det(1 + s^2 K)`. Thousands of functions are scored with the present noise; the best are compared exactly,
+//! with the noise estimated again. The odds of an error are those of all functions and sizes together.
 //!
-//! [`Structures::beside`] asks what is left beside all causes. What an effect of the catalogue expresses is taken out of
-//! the functions there, so that a cause too small to be found does not show. [`Structures::instead`] asks what explains the
-//! readings without some of the causes; there the functions are whole.
+//! [`Structures::beside`] looks for errors beside all causes. The part of the functions that effects of the catalogue
+//! express is removed there, so that a cause too small to be found is not reported as an error. [`Structures::instead`]
+//! looks for errors that explain the readings without some of the causes; there the functions are complete.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -22,33 +22,33 @@ use super::reading_id::ReadingId;
 use super::variables::Variables;
 use crate::estimation::Linearisation;
 
-/// Expected number of errors without a name: real machines have more of them than of faults.
+/// Prior expectation of the number of unmodelled errors; real machines have more of them than faults.
 const EXPECTED: f64 = 2.0;
-/// Sizes of the functions, in standard deviations of a reading.
+/// Prior sizes of the functions, in standard deviations of a reading.
 const SIZES: [f64; 8] = [0.5, 1.0, 2.0, 4.0, 16.0, 64.0, 256.0, 1024.0];
-/// Readings that the prior of a variance is worth.
+/// Weight of the variance prior in numbers of readings.
 const VARIANCE_PRIOR: f64 = 8.0;
-/// Least share of the squares of a target's readings that any function is taken to leave where targets are compared.
+/// Lower bound of the share of squared residuals that an error leaves, used when targets are compared.
 const LEAST_LEFT: f64 = 0.25;
-/// How many of the best are compared exactly, and logarithm of the odds of all together from which they are.
+/// Number of the best errors that are compared exactly, and log odds of all together from which they are.
 const COMPARED: usize = 5;
 const ASKED: f64 = -2.0;
 
-/// An error of some form.
+/// An error of a given form in some readings.
 #[derive(Debug, Clone)]
 pub(super) struct Structure {
-    /// The readings; no cable where it is that of all alike.
+    /// The readings; no cable if all cables have the error alike.
     pub id: ReadingId,
     pub form: Form,
-    /// Logarithm of its posterior odds.
+    /// Log posterior odds.
     pub log_odds: f64,
-    /// Logarithm of its prior probability.
+    /// Log prior probability.
     pub log_prior: f64,
-    /// Its columns in conditions, of prior variance 1.
+    /// Columns as conditions, with prior variance 1.
     pub columns: DMatrix<f64>,
 }
 
-/// A family with the size that suits.
+/// A family of functions with its best size.
 #[derive(Debug, Clone, Copy)]
 struct Scored {
     target: usize,
@@ -57,22 +57,22 @@ struct Scored {
     log_odds: f64,
 }
 
-/// What was looked at with the noise that there is.
+/// Families scored with the present noise.
 struct Ranked {
-    /// The best family of each target, the best first.
+    /// The best family of each target, in order of decreasing odds.
     best: Vec<Scored>,
-    /// Logarithm of the odds that there is any error.
+    /// Log odds that there is any error.
     log_odds: f64,
 }
 
-/// All errors that are looked for.
+/// The families of functions for all possible targets.
 pub(super) struct Structures<'l> {
     linear: &'l Linear,
     targets: Vec<Target>,
 }
 
 impl<'l> Structures<'l> {
-    /// The targets of a problem linearised.
+    /// Builds all targets of a linearised problem.
     pub fn new(
         linear: &'l Linear,
         linearisation: &Linearisation,
@@ -104,7 +104,8 @@ impl<'l> Structures<'l> {
         Self { linear, targets }
     }
 
-    /// The clearest error beside causes with given columns, if the posterior odds that there is one are above `least`.
+    /// The most significant error beside causes with the given columns, if the posterior odds that there is one exceed
+    /// `least`.
     pub fn beside(&self, columns: &DMatrix<f64>, least: f64) -> Option<Structure> {
         let amplitude = vec![0; self.linear.shapes.len()];
         let (none, at) = self.linear.with_amplitudes(&amplitude, columns);
@@ -118,7 +119,7 @@ impl<'l> Structures<'l> {
             if with - none + all < least {
                 return None;
             }
-            // A constant alone shows nothing: effects of the catalogue express it.
+            // A constant error alone is no evidence, because effects of the catalogue express it.
             let constant = joined(&[columns, &structure.columns(0, 1).into_owned()]);
             let without = self.linear.refined(&at, &constant).0;
             let log_odds = with - without.max(none) + all;
@@ -127,8 +128,8 @@ impl<'l> Structures<'l> {
         exact.max_by(|a, b| a.log_odds.total_cmp(&b.log_odds))
     }
 
-    /// The error that explains most beside given columns, with some background; its odds are the logarithm of the
-    /// evidence with it and its prior.
+    /// The error that explains most beside the given columns, with a given background. Its `log_odds` are the log
+    /// evidence with the error plus its log prior.
     pub fn instead(
         &self,
         columns: &DMatrix<f64>,
@@ -151,7 +152,7 @@ impl<'l> Structures<'l> {
         &self.targets[scored.target].families[scored.family]
     }
 
-    /// Logarithm of the prior probability of a family with one of the sizes.
+    /// Log prior probability of a family at one of the sizes.
     fn log_prior(&self, scored: &Scored) -> f64 {
         self.family(scored).log_prior - (SIZES.len() as f64).ln()
     }
@@ -166,7 +167,7 @@ impl<'l> Structures<'l> {
         }
     }
 
-    /// A constant and the functions of a family in conditions.
+    /// A constant and the functions of a family as conditions.
     fn columns(
         &self,
         scored: &Scored,
@@ -181,8 +182,8 @@ impl<'l> Structures<'l> {
         columns
     }
 
-    /// The families of the targets that are asked about, each with its best size; `beyond` what a constant alone
-    /// explains, or with it.
+    /// Scores the families of the eligible targets and keeps the best of each target. With `beyond`, only what exceeds
+    /// the explanation by a constant alone counts.
     fn ranked(
         &self,
         (base, at): (&Base<'_>, &Hyperparameters),
@@ -206,7 +207,8 @@ impl<'l> Structures<'l> {
             for (index, family) in target.families.iter().enumerate() {
                 let functions = with_constant(functions(family), &target.poses);
                 for (size, gain, price) in evidence(&errors, &functions, beyond) {
-                    // The noise is estimated anew: the logarithm of what is left, not what is gained, counts.
+                    // The noise will be estimated again, so the logarithm of the remaining squares counts, not the
+                    // gain.
                     let left = (1.0 - gain / squares).max(f64::MIN_POSITIVE);
                     let of = |left: f64| {
                         -0.5 * (freedom * left.ln() + price) + family.log_prior + size_prior
@@ -233,7 +235,7 @@ impl<'l> Structures<'l> {
     }
 }
 
-/// Whether there is one reading of the kind only.
+/// Whether the robot has only one reading of the kind at a pose.
 fn is_single(id: &ReadingId) -> bool {
     !matches!(
         id.quantity,
@@ -241,7 +243,7 @@ fn is_single(id: &ReadingId) -> bool {
     )
 }
 
-/// A constant on some poses before functions.
+/// Prepends a constant at some poses to functions.
 fn with_constant(functions: &DMatrix<f64>, poses: &[usize]) -> DMatrix<f64> {
     let mut all = functions.clone().insert_column(0, 0.0);
     for pose in poses {
@@ -250,8 +252,8 @@ fn with_constant(functions: &DMatrix<f64>, poses: &[usize]) -> DMatrix<f64> {
     all
 }
 
-/// For each size the chi-square that functions explain, `beyond` what the first of them does or with it, and the
-/// logarithm of the determinant that they cost.
+/// Chi-square explained by functions, with the log determinant that penalises it, for each size; with `beyond`, the
+/// contributions of the first function alone are subtracted.
 fn evidence(
     errors: &ReadingErrors,
     functions: &DMatrix<f64>,

@@ -1,4 +1,4 @@
-//! What is hidden in the data shows where it should.
+//! Hidden effects show in the readings and along the variables where they act.
 
 use super::super::noise::noise_statements;
 use super::*;
@@ -24,7 +24,7 @@ fn a_drift_of_the_laser_shows_along_time() {
     let run = run_with("mini", 60, 22, &[hidden]);
     let found = Fitted::new(&run.dataset).discrepancies(0.01);
     assert_eq!((found[0].quantity, found[0].cable), (Quantity::Laser, None));
-    // The simulated hall gets warmer all the time: temperature tells the time too.
+    // The simulated hall warms up steadily, so temperature is as good a predictor as time.
     let first = found[0].variable;
     assert!(
         matches!(first, Variable::Time | Variable::Temperature),

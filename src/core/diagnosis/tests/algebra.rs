@@ -1,4 +1,4 @@
-//! Projections and angles against dense algebra.
+//! Projections and angles against dense linear algebra.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -16,7 +16,7 @@ fn near(one: &DMatrix<f64>, other: &DMatrix<f64>, tolerance: f64) {
     assert!(off <= tolerance * (1.0 + other.amax()), "{off:e}");
 }
 
-/// The projection away from the columns, by their singular value decomposition.
+/// Projection orthogonal to the columns, by singular value decomposition.
 fn dense_projection(design: &DMatrix<f64>) -> DMatrix<f64> {
     let left = design.clone().svd(true, false);
     let largest = left.singular_values.max();
@@ -27,8 +27,8 @@ fn dense_projection(design: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::identity(design.nrows(), design.nrows()) - &basis * basis.transpose()
 }
 
-/// Columns of very different size, one of them twice and one zero: as parameters with units are, and as where the
-/// data leave one open.
+/// Columns of very different size, one of them duplicated and one zero, like parameters in different units of which
+/// some are undetermined.
 fn design() -> DMatrix<f64> {
     let mut design = random(30, 6, 1);
     for (k, scale) in [1.0, 1e4, 1e-4, 1.0, 1.0, 0.0].into_iter().enumerate() {
@@ -58,7 +58,7 @@ fn the_space_is_what_the_columns_leave() {
 #[test]
 fn cosines_are_those_of_principal_angles() {
     let one = random(30, 3, 4);
-    // The same span in other columns, at another scale.
+    // The same span by other columns at another scale.
     let mixed = &one * random(3, 3, 5) * 1e3;
     assert!((cosine(&one, &mixed) - 1.0).abs() < 1e-9);
     let orthogonal = dense_projection(&one) * random(30, 2, 6);

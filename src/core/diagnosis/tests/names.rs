@@ -1,5 +1,5 @@
-//! What is hidden is named. Sizes are such that noise hides none: a false failure by noise alone is below 1e-3 for each
-//! test, had the seeds not been fixed.
+//! Hidden effects are named. They are so large that the probability of a false failure is below 1e-3 for each test with
+//! random seeds.
 
 use super::super::Verdict;
 use super::{diagnosed, found, names, run_with, setting};
@@ -92,7 +92,7 @@ fn two_effects_are_both_named() {
     assert!(diagnosis.extended.adequate);
 }
 
-/// At the default level, a finding in 30 clean data sets has a probability below 0.3, three or more below 0.004.
+/// At the default level the probability of a finding in 30 clean datasets is below 0.3, of three or more below 0.004.
 #[test]
 fn clean_data_are_silent() {
     let alarms: Vec<_> = (0..30)
@@ -102,7 +102,8 @@ fn clean_data_are_silent() {
     assert!(alarms.len() < 3, "{alarms:?}");
 }
 
-/// A step of an anchor along its cable looks like a slip of the cable: both are said, however strong the step is.
+/// A step of an anchor along its cable looks like a slip of the cable, so both must be listed however large the step
+/// is.
 #[test]
 fn a_strong_step_along_a_cable_is_not_named_a_slip() {
     let shift = setting(
@@ -122,7 +123,7 @@ fn a_strong_step_along_a_cable_is_not_named_a_slip() {
     assert!(diagnosis.findings[0].evidence.delta_chi2 > 1000.0);
 }
 
-/// Readings of one standstill share what is wrong in them: as independent ones they would be full of errors.
+/// Rows of one standstill share part of their errors. Taken as independent they would seem full of errors.
 #[test]
 fn rows_of_a_standstill_count_once() {
     let mut dataset = run_with("mini", 41, 65, &[]).dataset;

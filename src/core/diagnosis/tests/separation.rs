@@ -1,4 +1,4 @@
-//! What would separate causes.
+//! Measurements that tell causes apart.
 
 use super::super::report::Cause;
 use super::super::separation::separation;
@@ -11,7 +11,7 @@ fn cause(robot: &Robot, request: &str) -> Cause {
     Cause { instances }
 }
 
-/// The last pose only: a slip of the cable and a wrong reading are the same until another pose is measured.
+/// An event at the last pose: a slip of the cable and a wrong reading are the same until another pose is measured.
 #[test]
 fn one_pose_tells_a_slip_from_a_wrong_reading() {
     let hidden = setting(
@@ -37,7 +37,7 @@ fn one_pose_tells_a_slip_from_a_wrong_reading() {
     assert_eq!(found.advice, expected);
 }
 
-/// What is the same under two names is not separated by any pose.
+/// No pose can tell apart two names for the same model.
 #[test]
 fn nothing_is_promised_where_no_pose_separates() {
     let hidden = setting("winch_scale_common", &[], &[("scale", 0.01)]);

@@ -1,4 +1,4 @@
-//! The evidence of sets against dense algebra, and the search against enumeration of all sets.
+//! The evidence of sets against dense linear algebra, and the search against enumeration.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -23,7 +23,7 @@ fn causes() -> Vec<EffectSetting> {
     vec![scale, slip]
 }
 
-/// Logarithm of the density of the conditions under a dense covariance, what is always estimated having a flat prior.
+/// Log density of the conditions with a dense covariance and a flat prior of the parameters that are always estimated.
 fn dense_log_evidence(at: &LinearFit<'_, '_>, variance: &[f64], columns: &DMatrix<f64>) -> f64 {
     let linear = &at.linear;
     let count = linear.conditions.count;
@@ -79,7 +79,7 @@ fn evidence_is_that_of_the_dense_covariance() {
                 (closed - dense).abs() < 1e-5 * dense.abs(),
                 "{closed} {dense}"
             );
-            // The gain of the next is the difference of both.
+            // The gain by the next member is the difference of the log posteriors.
             let (Some(next), system) = (members.get(count), System::extensible(&mut gram, set))
             else {
                 continue;
@@ -93,14 +93,14 @@ fn evidence_is_that_of_the_dense_covariance() {
     }
 }
 
-/// All sets of up to three of the candidates, at the scales that the search chose.
+/// Enumerates all sets of up to three candidates, with optimised scales.
 fn enumerated(gram: &mut Gram<'_>) -> Vec<(Vec<usize>, f64)> {
     let all = gram.candidates;
     let mut found = Vec::new();
     let mut open: Vec<Vec<usize>> = vec![Vec::new()];
     while let Some(set) = open.pop() {
         let mut members: Vec<Member> = set.iter().map(|k| (*k, 0)).collect();
-        // Scales one after the other until none changes.
+        // Coordinate ascent over the scales.
         for _ in 0..4 {
             for place in 0..members.len() {
                 let mut others = members.clone();
@@ -126,11 +126,11 @@ fn enumerated(gram: &mut Gram<'_>) -> Vec<(Vec<usize>, f64)> {
     found
 }
 
-/// Effects of a robot with few candidates, so that all sets can be enumerated: the slip on the first cable only.
+/// Effects of a robot with so few candidates that all sets can be enumerated; slips are considered on the first cable
+/// only.
 const FEW: [&str; 4] = ["winch_scale", "winch_offset", "force_gain", "pulley_radius"];
 
-/// The probability of every cause by enumeration of all sets and by the search, and whether it is there: it is one of the
-/// settings.
+/// For each candidate its posterior probability by enumeration and by the search, and whether it was hidden.
 fn probabilities(hidden: &[EffectSetting], seed: u64) -> Vec<(f64, f64, bool)> {
     let mut dataset = run_with("planar", 12, seed, hidden).dataset;
     dataset.measurements.laser_m.clear();
@@ -187,11 +187,11 @@ fn the_search_finds_what_enumeration_finds() {
     assert!(all.iter().any(|(exact, ..)| *exact > 0.9));
 }
 
-/// Probability below which a cause is not listed ([`super::super::claims`]): what is not said is taken as this.
+/// Probability below which a cause is not listed ([`super::super::claims`]), used as a lower bound in the score.
 const UNSAID: f64 = 0.005;
 
-/// The logarithmic score of the probabilities of the search is that of enumeration within a twentieth, over data with none
-/// to two causes of any size.
+/// Over datasets with up to two causes of any size, the logarithmic score of the search agrees with that of enumeration
+/// within 5 %.
 #[test]
 fn the_search_scores_as_enumeration_does() {
     let mut scores = [0.0; 2];
@@ -236,7 +236,7 @@ fn standard_deviations_are_those_of_the_weights_of_the_fit_in_the_noise_that_the
     let mut inference = at_fit(fit, &DiagnosisOptions::default(), Vec::new(), &[]);
     inference.at = inference.linear.described();
     for ratio in inference.spread().iter().flatten() {
-        // But for what makes the normal equations regular.
+        // The tolerance is for the regularisation of the normal equations.
         assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
     }
     for (k, variance) in inference.at.variance.iter_mut().enumerate() {
@@ -268,8 +268,8 @@ fn standard_deviations_are_those_of_the_weights_of_the_fit_in_the_noise_that_the
     }
 }
 
-/// A heavier platform, stiffer cables and force sensors that read less change no reading together: with many poses a linear
-/// comparison prefers all three to what is there, and only fits show that it is wrong.
+/// A heavier platform, stiffer cables and force sensors that read low cancel each other in all readings. With many
+/// poses the linear comparison prefers the three together to the truth, and only full fits show the mistake.
 #[test]
 fn causes_that_say_the_same_together_are_not_preferred_with_many_poses() {
     let hidden = [

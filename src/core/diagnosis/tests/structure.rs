@@ -1,4 +1,4 @@
-//! Errors without a name: their evidence against dense algebra, and that they are found where they are.
+//! Unmodelled errors: their evidence against dense linear algebra, and whether they are found.
 
 use nalgebra::DMatrix;
 
@@ -11,7 +11,7 @@ use super::super::{DiagnosisOptions, Quantity, Verdict};
 use super::{Fit, based, diagnosed, run_with};
 use crate::measurement::Dataset;
 
-/// Clean data of a robot with an error in the lengths of its third cable: a wave along time, of some standard deviations.
+/// Clean data with a wave over time in the lengths of the third cable.
 fn with_wave(size_m: f64) -> Dataset {
     let mut dataset = run_with("mini", 41, 5, &[]).dataset;
     let data = &mut dataset.measurements;
@@ -86,7 +86,7 @@ fn a_wave_in_one_channel_is_unknown_there_and_gets_no_name() {
     );
 }
 
-/// Clean data have odds of 100 to 1 for an error without a name in less than one of 200 data sets.
+/// Fewer than one in 200 clean datasets have odds of 100 to 1 for an unmodelled error.
 #[test]
 fn clean_data_have_no_error_without_a_name() {
     let dataset = run_with("mini", 41, 5, &[]).dataset;
