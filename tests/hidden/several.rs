@@ -1,4 +1,4 @@
-//! Several effects at once, and families of them.
+//! Draws several effects at once, and families of effects.
 
 use anyhow::{Result, bail};
 use rand::RngExt;
@@ -9,25 +9,25 @@ use super::setup::Setup;
 use super::template::{Template, log_uniform};
 use super::visibility::{VISIBLE, left_by_nearest_other, noncentrality};
 
-/// Draws that may fail before a plan is given up.
+/// Maximum number of failed draws before a plan is given up.
 const TRIES: usize = 600;
-/// Noncentrality that every other single effect leaves of one that exact evidence separates: its log Bayes factor is 16
-/// on average and above 3, odds of 20 to 1, in 98.9 of 100 data sets.
+/// Smallest noncentrality that any other single effect must leave unexplained for an effect to count as separated. The
+/// exact log Bayes factor is then 16 on average and exceeds 3 (odds of 20 to 1) in 98.9 % of datasets.
 const SEPARATED: f64 = 32.0;
-/// How many causes a robot has on average.
+/// Mean number of causes.
 const CAUSES: f64 = 0.8;
-/// How often a size is beyond the typical ones, and up to which factor.
+/// Probability that a size exceeds the typical ones, and largest factor by which it does.
 const BEYOND: f64 = 0.04;
 const BEYOND_FACTOR: f64 = 4.0;
-/// Common offset of a dominating cause (m).
+/// Range of the common offset of all cables (m).
 const COMMON_OFFSET_M: [f64; 2] = [0.05, 0.2];
-/// Scale of a winch in a family.
+/// Range of the winch scales of a family.
 const WINCH_SCALE: [f64; 2] = [0.01, 0.03];
 
-/// Effects with the noncentrality of each while the others are estimated.
+/// Effects, and the noncentrality of each with the others estimated.
 pub type Together = (Vec<EffectSetting>, Vec<f64>);
 
-/// What is not estimable cannot be allowed for while another effect is judged.
+/// Draws an estimable effect, because noncentralities are computed with the other effects estimated.
 fn any_effect(rng: &mut ChaCha8Rng) -> &'static Effect {
     loop {
         let effect = CATALOGUE[rng.random_range(0..CATALOGUE.len())];
@@ -37,14 +37,14 @@ fn any_effect(rng: &mut ChaCha8Rng) -> &'static Effect {
     }
 }
 
-/// An effect of typical size, its logarithm uniform.
+/// Draws an effect whose size is log-uniform in the typical range.
 fn typical(setup: &Setup, rng: &mut ChaCha8Rng) -> EffectSetting {
     let template = Template::draw(any_effect(rng), &setup.robot, rng);
     let range = template.typical.unwrap_or([1.0, 1.0]);
     template.setting(log_uniform(range, rng))
 }
 
-/// Noncentrality of each effect while the others are estimated; 0 where they break the robot.
+/// Noncentrality of each effect with the others estimated; 0 where the effects break the robot.
 fn each_beside_the_others(setup: &Setup, effects: &[EffectSetting]) -> Vec<f64> {
     let beside = |n: usize| {
         let others = [&effects[..n], &effects[n + 1..]].concat();
@@ -53,7 +53,7 @@ fn each_beside_the_others(setup: &Setup, effects: &[EffectSetting]) -> Vec<f64> 
     (0..effects.len()).map(beside).collect()
 }
 
-/// Three to five effects of typical size, each visible while the others are estimated.
+/// Draws three to five effects of typical size, each visible while the others are estimated.
 ///
 /// # Errors
 /// If none are found.
@@ -78,7 +78,7 @@ pub fn several(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
     bail!("no {count} effects found for {}", setup.robot.name)
 }
 
-/// One effect of typical size that is visible; if `separated`, one that no other effect could be taken for.
+/// Draws one visible effect of typical size; if `separated`, one that no other effect can be mistaken for.
 ///
 /// # Errors
 /// If none is found.
@@ -97,14 +97,14 @@ pub fn one(setup: &Setup, separated: bool, rng: &mut ChaCha8Rng) -> Result<Toget
     bail!("no effect found for {}", setup.robot.name)
 }
 
-/// As many effects as chance has it, of typical sizes and rarely beyond: what the prior of the diagnosis says.
+/// Draws effects from the prior of the diagnosis: a random number of them, of typical sizes and rarely beyond.
 ///
 /// # Errors
-/// If all that is drawn breaks the robot.
+/// If every draw breaks the robot.
 pub fn by_chance(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
     for _ in 0..TRIES {
         let mut effects = Vec::new();
-        // Poisson's distribution: exponential waiting times until 1 is exceeded.
+        // A Poisson number, by adding exponential waiting times until they exceed 1.
         let mut waited = 0.0;
         loop {
             waited -= rng.random_range(f64::MIN_POSITIVE..1.0).ln() / CAUSES;
@@ -141,7 +141,7 @@ fn signed(range: [f64; 2], rng: &mut ChaCha8Rng) -> f64 {
     sign * rng.random_range(range[0]..=range[1])
 }
 
-/// One offset that all cables have in common.
+/// Draws one offset common to all cables.
 ///
 /// # Errors
 /// If the robot cannot be simulated.
@@ -151,7 +151,7 @@ pub fn common_offset(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
     Ok((vec![effect], vec![seen]))
 }
 
-/// Every winch with a scale of its own, every force sensor with a gain and a bias of its own, of typical sizes.
+/// Draws a different scale for every winch, and a different gain and bias for every force sensor, of typical sizes.
 #[must_use]
 pub fn families(setup: &Setup, rng: &mut ChaCha8Rng) -> Together {
     let cables = &setup.robot.preset.robot.cables;
