@@ -8,13 +8,13 @@ use tautline_core::effect::{CATALOGUE, Effect, EffectSetting, find};
 
 use super::conditions::Conditions;
 use super::template::{Template, log_uniform};
-use super::visibility::{JUST_VISIBLE, VISIBLE, left_by_nearest, noncentrality, size_for};
+use super::visibility::{JUST_VISIBLE, VISIBLE, chi2_of_nearest_effect, noncentrality, size_for};
 use super::{Case, Channels, Hidden, OUTSIDE, Plan, Setup, Stratum, Wanted, outside, several};
 
 /// Maximum number of failed draws, for example of effects that break the robot, before a plan is given up.
-const TRIES: usize = 30;
+const MAX_DRAWS: usize = 30;
 /// Noncentrality below which no reading depends on an effect.
-const NOTHING: f64 = 1e-3;
+const NEGLIGIBLE: f64 = 1e-3;
 /// Range of noncentralities of effects outside the catalogue.
 const OUTSIDE_SIZES: [f64; 2] = [60.0, 400.0];
 
@@ -57,13 +57,16 @@ pub fn draw(plan: &Plan) -> Result<Option<Drawn>> {
             let effect = find(id).with_context(|| format!("no effect {id}"))?;
             one(setup, (effect, stratum), rng)
         }
-        Wanted::Any => Ok(Some(together(setup, several::one(setup, false, rng)?))),
-        Wanted::Separated => Ok(Some(together(setup, several::one(setup, true, rng)?))),
+        Wanted::Any => Ok(Some(drawn_effects(setup, several::one(setup, false, rng)?))),
+        Wanted::Separated => Ok(Some(drawn_effects(setup, several::one(setup, true, rng)?))),
         Wanted::Two => two(setup, rng).map(Some),
-        Wanted::Several => Ok(Some(together(setup, several::several(setup, rng)?))),
-        Wanted::ByChance => Ok(Some(together(setup, several::by_chance(setup, rng)?))),
-        Wanted::CommonOffset => Ok(Some(together(setup, several::common_offset(setup, rng)?))),
-        Wanted::Families => Ok(Some(together(setup, several::families(setup, rng)))),
+        Wanted::Several => Ok(Some(drawn_effects(setup, several::several(setup, rng)?))),
+        Wanted::ByChance => Ok(Some(drawn_effects(setup, several::by_chance(setup, rng)?))),
+        Wanted::CommonOffset => Ok(Some(drawn_effects(
+            setup,
+            several::common_offset(setup, rng)?,
+        ))),
+        Wanted::Families => Ok(Some(drawn_effects(setup, several::families(setup, rng)))),
         Wanted::Exchanged(channels) => Ok(exchanged(setup, channels, rng)),
         Wanted::Outside(id) => {
             let found = OUTSIDE.iter().find(|o| o.id == id);
@@ -91,7 +94,7 @@ fn drawn(setup: &Setup, hidden: Hidden, noncentralities: Vec<f64>) -> Drawn {
     }
 }
 
-fn together(setup: &Setup, (effects, seen): several::Together) -> Drawn {
+fn drawn_effects(setup: &Setup, (effects, seen): several::DrawnEffects) -> Drawn {
     let visible = seen.iter().all(|value| *value >= VISIBLE);
     Drawn {
         visible,
@@ -106,7 +109,7 @@ fn exchanged(setup: &Setup, channels: Channels, rng: &mut ChaCha8Rng) -> Option<
     let other = (one + rng.random_range(1..count)) % count;
     let hidden = Hidden::Exchanged(channels, [one, other]);
     channels
-        .are_there(robot)
+        .exist_on(robot)
         .then(|| drawn(setup, hidden, vec![]))
 }
 
@@ -116,10 +119,10 @@ fn one(
     rng: &mut ChaCha8Rng,
 ) -> Result<Option<Drawn>> {
     let mut last = anyhow!("nothing was tried");
-    for redraws in 0..TRIES {
+    for redraws in 0..MAX_DRAWS {
         let template = Template::draw(effect, &setup.robot, rng);
         match sized(setup, (&template, stratum), rng) {
-            Ok(sized) if sized.noncentrality < NOTHING => return Ok(None),
+            Ok(sized) if sized.noncentrality < NEGLIGIBLE => return Ok(None),
             Ok(sized) => {
                 let hidden = Hidden::Effects(vec![sized.setting]);
                 return Ok(Some(Drawn {
@@ -188,7 +191,7 @@ fn largest_possible(
 fn two(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Drawn> {
     // The noncentrality of one effect is computed with the other estimated, so both must be estimable.
     let estimable: Vec<_> = CATALOGUE.iter().filter(|e| e.is_estimable()).collect();
-    for redraws in 0..20 * TRIES {
+    for redraws in 0..20 * MAX_DRAWS {
         let mut settings = Vec::new();
         for _ in 0..2 {
             let effect = *estimable[rng.random_range(0..estimable.len())];
@@ -228,7 +231,7 @@ fn outside_case(
     let first = at(effect.unit)?;
     let size = size_for(target, (effect.unit, first), at)
         .with_context(|| format!("no size of {} is visible", effect.id))?;
-    let left = left_by_nearest(&outside::changed(setup, &exact, (effect, size)))?;
+    let left = chi2_of_nearest_effect(&outside::changed(setup, &exact, (effect, size)))?;
     Ok(Drawn {
         visible: left >= VISIBLE,
         ..drawn(setup, Hidden::Outside(effect, size), vec![at(size)?, left])
@@ -250,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_are_visible_or_said_not_to_be() {
+    fn visibility_of_sizes_is_reported() {
         for stratum in [Stratum::Typical, Stratum::JustVisible] {
             let wanted = Wanted::One("winch_scale", stratum);
             let drawn = draw(&plan("mini", wanted)).unwrap().unwrap();
@@ -269,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_reading_depends_on_is_no_case() {
+    fn effects_without_readings_give_no_case() {
         for id in ["swivel_offset", "inclinometer_tilt"] {
             let wanted = Wanted::One(id, Stratum::Typical);
             assert_eq!(draw(&plan("mini", wanted)).unwrap(), None);

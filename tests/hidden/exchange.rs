@@ -35,7 +35,7 @@ impl Channels {
 
     /// Whether a robot has these channels.
     #[must_use]
-    pub fn are_there(self, robot: &Robot) -> bool {
+    pub fn exist_on(self, robot: &Robot) -> bool {
         self == Self::Lengths || robot.has_force_sensors() && robot.platform.mass_kg.is_some()
     }
 

@@ -14,7 +14,7 @@ use super::conditions::normal;
 use super::robots::TestRobot;
 
 /// Maximum number of Newton steps.
-const STEPS: usize = 60;
+const MAX_STEPS: usize = 60;
 /// Step of numerical derivatives (m, rad).
 const DIFFERENCE: f64 = 1e-6;
 
@@ -101,7 +101,7 @@ pub fn at_rest(robot: &Robot, near: &Pose, range: &TensionRange) -> Result<Pose>
         Ok(DVector::from_vec(off))
     };
     let (mut pose, mut tensions) = (*near, vec![range.reference_n; cables]);
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let now = off(&pose, &tensions)?;
         let mut slopes = DMatrix::zeros(cables + 6, cables + 6);
         for k in 0..6 {
@@ -143,7 +143,7 @@ mod tests {
     use crate::hidden::robots::robot;
 
     #[test]
-    fn in_the_middle_the_platform_hangs_level_and_elsewhere_it_tilts_on_the_same_cables() {
+    fn the_platform_hangs_level_in_the_middle_and_tilts_elsewhere() {
         let robot = robot("hanging").unwrap();
         let (description, range) = (&robot.preset.robot, &robot.preset.tension);
         let middle = robot.preset.workspace.centre;

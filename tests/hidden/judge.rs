@@ -8,7 +8,7 @@ use tautline_core::effect::{BoundEffect, EffectSetting, Scope, Search};
 use tautline_core::robot::Robot;
 
 /// Maximum number of causes in an ambiguous finding that counts as found.
-pub const LONGEST_LIST: usize = 3;
+pub const MAX_LISTED: usize = 3;
 
 /// Result for one hidden effect, best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -160,14 +160,14 @@ pub(super) fn matched(truths: &[EffectSetting], cause: &Cause, robot: &Robot) ->
         let same = truth.id == claimed.id
             && truth.cables.is_subset(&claimed.cables)
             && truth.poses.iter().all(near)
-            && (!is_common || are_equal(cause));
+            && (!is_common || has_equal_values(cause));
         if same {
             blamed.extend(truth.cables);
             matched.push(number);
         }
     }
     let one_value = cause.instances.len() == 1;
-    if one_value && differ(truths, &matched) {
+    if one_value && have_different_values(truths, &matched) {
         // One value for all of these cables describes an effect on all of them, but not an additional effect on one.
         matched.retain(|k| cables_of(&truths[*k], robot) == claimed.cables);
     }
@@ -185,21 +185,21 @@ fn cables_of(truth: &EffectSetting, robot: &Robot) -> BTreeSet<usize> {
 }
 
 /// Whether hidden effects on several cables have values too different for a common one.
-fn differ(truths: &[EffectSetting], of: &[usize]) -> bool {
+fn have_different_values(truths: &[EffectSetting], of: &[usize]) -> bool {
     let values: Vec<f64> = of
         .iter()
         .filter_map(|k| truths[*k].parameters.values().next().copied())
         .collect();
-    of.len() > 1 && !alike(&values)
+    of.len() > 1 && !are_nearly_equal(&values)
 }
 
 /// Whether the instances of a cause have about the same value.
-fn are_equal(cause: &Cause) -> bool {
+fn has_equal_values(cause: &Cause) -> bool {
     let values = cause.instances.iter().filter_map(|b| b.values.first());
-    alike(&values.copied().collect::<Vec<f64>>())
+    are_nearly_equal(&values.copied().collect::<Vec<f64>>())
 }
 
-fn alike(values: &[f64]) -> bool {
+fn are_nearly_equal(values: &[f64]) -> bool {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     high - low <= 0.25 * (high + low).abs()
@@ -243,7 +243,7 @@ fn hits(truths: &[EffectSetting], claim: &Claim, robot: &Robot) -> BTreeSet<usiz
 fn rank(claim: &Claim, of_it: bool, of_none: bool) -> Option<Found> {
     match (claim.verdict, of_it) {
         (Verdict::Named, true) => Some(Found::Named),
-        (Verdict::Ambiguous, true) if claim.candidates.len() <= LONGEST_LIST => Some(Found::Listed),
+        (Verdict::Ambiguous, true) if claim.candidates.len() <= MAX_LISTED => Some(Found::Listed),
         (Verdict::Ambiguous, true) => Some(Found::ListedLong),
         _ if !of_none => None,
         (Verdict::Unknown, _) => Some(Found::Unknown),

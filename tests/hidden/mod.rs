@@ -38,7 +38,9 @@ pub use plans::{
 };
 pub use records::Records;
 pub use robots::{TestRobot, robot, robots};
-pub use run::{Candidate, Outcome, Said, Study, Sure, WithoutHoles, draw_all, run, run_all};
+pub use run::{
+    Candidate, FindingRecord, Outcome, Study, Sure, WithoutHoles, draw_all, run, run_all,
+};
 pub use setup::Setup;
 pub use table::{
     Figure, Figures, Target, coverage, describe, diagram, drawn_markdown, failures, markdown,

@@ -162,7 +162,7 @@ pub(super) fn changed(
     let mut exact = exact.clone();
     let scene = Scene::new(&exact.truth, setup.seed);
     (effect.change)(&scene, size, &mut exact.dataset.measurements);
-    setup.as_seen(&exact)
+    setup.visibility_data(&exact)
 }
 
 /// Noncentrality of the effect: chi-square of the true description for noise-free data.

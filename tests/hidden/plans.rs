@@ -107,7 +107,7 @@ pub fn outside(count: usize, restriction: &Restriction) -> Vec<Plan> {
 /// Circumstances in which only the noise may deviate.
 const NOISES: [Circumstances; 2] = [Circumstances::AsStated, Circumstances::OtherNoise];
 
-/// Names and descriptions of the studies that cycle through all robots.
+/// Names and descriptions of the studies.
 pub const STUDIES: [(&str, &str); 13] = [
     (
         "several",
@@ -145,7 +145,7 @@ pub const STUDIES: [(&str, &str); 13] = [
 /// First seed of the published table. Development must use other seeds.
 pub const TABLE_SEED: u64 = 80_000_000;
 /// Distance between the first seeds of two studies of the table.
-const APART: u64 = 100_000;
+const SEED_STRIDE: u64 = 100_000;
 /// Number of datasets in each study of the table.
 const TABLE: [(&str, usize); 13] = [
     ("several", 400),
@@ -167,7 +167,7 @@ const TABLE: [(&str, usize); 13] = [
 /// wider intervals.
 #[must_use]
 pub fn table_plans(only: &Restriction) -> Vec<Plan> {
-    let studies = (TABLE_SEED..).step_by(APART as usize).zip(TABLE);
+    let studies = (TABLE_SEED..).step_by(SEED_STRIDE as usize).zip(TABLE);
     let mut placed: Vec<(f64, Plan)> = Vec::new();
     for (first, (study, count)) in studies {
         let plans = named(study, count, first, only).unwrap_or_default();

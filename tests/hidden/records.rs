@@ -72,7 +72,7 @@ mod tests {
     use crate::hidden::{Circumstances, Stratum, Wanted, draw, run};
 
     #[test]
-    fn what_was_on_record_is_there_again() {
+    fn recorded_outcomes_are_read_back() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("outcomes.jsonl");
         let plan = Plan {

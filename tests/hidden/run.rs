@@ -47,7 +47,7 @@ pub struct Candidate {
 
 /// One finding of a diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Said {
+pub struct FindingRecord {
     /// Identifiers with cable numbers.
     pub text: String,
     /// How certain the finding is.
@@ -78,7 +78,7 @@ pub struct Outcome {
     /// Result for each hidden effect of the catalogue, or for the exchange of channels.
     pub found: Vec<Found>,
     /// The findings.
-    pub said: Vec<Said>,
+    pub said: Vec<FindingRecord>,
     /// Possible causes that are not findings.
     pub possible: Vec<Candidate>,
     /// Readings whose noise is reported to differ from the description: kind and cable, and ratio.
@@ -126,16 +126,16 @@ pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
     let mut run = setup.measured(&case.hidden)?;
     let mut without_holes = None;
     if case.conditions.holes {
-        let (_, claims, _) = asked(&run.dataset)?;
-        let found = judged(&run, (&case.hidden, &case.conditions), &claims)?;
+        let (_, claims, _) = run_diagnosis(&run.dataset)?;
+        let found = judge_claims(&run, (&case.hidden, &case.conditions), &claims)?;
         setup.lose_cells(&mut run);
         without_holes = Some(WithoutHoles {
             found: found.iter().map(|(found, _)| *found).collect(),
             fit_arrives: fit_arrives(&run, case.hidden.effects())?,
         });
     }
-    let (diagnosis, claims, seconds) = asked(&run.dataset)?;
-    let found = judged(&run, (&case.hidden, &case.conditions), &claims)?;
+    let (diagnosis, claims, seconds) = run_diagnosis(&run.dataset)?;
+    let found = judge_claims(&run, (&case.hidden, &case.conditions), &claims)?;
     let truths = case.hidden.effects();
     let robot = &run.dataset.robot;
     let mut wrong = wrong_names(truths, &claims, robot);
@@ -159,11 +159,12 @@ pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
         probability: other.probability,
         right: !matched(truths, &other.cause, robot).is_empty(),
     };
-    let say = |claim: &Claim| said(claim, &diagnosis.findings, (truths, undone), robot);
+    let record =
+        |claim: &Claim| finding_record(claim, &diagnosis.findings, (truths, undone), robot);
     Ok(Outcome {
         plan: *plan,
         found: found.iter().map(|(found, _)| *found).collect(),
-        said: claims.iter().map(say).collect(),
+        said: claims.iter().map(record).collect(),
         possible: diagnosis.possible.iter().map(possible).collect(),
         noise: diagnosis.noise.iter().map(noise).collect(),
         wrong_names: wrong,
@@ -204,7 +205,7 @@ impl Started {
 }
 
 /// Diagnoses a dataset. Returns the diagnosis, its claims and the processor time (s).
-fn asked(dataset: &Dataset) -> Result<(Diagnosis, Vec<Claim>, f64)> {
+fn run_diagnosis(dataset: &Dataset) -> Result<(Diagnosis, Vec<Claim>, f64)> {
     let started = Started::now();
     let options = DiagnosisOptions::default();
     let diagnosis = diagnose(dataset, &options, &mut |_| Control::Continue)?;
@@ -222,12 +223,12 @@ fn noise(statement: &NoiseStatement) -> (String, f64) {
     )
 }
 
-fn said(
+fn finding_record(
     claim: &Claim,
     findings: &[Finding],
     (truths, undone): (&[EffectSetting], bool),
     robot: &Robot,
-) -> Said {
+) -> FindingRecord {
     let candidate = |(cause, probability): (&Cause, &f64)| Candidate {
         name: judge::describe(cause),
         probability: *probability,
@@ -241,7 +242,7 @@ fn said(
     let pairs = claim.candidates.iter().zip(&claim.probabilities);
     let is_effect = |cause: &Cause| cause.effect().id() != UNKNOWN.id();
     let known = pairs.filter(|(cause, _)| sure != Sure::Unknown && is_effect(cause));
-    Said {
+    FindingRecord {
         text: claim.describe(),
         sure,
         gain: findings[claim.finding].evidence.delta_chi2,
@@ -279,7 +280,7 @@ fn fit_arrives(run: &Simulated, effects: &[EffectSetting]) -> Result<bool> {
 }
 
 /// Compares claims with the truth, checking lists by fits of their members.
-fn judged(
+fn judge_claims(
     run: &Simulated,
     (hidden, conditions): (&Hidden, &Conditions),
     claims: &[Claim],

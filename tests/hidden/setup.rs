@@ -91,7 +91,7 @@ impl Setup {
 
     /// Noise-free data with a description whose noise corresponds to the imperfections and whose priors are centred on
     /// the truth. Chi-square is then zero for the true model and the noncentrality for any other.
-    pub(super) fn as_seen(&self, exact: &Simulated) -> Dataset {
+    pub(super) fn visibility_data(&self, exact: &Simulated) -> Dataset {
         let plain = Robot {
             effects: Vec::new(),
             ..exact.truth.clone()
@@ -101,7 +101,7 @@ impl Setup {
             empty_cells(&plain, &mut measurements, &mut self.stream(HOLES));
         }
         Dataset {
-            robot: self.conditions.worth().of(&plain),
+            robot: self.conditions.equivalent_noise().of(&plain),
             measurements,
         }
     }

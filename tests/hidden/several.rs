@@ -7,25 +7,25 @@ use tautline_core::effect::{CATALOGUE, Effect, EffectSetting};
 
 use super::setup::Setup;
 use super::template::{Template, log_uniform};
-use super::visibility::{VISIBLE, left_by_nearest_other, noncentrality};
+use super::visibility::{VISIBLE, chi2_of_nearest_other, noncentrality};
 
 /// Maximum number of failed draws before a plan is given up.
-const TRIES: usize = 600;
+const MAX_DRAWS: usize = 600;
 /// Smallest noncentrality that any other single effect must leave unexplained for an effect to count as separated. The
 /// exact log Bayes factor is then 16 on average and exceeds 3 (odds of 20 to 1) in 98.9 % of datasets.
 const SEPARATED: f64 = 32.0;
 /// Mean number of causes.
 const CAUSES: f64 = 0.8;
 /// Probability that a size exceeds the typical ones, and largest factor by which it does.
-const BEYOND: f64 = 0.04;
-const BEYOND_FACTOR: f64 = 4.0;
+const ATYPICAL_SHARE: f64 = 0.04;
+const ATYPICAL_FACTOR: f64 = 4.0;
 /// Range of the common offset of all cables (m).
 const COMMON_OFFSET_M: [f64; 2] = [0.05, 0.2];
 /// Range of the winch scales of a family.
 const WINCH_SCALE: [f64; 2] = [0.01, 0.03];
 
 /// Effects, and the noncentrality of each with the others estimated.
-pub type Together = (Vec<EffectSetting>, Vec<f64>);
+pub type DrawnEffects = (Vec<EffectSetting>, Vec<f64>);
 
 /// Draws an estimable effect, because noncentralities are computed with the other effects estimated.
 fn any_effect(rng: &mut ChaCha8Rng) -> &'static Effect {
@@ -45,7 +45,7 @@ fn typical(setup: &Setup, rng: &mut ChaCha8Rng) -> EffectSetting {
 }
 
 /// Noncentrality of each effect with the others estimated; 0 where the effects break the robot.
-fn each_beside_the_others(setup: &Setup, effects: &[EffectSetting]) -> Vec<f64> {
+fn each_noncentrality(setup: &Setup, effects: &[EffectSetting]) -> Vec<f64> {
     let beside = |n: usize| {
         let others = [&effects[..n], &effects[n + 1..]].concat();
         noncentrality(setup, &effects[n], &others).unwrap_or(0.0)
@@ -57,15 +57,15 @@ fn each_beside_the_others(setup: &Setup, effects: &[EffectSetting]) -> Vec<f64> 
 ///
 /// # Errors
 /// If none are found.
-pub fn several(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
+pub fn several(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<DrawnEffects> {
     let count = rng.random_range(3..=5);
     let mut effects: Vec<EffectSetting> = Vec::new();
-    for _ in 0..TRIES {
+    for _ in 0..MAX_DRAWS {
         effects.push(typical(setup, rng));
         let last = effects.len() - 1;
         let others = &effects[..last];
         if noncentrality(setup, &effects[last], others).is_ok_and(|seen| seen >= VISIBLE) {
-            let seen = each_beside_the_others(setup, &effects);
+            let seen = each_noncentrality(setup, &effects);
             if seen.iter().all(|value| *value >= VISIBLE) {
                 if effects.len() == count {
                     return Ok((effects, seen));
@@ -82,14 +82,14 @@ pub fn several(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
 ///
 /// # Errors
 /// If none is found.
-pub fn one(setup: &Setup, separated: bool, rng: &mut ChaCha8Rng) -> Result<Together> {
-    for _ in 0..TRIES {
+pub fn one(setup: &Setup, separated: bool, rng: &mut ChaCha8Rng) -> Result<DrawnEffects> {
+    for _ in 0..MAX_DRAWS {
         let effect = typical(setup, rng);
         let Ok(seen) = noncentrality(setup, &effect, &[]) else {
             continue;
         };
         if seen >= VISIBLE
-            && (!separated || left_by_nearest_other(setup, &effect, SEPARATED)? >= SEPARATED)
+            && (!separated || chi2_of_nearest_other(setup, &effect, SEPARATED)? >= SEPARATED)
         {
             return Ok((vec![effect], vec![seen]));
         }
@@ -101,8 +101,8 @@ pub fn one(setup: &Setup, separated: bool, rng: &mut ChaCha8Rng) -> Result<Toget
 ///
 /// # Errors
 /// If every draw breaks the robot.
-pub fn by_chance(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
-    for _ in 0..TRIES {
+pub fn by_chance(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<DrawnEffects> {
+    for _ in 0..MAX_DRAWS {
         let mut effects = Vec::new();
         // A Poisson number, by adding exponential waiting times until they exceed 1.
         let mut waited = 0.0;
@@ -113,15 +113,15 @@ pub fn by_chance(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
             }
             let template = Template::draw(any_effect(rng), &setup.robot, rng);
             let [smallest, largest] = template.typical.unwrap_or([1.0, 1.0]);
-            let range = match rng.random_bool(BEYOND) {
-                true => [largest, BEYOND_FACTOR * largest],
+            let range = match rng.random_bool(ATYPICAL_SHARE) {
+                true => [largest, ATYPICAL_FACTOR * largest],
                 false => [smallest, largest],
             };
             let size = log_uniform(range, rng);
             effects.push(template.setting(size));
         }
         if setup.exact(&effects).is_ok() {
-            let seen = each_beside_the_others(setup, &effects);
+            let seen = each_noncentrality(setup, &effects);
             return Ok((effects, seen));
         }
     }
@@ -145,7 +145,7 @@ fn signed(range: [f64; 2], rng: &mut ChaCha8Rng) -> f64 {
 ///
 /// # Errors
 /// If the robot cannot be simulated.
-pub fn common_offset(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
+pub fn common_offset(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<DrawnEffects> {
     let effect = setting("winch_offset", &[], "offset", signed(COMMON_OFFSET_M, rng));
     let seen = noncentrality(setup, &effect, &[])?;
     Ok((vec![effect], vec![seen]))
@@ -153,7 +153,7 @@ pub fn common_offset(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
 
 /// Draws a different scale for every winch, and a different gain and bias for every force sensor, of typical sizes.
 #[must_use]
-pub fn families(setup: &Setup, rng: &mut ChaCha8Rng) -> Together {
+pub fn families(setup: &Setup, rng: &mut ChaCha8Rng) -> DrawnEffects {
     let cables = &setup.robot.preset.robot.cables;
     let typical = |id: &str| {
         let effect = tautline_core::effect::find(id);
@@ -170,7 +170,7 @@ pub fn families(setup: &Setup, rng: &mut ChaCha8Rng) -> Together {
             effects.push(setting(id, &[&cable.name], parameter, signed(range, rng)));
         }
     }
-    let seen = each_beside_the_others(setup, &effects);
+    let seen = each_noncentrality(setup, &effects);
     (effects, seen)
 }
 

@@ -17,7 +17,7 @@ pub use reliability::diagram;
 use figures::NORMAL_95;
 
 use super::judge::Found;
-use super::{Hidden, OUTSIDE, Outcome, Said, Stratum, Study, Sure, Wanted, robots};
+use super::{FindingRecord, Hidden, OUTSIDE, Outcome, Stratum, Study, Sure, Wanted, robots};
 
 /// All tables of a study: figures, results by effect and robot, confusions, computing times.
 #[must_use]
@@ -34,7 +34,7 @@ pub fn markdown(study: &Study) -> String {
     let caption = "Outside the catalogue: unknown or ambiguous, and nothing named, of those that can be told \
                    from every single effect in it; in brackets those that cannot.";
     text.push_str(&by_robot(study, caption, &outside, |outcome| {
-        is_outside(outcome).then(|| is_honest(outcome))
+        is_outside(outcome).then(|| has_finding_without_wrong_name(outcome))
     }));
     text.push_str(&confusions(study));
     text
@@ -68,12 +68,12 @@ fn is_found(found: &Found) -> bool {
 }
 
 /// Whether there is a finding, but no wrong name.
-pub(super) fn is_honest(outcome: &Outcome) -> bool {
+pub(super) fn has_finding_without_wrong_name(outcome: &Outcome) -> bool {
     !outcome.said.is_empty() && outcome.wrong_names.is_empty()
 }
 
 /// Whether there is a finding or a statement of larger noise, but no wrong name.
-pub(super) fn is_noticed(outcome: &Outcome) -> bool {
+pub(super) fn is_noticed_without_wrong_name(outcome: &Outcome) -> bool {
     let is_louder = outcome.noise.iter().any(|(_, ratio)| *ratio > 1.0);
     outcome.wrong_names.is_empty() && (is_louder || !outcome.said.is_empty())
 }
@@ -229,7 +229,9 @@ fn confused(outcome: &Outcome) -> Vec<(String, String)> {
         Hidden::Effects(settings) => settings.iter().map(|s| s.effect.clone()).collect(),
         Hidden::Nothing if outcome.said.is_empty() => return Vec::new(),
         Hidden::Nothing => return vec![("nothing".to_owned(), said(&answers))],
-        Hidden::Outside(..) if is_honest(outcome) || !is_outside(outcome) => return Vec::new(),
+        Hidden::Outside(..) if has_finding_without_wrong_name(outcome) || !is_outside(outcome) => {
+            return Vec::new();
+        }
         Hidden::Outside(effect, _) => return vec![(effect.id.to_owned(), said(&answers))],
         Hidden::Exchanged(channels, _) => vec![format!("{} exchanged", channels.name())],
     };
@@ -345,7 +347,7 @@ pub fn describe(outcome: &Outcome) -> String {
 }
 
 /// Describes a finding with its stated probabilities and the reduction of chi-square.
-fn with_probabilities(said: &Said) -> String {
+fn with_probabilities(said: &FindingRecord) -> String {
     let each = said.candidates.iter();
     let each = each.map(|candidate| format!("{} {:.3}", candidate.name, candidate.probability));
     let text = match said.sure {

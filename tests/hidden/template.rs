@@ -168,7 +168,7 @@ mod tests {
     use tautline_core::effect::{BoundEffect, CATALOGUE};
 
     #[test]
-    fn templates_can_be_attached_and_have_the_size_asked_for() {
+    fn templates_can_be_bound_and_have_the_given_size() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         for robot in robots() {
             for effect in CATALOGUE {

@@ -35,7 +35,7 @@ pub fn noncentrality(
 ) -> Result<f64> {
     let all: Vec<EffectSetting> = [effect].into_iter().chain(others).cloned().collect();
     let exact = setup.exact(&all)?;
-    let without = setup.as_seen(&exact);
+    let without = setup.visibility_data(&exact);
     let mut problem = Problem::new(&without)?;
     for other in others {
         let bound = BoundEffect::from_setting(other, &without.robot)?;
@@ -44,7 +44,7 @@ pub fn noncentrality(
         }
     }
     let left = solved(&problem)?.chi2;
-    let by_truth = left_by_truth(&exact.truth, &without)?;
+    let by_truth = chi2_of_truth(&exact.truth, &without)?;
     ensure!(
         by_truth < 1.0 + 0.02 * left,
         "the truth leaves {by_truth} of {left}"
@@ -53,7 +53,7 @@ pub fn noncentrality(
 }
 
 /// Chi-square of the true model, which is large for effects beyond the validity of their own formula.
-fn left_by_truth(truth: &Robot, data: &Dataset) -> Result<f64> {
+fn chi2_of_truth(truth: &Robot, data: &Dataset) -> Result<f64> {
     let data = Dataset {
         robot: Robot {
             effects: truth.effects.clone(),
@@ -120,7 +120,7 @@ fn single_effects(robot: &Robot) -> Vec<EffectRequest> {
 }
 
 /// Chi-square that an effect leaves unexplained; infinite if it cannot be estimated from these readings.
-fn left_by(dataset: &Dataset, request: EffectRequest) -> Result<f64> {
+fn chi2_with(dataset: &Dataset, request: EffectRequest) -> Result<f64> {
     let mut problem = Problem::new(dataset)?;
     problem.free(&[request])?;
     Ok(solved(&problem).map_or(f64::INFINITY, |found| found.chi2))
@@ -128,10 +128,10 @@ fn left_by(dataset: &Dataset, request: EffectRequest) -> Result<f64> {
 
 /// Smallest chi-square that any single permanent effect of the catalogue leaves of an effect outside it. Below
 /// [`VISIBLE`] the two cannot be told apart.
-pub(super) fn left_by_nearest(dataset: &Dataset) -> Result<f64> {
+pub(super) fn chi2_of_nearest_effect(dataset: &Dataset) -> Result<f64> {
     let mut least = f64::INFINITY;
     for request in single_effects(&dataset.robot) {
-        least = least.min(left_by(dataset, request)?);
+        least = least.min(chi2_with(dataset, request)?);
     }
     Ok(least)
 }
@@ -142,12 +142,12 @@ const EVENTS: [&str; 3] = ["cable_slip", "frame_shift", "encoder_outlier"];
 /// Smallest chi-square that any other single effect leaves of an effect. The search stops below `enough`. A permanent
 /// effect is also compared with a slip of its cables at every second pose, and an event with all other events on the
 /// same cable at the same pose.
-pub(super) fn left_by_nearest_other(
+pub(super) fn chi2_of_nearest_other(
     setup: &Setup,
     effect: &EffectSetting,
     enough: f64,
 ) -> Result<f64> {
-    let dataset = setup.as_seen(&setup.exact(std::slice::from_ref(effect))?);
+    let dataset = setup.visibility_data(&setup.exact(std::slice::from_ref(effect))?);
     let robot = &dataset.robot;
     let mut rivals = single_effects(robot);
     // The scale of all winches has two names.
@@ -182,7 +182,7 @@ pub(super) fn left_by_nearest_other(
         // The effect on each cable includes the effect itself.
         let contains = alike(&rival.effect) == alike(&effect.effect) && rival.cable.is_none();
         if !contains {
-            least = least.min(left_by(&dataset, rival)?);
+            least = least.min(chi2_with(&dataset, rival)?);
         }
         if least < enough {
             break;
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn noncentrality_is_nothing_without_effect_and_quadratic_in_a_small_one() {
+    fn noncentrality_is_zero_without_effect_and_quadratic_in_small_ones() {
         let mini = mini(5);
         let at = |size| noncentrality(&mini, &scale(size), &[]).unwrap();
         assert!(at(0.0) < 1e-6, "{}", at(0.0));
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_estimated_beside_an_effect_takes_from_its_noncentrality() {
+    fn estimating_a_similar_effect_reduces_the_noncentrality() {
         let mini = mini(5);
         let alone = noncentrality(&mini, &scale(0.003), &[]).unwrap();
         let same = noncentrality(&mini, &scale(0.003), &[scale(0.001)]).unwrap();
@@ -239,7 +239,7 @@ mod tests {
     /// The expected gain of chi-square by the effect in noisy data is its noncentrality plus 1, with a standard
     /// deviation of twice the square root of the noncentrality.
     #[test]
-    fn noncentrality_is_what_noisy_data_gain() {
+    fn noncentrality_is_the_expected_gain_of_noisy_data() {
         let effect = scale(0.004);
         let mut z = 0.0;
         for seed in 0..20 {

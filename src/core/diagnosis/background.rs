@@ -22,7 +22,7 @@ const READINGS_PER_FUNCTION: usize = 3;
 /// Half waves over the duration of the measurement. The first one is left out because it looks like a drift.
 const HALF_WAVES: std::ops::RangeInclusive<usize> = 2..=8;
 /// Smallest share of a function's norm that must remain after projection for it to count as new.
-const NEW: f64 = 0.05;
+const MIN_INDEPENDENT_PART: f64 = 0.05;
 
 /// Highest degree of the polynomials of the position.
 const DEGREE: usize = 5;
@@ -51,7 +51,7 @@ pub(super) struct Shape {
     pub functions: DMatrix<f64>,
     /// Constant and linear functions of the same size, as conditions. A smooth error contains them too, but they are no
     /// evidence of one.
-    pub simple: DMatrix<f64>,
+    pub low_order: DMatrix<f64>,
 }
 
 /// Builds the functions of every class and group, skipping those with too few readings. The shapes of one class are
@@ -65,19 +65,19 @@ pub(super) fn shapes(
     for (class, id) in conditions.classes.iter().enumerate() {
         let poses = conditions.poses_of(class);
         let rows: Vec<usize> = poses.iter().map(|pose| linear.poses[*pose].row).collect();
-        let circumstances = Circumstances::new(id, &rows, variables);
+        let scaled_variables = ScaledVariables::new(id, &rows, variables);
         for group in Group::ALL {
-            let Some([simple, columns]) = circumstances.of_group(group) else {
+            let Some([low_order, columns]) = scaled_variables.of_group(group) else {
                 continue;
             };
-            let functions = spread(&columns, &poses, conditions.poses);
-            let simple = spread(&simple, &poses, conditions.poses);
+            let functions = at_all_poses(&columns, &poses, conditions.poses);
+            let low_order = at_all_poses(&low_order, &poses, conditions.poses);
             shapes.push(Shape {
                 class,
                 group,
-                columns: conditions.of_class(class, &functions),
+                columns: conditions.project_class(class, &functions),
                 functions,
-                simple: conditions.of_class(class, &simple),
+                low_order: conditions.project_class(class, &low_order),
             });
         }
     }
@@ -85,7 +85,11 @@ pub(super) fn shapes(
 }
 
 /// Expands functions given at some poses, one row each, to all `count` poses; zero elsewhere.
-pub(super) fn spread(functions: &DMatrix<f64>, poses: &[usize], count: usize) -> DMatrix<f64> {
+pub(super) fn at_all_poses(
+    functions: &DMatrix<f64>,
+    poses: &[usize],
+    count: usize,
+) -> DMatrix<f64> {
     let mut all = DMatrix::zeros(count, functions.ncols());
     for (row, pose) in poses.iter().enumerate() {
         all.row_mut(*pose).copy_from(&functions.row(row));
@@ -94,10 +98,10 @@ pub(super) fn spread(functions: &DMatrix<f64>, poses: &[usize], count: usize) ->
 }
 
 /// Functions with the standard deviations of their coefficients.
-type Sized = Vec<(DVector<f64>, f64)>;
+type WeightedFunctions = Vec<(DVector<f64>, f64)>;
 
 /// The variables on which the readings of one class may depend, each scaled to the interval from -1 to 1.
-pub(super) struct Circumstances {
+pub(super) struct ScaledVariables {
     count: usize,
     position: Vec<DVector<f64>>,
     rotation: Vec<DVector<f64>>,
@@ -107,7 +111,7 @@ pub(super) struct Circumstances {
     expressed: Vec<(Variable, DVector<f64>)>,
 }
 
-impl Circumstances {
+impl ScaledVariables {
     pub fn new(id: &ReadingId, rows: &[usize], variables: &Variables<'_>) -> Self {
         let of = |value: &dyn Fn(usize) -> f64| {
             DVector::from_iterator(rows.len(), rows.iter().map(|row| value(*row)))
@@ -158,52 +162,52 @@ impl Circumstances {
     /// The functions of a group, one row per reading: those that effects express and those that none expresses. The
     /// latter have a joint root mean square of 1. `None` if there are none of them.
     fn of_group(&self, group: Group) -> Option<[DMatrix<f64>; 2]> {
-        let [simple, found] = self.functions(group);
+        let [low_order, found] = self.functions(group);
         let total: f64 = found.iter().map(|(_, size)| size * size).sum();
         let scale = (self.count as f64 / total).sqrt();
-        let sized = |all: &Sized| {
+        let sized = |all: &WeightedFunctions| {
             let columns: Vec<_> = all.iter().map(|(f, size)| f * (scale * size)).collect();
             DMatrix::from_columns(&columns)
         };
-        (!found.is_empty()).then(|| [sized(&simple), sized(&found)])
+        (!found.is_empty()).then(|| [sized(&low_order), sized(&found)])
     }
 
     /// Orthonormal functions of a group: those that effects express, and those that none expresses.
-    fn functions(&self, group: Group) -> [Sized; 2] {
+    fn functions(&self, group: Group) -> [WeightedFunctions; 2] {
         let [linear, wanted] = match group {
             Group::Position => self.of_position(),
             Group::Time => self.of_time(),
             Group::Load => self.of_load(),
         };
         let mut basis: Vec<DVector<f64>> = Vec::new();
-        let mut simple: Sized = Vec::new();
+        let mut low_order: WeightedFunctions = Vec::new();
         if !wanted.is_empty() {
             let constant = (DVector::from_element(self.count, 1.0), 1.0);
             for (function, size) in std::iter::once(constant).chain(linear) {
-                if let Some(new) = beside(&basis, &function) {
+                if let Some(new) = orthogonal_component(&basis, &function) {
                     basis.push(new.clone());
-                    simple.push((new, size));
+                    low_order.push((new, size));
                 }
             }
         }
         let constant = DVector::from_element(self.count, 1.0);
-        basis.extend(beside(&basis, &constant));
+        basis.extend(orthogonal_component(&basis, &constant));
         for (_, function) in &self.expressed {
-            basis.extend(beside(&basis, function));
+            basis.extend(orthogonal_component(&basis, function));
         }
-        let mut found: Sized = Vec::new();
+        let mut found: WeightedFunctions = Vec::new();
         for (function, size) in wanted {
             let has_room =
                 found.len() < self.count / READINGS_PER_FUNCTION && basis.len() < self.count;
-            if let Some(new) = beside(&basis, &function).filter(|_| has_room) {
+            if let Some(new) = orthogonal_component(&basis, &function).filter(|_| has_room) {
                 basis.push(new.clone());
                 found.push((new, size));
             }
         }
-        [simple, found]
+        [low_order, found]
     }
 
-    fn of_position(&self) -> [Sized; 2] {
+    fn of_position(&self) -> [WeightedFunctions; 2] {
         let position = &self.position;
         let mut wanted = Vec::new();
         // Each monomial of a degree is one of the previous degree times its last variable or a later one, so that none
@@ -227,7 +231,7 @@ impl Circumstances {
         [position.iter().map(|x| (x.clone(), 1.0)).collect(), wanted]
     }
 
-    fn of_time(&self) -> [Sized; 2] {
+    fn of_time(&self) -> [WeightedFunctions; 2] {
         let Some(time) = &self.time else {
             return [Vec::new(), Vec::new()];
         };
@@ -236,7 +240,7 @@ impl Circumstances {
         [vec![(time.clone(), 1.0)], waves.collect()]
     }
 
-    fn of_load(&self) -> [Sized; 2] {
+    fn of_load(&self) -> [WeightedFunctions; 2] {
         let Some(load) = &self.tension else {
             return [Vec::new(), Vec::new()];
         };
@@ -250,7 +254,10 @@ impl Circumstances {
 
 /// The normalised component of a function orthogonal to an orthonormal basis; `None` if it lies in the span of the
 /// basis.
-pub(super) fn beside(basis: &[DVector<f64>], function: &DVector<f64>) -> Option<DVector<f64>> {
+pub(super) fn orthogonal_component(
+    basis: &[DVector<f64>],
+    function: &DVector<f64>,
+) -> Option<DVector<f64>> {
     let norm = function.norm();
     let mut rest = function.clone();
     // A second pass removes the rounding error of the first.
@@ -260,5 +267,5 @@ pub(super) fn beside(basis: &[DVector<f64>], function: &DVector<f64>) -> Option<
         }
     }
     let left = rest.norm();
-    (left > NEW * norm && norm > 0.0).then(|| rest / left)
+    (left > MIN_INDEPENDENT_PART * norm && norm > 0.0).then(|| rest / left)
 }

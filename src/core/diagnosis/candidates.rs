@@ -12,16 +12,16 @@ use nalgebra::DMatrix;
 use super::report::Cause;
 use crate::effect::{Effect, EffectParameter, Scope, Search};
 
-/// Prior probability that a size exceeds the typical ones.
-const BEYOND: f64 = 0.04;
-const BEYOND_FACTOR: f64 = 4.0;
+/// Prior probability that a size exceeds the typical ones, and ratio of adjacent scales.
+const ATYPICAL_SHARE: f64 = 0.04;
+const SCALE_RATIO: f64 = 4.0;
 
 /// Prior standard deviation of a size over the largest typical size, at scale 1.
-const LARGEST_IS_RARE: f64 = 0.5;
+const RELATIVE_SD: f64 = 0.5;
 
 /// How the effect of a generator depends on the pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Acts {
+pub(super) enum PoseWeights {
     /// The same at all poses.
     Everywhere,
     /// Only at the pose with this index among those fitted.
@@ -36,7 +36,7 @@ pub(super) enum Acts {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Column {
     pub generator: usize,
-    pub acts: Acts,
+    pub pose_weights: PoseWeights,
 }
 
 /// A candidate cause.
@@ -89,7 +89,7 @@ impl Candidate {
 
     /// Whether this candidate represents a cause, whatever its values: the same effect and targets, and the same pose
     /// or period.
-    pub fn is_of(&self, cause: &Cause) -> bool {
+    pub fn represents(&self, cause: &Cause) -> bool {
         let bound = &cause.instances[0];
         let place = match bound.effect.search() {
             Search::FromPose(k)
@@ -99,7 +99,7 @@ impl Candidate {
             } => bound.values[k],
             _ => f64::NAN,
         };
-        is_alike(&self.cause, cause) && (place.is_nan() || place == self.place)
+        is_same_effect_and_targets(&self.cause, cause) && (place.is_nan() || place == self.place)
     }
 
     /// Whether this candidate and another cannot be in one set because they describe the same property of a cable.
@@ -224,7 +224,7 @@ pub(super) fn is_same_kind(one: &Effect, other: &Effect) -> bool {
 }
 
 /// Whether two causes have the same effect and targets, ignoring the pose of an event or the period of a wave.
-pub(super) fn is_alike(one: &Cause, other: &Cause) -> bool {
+pub(super) fn is_same_effect_and_targets(one: &Cause, other: &Cause) -> bool {
     let targets = |cause: &Cause| -> Vec<(Vec<usize>, bool)> {
         let instances = cause.instances.iter();
         instances.map(|b| (b.cables.clone(), b.targeted)).collect()
@@ -286,12 +286,12 @@ pub(super) fn scales(parameter: &EffectParameter) -> Vec<(f64, f64)> {
     let [least, largest] = parameter.typical_sizes();
     let mut sizes = vec![1.0];
     while sizes[sizes.len() - 1] * largest > 2.0 * least.max(1e-3 * largest) {
-        sizes.push(sizes[sizes.len() - 1] / BEYOND_FACTOR);
+        sizes.push(sizes[sizes.len() - 1] / SCALE_RATIO);
     }
-    let each = ((1.0 - BEYOND) / sizes.len() as f64).ln();
+    let each = ((1.0 - ATYPICAL_SHARE) / sizes.len() as f64).ln();
     let mut scales: Vec<_> = sizes.into_iter().map(|size| (size, each)).collect();
     if parameter.bounds == [f64::NEG_INFINITY, f64::INFINITY] || parameter.bounds[0] == 0.0 {
-        scales.push((BEYOND_FACTOR, BEYOND.ln()));
+        scales.push((SCALE_RATIO, ATYPICAL_SHARE.ln()));
     }
     scales
 }
@@ -299,8 +299,9 @@ pub(super) fn scales(parameter: &EffectParameter) -> Vec<(f64, f64)> {
 /// Log ratio of the prior densities at the largest typical size and at a size, given as a multiple of that.
 pub(super) fn log_rarity(parameter: &EffectParameter, size: f64) -> f64 {
     let density = |size: f64| {
-        let of = |(scale, log_share): (f64, f64)| {
-            log_share.exp() / scale * (-0.5 * (size / (LARGEST_IS_RARE * scale)).powi(2)).exp()
+        let of = |(scale, log_amplitude_prior): (f64, f64)| {
+            log_amplitude_prior.exp() / scale
+                * (-0.5 * (size / (RELATIVE_SD * scale)).powi(2)).exp()
         };
         scales(parameter).into_iter().map(of).sum::<f64>()
     };
@@ -311,7 +312,7 @@ pub(super) fn log_rarity(parameter: &EffectParameter, size: f64) -> f64 {
 pub(super) fn prior_sd(parameter: &EffectParameter, present: f64) -> f64 {
     let [_, largest] = parameter.typical_sizes();
     let probe = probe_offset(parameter);
-    let sd = LARGEST_IS_RARE * largest;
+    let sd = RELATIVE_SD * largest;
     if probe == 0.0 {
         sd
     } else {

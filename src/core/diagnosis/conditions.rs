@@ -102,7 +102,7 @@ impl Conditions {
     }
 
     /// Conditions for functions of the rows, one function per column.
-    pub fn of_rows(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
+    pub fn project_rows(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         let mut conditions = DMatrix::zeros(self.count, rows.ncols());
         for block in &self.blocks {
             let own = rows.rows(block.rows.start, block.rows.len());
@@ -114,7 +114,7 @@ impl Conditions {
 
     /// Conditions for functions of the readings of one class, given one value per pose. Of several readings of the
     /// class at a pose the first counts.
-    pub fn of_class(&self, class: usize, functions: &DMatrix<f64>) -> DMatrix<f64> {
+    pub fn project_class(&self, class: usize, functions: &DMatrix<f64>) -> DMatrix<f64> {
         let mut conditions = DMatrix::zeros(self.count, functions.ncols());
         for (pose, block) in self.blocks[..self.poses].iter().enumerate() {
             let Some(row) = block.classes.iter().position(|c| *c == Some(class)) else {
@@ -185,7 +185,7 @@ impl Conditions {
 }
 
 /// Concatenates matrices with the same number of rows.
-pub(super) fn joined(parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
+pub(super) fn concatenate_columns(parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
     let rows = parts.first().map_or(0, |part| part.nrows());
     let width = parts.iter().map(|part| part.ncols()).sum();
     let mut all = DMatrix::zeros(rows, width);
@@ -230,8 +230,8 @@ impl Noise<'_> {
 
     /// For each class the sum of squares of the estimated errors, in units of the described noise, and its expectation
     /// divided by the variance: `sum (v w.p)^2` and `v sum w^T P w` over its rows, with `w` the column of `Q^T` of a
-    /// row, the weighted residual `p = L^-T r` and `P = L^-T (1 - U U^T) L^-1`; `taken` is `U^T`.
-    pub fn class_sums(&self, residual: &DVector<f64>, taken: &DMatrix<f64>) -> Vec<[f64; 2]> {
+    /// row, the weighted residual `p = L^-T r` and `P = L^-T (1 - U U^T) L^-1`; `eliminated` is `U^T`.
+    pub fn class_sums(&self, residual: &DVector<f64>, eliminated: &DMatrix<f64>) -> Vec<[f64; 2]> {
         let mut sums = vec![[0.0; 2]; self.conditions.classes.len()];
         for (block, factor) in self.conditions.blocks.iter().zip(&self.factors) {
             if block.classes.iter().all(Option::is_none) {
@@ -243,11 +243,12 @@ impl Noise<'_> {
             };
             let (first, count) = (block.conditions.start, block.conditions.len());
             let error = rows.tr_mul(&residual.rows(first, count));
-            let taken = taken.columns(first, count) * &rows;
+            let eliminated = eliminated.columns(first, count) * &rows;
             for (row, class) in block.classes.iter().enumerate() {
                 if let Some(class) = class {
                     let v = self.variance[*class];
-                    let left = rows.column(row).norm_squared() - taken.column(row).norm_squared();
+                    let left =
+                        rows.column(row).norm_squared() - eliminated.column(row).norm_squared();
                     sums[*class][0] += (v * error[row]).powi(2);
                     sums[*class][1] += v * left;
                 }

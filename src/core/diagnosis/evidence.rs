@@ -8,9 +8,9 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::candidates::Candidate;
-use super::catalogue::log_together;
+use super::catalogue::log_joint_odds_ratio;
 use super::exploration::log_sum;
-use super::gram::{Gram, Own};
+use super::gram::{CandidateScore, Gram};
 use crate::statistics::log_normal_cdf;
 
 /// A cause in a set: index of its candidate, and index of its scale.
@@ -24,7 +24,7 @@ pub(super) struct System {
     shared: DMatrix<f64>,
     /// Part of each extension column that the set absorbs: the sum of squares of its row of `shared`, and the product
     /// of that row with the score.
-    taken: DVector<f64>,
+    eliminated: DVector<f64>,
     explained: DVector<f64>,
     /// Index of the first extension column in the catalogue.
     offset: usize,
@@ -83,7 +83,9 @@ impl System {
             let prior = scaled_prior(candidate, *scale);
             factor.view_mut((at, at), (count, count)).copy_from(&prior);
             log_prior += candidate.log_odds + candidate.scales[*scale].1;
-            score.rows_mut(at, count).copy_from(&gram.own[*index].score);
+            score
+                .rows_mut(at, count)
+                .copy_from(&gram.scores[*index].score);
             for k in 0..count {
                 let row = gram.row(gram.first[*index] + k);
                 let by = &row[extension.clone()];
@@ -106,19 +108,19 @@ impl System {
         });
         let mut half = score.clone();
         cholesky.l_dirty().solve_lower_triangular_mut(&mut half);
-        let mut taken = DVector::zeros(extension.len());
+        let mut eliminated = DVector::zeros(extension.len());
         let mut explained = DVector::zeros(extension.len());
         if !extension.is_empty() {
-            divide(&mut shared, cholesky.l_dirty());
+            divide_by_factor(&mut shared, cholesky.l_dirty());
             for (column, score) in shared.column_iter().zip(half.iter()) {
                 axpy(*score, column.as_slice(), explained.as_mut_slice());
-                for (sum, value) in taken.iter_mut().zip(column.iter()) {
+                for (sum, value) in eliminated.iter_mut().zip(column.iter()) {
                     *sum += value * value;
                 }
             }
         }
         for (place, (index, _)) in members.iter().enumerate() {
-            log_prior += more_together(gram, &members[..place], *index);
+            log_prior += joint_odds_bonus(gram, &members[..place], *index);
         }
         let log_determinant = 2.0 * cholesky.l_dirty().diagonal().map(f64::ln).sum();
         let estimate = &factor * cholesky.solve(&-&score);
@@ -126,19 +128,19 @@ impl System {
         let mut system = Self {
             members: members.to_vec(),
             shared,
-            taken,
+            eliminated,
             explained,
             offset: extension.start,
             log_posterior: 0.5 * (half.norm_squared() - log_determinant) + log_prior,
             estimate,
             covariance,
         };
-        system.log_posterior += system.log_signs(gram.candidates);
+        system.log_posterior += system.log_sign_probability(gram.candidates);
         system
     }
 
     /// Contribution of the sign constraints to the log evidence.
-    fn log_signs(&self, candidates: &[Candidate]) -> f64 {
+    fn log_sign_probability(&self, candidates: &[Candidate]) -> f64 {
         let mut at = 0;
         let mut sum = 0.0;
         for (index, _) in &self.members {
@@ -163,14 +165,14 @@ impl System {
 
     /// Log prior odds of an additional candidate.
     pub fn log_odds(&self, gram: &Gram<'_>, index: usize) -> f64 {
-        gram.candidates[index].log_odds + more_together(gram, &self.members, index)
+        gram.candidates[index].log_odds + joint_odds_bonus(gram, &self.members, index)
     }
 
     /// Share of the information on the first parameter of a further candidate that remains when the members are
     /// estimated, too.
-    pub fn left_of(&self, gram: &Gram<'_>, index: usize) -> f64 {
-        let whole = gram.own[index].information[(0, 0)];
-        let left = whole - self.taken[gram.first[index] - self.offset];
+    pub fn remaining_information(&self, gram: &Gram<'_>, index: usize) -> f64 {
+        let whole = gram.scores[index].information[(0, 0)];
+        let left = whole - self.eliminated[gram.first[index] - self.offset];
         left / whole.max(f64::MIN_POSITIVE)
     }
 
@@ -180,14 +182,19 @@ impl System {
         let candidate = &gram.candidates[index];
         let log_odds = self.log_odds(gram, index);
         if candidate.columns.len() == 1 {
-            let (score, information) = self.conditional_on_one(gram, index);
-            let value = |scale| (value_of_one(candidate, scale, score, information), scale);
+            let (score, information) = self.conditional_single_column(gram, index);
+            let value = |scale| {
+                (
+                    single_column_evidence(candidate, scale, score, information),
+                    scale,
+                )
+            };
             let all = (0..candidate.scales.len()).map(value);
             let (value, scale) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
             let value = value + log_odds;
             return (value >= least).then_some((value, scale));
         }
-        let own = self.conditional(gram, index).in_prior(candidate);
+        let own = self.conditional(gram, index).in_prior_units(candidate);
         best_scale(candidate, &own, least).map(|(value, scale)| (value + log_odds, scale))
     }
 
@@ -196,12 +203,12 @@ impl System {
         let candidate = &gram.candidates[index];
         let scales = 0..candidate.scales.len();
         let values: Vec<f64> = if candidate.columns.len() == 1 {
-            let (score, information) = self.conditional_on_one(gram, index);
+            let (score, information) = self.conditional_single_column(gram, index);
             scales
-                .map(|scale| value_of_one(candidate, scale, score, information))
+                .map(|scale| single_column_evidence(candidate, scale, score, information))
                 .collect()
         } else {
-            let own = self.conditional(gram, index).in_prior(candidate);
+            let own = self.conditional(gram, index).in_prior_units(candidate);
             scales
                 .filter_map(|scale| Some(own.value(candidate, scale)?.1))
                 .collect()
@@ -211,28 +218,33 @@ impl System {
     }
 
     /// Score and information of an additional candidate, conditional on estimating the members.
-    fn conditional(&self, gram: &Gram<'_>, index: usize) -> Own {
-        let own = &gram.own[index];
+    fn conditional(&self, gram: &Gram<'_>, index: usize) -> CandidateScore {
+        let own = &gram.scores[index];
         let at = gram.first[index] - self.offset;
         let count = own.score.len();
         let rows = self.shared.rows(at, count).into_owned();
-        Own {
+        CandidateScore {
             score: &own.score - self.explained.rows(at, count),
             information: &own.information - &rows * rows.transpose(),
         }
     }
 
     /// The same for a candidate with a single column.
-    fn conditional_on_one(&self, gram: &Gram<'_>, index: usize) -> (f64, f64) {
-        let own = &gram.own[index];
+    fn conditional_single_column(&self, gram: &Gram<'_>, index: usize) -> (f64, f64) {
+        let own = &gram.scores[index];
         let at = gram.first[index] - self.offset;
-        let information = (own.information[(0, 0)] - self.taken[at]).max(0.0);
+        let information = (own.information[(0, 0)] - self.eliminated[at]).max(0.0);
         (own.score[0] - self.explained[at], information)
     }
 }
 
 /// Log evidence of a candidate with one column at one of its scales, including the prior of the scale.
-fn value_of_one(candidate: &Candidate, scale: usize, score: f64, information: f64) -> f64 {
+fn single_column_evidence(
+    candidate: &Candidate,
+    scale: usize,
+    score: f64,
+    information: f64,
+) -> f64 {
     let (size, weight) = candidate.scales[scale];
     let sd = candidate.prior[(0, 0)] * size;
     let spread = 1.0 + information * sd * sd;
@@ -243,9 +255,9 @@ fn value_of_one(candidate: &Candidate, scale: usize, score: f64, information: f6
     value
 }
 
-impl Own {
+impl CandidateScore {
     /// Converts to units of the prior at scale 1.
-    fn in_prior(&self, candidate: &Candidate) -> Self {
+    fn in_prior_units(&self, candidate: &Candidate) -> Self {
         Self {
             score: candidate.prior.tr_mul(&self.score),
             information: candidate.prior.tr_mul(&self.information) * &candidate.prior,
@@ -276,7 +288,7 @@ fn axpy(weight: f64, from: &[f64], to: &mut [f64]) {
 }
 
 /// `columns := columns L^-T`, column by column because the columns are long and few.
-fn divide(columns: &mut DMatrix<f64>, l: &DMatrix<f64>) {
+fn divide_by_factor(columns: &mut DMatrix<f64>, l: &DMatrix<f64>) {
     for k in 0..columns.ncols() {
         for j in 0..k {
             let (from, mut to) = columns.columns_range_pair_mut(j, k);
@@ -288,9 +300,9 @@ fn divide(columns: &mut DMatrix<f64>, l: &DMatrix<f64>) {
 
 /// Largest log evidence over the scales of a candidate, including the prior of the scale, for a score in units of the
 /// prior at scale 1. `None` if it is clearly below `least`.
-fn best_scale(candidate: &Candidate, own: &Own, least: f64) -> Option<(f64, usize)> {
+fn best_scale(candidate: &Candidate, own: &CandidateScore, least: f64) -> Option<(f64, usize)> {
     let (gain, probe) = own.value(candidate, candidate.scales.len() / 2)?;
-    if gain < STRONG && probe + candidate.log_odds < least - PROBED {
+    if gain < STRONG_GAIN && probe + candidate.log_odds < least - MAX_DEFICIT {
         return None;
     }
     let all = (0..candidate.scales.len()).filter_map(|k| Some((own.value(candidate, k)?.1, k)));
@@ -298,7 +310,7 @@ fn best_scale(candidate: &Candidate, own: &Own, least: f64) -> Option<(f64, usiz
 }
 
 /// Increase of the log prior odds of a candidate because the set has the same effect on other cables.
-fn more_together(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
+fn joint_odds_bonus(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
     let candidate = &gram.candidates[index];
     if !candidate.is_single() {
         return 0.0;
@@ -306,14 +318,14 @@ fn more_together(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
     let all = members.iter().map(|m| &gram.candidates[m.0]);
     let same = all.filter(|c| c.is_single() && std::ptr::eq(c.effect(), candidate.effect()));
     let count = same.count();
-    let log = |count| log_together(count, gram.cables, candidate.log_odds);
+    let log = |count| log_joint_odds_ratio(count, gram.cables, candidate.log_odds);
     log(count + 1) - log(count)
 }
 
-/// The other scales are not tried if the middle one is lower than required by more than `PROBED`, unless the gain there
-/// exceeds `STRONG`, where the scale may matter more.
-const PROBED: f64 = 12.0;
-const STRONG: f64 = 20.0;
+/// The other scales are not tried if the middle one is lower than required by more than `MAX_DEFICIT`, unless the gain
+/// there exceeds `STRONG_GAIN`, where the scale may matter more.
+const MAX_DEFICIT: f64 = 12.0;
+const STRONG_GAIN: f64 = 20.0;
 
 /// Logarithm of twice the probability that a normal variable is positive.
 fn log_positive(mean: f64, variance: f64) -> f64 {

@@ -16,9 +16,9 @@ const HUGE: f64 = 4.0;
 /// half as many.
 const PATIENCE: usize = 6;
 /// Share of the excess chi-square that may remain, for example that of a second exchange.
-const LEFT: f64 = 0.25;
+const MAX_REMAINING_EXCESS: f64 = 0.25;
 /// Difference of chi-square that separates one exchange from another.
-const CLEAR: f64 = 9.0;
+const DISTINGUISHING_CHI2: f64 = 9.0;
 
 /// An exchange that explains the readings.
 pub(super) struct Exchange {
@@ -30,7 +30,7 @@ pub(super) struct Exchange {
 }
 
 /// Finds the exchange that explains the readings, if there is one.
-pub(super) fn exchanged(
+pub(super) fn find_exchange(
     fit: &Fit<'_>,
     report: &mut Reporter<'_, '_>,
 ) -> Result<Option<Exchange>, EstimationError> {
@@ -43,8 +43,8 @@ pub(super) fn exchanged(
         return Ok(None);
     }
     let dataset = fit.problem.dataset;
-    let allowed =
-        solution.degrees_of_freedom + LEFT * (solution.chi2 - solution.degrees_of_freedom);
+    let allowed = solution.degrees_of_freedom
+        + MAX_REMAINING_EXCESS * (solution.chi2 - solution.degrees_of_freedom);
     let kinds: &[f64] = if dataset.measurements.force_n.is_empty() {
         &[1.0]
     } else {
@@ -63,20 +63,20 @@ pub(super) fn exchanged(
             targeted: true,
             values: vec![kind],
         };
-        let exchanged = undone(dataset, &bound);
-        let fit = Fit::below((allowed, PATIENCE), &Problem::new(&exchanged)?, &[])?;
+        let exchanged = undo_exchange(dataset, &bound);
+        let fit = Fit::with_early_stop((allowed, PATIENCE), &Problem::new(&exchanged)?, &[])?;
         tried.push((bound, fit.solution.chi2));
     }
     tried.sort_by(|a, b| a.1.total_cmp(&b.1));
     let found = tried.first().filter(|(_, chi2)| *chi2 < allowed);
     Ok(found.map(|(bound, _)| Exchange {
         bound: bound.clone(),
-        dataset: undone(dataset, bound),
+        dataset: undo_exchange(dataset, bound),
         tried: tried.clone(),
     }))
 }
 
-fn undone(dataset: &Dataset, bound: &BoundEffect) -> Dataset {
+fn undo_exchange(dataset: &Dataset, bound: &BoundEffect) -> Dataset {
     let mut exchanged = dataset.clone();
     bound.exchange_channels(&mut exchanged.measurements);
     exchanged
@@ -101,7 +101,7 @@ impl Exchange {
         let weights: f64 = ranking.iter().map(weight).sum();
         let alternatives: Vec<Alternative> = ranking[1..]
             .iter()
-            .filter(|rival| ranking[0].delta_chi2 - rival.delta_chi2 < CLEAR)
+            .filter(|rival| ranking[0].delta_chi2 - rival.delta_chi2 < DISTINGUISHING_CHI2)
             .map(|rival| Alternative {
                 cause: rival.cause.clone(),
                 probability: weight(rival) / weights,

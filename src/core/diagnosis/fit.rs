@@ -8,7 +8,7 @@ use crate::estimation::{
 /// Number of steps after which a fit that is still worse than required is abandoned; successful fits need half as many.
 const PATIENCE: usize = 15;
 /// Maximum number of steps of a fit with causes; one that converges more slowly explains nothing.
-const MOST_STEPS: usize = 40;
+const MAX_STEPS: usize = 40;
 
 /// A problem with its solution.
 #[derive(Debug, Clone)]
@@ -25,16 +25,19 @@ impl<'a> Fit<'a> {
     pub fn new(base: &Problem<'a>, causes: &[Cause]) -> Result<Self, EstimationError> {
         let known = base.known.as_ref().filter(|_| !causes.is_empty());
         let bound = known.map_or(f64::INFINITY, |known| known.chi2);
-        Self::below((bound, PATIENCE), base, causes)
+        Self::with_early_stop((bound, PATIENCE), base, causes)
     }
 
     /// Fits without early stopping, for causes that are still far from explaining the readings and may need many steps.
-    pub fn to_the_end(base: &Problem<'a>, causes: &[Cause]) -> Result<Self, EstimationError> {
-        Self::below((f64::INFINITY, usize::MAX), base, causes)
+    pub fn without_early_stop(
+        base: &Problem<'a>,
+        causes: &[Cause],
+    ) -> Result<Self, EstimationError> {
+        Self::with_early_stop((f64::INFINITY, usize::MAX), base, causes)
     }
 
     /// Fits, but stops if chi-square is not below a bound after so many steps.
-    pub fn below(
+    pub fn with_early_stop(
         (bound, patience): (f64, usize),
         base: &Problem<'a>,
         causes: &[Cause],
@@ -55,7 +58,7 @@ impl<'a> Fit<'a> {
         };
         let mut options = Options::default();
         if bound.is_finite() {
-            options.max_iterations = MOST_STEPS;
+            options.max_iterations = MAX_STEPS;
         }
         let solution = solve(&problem, &options, watch)?;
         let mut fitted = solution.globals.effects[problem.held_effects.len()..].iter();

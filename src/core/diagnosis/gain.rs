@@ -1,17 +1,17 @@
 //! Cross-validation: the gain of a cause on held-out poses, and by how much it moves the platform.
 //!
 //! Each pose is left out in turn. With the orthonormal basis `V` of the estimated parameters and the rows `j` of the
-//! pose, the fit to all other poses predicts the residual `e_j = r_j + V_j z_j` with `z_j = (1 - V_j^T V_j)^-1 V_j^T
-//! r_j` (Cook and Weisberg 1982, linear at the solution). Only the pose of the platform is fitted to the held-out
-//! readings.
+//! pose, the fit to all other poses predicts the residual `e_j = r_j + V_j z_j` with
+//! `z_j = (1 - V_j^T V_j)^-1 V_j^T r_j` (Cook and Weisberg 1982, linear at the solution). Only the pose of the platform
+//! is fitted to the held-out readings.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::fit::Fit;
+use super::projector::Projector;
 use super::report::{Gain, KindGain, PositionChange, Quantity};
-use super::space::Space;
 use crate::effect::Search;
 use crate::estimation::{Linearisation, RowKind};
 use crate::statistics::normal_quantile;
@@ -46,7 +46,7 @@ impl HeldOut {
 pub(super) struct Prediction {
     held_out: Vec<HeldOut>,
     linear: Linearisation,
-    space: Space,
+    projector: Projector,
     /// Positions of the fitted poses by row (m).
     positions: Vec<(usize, nalgebra::Vector3<f64>)>,
     /// Rows at which an event of the model acts alone; no other pose could predict it.
@@ -56,15 +56,15 @@ pub(super) struct Prediction {
 impl Prediction {
     pub fn new(fit: &Fit<'_>) -> Self {
         let linear = Linearisation::new(&fit.problem, &fit.solution);
-        let space = Space::new(&linear.design, &linear.residual);
+        let projector = Projector::new(&linear.design, &linear.residual);
         let held_out = (0..linear.poses.len())
-            .map(|pose| hold_out(&linear, &space, pose))
+            .map(|pose| hold_out(&linear, &projector, pose))
             .collect();
         let poses = fit.solution.poses.iter();
         Self {
             held_out,
             linear,
-            space,
+            projector,
             positions: poses.map(|(row, pose)| (*row, pose.position)).collect(),
             events: rows_of_events(fit),
         }
@@ -110,12 +110,12 @@ impl Prediction {
             interval: resampled(&pairs),
             poses_held_out: pairs.len(),
             kinds: kinds(&pairs),
-            position: self.moved_from(before),
+            position: self.position_change(before),
         }
     }
 
     /// Distance of the fitted positions from those of another fit.
-    fn moved_from(&self, before: &Self) -> PositionChange {
+    fn position_change(&self, before: &Self) -> PositionChange {
         let distances = |shift: &dyn Fn(usize) -> nalgebra::Vector3<f64>| -> Vec<f64> {
             let pairs = self.held_out.iter().enumerate();
             pairs
@@ -152,7 +152,7 @@ impl Prediction {
 
     /// Derivative of each fitted position with respect to coordinates in the basis.
     fn position_maps(&self) -> Vec<nalgebra::Matrix3xX<f64>> {
-        let map = self.space.map();
+        let map = self.projector.map();
         let of =
             |block: &crate::estimation::PoseBlock| block.pose_by_parameter.fixed_rows::<3>(0) * map;
         self.linear.poses.iter().map(of).collect()
@@ -171,12 +171,12 @@ fn rows_of_events(fit: &Fit<'_>) -> Vec<usize> {
     rows
 }
 
-fn hold_out(linear: &Linearisation, space: &Space, pose: usize) -> HeldOut {
+fn hold_out(linear: &Linearisation, projector: &Projector, pose: usize) -> HeldOut {
     let block = &linear.poses[pose];
     let (first, count) = (block.rows.start, block.rows.len());
-    let basis = space.basis().rows(first, count);
-    let residual = space.residual.rows(first, count);
-    let n = space.taken();
+    let basis = projector.basis().rows(first, count);
+    let residual = projector.residual.rows(first, count);
+    let n = projector.rank();
     let left = DMatrix::identity(n, n) - basis.tr_mul(&basis);
     let pull = basis.tr_mul(&residual);
     // The matrix is singular only if this pose alone determines a parameter; then the pose cannot be predicted.

@@ -5,8 +5,8 @@ use super::report::Cause;
 use crate::effect::{BoundEffect, Search};
 
 /// Replaces causes of the same effect on several single cables by one with a common value; `None` if there are none.
-pub(super) fn united(fit: &Fit<'_>) -> Option<Vec<Cause>> {
-    if let Some(causes) = shared_by_some(fit) {
+pub(super) fn merge_common_values(fit: &Fit<'_>) -> Option<Vec<Cause>> {
+    if let Some(causes) = merge_part_of_family(fit) {
         return Some(causes);
     }
     let is_single = |cause: &Cause| match cause.instances.as_slice() {
@@ -45,7 +45,7 @@ pub(super) fn united(fit: &Fit<'_>) -> Option<Vec<Cause>> {
 
 /// Replaces a family in which some cables have about the same value and the others almost none by one cause with a
 /// common value on those cables.
-fn shared_by_some(fit: &Fit<'_>) -> Option<Vec<Cause>> {
+fn merge_part_of_family(fit: &Fit<'_>) -> Option<Vec<Cause>> {
     for (place, cause) in fit.causes.iter().enumerate() {
         let first = &cause.instances[0];
         if cause.instances.len() < 2 || first.values.len() != 1 {

@@ -12,24 +12,24 @@ use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, SymmetricEigen};
 
 use super::Quantity;
 use super::background::{Group, Shape};
-use super::conditions::{Conditions, Noise, joined};
+use super::conditions::{Conditions, Noise, concatenate_columns};
 use super::reading_errors::ReadingErrors;
 
 /// Grid of amplitudes, in standard deviations of the readings as described.
 pub(super) const AMPLITUDES: [f64; 8] = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 /// Prior probabilities that a kind of reading has no background, and that a class has the amplitude of its kind.
-const NONE: f64 = 0.7;
-const AS_ITS_KIND: f64 = 0.85;
+const NO_BACKGROUND: f64 = 0.7;
+const SAME_AS_KIND: f64 = 0.85;
 /// Weights of the variance priors in numbers of readings: of a kind around 1, and of a cable around its kind.
 const KIND_PRIOR: f64 = 1.0;
 const CABLE_PRIOR: f64 = 60.0;
 /// Bounds of the variance factors.
 const VARIANCES: [f64; 2] = [1e-3, 1e5];
 /// Maximum number of steps of the estimation, and the largest change of a log variance at convergence.
-const MOST_STEPS: usize = 12;
-const SETTLED: f64 = 0.05;
+const MAX_STEPS: usize = 12;
+const CONVERGED: f64 = 0.05;
 /// Decrease of the log posterior density that a step may cause.
-const TOLERATED: f64 = 0.05;
+const TOLERATED_DECREASE: f64 = 0.05;
 /// Regularises directions of the fixed parameters that the data do not determine.
 pub(super) const RIDGE: f64 = 1e-11;
 
@@ -51,13 +51,13 @@ impl Hyperparameters {
     }
 
     /// Whether noise or background is much larger than described, so that much is unexplained.
-    pub fn is_loud(&self) -> bool {
+    pub fn is_noisy(&self) -> bool {
         self.variance.iter().any(|v| *v > 2.0) || self.amplitude.iter().any(|a| *a > 2)
     }
 }
 
 /// The linear problem without candidate causes.
-pub(super) struct Linear {
+pub(super) struct LinearProblem {
     pub conditions: Conditions,
     /// Residuals as conditions, minus what the causes of the fit explain.
     pub residual: DVector<f64>,
@@ -70,10 +70,10 @@ pub(super) struct Linear {
 }
 
 /// The problem at given hyperparameters, with the background and the parameters that are always estimated eliminated.
-pub(super) struct Base<'l> {
+pub(super) struct ReducedProblem<'l> {
     pub noise: Noise<'l>,
     /// `U^T`, where `1 - U U^T` is the projection of whitened conditions by the elimination.
-    pub taken: DMatrix<f64>,
+    pub eliminated: DMatrix<f64>,
     /// Whitened and projected residual.
     pub residual: DVector<f64>,
     /// Weighted sum of squared residuals, including those of the parameters with priors.
@@ -82,9 +82,9 @@ pub(super) struct Base<'l> {
     pub log_evidence: f64,
 }
 
-impl Linear {
+impl LinearProblem {
     /// Hyperparameters with the same variance factor for all classes and no background.
-    pub fn louder(&self, factor: f64) -> Hyperparameters {
+    pub fn with_variance_factor(&self, factor: f64) -> Hyperparameters {
         let classes = self.conditions.classes.len();
         self.with_prior(vec![factor; classes], vec![0; self.shapes.len()])
     }
@@ -141,8 +141,8 @@ impl Linear {
             let of_kind = |kind: usize| {
                 let each = shapes
                     .iter()
-                    .map(|k| log_share(amplitude[*k], kind, shapes.len()));
-                log_kind(kind) + each.sum::<f64>()
+                    .map(|k| log_amplitude_prior(amplitude[*k], kind, shapes.len()));
+                log_kind_prior(kind) + each.sum::<f64>()
             };
             log_prior += (0..AMPLITUDES.len())
                 .map(of_kind)
@@ -157,17 +157,17 @@ impl Linear {
 
     /// Eliminates the background and the parameters that are always estimated at the hyperparameters `at`, and also
     /// `further` columns whose parameters have prior variance 1.
-    pub fn base(&self, at: &Hyperparameters, further: &DMatrix<f64>) -> Base<'_> {
+    pub fn reduced(&self, at: &Hyperparameters, further: &DMatrix<f64>) -> ReducedProblem<'_> {
         let noise = self.conditions.noise(&at.variance);
         let mut parts = vec![self.fixed.clone()];
         for (shape, amplitude) in self.shapes.iter().zip(&at.amplitude) {
             if *amplitude > 0 {
                 parts.push(&shape.columns * AMPLITUDES[*amplitude]);
-                parts.push(&shape.simple * AMPLITUDES[*amplitude]);
+                parts.push(&shape.low_order * AMPLITUDES[*amplitude]);
             }
         }
         parts.push(further.clone());
-        let mut z = joined(&parts.iter().collect::<Vec<_>>());
+        let mut z = concatenate_columns(&parts.iter().collect::<Vec<_>>());
         let width = z.ncols();
         noise.whiten(&mut z);
         let whitened = self.whitened(&noise);
@@ -185,17 +185,17 @@ impl Linear {
         for k in 0..width {
             normal[(k, k)] += if k < fixed { RIDGE } else { 1.0 };
         }
-        let mut taken = z.transpose();
+        let mut eliminated = z.transpose();
         if let Some(factor) = normal.cholesky() {
             log_determinant += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
-            solve_lower(&factor.l_dirty().as_view(), &mut taken.as_view_mut());
+            solve_lower(&factor.l_dirty().as_view(), &mut eliminated.as_view_mut());
         }
-        residual -= taken.tr_mul(&(&taken * &residual));
+        residual -= eliminated.tr_mul(&(&eliminated * &residual));
         // With priors the projection is not idempotent, so the square has to be `y^T P y`.
         let square = whitened.dot(&residual);
-        Base {
+        ReducedProblem {
             noise,
-            taken,
+            eliminated,
             chi2: square,
             log_evidence: -0.5 * (log_determinant + square),
             residual,
@@ -215,11 +215,11 @@ impl Linear {
     pub fn estimate(&self, further: &DMatrix<f64>) -> Hyperparameters {
         let mut at = self.with_prior(self.start.clone(), vec![0; self.shapes.len()]);
         let mut best: Option<(f64, Hyperparameters, Hyperparameters)> = None;
-        for _ in 0..MOST_STEPS {
-            let base = self.base(&at, further);
+        for _ in 0..MAX_STEPS {
+            let base = self.reduced(&at, further);
             let value = base.log_evidence + at.log_prior;
             if let Some((least, _, instead)) = &mut best
-                && value < *least - TOLERATED
+                && value < *least - TOLERATED_DECREASE
             {
                 if *instead == at {
                     break;
@@ -236,14 +236,14 @@ impl Linear {
             if let Some(k) = strongest {
                 single[k] = amplitude[k];
             }
-            let sums = base.noise.class_sums(&base.residual, &base.taken);
+            let sums = base.noise.class_sums(&base.residual, &base.eliminated);
             let variance = self.variances(&sums);
             let change = at
                 .variance
                 .iter()
                 .zip(&variance)
                 .map(|(a, b)| (a / b).ln().abs());
-            let settled = change.fold(0.0, f64::max) < SETTLED && strongest.is_none();
+            let settled = change.fold(0.0, f64::max) < CONVERGED && strongest.is_none();
             let instead = self.with_prior(variance.clone(), single);
             best = Some((value, at, instead));
             at = self.with_prior(variance, amplitude);
@@ -272,13 +272,13 @@ impl Linear {
     ) -> (f64, Hyperparameters) {
         let mut at = from.clone();
         let mut value = f64::NEG_INFINITY;
-        for _ in 0..MOST_STEPS {
-            let base = self.base(&at, further);
+        for _ in 0..MAX_STEPS {
+            let base = self.reduced(&at, further);
             let before = std::mem::replace(&mut value, base.log_evidence + at.log_prior);
-            if value - before < TOLERATED {
+            if value - before < TOLERATED_DECREASE {
                 break;
             }
-            let sums = base.noise.class_sums(&base.residual, &base.taken);
+            let sums = base.noise.class_sums(&base.residual, &base.eliminated);
             at = self.with_prior(self.variances(&sums), at.amplitude.clone());
         }
         (value, at)
@@ -303,13 +303,15 @@ impl Linear {
         let mut chosen = vec![0; self.shapes.len()];
         for shapes in self.kinds_of_shapes() {
             let best = |shape: usize, kind: usize| {
-                let value = |k: usize| by_shape[shape][k] + log_share(k, kind, shapes.len());
+                let value =
+                    |k: usize| by_shape[shape][k] + log_amplitude_prior(k, kind, shapes.len());
                 let places = 0..AMPLITUDES.len();
                 let best = places.max_by(|a, b| value(*a).total_cmp(&value(*b)));
                 best.map_or((0, 0.0), |k| (k, value(k)))
             };
-            let total =
-                |kind: usize| log_kind(kind) + shapes.iter().map(|s| best(*s, kind).1).sum::<f64>();
+            let total = |kind: usize| {
+                log_kind_prior(kind) + shapes.iter().map(|s| best(*s, kind).1).sum::<f64>()
+            };
             let kind = (0..AMPLITUDES.len()).max_by(|a, b| total(*a).total_cmp(&total(*b)));
             for shape in &shapes {
                 chosen[*shape] = best(*shape, kind.unwrap_or(0)).0;
@@ -321,7 +323,7 @@ impl Linear {
     /// Log evidence of each amplitude of each shape relative to amplitude zero, the others as they are.
     fn amplitude_evidence(
         &self,
-        base: &Base<'_>,
+        base: &ReducedProblem<'_>,
         at: &Hyperparameters,
     ) -> Vec<[f64; AMPLITUDES.len()]> {
         let mut of_class: Option<(usize, ReadingErrors)> = None;
@@ -381,18 +383,18 @@ fn solve_lower(l: &DMatrixView<'_, f64>, b: &mut DMatrixViewMut<'_, f64>) {
     b.view_mut((half, 0), (n - half, columns)).copy_from(&lower);
 }
 
-fn log_kind(kind: usize) -> f64 {
+fn log_kind_prior(kind: usize) -> f64 {
     let others = (AMPLITUDES.len() - 1) as f64;
     if kind == 0 {
-        NONE
+        NO_BACKGROUND
     } else {
-        (1.0 - NONE) / others
+        (1.0 - NO_BACKGROUND) / others
     }
     .ln()
 }
 
 /// Log prior probability of the amplitude of one of `classes` classes, given the amplitude of its kind.
-fn log_share(amplitude: usize, kind: usize, classes: usize) -> f64 {
+fn log_amplitude_prior(amplitude: usize, kind: usize, classes: usize) -> f64 {
     let others = (AMPLITUDES.len() - 1) as f64;
     if classes == 1 {
         return if amplitude == kind {
@@ -402,9 +404,9 @@ fn log_share(amplitude: usize, kind: usize, classes: usize) -> f64 {
         };
     }
     if amplitude == kind {
-        AS_ITS_KIND
+        SAME_AS_KIND
     } else {
-        (1.0 - AS_ITS_KIND) / others
+        (1.0 - SAME_AS_KIND) / others
     }
     .ln()
 }

@@ -3,10 +3,10 @@
 //! If the noise variance of class `a` of the readings is `theta_a` times the described one, the squared residuals have
 //! the expectation `E[r_a^T r_a] = sum_b tr(M_ab M_ba) theta_b`. Solving this for `theta`, reweighting all rows and
 //! repeating until convergence is restricted maximum likelihood by Fisher scoring (Helmert 1907, Foerstner 1979;
-//! Searle, Casella and McCulloch, Variance Components, section 6.6). The covariance of `theta` is `2 F^-1` with `F_ab =
-//! tr(M_ab M_ba)` in the final weights, so `theta_a` is as accurate as a variance from `1 / (F^-1)_aa` degrees of
-//! freedom; interval and p-value are those of the corresponding chi-square variable. The noise of equilibrium equations
-//! and priors is not changed.
+//! Searle, Casella and McCulloch, Variance Components, section 6.6). The covariance of `theta` is `2 F^-1` with
+//! `F_ab = tr(M_ab M_ba)` in the final weights, so `theta_a` is as accurate as a variance from `1 / (F^-1)_aa` degrees
+//! of freedom; interval and p-value are those of the corresponding chi-square variable. The noise of equilibrium
+//! equations and priors is not changed.
 //!
 //! All of this happens in the linearised problem. Readings whose residuals depend on a variable do not show pure noise.
 //! They get a variance of their own, so that they do not affect the others, and no statement is made about it.
@@ -22,20 +22,20 @@ use super::{Discrepancy, NoiseStatement, Quantity};
 use crate::statistics::{chi_square_quantile, chi_square_two_sided};
 
 /// Maximum number of steps of the estimation, and the largest relative change of a variance at convergence.
-const MOST_STEPS: usize = 8;
-const SETTLED: f64 = 1e-2;
+const MAX_STEPS: usize = 8;
+const CONVERGED: f64 = 1e-2;
 /// A variance with fewer degrees of freedom than this is not estimated.
-const LEAST_FREEDOM: f64 = 2.0;
+const MIN_FREEDOM: f64 = 2.0;
 /// Smallest factor of a variance in one step; anything smaller would overshoot.
-const LEAST_STEP: f64 = 0.1;
+const MIN_STEP: f64 = 0.1;
 /// Minimum number of cables for deciding that one of them differs from the others.
-const FEWEST_CABLES: usize = 3;
+const MIN_CABLES: usize = 3;
 
 /// Readings with a common variance: a kind of reading, or one cable of it.
 pub(super) type Class = (Quantity, Option<usize>);
 
 /// Classes with a variance of their own, with the start values of the estimation.
-pub(super) type Apart = BTreeMap<Class, f64>;
+pub(super) type SeparateVariances = BTreeMap<Class, f64>;
 
 /// Kinds of readings, and single cables that differ clearly from the others, whose noise is larger or smaller than
 /// described, at level `alpha` for all tests together. Readings with `discrepancies` are excluded.
@@ -48,13 +48,13 @@ pub(crate) fn noise_statements(
         .iter()
         .map(|d| (d.quantity, d.cable))
         .collect();
-    let questions = questions(space);
-    let apart = scatter(space, &structured);
-    let estimate = Estimate::with_strangers(space, apart, alpha / questions);
+    let test_count = test_count(space);
+    let separate = start_variances(space, &structured);
+    let estimate = VarianceEstimate::with_outlying_variances(space, separate, alpha / test_count);
     let statements = (0..estimate.classes.len()).filter_map(|class| estimate.statement(class));
     statements
         .map(|statement| NoiseStatement {
-            p_value: (statement.p_value * questions).min(1.0),
+            p_value: (statement.p_value * test_count).min(1.0),
             ..statement
         })
         .filter(|s| s.p_value < alpha && !structured.contains(&(s.quantity, s.cable)))
@@ -62,8 +62,9 @@ pub(crate) fn noise_statements(
 }
 
 /// Standard deviation of each row over the described one; 1 where it is not significantly larger at level `level`.
-pub(super) fn excess(space: &ResidualSpace, level: f64) -> Vec<f64> {
-    let mut estimate = Estimate::with_strangers(space, Apart::new(), level);
+pub(super) fn excess_sd_factors(space: &ResidualSpace, level: f64) -> Vec<f64> {
+    let mut estimate =
+        VarianceEstimate::with_outlying_variances(space, SeparateVariances::new(), level);
     for class in 0..estimate.classes.len() {
         let statement = estimate.statement(class);
         if !statement.is_some_and(|s| s.ratio > 1.0 && s.p_value < level) {
@@ -73,11 +74,14 @@ pub(super) fn excess(space: &ResidualSpace, level: f64) -> Vec<f64> {
     estimate.row_factors()
 }
 
-/// Statements on all classes whose variance can be estimated, whatever their significance. The cables in `apart` have a
-/// variance of their own, and p-values are not corrected for the number of tests.
+/// Statements on all classes whose variance can be estimated, whatever their significance. The cables in `separate`
+/// have a variance of their own, and p-values are not corrected for the number of tests.
 #[cfg(test)]
-pub(super) fn noise_of_all(space: &ResidualSpace, apart: &Apart) -> Vec<NoiseStatement> {
-    let estimate = Estimate::new(space, apart);
+pub(super) fn noise_of_all(
+    space: &ResidualSpace,
+    separate: &SeparateVariances,
+) -> Vec<NoiseStatement> {
+    let estimate = VarianceEstimate::new(space, separate);
     let classes = 0..estimate.classes.len();
     classes
         .filter_map(|class| estimate.statement(class))
@@ -86,7 +90,7 @@ pub(super) fn noise_of_all(space: &ResidualSpace, apart: &Apart) -> Vec<NoiseSta
 
 /// Mean squared residuals of the chosen classes, at least those of the described noise, as start values. From too small
 /// a variance the estimation would attribute their excess to other classes.
-fn scatter(space: &ResidualSpace, chosen: &BTreeSet<Class>) -> Apart {
+fn start_variances(space: &ResidualSpace, chosen: &BTreeSet<Class>) -> SeparateVariances {
     let (classes, of_row) = classes(space, |id| (id.quantity, id.cable));
     let sums = space.class_sums(&of_row, classes.len());
     let mean_square = |k: usize| (sums.squares[k] / sums.traces[k].max(1e-6)).max(1.0);
@@ -98,20 +102,23 @@ fn scatter(space: &ResidualSpace, chosen: &BTreeSet<Class>) -> Apart {
 }
 
 /// Number of variances that are tested.
-fn questions(space: &ResidualSpace) -> f64 {
+fn test_count(space: &ResidualSpace) -> f64 {
     let ids = space.readings.iter().flatten();
     let all = ids.flat_map(|id| [(id.quantity, None), (id.quantity, id.cable)]);
     all.collect::<BTreeSet<Class>>().len() as f64
 }
 
-/// Class of a reading when the cables in `apart` have a variance of their own.
-fn class_of(id: &ReadingId, apart: &Apart) -> Class {
+/// Class of a reading when the cables in `separate` have a variance of their own.
+fn class_of(id: &ReadingId, separate: &SeparateVariances) -> Class {
     let own = (id.quantity, id.cable);
-    (id.quantity, id.cable.filter(|_| apart.contains_key(&own)))
+    (
+        id.quantity,
+        id.cable.filter(|_| separate.contains_key(&own)),
+    )
 }
 
 /// Estimated variances of classes of readings.
-struct Estimate {
+struct VarianceEstimate {
     classes: Vec<Class>,
     /// Variance over the described one.
     variance: Vec<f64>,
@@ -123,30 +130,30 @@ struct Estimate {
     space: ResidualSpace,
 }
 
-impl Estimate {
-    fn new(space: &ResidualSpace, apart: &Apart) -> Self {
-        let (classes, of_row) = classes(space, |id| class_of(id, apart));
+impl VarianceEstimate {
+    fn new(space: &ResidualSpace, separate: &SeparateVariances) -> Self {
+        let (classes, of_row) = classes(space, |id| class_of(id, separate));
         let mut estimate = Self {
             variance: classes
                 .iter()
-                .map(|class| apart.get(class).copied().unwrap_or(1.0))
+                .map(|class| separate.get(class).copied().unwrap_or(1.0))
                 .collect(),
             freedom: vec![None; classes.len()],
             classes,
             of_row,
             space: space.clone(),
         };
-        if !apart.is_empty() {
+        if !separate.is_empty() {
             estimate.space = space.rescaled(&estimate.row_factors());
         }
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let sums = estimate
                 .space
                 .class_sums(&estimate.of_row, estimate.classes.len());
             let step = VarianceStep::new(&sums);
             estimate.freedom.clone_from(&step.freedom);
             let change = step.factors.iter().map(|factor| (factor - 1.0).abs());
-            if change.fold(0.0, f64::max) < SETTLED {
+            if change.fold(0.0, f64::max) < CONVERGED {
                 break;
             }
             for (variance, factor) in estimate.variance.iter_mut().zip(&step.factors) {
@@ -158,12 +165,16 @@ impl Estimate {
     }
 
     /// Estimates variances with a separate one for each cable that differs from the others of its kind at level
-    /// `level`, in addition to those in `apart`.
-    fn with_strangers(space: &ResidualSpace, mut apart: Apart, level: f64) -> Self {
+    /// `level`, in addition to those in `separate`.
+    fn with_outlying_variances(
+        space: &ResidualSpace,
+        mut separate: SeparateVariances,
+        level: f64,
+    ) -> Self {
         loop {
-            let estimate = Self::new(space, &apart);
-            match estimate.stranger(&apart, level) {
-                Some((stranger, variance)) => apart.insert(stranger, variance),
+            let estimate = Self::new(space, &separate);
+            match estimate.outlying_variance(&separate, level) {
+                Some((class, variance)) => separate.insert(class, variance),
                 None => return estimate,
             };
         }
@@ -195,13 +206,13 @@ impl Estimate {
 
     /// The cable that differs most from the others of its kind, if significantly at level `level`, with its mean
     /// square. This is the score test of a separate variance.
-    fn stranger(&self, apart: &Apart, level: f64) -> Option<(Class, f64)> {
+    fn outlying_variance(&self, separate: &SeparateVariances, level: f64) -> Option<(Class, f64)> {
         let (cables, of_row) = classes(&self.space, |id| (id.quantity, id.cable));
         let sums = self.space.class_sums(&of_row, cables.len());
-        let common = |class: &&Class| class.1.is_some() && !apart.contains_key(*class);
+        let common = |class: &&Class| class.1.is_some() && !separate.contains_key(*class);
         let enough = |quantity: Quantity| {
             let same = cables.iter().filter(common).filter(|c| c.0 == quantity);
-            same.count() >= FEWEST_CABLES
+            same.count() >= MIN_CABLES
         };
         let probability = |(k, class): (usize, &Class)| {
             let (factor, freedom) = sums.scaled_chi_square(k)?;
@@ -246,10 +257,10 @@ impl VarianceStep {
             let scored = 1.0 + change[k];
             // The ratio to the expectation is always positive and has the same fixed point.
             let mean_square = sums.squares[*class] / sums.traces[*class];
-            step.factors[*class] = if scored > LEAST_STEP {
+            step.factors[*class] = if scored > MIN_STEP {
                 scored
             } else {
-                mean_square.max(LEAST_STEP)
+                mean_square.max(MIN_STEP)
             };
             step.freedom[*class] = Some(inverse[(k, k)].recip());
         }
@@ -260,7 +271,7 @@ impl VarianceStep {
 /// The classes whose variances can be separated, with the inverse of their information. The least determined class is
 /// removed until all have enough degrees of freedom.
 fn estimable(sums: &ClassSums) -> (Vec<usize>, DMatrix<f64>) {
-    let seen = |class: &usize| sums.information[(*class, *class)] > LEAST_FREEDOM;
+    let seen = |class: &usize| sums.information[(*class, *class)] > MIN_FREEDOM;
     let mut kept: Vec<usize> = (0..sums.traces.len()).filter(seen).collect();
     while !kept.is_empty() {
         let information = sums.information.select_rows(&kept).select_columns(&kept);
@@ -270,7 +281,7 @@ fn estimable(sums: &ClassSums) -> (Vec<usize>, DMatrix<f64>) {
         let known = |k: &usize| inverse.as_ref().map_or(alone[*k], |i| i[(*k, *k)].recip());
         let worst = (0..kept.len()).min_by(|a, b| known(a).total_cmp(&known(b)));
         match (worst, inverse) {
-            (Some(worst), Some(inverse)) if inverse[(worst, worst)].recip() >= LEAST_FREEDOM => {
+            (Some(worst), Some(inverse)) if inverse[(worst, worst)].recip() >= MIN_FREEDOM => {
                 return (kept, inverse);
             }
             (Some(worst), _) => drop(kept.remove(worst)),

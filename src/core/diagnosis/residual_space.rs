@@ -57,8 +57,8 @@ pub(crate) struct ClassSums {
 }
 
 impl ClassSums {
-    /// Factor and degrees of freedom of the scaled chi-square distribution with the same mean `tr M` and variance `2 tr
-    /// M^2` as the sum of squares of a class (Satterthwaite 1946). `None` for residuals that are always zero.
+    /// Factor and degrees of freedom of the scaled chi-square distribution with the same mean `tr M` and variance
+    /// `2 tr M^2` as the sum of squares of a class (Satterthwaite 1946). `None` for residuals that are always zero.
     pub fn scaled_chi_square(&self, class: usize) -> Option<(f64, f64)> {
         let (mean, half_variance) = (self.traces[class], self.information[(class, class)]);
         let seen = mean > 1e-6 && half_variance > 0.0;

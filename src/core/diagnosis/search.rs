@@ -8,30 +8,30 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::candidates::Acts;
+use super::candidates::PoseWeights;
 use super::evidence::{Member, System};
 use super::gram::Gram;
 
 /// Log posterior below the best down to which a set is extended, and down to which an extension is recorded.
-const NEAR: f64 = 6.0;
-const KEPT: f64 = 9.0;
+const EXTEND_WITHIN: f64 = 6.0;
+const RECORD_WITHIN: f64 = 9.0;
 /// Maximum number of sets whose families are reduced at a time.
-const REDUCED: usize = 8;
+const MAX_REDUCED: usize = 8;
 /// Number of causes tried in place of a family, each extended by another cause.
-const IN_PLACE: usize = 4;
+const MAX_REPLACEMENTS: usize = 4;
 /// Relative error of the linear comparison when another cause replaces one, as a share of what the cause explains.
-pub(super) const INEXACT: f64 = 0.05;
+pub(super) const LINEARISATION_ERROR: f64 = 0.05;
 /// Members that have less than this share of their information left, given the others, count as collinear.
-const ALIKE: f64 = 0.05;
+const COLLINEAR: f64 = 0.05;
 /// Maximum number of extensions recorded for one set.
-const MOST_KEPT: usize = 40;
+const MAX_RECORDED: usize = 40;
 
 /// Indices of candidates in ascending order.
-pub(super) type Set = Vec<usize>;
+pub(super) type CandidateSet = Vec<usize>;
 
 /// A set that was evaluated.
 #[derive(Debug, Clone)]
-pub(super) struct Visited {
+pub(super) struct EvaluatedSet {
     /// Members, with the scales that were best when each was added.
     pub members: Vec<Member>,
     /// Log evidence and prior.
@@ -43,15 +43,15 @@ pub(super) struct Visited {
 /// The sets evaluated at given hyperparameters.
 pub(super) struct Search<'g, 'l> {
     gram: &'g mut Gram<'l>,
-    pub visited: HashMap<Set, Visited>,
-    extended: HashSet<Set>,
+    pub evaluated: HashMap<CandidateSet, EvaluatedSet>,
+    extended: HashSet<CandidateSet>,
     /// Most causes of a set.
     most: usize,
 }
 
 /// Evaluates a set exactly: the scale of each member is optimised again, and the evidence is summed over the scales of
 /// each member with the others at their best scale.
-pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> Visited {
+pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> EvaluatedSet {
     let mut members = members.to_vec();
     let mut over_scales = 0.0;
     for place in 0..members.len() {
@@ -62,7 +62,7 @@ pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> Visited {
         members[place] = (index, best.map_or(scale, |b| b.1));
         over_scales += system.log_over_scales(gram, index);
     }
-    Visited {
+    EvaluatedSet {
         log_posterior: System::new(gram, &members).log_posterior + over_scales,
         over_scales,
         members,
@@ -70,7 +70,7 @@ pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> Visited {
 }
 
 /// The subsets that lack one member each.
-fn each_left_out(members: &[Member]) -> impl Iterator<Item = Vec<Member>> {
+fn leave_one_out(members: &[Member]) -> impl Iterator<Item = Vec<Member>> {
     (0..members.len()).map(|left_out| {
         let mut fewer = members.to_vec();
         fewer.remove(left_out);
@@ -78,19 +78,19 @@ fn each_left_out(members: &[Member]) -> impl Iterator<Item = Vec<Member>> {
     })
 }
 
-pub(super) fn set_of(members: &[Member]) -> Set {
-    let mut set: Set = members.iter().map(|m| m.0).collect();
+pub(super) fn set_of(members: &[Member]) -> CandidateSet {
+    let mut set: CandidateSet = members.iter().map(|m| m.0).collect();
     set.sort_unstable();
     set
 }
 
 /// Members that are almost collinear with the others, such as a heavier platform, stiffer cables and force sensors that
 /// read low. For these, the linear comparison mistakes the effect of noise on the derivatives for evidence.
-pub(super) fn alike_together(gram: &mut Gram<'_>, members: &[Member]) -> Vec<usize> {
-    let each = members.iter().zip(each_left_out(members));
+pub(super) fn collinear_members(gram: &mut Gram<'_>, members: &[Member]) -> Vec<usize> {
+    let each = members.iter().zip(leave_one_out(members));
     each.filter_map(|((index, _), others)| {
-        let left = System::extensible_by(gram, &others, *index).left_of(gram, *index);
-        (left < ALIKE).then_some(*index)
+        let left = System::extensible_by(gram, &others, *index).remaining_information(gram, *index);
+        (left < COLLINEAR).then_some(*index)
     })
     .collect()
 }
@@ -99,28 +99,28 @@ impl<'g, 'l> Search<'g, 'l> {
     pub fn new(gram: &'g mut Gram<'l>, most: usize) -> Self {
         Self {
             gram,
-            visited: HashMap::new(),
+            evaluated: HashMap::new(),
             extended: HashSet::new(),
             most,
         }
     }
 
     /// Evaluates a set with the given scales and records it.
-    pub fn visit(&mut self, members: &[Member]) -> f64 {
+    pub fn evaluate(&mut self, members: &[Member]) -> f64 {
         let system = System::new(self.gram, members);
         self.record(members.to_vec(), system.log_posterior);
         system.log_posterior
     }
 
     fn record(&mut self, members: Vec<Member>, log_posterior: f64) {
-        let known = self.visited.entry(set_of(&members));
-        let known = known.or_insert_with(|| Visited {
+        let known = self.evaluated.entry(set_of(&members));
+        let known = known.or_insert_with(|| EvaluatedSet {
             members: members.clone(),
             log_posterior: f64::NEG_INFINITY,
             over_scales: 0.0,
         });
         if log_posterior > known.log_posterior {
-            *known = Visited {
+            *known = EvaluatedSet {
                 members,
                 log_posterior,
                 over_scales: 0.0,
@@ -129,21 +129,22 @@ impl<'g, 'l> Search<'g, 'l> {
     }
 
     /// The best set.
-    pub fn best(&self) -> Option<&Visited> {
-        let order = |a: &&Visited, b: &&Visited| a.log_posterior.total_cmp(&b.log_posterior);
-        self.visited.values().max_by(order)
+    pub fn best(&self) -> Option<&EvaluatedSet> {
+        let order =
+            |a: &&EvaluatedSet, b: &&EvaluatedSet| a.log_posterior.total_cmp(&b.log_posterior);
+        self.evaluated.values().max_by(order)
     }
 
     fn next(&self) -> Option<Vec<Member>> {
-        let least = self.best()?.log_posterior - NEAR;
-        let open = self.visited.iter();
+        let least = self.best()?.log_posterior - EXTEND_WITHIN;
+        let open = self.evaluated.iter();
         let open =
             open.filter(|(set, v)| v.log_posterior >= least && !self.extended.contains(*set));
         let best = open.max_by(|a, b| {
             let by_value = a.1.log_posterior.total_cmp(&b.1.log_posterior);
             by_value.then_with(|| b.0.cmp(a.0))
         });
-        best.map(|(_, visited)| visited.members.clone())
+        best.map(|(_, evaluated)| evaluated.members.clone())
     }
 
     /// Extends sets near the best until none is left or `most_extended` were extended. `go_on` is called before each.
@@ -164,42 +165,42 @@ impl<'g, 'l> Search<'g, 'l> {
             if !go_on() {
                 return;
             }
-            self.extend(&members, self.top());
-            for fewer in each_left_out(&members) {
+            self.extend(&members, self.best_value());
+            for fewer in leave_one_out(&members) {
                 if !self.extended.contains(&set_of(&fewer)) {
-                    self.visit(&fewer);
-                    self.extend(&fewer, self.top());
+                    self.evaluate(&fewer);
+                    self.extend(&fewer, self.best_value());
                 }
             }
         }
     }
 
     /// Explores sets near one that seems far below the best, because a full fit may show that it is not.
-    pub fn around(&mut self, members: &[Member]) {
+    pub fn explore_around(&mut self, members: &[Member]) {
         let value = self.settle(members);
-        if self.top() - value < NEAR {
+        if self.best_value() - value < EXTEND_WITHIN {
             return;
         }
         self.extend(members, value);
-        for fewer in each_left_out(members) {
-            self.visit(&fewer);
+        for fewer in leave_one_out(members) {
+            self.evaluate(&fewer);
             self.extend(&fewer, value);
         }
     }
 
     /// Log posterior of the best set.
-    fn top(&self) -> f64 {
+    fn best_value(&self) -> f64 {
         self.best().map_or(f64::NEG_INFINITY, |b| b.log_posterior)
     }
 
-    /// Evaluates a set extended by each candidate, discarding extensions far below `top`.
-    fn extend(&mut self, members: &[Member], top: f64) {
+    /// Evaluates a set extended by each candidate, discarding extensions far below `best_value`.
+    fn extend(&mut self, members: &[Member], best_value: f64) {
         self.extended.insert(set_of(members));
         if members.len() >= self.most {
             return;
         }
         let system = System::extensible(self.gram, members);
-        let least = top - KEPT - system.log_posterior;
+        let least = best_value - RECORD_WITHIN - system.log_posterior;
         let all = self.gram.candidates;
         let allowed = |index: &usize| {
             let candidate = &all[*index];
@@ -215,7 +216,7 @@ impl<'g, 'l> Search<'g, 'l> {
             })
             .collect();
         found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        for (gain, member) in found.into_iter().take(MOST_KEPT) {
+        for (gain, member) in found.into_iter().take(MAX_RECORDED) {
             let mut more = members.to_vec();
             more.push(member);
             self.record(more, system.log_posterior + gain);
@@ -230,19 +231,19 @@ impl<'g, 'l> Search<'g, 'l> {
     /// because the linear comparison may be wrong by a share of what the cause explains.
     pub fn exchange(&mut self, members: &[Member]) {
         let all = self.gram.candidates;
-        let whole = self.visit(members);
-        for ((cause, _), mut fewer) in members.iter().zip(each_left_out(members)) {
+        let whole = self.evaluate(members);
+        for ((cause, _), mut fewer) in members.iter().zip(leave_one_out(members)) {
             let system = System::extensible(self.gram, &fewer);
-            let off = INEXACT * (whole - system.log_posterior);
-            if off < KEPT {
+            let off = LINEARISATION_ERROR * (whole - system.log_posterior);
+            if off < RECORD_WITHIN {
                 continue;
             }
-            let is_asked = |index: &usize| {
+            let is_eligible = |index: &usize| {
                 let candidate = &all[*index];
                 !std::ptr::eq(candidate.effect(), all[*cause].effect())
                     && fewer.iter().all(|m| !candidate.excludes(&all[m.0]))
             };
-            let gains = (0..all.len()).filter(is_asked).filter_map(|index| {
+            let gains = (0..all.len()).filter(is_eligible).filter_map(|index| {
                 let (gain, scale) = system.gain(self.gram, index, f64::NEG_INFINITY)?;
                 Some((gain, (index, scale)))
             });
@@ -272,7 +273,7 @@ impl<'g, 'l> Search<'g, 'l> {
             let mut fewer = members.clone();
             fewer.remove(place);
             let system = System::extensible(self.gram, &fewer);
-            let is_asked = |index: &usize| {
+            let is_eligible = |index: &usize| {
                 let candidate = &all[*index];
                 index != family
                     && !candidate.is_event()
@@ -280,18 +281,18 @@ impl<'g, 'l> Search<'g, 'l> {
                     && fewer.iter().all(|m| !candidate.excludes(&all[m.0]))
             };
             let mut gains: Vec<(f64, Member)> = (0..all.len())
-                .filter(is_asked)
+                .filter(is_eligible)
                 .filter_map(|index| {
                     let (gain, scale) = system.gain(self.gram, index, f64::NEG_INFINITY)?;
                     Some((gain, (index, scale)))
                 })
                 .collect();
             gains.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-            for (_, member) in gains.into_iter().take(IN_PLACE) {
+            for (_, member) in gains.into_iter().take(MAX_REPLACEMENTS) {
                 let mut instead = fewer.clone();
                 instead.push(member);
                 if !self.extended.contains(&set_of(&instead)) {
-                    self.extend(&instead, self.top());
+                    self.extend(&instead, self.best_value());
                 }
             }
         }
@@ -303,16 +304,21 @@ impl<'g, 'l> Search<'g, 'l> {
         let Some(best) = self.best().map(|b| b.log_posterior) else {
             return;
         };
-        let has_family = |visited: &&Visited| {
-            let mut members = visited.members.iter();
-            visited.log_posterior >= best - NEAR && members.any(|m| all[m.0].is_family())
+        let has_family = |evaluated: &&EvaluatedSet| {
+            let mut members = evaluated.members.iter();
+            evaluated.log_posterior >= best - EXTEND_WITHIN && members.any(|m| all[m.0].is_family())
         };
-        let mut sets: Vec<Visited> = self.visited.values().filter(has_family).cloned().collect();
+        let mut sets: Vec<EvaluatedSet> = self
+            .evaluated
+            .values()
+            .filter(has_family)
+            .cloned()
+            .collect();
         sets.sort_by(|a, b| {
             let order = b.log_posterior.total_cmp(&a.log_posterior);
             order.then_with(|| a.members.cmp(&b.members))
         });
-        for set in sets.into_iter().take(REDUCED) {
+        for set in sets.into_iter().take(MAX_REDUCED) {
             self.reduce_families_of(&set.members);
         }
     }
@@ -324,11 +330,11 @@ impl<'g, 'l> Search<'g, 'l> {
             if !family.is_family() {
                 continue;
             }
-            let is_part = |index: &usize| {
+            let is_member = |index: &usize| {
                 let candidate = &all[*index];
                 candidate.is_single() && std::ptr::eq(candidate.effect(), family.effect())
             };
-            let mut open: Vec<usize> = (0..all.len()).filter(is_part).collect();
+            let mut open: Vec<usize> = (0..all.len()).filter(is_member).collect();
             let mut fewer = members.to_vec();
             fewer.remove(place);
             while open.len() > 1 && fewer.len() < self.most {
@@ -343,7 +349,7 @@ impl<'g, 'l> Search<'g, 'l> {
                 };
                 open.retain(|index| *index != single.0);
                 fewer.push(single);
-                if !self.visited.contains_key(&set_of(&fewer)) {
+                if !self.evaluated.contains_key(&set_of(&fewer)) {
                     self.settle(&fewer);
                 }
             }
@@ -354,19 +360,22 @@ impl<'g, 'l> Search<'g, 'l> {
     pub fn settle(&mut self, members: &[Member]) -> f64 {
         let settled = settled(self.gram, members);
         let value = settled.log_posterior;
-        self.visited.insert(set_of(members), settled);
+        self.evaluated.insert(set_of(members), settled);
         value
     }
 
     /// Starts with all families and effects of the robot together, and drops the least needed until all that remain are
     /// needed.
-    pub fn drop_from_all(&mut self) {
+    pub fn prune_from_all(&mut self) {
         let all = self.gram.candidates;
         let wide = |index: &usize| {
             let candidate = &all[*index];
-            let seen = self.gram.own[*index].information.trace() > 0.0;
+            let seen = self.gram.scores[*index].information.trace() > 0.0;
             let targeted = candidate.cause.instances.iter().any(|b| b.targeted);
-            let direct = candidate.columns.iter().all(|c| c.acts == Acts::Everywhere);
+            let direct = candidate
+                .columns
+                .iter()
+                .all(|c| c.pose_weights == PoseWeights::Everywhere);
             seen && direct && (candidate.is_family() || !targeted)
         };
         let mut members: Vec<Member> = Vec::new();
@@ -422,7 +431,7 @@ impl<'g, 'l> Search<'g, 'l> {
                 - &cross * factor.solve(&cross.transpose());
             members.remove(place);
         }
-        self.visit(&members);
+        self.evaluate(&members);
         self.settle(&members);
     }
 }

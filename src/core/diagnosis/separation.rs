@@ -13,15 +13,15 @@ use crate::robot::Robot;
 use crate::simulation::{SimulationOptions, TensionRange, TrueGeometry, Workspace, simulate};
 
 /// Minimum and maximum number of poses tried, and number of poses proposed.
-const TRIED: usize = 80;
-const MOST_TRIED: usize = 500;
+const MIN_TRIED: usize = 80;
+const MAX_TRIED: usize = 500;
 const PROPOSED: usize = 5;
 /// Seed of the poses tried.
 const SEED: u64 = 41;
 /// Difference of chi-square that counts as decisive.
 const DECISIVE: f64 = 9.0;
 /// Maximum number of measurements at one pose.
-const MOST_TIMES: usize = 40;
+const MAX_REPEATS: usize = 40;
 
 /// The robot of a fit, with its readings on the correct channels.
 fn robot_of(fit: &Fit<'_>) -> Robot {
@@ -42,11 +42,11 @@ pub(super) fn separation(one: &Fit<'_>, other: &Fit<'_>) -> Option<Separation> {
     }
     let mut candidates = candidates.unwrap_or_default();
     let information = &other.solution.information;
-    let alone = |candidate: &Candidate| difference(&[candidate], 1.0, information);
+    let alone = |candidate: &CandidatePose| expected_difference(&[candidate], 1.0, information);
     candidates.sort_by(|a, b| alone(b).total_cmp(&alone(a)));
     candidates.truncate(PROPOSED);
-    let chosen: Vec<&Candidate> = candidates.iter().collect();
-    let Some(needed) = needed(&chosen, information) else {
+    let chosen: Vec<&CandidatePose> = candidates.iter().collect();
+    let Some(needed) = measurements_needed(&chosen, information) else {
         return Some(Separation {
             poses: Vec::new(),
             expected_delta_chi2: 0.0,
@@ -55,13 +55,13 @@ pub(super) fn separation(one: &Fit<'_>, other: &Fit<'_>) -> Option<Separation> {
     };
     Some(Separation {
         advice: advice(needed, &checks),
-        expected_delta_chi2: difference(&chosen, 1.0, information),
+        expected_delta_chi2: expected_difference(&chosen, 1.0, information),
         poses: chosen.iter().map(|candidate| candidate.pose).collect(),
     })
 }
 
 /// A pose, with the prediction of the second model if the first one is true.
-struct Candidate {
+struct CandidatePose {
     pose: Pose,
     /// Prediction minus reading, without noise.
     residual: DVector<f64>,
@@ -69,8 +69,8 @@ struct Candidate {
     design: DMatrix<f64>,
 }
 
-fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<Candidate>> {
-    let (measurements, poses) = further(one)?;
+fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<CandidatePose>> {
+    let (measurements, poses) = predicted_readings(one)?;
     let dataset = Dataset {
         robot: robot_of(other),
         measurements,
@@ -97,7 +97,7 @@ fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<Candidate>> {
     let linear = Linearisation::new(&problem, &solution);
     let of = |block: &crate::estimation::PoseBlock| {
         let (first, count) = (block.rows.start, block.rows.len());
-        Candidate {
+        CandidatePose {
             pose: poses[block.row],
             residual: linear.residual.rows(first, count).into_owned(),
             design: linear.design.rows(first, count).into_owned(),
@@ -107,7 +107,7 @@ fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<Candidate>> {
 }
 
 /// Noise-free readings of a fit at further poses, for the instruments that its data have, and the poses.
-fn further(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
+fn predicted_readings(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
     let events = fit.causes.iter().flat_map(|cause| &cause.instances);
     let labels = events.filter_map(|bound| Some(bound.values[bound.effect.pose_parameter()?]));
     // The poses must go on until after the last event.
@@ -117,7 +117,7 @@ fn further(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
         noise: false,
         workspace: Workspace::around(fit.solution.poses.iter().map(|(_, pose)| pose)),
         tension: tension_of(fit),
-        ..SimulationOptions::new((last + PROPOSED).clamp(TRIED, MOST_TRIED), SEED)
+        ..SimulationOptions::new((last + PROPOSED).clamp(MIN_TRIED, MAX_TRIED), SEED)
     };
     let run = simulate(&robot_of(fit), &options).ok()?;
     let mut further = run.dataset.measurements;
@@ -148,7 +148,7 @@ fn tension_of(fit: &Fit<'_>) -> Option<TensionRange> {
 
 /// Expected excess chi-square of the second model over the first if each of these poses is measured `times` times in
 /// addition to the present data. The second model adapts its parameters, with the present information as prior.
-fn difference(chosen: &[&Candidate], times: f64, information: &DMatrix<f64>) -> f64 {
+fn expected_difference(chosen: &[&CandidatePose], times: f64, information: &DMatrix<f64>) -> f64 {
     let mut squares = 0.0;
     let mut pull = DVector::zeros(information.nrows());
     let mut total = information.clone();
@@ -164,12 +164,12 @@ fn difference(chosen: &[&Candidate], times: f64, information: &DMatrix<f64>) -> 
 }
 
 /// Number of measurements for a decision: the first poses once each, or all of them several times.
-fn needed(chosen: &[&Candidate], information: &DMatrix<f64>) -> Option<usize> {
+fn measurements_needed(chosen: &[&CandidatePose], information: &DMatrix<f64>) -> Option<usize> {
     let decides = |poses: usize, times: usize| {
-        difference(&chosen[..poses], times as f64, information) >= DECISIVE
+        expected_difference(&chosen[..poses], times as f64, information) >= DECISIVE
     };
     let few = (1..=chosen.len()).find(|poses| decides(*poses, 1));
-    let often = || (2..=MOST_TIMES).find(|times| decides(chosen.len(), *times));
+    let often = || (2..=MAX_REPEATS).find(|times| decides(chosen.len(), *times));
     few.or_else(|| Some(chosen.len() * often()?))
 }
 

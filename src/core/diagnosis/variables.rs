@@ -12,11 +12,11 @@ use crate::kinematics::{CablePath, PulleyGeometry};
 use crate::measurement::Grid;
 
 /// Minimum number of different values for a dependence to be visible.
-const FEWEST_VALUES: usize = 6;
+const MIN_VALUES: usize = 6;
 /// Values that differ by less than this share of their spread count as equal.
-const SAME: f64 = 1e-9;
+const SAME_VALUE: f64 = 1e-9;
 /// A spread below this share of the largest value is rounding error.
-const NO_SPREAD: f64 = 1e-12;
+const MIN_RELATIVE_SPREAD: f64 = 1e-12;
 
 /// Variables of all readings at a solution.
 pub struct Variables<'a> {
@@ -175,10 +175,12 @@ pub(crate) fn varies(values: impl Iterator<Item = f64>, variable: Variable) -> b
     let fewest = if variable == Variable::Direction {
         2
     } else {
-        FEWEST_VALUES
+        MIN_VALUES
     };
-    let gaps = sorted.windows(2).filter(|w| w[1] - w[0] > SAME * spread);
-    spread > NO_SPREAD * largest.abs().max(least.abs()) && gaps.count() + 1 >= fewest
+    let gaps = sorted
+        .windows(2)
+        .filter(|w| w[1] - w[0] > SAME_VALUE * spread);
+    spread > MIN_RELATIVE_SPREAD * largest.abs().max(least.abs()) && gaps.count() + 1 >= fewest
 }
 
 /// Path of each cable at each pose, with identified entry points and the described pulleys and anchors.

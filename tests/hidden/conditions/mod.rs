@@ -107,7 +107,7 @@ impl Conditions {
 
     /// Noise factors that include the other errors as if they were noise. They determine which effects count as
     /// visible.
-    pub(super) fn worth(&self) -> NoiseFactors {
+    pub(super) fn equivalent_noise(&self) -> NoiseFactors {
         let mut variance = 1.0 + self.model_error.powi(2);
         if self.shared > 0.0 {
             // Averaging the rows of a standstill reduces their noise but not the error that they share.

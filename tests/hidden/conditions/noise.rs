@@ -164,7 +164,7 @@ mod tests {
     use rand::SeedableRng;
 
     #[test]
-    fn both_distributions_have_the_standard_deviation_asked_for_and_one_has_heavier_tails() {
+    fn both_distributions_have_the_given_standard_deviation_and_one_has_heavier_tails() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut of = |tails: Option<f64>| {
             let draws: Vec<f64> = (0..40_000)

@@ -2,10 +2,13 @@
 
 use std::fmt;
 
-use super::{found, is_found, is_honest, is_noticed, is_outside, typical};
+use super::{
+    found, has_finding_without_wrong_name, is_found, is_noticed_without_wrong_name, is_outside,
+    typical,
+};
 use crate::hidden::interval::{binomial_tail, clopper_pearson};
 use crate::hidden::judge::Found;
-use crate::hidden::{Circumstances, Outcome, Said, Stratum, Study, Sure, Wanted};
+use crate::hidden::{Circumstances, FindingRecord, Outcome, Stratum, Study, Sure, Wanted};
 
 /// Half-width of a 95 % interval in standard deviations.
 pub(super) const NORMAL_95: f64 = 1.959_964;
@@ -102,7 +105,7 @@ impl Figures {
     pub fn of(study: &Study) -> Self {
         let mut all = singles(study);
         all.extend(others(study));
-        all.extend(together(study));
+        all.extend(several_effects(study));
         all.extend(wrong_models(study));
         all.extend(numbers(study));
         Self { all }
@@ -122,7 +125,7 @@ fn wrong(o: &Outcome) -> bool {
     !found(o) && !o.wrong_names.is_empty()
 }
 
-fn and_more(o: &Outcome) -> bool {
+fn right_with_wrong_name(o: &Outcome) -> bool {
     found(o) && !o.wrong_names.is_empty()
 }
 
@@ -151,7 +154,7 @@ fn singles(study: &Study) -> Vec<Figure> {
             "typical size: right, and a wrong name besides",
             None,
             typical,
-            &and_more,
+            &right_with_wrong_name,
         ),
         figure("just visible: named or listed", None, just_visible, &found),
         figure(
@@ -187,13 +190,13 @@ fn others(study: &Study) -> Vec<Figure> {
             "outside the catalogue: unknown or ambiguous",
             Target::AtLeast(0.9),
             is_outside,
-            is_honest,
+            has_finding_without_wrong_name,
         ),
         figure(
             "outside the catalogue: unknown, ambiguous or noisier than described",
             Target::AtLeast(0.9),
             is_outside,
-            is_noticed,
+            is_noticed_without_wrong_name,
         ),
         figure(
             "outside the catalogue: named with confidence",
@@ -234,7 +237,7 @@ fn each_effect(
 }
 
 /// Figures for several effects at once, families, exchanged channels and dominating effects.
-fn together(study: &Study) -> Vec<Figure> {
+fn several_effects(study: &Study) -> Vec<Figure> {
     let several = |o: &Outcome| o.plan.wanted == Wanted::Several;
     let separated = |o: &Outcome| o.plan.wanted == Wanted::Separated;
     let families = |o: &Outcome| o.plan.wanted == Wanted::Families;
@@ -245,7 +248,7 @@ fn together(study: &Study) -> Vec<Figure> {
     let wrong = |o: &Outcome| !o.wrong_names.is_empty();
     let first = |o: &Outcome| {
         let first = o.said.first();
-        let right = |said: &Said| said.candidates.first().is_some_and(|c| c.right);
+        let right = |said: &FindingRecord| said.candidates.first().is_some_and(|c| c.right);
         first.is_some_and(|said| said.sure == Sure::Named && right(said))
     };
     let least = Target::AtLeast;

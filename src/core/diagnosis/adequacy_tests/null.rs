@@ -20,24 +20,24 @@ const LIMIT: f64 = 4.2;
 #[derive(Default)]
 struct Counts {
     per_run: Vec<f64>,
-    asked: f64,
+    tests_done: f64,
 }
 
 impl Counts {
     fn add(&mut self, p_values: impl Iterator<Item = f64>) {
-        let (mut small, mut asked) = (0.0, 0.0);
+        let (mut small, mut tests_done) = (0.0, 0.0);
         for p in p_values {
-            asked += 1.0;
+            tests_done += 1.0;
             small += f64::from(p < 0.05);
         }
         self.per_run.push(small);
-        self.asked += asked;
+        self.tests_done += tests_done;
     }
 
     fn check(&self, what: &str) {
         let runs = self.per_run.len() as f64;
         let mean = self.per_run.iter().sum::<f64>() / runs;
-        let expected = 0.05 * self.asked / runs;
+        let expected = 0.05 * self.tests_done / runs;
         let spread: f64 = self.per_run.iter().map(|c| (c - mean).powi(2)).sum();
         // Not below the variance of independent tests, because a few counts can agree by chance.
         let variance = (spread / (runs - 1.0)).max(0.95 * expected) / runs;

@@ -34,7 +34,7 @@ fn a_drift_of_the_laser_shows_along_time() {
 }
 
 #[test]
-fn noise_of_the_laser_is_told_from_structure() {
+fn noise_of_the_laser_is_distinguished_from_structure() {
     let mut run = run_with("mini", 60, 23, &[]);
     if let Some(laser) = &mut run.dataset.robot.laser {
         laser.sd_m /= 2.1;
@@ -50,7 +50,7 @@ fn noise_of_the_laser_is_told_from_structure() {
 }
 
 #[test]
-fn noise_of_one_force_sensor_is_told_from_the_others() {
+fn noise_of_one_force_sensor_is_distinguished_from_the_others() {
     let mut run = run_with("mini", 60, 24, &[]);
     for cable in &mut run.dataset.robot.cables {
         if let (Some(sensor), true) = (&mut cable.force_sensor, cable.name == "cable-5") {
@@ -69,7 +69,7 @@ fn noise_of_one_force_sensor_is_told_from_the_others() {
 }
 
 #[test]
-fn noise_that_is_smaller_than_described_is_told() {
+fn noise_smaller_than_described_is_reported() {
     let mut run = run_with("mini", 60, 25, &[]);
     for cable in &mut run.dataset.robot.cables {
         if let Some(sensor) = &mut cable.force_sensor {

@@ -110,7 +110,7 @@ fn rescaling_solves_the_weighted_problem() {
 }
 
 #[test]
-fn undetermined_parameters_do_no_harm() {
+fn undetermined_parameters_are_handled() {
     let run = run_with("mini", 7, 8, &[]);
     let fitted = Fitted::new(&run.dataset);
     let mut twice = fitted.linear.clone();
@@ -155,7 +155,7 @@ fn fitted_tensions_are_better_than_readings() {
 }
 
 #[test]
-fn a_dependence_keeps_what_it_asked() {
+fn dependence_tests_are_consistent() {
     let run = run_with("mini", 20, 11, &[]);
     let fitted = Fitted::new(&run.dataset);
     for test in discrepancy::dependence_tests(&fitted.space, &fitted.variables()) {
@@ -171,7 +171,7 @@ fn a_dependence_keeps_what_it_asked() {
 }
 
 #[test]
-fn variables_apply_where_they_mean_something() {
+fn variables_apply_only_to_suitable_readings() {
     let run = run_with("mini", 30, 10, &[]);
     let fitted = Fitted::new(&run.dataset);
     let variables = fitted.variables();

@@ -19,8 +19,8 @@
 //!   cause;
 //! - the **probability of confusion** with `c` is `P(max(L_a, L_c) >= ln 19 and L_a - L_c < ln 19)`: something is
 //!   detected, but `c` is not ruled out;
-//! - the **expected log Bayes factor** of `a` over `c` is `E[ln p(y | a) - ln p(y | c)]`, for which `E[b^T W b] = m^T W
-//!   m + tr(W G)` with the mean `m`.
+//! - the **expected log Bayes factor** of `a` over `c` is `E[ln p(y | a) - ln p(y | c)]`, for which
+//!   `E[b^T W b] = m^T W m + tr(W G)` with the mean `m`.
 //!
 //! Noise is taken as described and other causes as absent. Probabilities are means over a low-discrepancy sequence of
 //! normal variables with as many dimensions as the faults have parameters (Halton, Numerische Mathematik 2, 1960;
@@ -34,18 +34,18 @@ mod tests;
 use nalgebra::{DMatrix, DVector};
 
 use super::DiagnosisOptions;
-use super::candidates::{Candidate, is_alike};
-use super::claims::SURE;
-use super::doctor::based;
+use super::candidates::{Candidate, is_same_effect_and_targets};
+use super::cause_posteriors::NAMING_PROBABILITY;
+use super::doctor::problem_at_fitted_poses;
 use super::fit::Fit;
-use super::gram::{Gram, Own};
+use super::gram::{CandidateScore, Gram};
 use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
 use super::report::Cause;
 use crate::effect::measurements_as_modelled;
 use crate::estimation::EstimationError;
 use crate::measurement::Dataset;
 use odds::Evidence;
-use points::{normal_points, root};
+use points::{covariance_root, normal_points};
 
 /// Number of points of the sequence for a single fault, and for a pair.
 const POINTS: [usize; 2] = [4096, 1024];
@@ -109,15 +109,15 @@ pub fn isolability(
     dataset: &Dataset,
     options: &DiagnosisOptions,
 ) -> Result<Isolability, EstimationError> {
-    let problem = based(dataset)?;
+    let problem = problem_at_fitted_poses(dataset)?;
     let fit = Fit::new(&problem, &[])?;
     let at = LinearFit::new(&fit, EXPECTED_PER_ALPHA * options.alpha, true);
     let mut gram = at.gram(&at.linear.described());
-    let asked: Vec<Asked> = representatives(gram.candidates)
+    let candidates: Vec<CandidateFault> = representatives(gram.candidates)
         .into_iter()
-        .map(|index| Asked::new(&gram, index))
+        .map(|index| CandidateFault::new(&gram, index))
         .collect();
-    Ok(Expected::new(&mut gram, asked).isolability())
+    Ok(ExpectedScores::new(&mut gram, candidates).isolability())
 }
 
 /// Log posterior odds of single causes against no cause in the readings of a dataset, with noise as described: the
@@ -135,14 +135,14 @@ pub fn log_odds(
         robot: dataset.robot.clone(),
         measurements: measurements.into_owned(),
     };
-    let problem = based(&dataset)?;
+    let problem = problem_at_fitted_poses(&dataset)?;
     let fit = Fit::new(&problem, &[])?;
     let at = LinearFit::new(&fit, EXPECTED_PER_ALPHA * options.alpha, true);
     let gram = at.gram(&at.linear.described());
     let of = |cause: &Cause| {
-        let index = gram.candidates.iter().position(|c| c.is_of(cause));
+        let index = gram.candidates.iter().position(|c| c.represents(cause));
         index.map_or(f64::NEG_INFINITY, |index| {
-            let Own { score, information } = &gram.own[index];
+            let CandidateScore { score, information } = &gram.scores[index];
             Evidence::new(&gram.candidates[index], information).log_odds(score.as_slice())
         })
     };
@@ -155,7 +155,8 @@ fn representatives(candidates: &[Candidate]) -> Vec<usize> {
     let mut found = Vec::new();
     let mut first = 0;
     for until in 1..=candidates.len() {
-        if until < candidates.len() && is_alike(&candidates[until].cause, &candidates[first].cause)
+        if until < candidates.len()
+            && is_same_effect_and_targets(&candidates[until].cause, &candidates[first].cause)
         {
             continue;
         }
@@ -169,7 +170,7 @@ fn representatives(candidates: &[Candidate]) -> Vec<usize> {
 }
 
 /// A candidate fault.
-struct Asked {
+struct CandidateFault {
     cause: Cause,
     evidence: Evidence,
     /// Index of its first column in the catalogue.
@@ -178,12 +179,12 @@ struct Asked {
     size: DVector<f64>,
 }
 
-impl Asked {
+impl CandidateFault {
     fn new(gram: &Gram<'_>, index: usize) -> Self {
         let candidate = &gram.candidates[index];
         let cause = candidate.typical();
         Self {
-            evidence: Evidence::new(candidate, &gram.own[index].information),
+            evidence: Evidence::new(candidate, &gram.scores[index].information),
             first: gram.first[index],
             size: DVector::from_vec(candidate.coordinates(&cause)),
             cause,
@@ -192,8 +193,8 @@ impl Asked {
 }
 
 /// All candidate faults, with the Gram matrix of their columns.
-struct Expected {
-    asked: Vec<Asked>,
+struct ExpectedScores {
+    candidates: Vec<CandidateFault>,
     /// Index of the first column of each fault in `gram`.
     first: Vec<usize>,
     gram: DMatrix<f64>,
@@ -203,11 +204,11 @@ struct Expected {
     points: Vec<DMatrix<f64>>,
 }
 
-impl Expected {
-    fn new(gram: &mut Gram<'_>, asked: Vec<Asked>) -> Self {
+impl ExpectedScores {
+    fn new(gram: &mut Gram<'_>, candidates: Vec<CandidateFault>) -> Self {
         let mut columns = Vec::new();
         let mut first = Vec::new();
-        for one in &asked {
+        for one in &candidates {
             first.push(columns.len());
             columns.extend(one.first..one.first + one.size.len());
         }
@@ -219,18 +220,22 @@ impl Expected {
             }
         }
         let all = (&all + all.transpose()) * 0.5;
-        let mut means = DMatrix::zeros(columns.len(), asked.len());
-        for (index, one) in asked.iter().enumerate() {
+        let mut means = DMatrix::zeros(columns.len(), candidates.len());
+        for (index, one) in candidates.iter().enumerate() {
             let own = all.columns(first[index], one.size.len());
             // Residuals are predictions minus readings.
             means.set_column(index, &(own * &one.size * -1.0));
         }
-        let most = asked.iter().map(|one| one.size.len()).max().unwrap_or(0);
+        let most = candidates
+            .iter()
+            .map(|one| one.size.len())
+            .max()
+            .unwrap_or(0);
         let points = (0..=2 * most)
             .map(|count| normal_points(count, POINTS[1]))
             .collect();
         Self {
-            asked,
+            candidates,
             first,
             gram: all,
             means,
@@ -239,13 +244,13 @@ impl Expected {
     }
 
     fn isolability(&self) -> Isolability {
-        let count = self.asked.len();
+        let count = self.candidates.len();
         let mut pairs = Vec::with_capacity(count * count);
         for present in 0..count {
             pairs.extend((0..count).map(|other| self.pair(present, other)));
         }
         let fault = |index: usize| ExpectedFault {
-            cause: self.asked[index].cause.clone(),
+            cause: self.candidates[index].cause.clone(),
             noncentrality: self.noncentrality(index),
             detection: self.detection(index),
         };
@@ -256,26 +261,26 @@ impl Expected {
     }
 
     fn block(&self, one: usize, other: usize) -> DMatrix<f64> {
-        let [a, b] = [one, other].map(|k| (self.first[k], self.asked[k].size.len()));
+        let [a, b] = [one, other].map(|k| (self.first[k], self.candidates[k].size.len()));
         self.gram.view((a.0, b.0), (a.1, b.1)).into_owned()
     }
 
     /// Mean of the score of `of` if `present` is the fault.
     fn mean(&self, present: usize, of: usize) -> DVector<f64> {
         let own = self.means.column(present);
-        own.rows(self.first[of], self.asked[of].size.len())
+        own.rows(self.first[of], self.candidates[of].size.len())
             .into_owned()
     }
 
     fn noncentrality(&self, index: usize) -> f64 {
-        -self.mean(index, index).dot(&self.asked[index].size)
+        -self.mean(index, index).dot(&self.candidates[index].size)
     }
 
     fn detection(&self, index: usize) -> f64 {
-        let points = normal_points(self.asked[index].size.len(), POINTS[0]);
-        let mut scores = root(&self.block(index, index)) * points;
+        let points = normal_points(self.candidates[index].size.len(), POINTS[0]);
+        let mut scores = covariance_root(&self.block(index, index)) * points;
         let mean = self.mean(index, index);
-        let evidence = &self.asked[index].evidence;
+        let evidence = &self.candidates[index].evidence;
         let seen = scores.column_iter_mut().filter_map(|mut score| {
             score += &mean;
             is_seen(evidence.log_odds(score.as_slice())).then_some(())
@@ -284,7 +289,7 @@ impl Expected {
     }
 
     fn pair(&self, present: usize, other: usize) -> ExpectedPair {
-        let [one, rival] = [present, other].map(|k| &self.asked[k].evidence);
+        let [one, rival] = [present, other].map(|k| &self.candidates[k].evidence);
         let [own, far] = [present, other].map(|k| self.mean(present, k));
         let (within, beside) = (self.block(present, present), self.block(other, other));
         ExpectedPair {
@@ -322,8 +327,8 @@ impl Expected {
         let mut mean = DVector::zeros(both);
         mean.rows_mut(0, count).copy_from(own);
         mean.rows_mut(count, far.len()).copy_from(far);
-        let mut scores = root(&covariance) * &self.points[both];
-        let [one, rival] = [present, other].map(|k| &self.asked[k].evidence);
+        let mut scores = covariance_root(&covariance) * &self.points[both];
+        let [one, rival] = [present, other].map(|k| &self.candidates[k].evidence);
         let confused = scores.column_iter_mut().filter_map(|mut score| {
             score += &mean;
             let (first, second) = score.as_slice().split_at(count);
@@ -342,19 +347,19 @@ impl Expected {
 }
 
 /// Log odds at which a cause is named or listed.
-fn sure() -> f64 {
-    (SURE / (1.0 - SURE)).ln()
+fn log_naming_odds() -> f64 {
+    (NAMING_PROBABILITY / (1.0 - NAMING_PROBABILITY)).ln()
 }
 
 /// Whether a cause with these log posterior odds against no cause is named or listed.
 #[must_use]
 pub fn is_seen(log_odds: f64) -> bool {
-    log_odds >= sure()
+    log_odds >= log_naming_odds()
 }
 
 /// Whether something is detected, but `other` is not ruled out against the fault that is `present`. Both are log
 /// posterior odds against no cause.
 #[must_use]
 pub fn is_confused(present: f64, other: f64) -> bool {
-    is_seen(present.max(other)) && present - other < sure()
+    is_seen(present.max(other)) && present - other < log_naming_odds()
 }

@@ -83,13 +83,13 @@ fn evidence_is_that_of_the_diagnosis() {
             .unwrap()
             .dataset
     };
-    let problem = based(&data).unwrap();
+    let problem = problem_at_fitted_poses(&data).unwrap();
     let fit = Fit::new(&problem, &[]).unwrap();
     let at = LinearFit::new(&fit, 0.8, true);
     let mut gram = at.gram(&at.linear.described());
     let none = System::extensible(&mut gram, &[]);
     for (index, candidate) in gram.candidates.iter().enumerate() {
-        let own = &gram.own[index];
+        let own = &gram.scores[index];
         let found = Evidence::new(candidate, &own.information).log_odds(own.score.as_slice());
         let (gain, _) = none.gain(&gram, index, f64::NEG_INFINITY).unwrap();
         let gain = gain + none.log_over_scales(&gram, index);
@@ -101,7 +101,7 @@ fn evidence_is_that_of_the_diagnosis() {
 }
 
 #[test]
-fn what_is_the_same_cannot_be_told_apart() {
+fn equal_faults_cannot_be_told_apart() {
     let options = DiagnosisOptions::default();
     let expected = isolability(&exact("mini", &[]), &options).unwrap();
     let all = &expected.faults;

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::super::space::{Space, cosine};
+use super::super::projector::{Projector, cosine};
 
 fn random(rows: usize, columns: usize, seed: u64) -> DMatrix<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -43,16 +43,20 @@ fn design() -> DMatrix<f64> {
 fn the_space_is_what_the_columns_leave() {
     let design = design();
     let residual = DVector::from_column_slice(random(30, 1, 2).as_slice());
-    let space = Space::new(&design, &residual);
-    assert_eq!(space.taken(), 4);
+    let projector = Projector::new(&design, &residual);
+    assert_eq!(projector.rank(), 4);
     let identity = DMatrix::identity(4, 4);
-    near(&space.basis().tr_mul(space.basis()), &identity, 1e-9);
-    near(&(&design * space.map()), space.basis(), 1e-12);
+    near(
+        &projector.basis().tr_mul(projector.basis()),
+        &identity,
+        1e-9,
+    );
+    near(&(&design * projector.map()), projector.basis(), 1e-12);
     let dense = dense_projection(&design);
     let columns = random(30, 3, 3);
-    near(&space.project(&columns), &(&dense * &columns), 1e-8);
+    near(&projector.project(&columns), &(&dense * &columns), 1e-8);
     let left = &dense * &residual;
-    assert!((&space.residual - left).amax() < 1e-8);
+    assert!((&projector.residual - left).amax() < 1e-8);
 }
 
 #[test]

@@ -39,7 +39,7 @@ fn some_of(calls: usize) -> impl Iterator<Item = usize> {
 }
 
 #[test]
-fn the_observer_is_not_asked_again() {
+fn a_cancelled_diagnosis_stops_calling_the_observer() {
     let dataset = dataset();
     let calls = calls_of(&dataset);
     for call in some_of(calls) {

@@ -2,7 +2,7 @@
 
 use super::super::gain::{Prediction, quantity_of};
 use super::super::report::{Cause, Quantity};
-use super::{Fit, based, run_with, setting};
+use super::{Fit, problem_at_fitted_poses, run_with, setting};
 use crate::effect::EffectRequest;
 use crate::estimation::{Linearisation, Problem};
 use crate::measurement::Dataset;
@@ -85,7 +85,7 @@ fn a_cause_gains_on_poses_held_out() {
     );
     let scale = setting("winch_scale", &["cable-1"], &[("scale", 0.02)]);
     let run = run_with("mini", 30, 53, &[hidden, scale]);
-    let base = based(&run.dataset);
+    let base = problem_at_fitted_poses(&run.dataset);
     let cause = |text: &str| Cause {
         instances: EffectRequest::parse(text).bind(&run.dataset.robot).unwrap(),
     };

@@ -9,7 +9,7 @@ mod noise;
 mod odd_inputs;
 mod separation;
 mod sets;
-mod structure;
+mod unmodelled_errors;
 mod unread_tensions;
 
 use super::adequacy_tests::{run_of, run_with, setting};
@@ -19,7 +19,7 @@ use crate::estimation::{Control, Problem};
 use crate::measurement::Dataset;
 
 /// The problem whose effects are evaluated at the fitted poses, as in the diagnosis.
-fn based(dataset: &Dataset) -> Problem<'_> {
+fn problem_at_fitted_poses(dataset: &Dataset) -> Problem<'_> {
     let problem = Problem::new(dataset).unwrap();
     let first = Fit::new(&problem, &[]).unwrap();
     problem.at_poses_of(&first.solution)

@@ -31,7 +31,7 @@ fn an_exchange_hides_no_second_effect() {
 }
 
 #[test]
-fn values_of_its_own_on_every_cable_are_one_finding() {
+fn different_values_on_all_cables_are_one_finding() {
     let scales = [0.02, -0.015, 0.018, -0.02, 0.014, 0.021, -0.017, 0.016];
     let effects: Vec<_> = scales
         .iter()
@@ -55,7 +55,7 @@ fn values_of_its_own_on_every_cable_are_one_finding() {
 }
 
 #[test]
-fn values_of_their_own_on_two_cables_are_two_findings() {
+fn different_values_on_two_cables_are_two_findings() {
     let one = setting("winch_scale", &["cable-2"], &[("scale", 0.02)]);
     let other = setting("winch_scale", &["cable-7"], &[("scale", -0.02)]);
     let run = run_with("mini", 40, 64, &[one, other]);
@@ -65,7 +65,7 @@ fn values_of_their_own_on_two_cables_are_two_findings() {
 }
 
 #[test]
-fn a_value_that_cables_share_is_one_finding() {
+fn a_value_common_to_several_cables_is_one_finding() {
     let cables = ["cable-2", "cable-4", "cable-7"];
     let shared = setting("winch_scale", &cables, &[("scale", 0.02)]);
     let run = run_with("mini", 60, 65, &[shared]);
@@ -94,7 +94,7 @@ fn two_effects_are_both_named() {
 
 /// At the default level the probability of a finding in 30 clean datasets is below 0.3, of three or more below 0.004.
 #[test]
-fn clean_data_are_silent() {
+fn clean_data_have_no_findings() {
     let alarms: Vec<_> = (0..30)
         .map(|seed| found(&diagnosed(&run_with("mini", 20, 700 + seed, &[]).dataset)))
         .filter(|names| !names.is_empty())

@@ -5,7 +5,7 @@ use crate::diagnosis::{Quantity, Verdict};
 
 /// A correct program names a cause in each of the 12 datasets with a probability of about 0.01, so that one is allowed.
 #[test]
-fn loud_noise_is_no_cause() {
+fn excess_noise_is_not_named_as_a_cause() {
     let mut named = 0;
     let mut stated = 0;
     for name in ["mini", "hall", "planar", "suspended"] {
@@ -30,7 +30,7 @@ fn loud_noise_is_no_cause() {
 
 /// A cause is still found if the noise is larger than described.
 #[test]
-fn a_cause_is_found_in_loud_noise() {
+fn a_cause_is_found_in_excess_noise() {
     let setting = super::setting("winch_scale", &["cable-2"], &[("scale", 0.008)]);
     let mut run = run_with("mini", 41, 1, std::slice::from_ref(&setting));
     for cable in &mut run.dataset.robot.cables {

@@ -73,7 +73,7 @@ fn without_laser() {
 
 /// Effects are listed as invisible if these poses do not reveal them, but not if the robot has no instrument for them.
 #[test]
-fn the_invisible_is_what_instruments_could_show() {
+fn only_effects_of_present_instruments_are_listed_as_invisible() {
     let mut dataset = clean("mini", 25);
     let ids = |dataset: &Dataset| -> Vec<_> {
         let invisible = diagnosed(dataset).invisible;

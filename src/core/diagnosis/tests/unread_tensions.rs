@@ -31,7 +31,7 @@ fn stretch_and_sag_are_seen_without_force_sensors() {
 
 /// At the default level the probability of a finding in ten clean datasets is below 0.1, of two or more below 0.005.
 #[test]
-fn clean_data_without_force_sensors_are_silent() {
+fn clean_data_without_force_sensors_have_no_findings() {
     let runs = (0..10).map(|seed| (["mini", "suspended"][seed as usize % 2], 900 + seed));
     let alarms: Vec<_> = runs
         .map(|(name, seed)| found(&diagnosed(&unread(name, seed, &[]))))
@@ -41,7 +41,7 @@ fn clean_data_without_force_sensors_are_silent() {
 }
 
 #[test]
-fn sensors_that_are_not_there_have_no_errors() {
+fn missing_sensors_have_no_faults() {
     let dataset = unread("mini", 45, &[]);
     let diagnosis = diagnosed(&dataset);
     let asked: Vec<&str> = diagnosis

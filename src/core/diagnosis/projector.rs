@@ -8,7 +8,7 @@ const SINGULAR: f64 = 1e-12;
 
 /// Projector onto the space orthogonal to the columns of a design.
 #[derive(Debug, Clone)]
-pub(super) struct Space {
+pub(super) struct Projector {
     /// Orthonormal basis `V` of the columns.
     basis: DMatrix<f64>,
     /// Matrix for which `design * map = V`.
@@ -17,21 +17,21 @@ pub(super) struct Space {
     pub residual: DVector<f64>,
 }
 
-impl Space {
+impl Projector {
     /// The projector for `design` (rows x parameters), with the residual of its rows.
     pub fn new(design: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
         let map = orthonormal_map(design);
-        let mut space = Self {
+        let mut projector = Self {
             basis: design * &map,
             map,
             residual: residual.clone(),
         };
-        space.residual -= &space.basis * space.basis.tr_mul(residual);
-        space
+        projector.residual -= &projector.basis * projector.basis.tr_mul(residual);
+        projector
     }
 
     /// Rank of the design.
-    pub fn taken(&self) -> usize {
+    pub fn rank(&self) -> usize {
         self.basis.ncols()
     }
 

@@ -6,18 +6,18 @@
 //! sets most similar to it.
 
 use super::evidence::Member;
-use super::inference::{Ranked, is_same};
+use super::inference::{RankedSet, is_same_set};
 use super::linear_fit::LinearFit;
 use super::report::Cause;
 
 /// Maximum number of full fits, and how far below the best a set may be to get one.
-const MOST_FITS: usize = 8;
-const NEAR: f64 = 5.0;
+const MAX_FITS: usize = 8;
+const FIT_WITHIN: f64 = 5.0;
 /// Log posterior below the best down to which the most probable set without one of its causes is still fitted.
-pub(super) const RIVAL: f64 = 18.0;
+pub(super) const RIVAL_WITHIN: f64 = 18.0;
 
 /// A set with its evidence from the linear comparison and from its own fit.
-struct Compared {
+struct ComparedSet {
     members: Vec<Member>,
     causes: Vec<Cause>,
     /// Log evidence and prior from the linear comparison.
@@ -27,12 +27,12 @@ struct Compared {
 }
 
 /// The sets of one linearisation that are compared.
-pub(super) struct Comparison {
-    sets: Vec<Compared>,
+pub(super) struct SetComparison {
+    sets: Vec<ComparedSet>,
     fits: usize,
 }
 
-impl Comparison {
+impl SetComparison {
     /// Compares the ranking found at a fit. `known` has sets whose evidence at their own fits is known, the present one
     /// last.
     pub fn new(
@@ -42,7 +42,7 @@ impl Comparison {
     ) -> Self {
         let candidates = &at.catalogue.candidates;
         let own = |causes: &[Cause]| {
-            let mut same = known.iter().rev().filter(|(k, _)| is_same(k, causes));
+            let mut same = known.iter().rev().filter(|(k, _)| is_same_set(k, causes));
             same.next().map(|(_, value)| *value)
         };
         let here = |members: &[Member]| {
@@ -61,7 +61,7 @@ impl Comparison {
         let sets = ranking.into_iter().map(|(members, linear)| {
             let causes: Vec<Cause> = members.iter().map(|m| candidates[m.0].placed()).collect();
             let linear = linear + offset;
-            Compared {
+            ComparedSet {
                 change: own(&causes).map(|own| own - linear),
                 members,
                 causes,
@@ -90,17 +90,17 @@ impl Comparison {
     /// Selects the next set to fit: the most probable one, then for each cause of the best set the most probable set
     /// without it, and the most probable one with another cause in its place.
     pub fn next(&self) -> Option<usize> {
-        if self.fits == MOST_FITS {
+        if self.fits == MAX_FITS {
             return None;
         }
         let values = self.values();
         let best = (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b]))?;
-        let open = |k: &usize| self.sets[*k].change.is_none();
+        let unfitted = |k: &usize| self.sets[*k].change.is_none();
         let likeliest = |of: &dyn Fn(&usize) -> bool| {
             let places = (0..values.len()).filter(|k| of(k));
             places.max_by(|a, b| values[*a].total_cmp(&values[*b]))
         };
-        let near = likeliest(&open).filter(|k| values[*k] >= values[best] - NEAR);
+        let near = likeliest(&unfitted).filter(|k| values[*k] >= values[best] - FIT_WITHIN);
         if near.is_some() {
             return near;
         }
@@ -112,13 +112,16 @@ impl Comparison {
                 let mut others = members.iter().filter(|m| m.0 != member.0);
                 lacks(k) && others.all(|m| has(*k, m))
             };
-            let without = likeliest(&lacks).filter(|k| values[*k] >= values[best] - RIVAL);
-            without.into_iter().chain(likeliest(&exchanged)).find(open)
+            let without = likeliest(&lacks).filter(|k| values[*k] >= values[best] - RIVAL_WITHIN);
+            without
+                .into_iter()
+                .chain(likeliest(&exchanged))
+                .find(unfitted)
         })
     }
 
     /// Records the evidence of a set at its own fit; minus infinity if it is impossible.
-    pub fn fitted(&mut self, place: usize, own: f64) {
+    pub fn record_fit(&mut self, place: usize, own: f64) {
         let set = &mut self.sets[place];
         set.change = Some(own - set.linear);
         self.fits += 1;
@@ -126,7 +129,7 @@ impl Comparison {
 
     /// Rules out all sets that contain these causes, which a fit has shown to be impossible together.
     pub fn exclude(&mut self, causes: &[usize]) {
-        let has = |set: &Compared, cause: &usize| set.members.iter().any(|m| m.0 == *cause);
+        let has = |set: &ComparedSet, cause: &usize| set.members.iter().any(|m| m.0 == *cause);
         for set in &mut self.sets {
             if causes.iter().all(|cause| has(set, cause)) {
                 set.change = Some(f64::NEG_INFINITY);
@@ -136,11 +139,11 @@ impl Comparison {
     }
 
     /// The sets in order of decreasing probability.
-    pub fn ranking(self) -> Vec<Ranked> {
+    pub fn ranking(self) -> Vec<RankedSet> {
         let values = self.values();
         let sets = self.sets.into_iter().zip(values);
-        let mut ranking: Vec<Ranked> = sets
-            .map(|(set, log_posterior)| Ranked {
+        let mut ranking: Vec<RankedSet> = sets
+            .map(|(set, log_posterior)| RankedSet {
                 causes: set.causes,
                 log_posterior,
             })
@@ -150,13 +153,13 @@ impl Comparison {
     }
 
     fn values(&self) -> Vec<f64> {
-        let value = |set: &Compared| set.linear + set.change.unwrap_or_else(|| self.change(set));
+        let value = |set: &ComparedSet| set.linear + set.change.unwrap_or_else(|| self.change(set));
         self.sets.iter().map(value).collect()
     }
 
     /// Mean change by full fits of the most similar sets.
-    fn change(&self, set: &Compared) -> f64 {
-        let lacks = |one: &Compared, other: &Compared| {
+    fn change(&self, set: &ComparedSet) -> f64 {
+        let lacks = |one: &ComparedSet, other: &ComparedSet| {
             let all = |m: &&Member| other.members.iter().all(|o| o.0 != m.0);
             one.members.iter().filter(all).count()
         };
@@ -178,8 +181,8 @@ impl Comparison {
 mod tests {
     use super::*;
 
-    fn set(members: &[usize], linear: f64) -> Compared {
-        Compared {
+    fn set(members: &[usize], linear: f64) -> ComparedSet {
+        ComparedSet {
             members: members.iter().map(|index| (*index, 0)).collect(),
             causes: Vec::new(),
             linear,
@@ -190,8 +193,8 @@ mod tests {
     /// A fit shows that 3 in place of both 1 and 2 is worse by 10 than its linear value. The set that also contains 4
     /// is lowered by as much, and the set similar to the present one is fitted instead.
     #[test]
-    fn what_a_fit_changes_it_changes_for_sets_like_it() {
-        let mut compared = Comparison {
+    fn a_fit_also_corrects_similar_sets() {
+        let mut compared = SetComparison {
             sets: vec![
                 set(&[1, 2], 0.0),
                 set(&[3], 2.0),
@@ -202,12 +205,12 @@ mod tests {
         };
         compared.sets[0].change = Some(0.0);
         assert_eq!(compared.next(), Some(1));
-        compared.fitted(1, -8.0);
+        compared.record_fit(1, -8.0);
         assert!(!compared.is_best(1) && compared.is_best(0));
         // The third set was above all others and is now too low for a fit.
         assert_eq!(compared.values(), [0.0, -8.0, -9.0, -1.0]);
         assert_eq!(compared.next(), Some(3));
-        compared.fitted(3, -2.0);
+        compared.record_fit(3, -2.0);
         // The most probable set without cause 1 has been fitted already.
         assert_eq!(compared.next(), None);
     }
@@ -215,24 +218,24 @@ mod tests {
     /// Replacing 1 by 3 looks much worse in the linear comparison, which may be wrong. The set is fitted after the most
     /// probable one without 1 and turns out to be nearly as good.
     #[test]
-    fn what_may_stand_in_the_place_of_a_strong_cause_is_fitted() {
-        let mut compared = Comparison {
+    fn a_set_with_a_strong_cause_replaced_is_fitted() {
+        let mut compared = SetComparison {
             sets: vec![set(&[1, 2], 0.0), set(&[4], -9.0), set(&[3, 2], -200.0)],
             fits: 0,
         };
         compared.sets[0].change = Some(0.0);
         assert_eq!(compared.next(), Some(1));
-        compared.fitted(1, -9.0);
+        compared.record_fit(1, -9.0);
         assert_eq!(compared.next(), Some(2));
-        compared.fitted(2, -1.0);
+        compared.record_fit(2, -1.0);
         assert_eq!(compared.values(), [0.0, -9.0, -1.0]);
     }
 
     /// 1 and 2 are impossible together, and so they are with 3 added. The fit that showed it does not count against the
     /// maximum, and another set is fitted instead.
     #[test]
-    fn sets_with_causes_that_are_impossible_together_are_left_out() {
-        let mut compared = Comparison {
+    fn sets_with_jointly_impossible_causes_are_ruled_out() {
+        let mut compared = SetComparison {
             sets: vec![
                 set(&[1, 2], 0.0),
                 set(&[1, 2, 3], -1.0),
@@ -241,7 +244,7 @@ mod tests {
             fits: 0,
         };
         assert_eq!(compared.next(), Some(0));
-        compared.fitted(0, f64::NEG_INFINITY);
+        compared.record_fit(0, f64::NEG_INFINITY);
         compared.exclude(&[1, 2]);
         assert_eq!(compared.fits, 0);
         assert_eq!(compared.next(), Some(2));
@@ -250,13 +253,13 @@ mod tests {
     /// A set far below the best is fitted if it is the most probable one without one of the causes.
     #[test]
     fn the_likeliest_set_without_each_cause_is_fitted() {
-        let mut compared = Comparison {
+        let mut compared = SetComparison {
             sets: vec![set(&[1, 2], 0.0), set(&[3, 2], -8.0), set(&[4], -24.0)],
             fits: 0,
         };
         compared.sets[0].change = Some(0.0);
         assert_eq!(compared.next(), Some(1));
-        compared.fitted(1, -1.0);
+        compared.record_fit(1, -1.0);
         assert_eq!(compared.next(), None, "{:?}", compared.values());
         assert_eq!(
             compared.ranking()[1].log_posterior.to_bits(),
