@@ -1,4 +1,4 @@
-//! Cases with random targets, signs and sizes.
+//! Draws cases with random targets, signs and sizes.
 
 use anyhow::{Context, Result, anyhow, bail};
 use rand::{RngExt, SeedableRng};
@@ -8,45 +8,45 @@ use tautline_core::effect::{CATALOGUE, Effect, EffectSetting, find};
 
 use super::conditions::Conditions;
 use super::template::{Template, log_uniform};
-use super::visibility::{JUST_VISIBLE, VISIBLE, left_by_nearest, noncentrality, size_for};
+use super::visibility::{JUST_VISIBLE, VISIBLE, chi2_of_nearest_effect, noncentrality, size_for};
 use super::{Case, Channels, Hidden, OUTSIDE, Plan, Setup, Stratum, Wanted, outside, several};
 
-/// Draws that may fail, as when an effect breaks the robot, before a plan is given up.
-const TRIES: usize = 30;
+/// Maximum number of failed draws, for example of effects that break the robot, before a plan is given up.
+const MAX_DRAWS: usize = 30;
 /// Noncentrality below which no reading depends on an effect.
-const NOTHING: f64 = 1e-3;
-/// Noncentralities of effects outside the catalogue.
+const NEGLIGIBLE: f64 = 1e-3;
+/// Range of noncentralities of effects outside the catalogue.
 const OUTSIDE_SIZES: [f64; 2] = [60.0, 400.0];
 
-/// A case and how it came about.
+/// A case, and how it was drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drawn {
-    /// The case.
+    /// The case to be simulated.
     pub case: Case,
-    /// Noncentrality of each hidden effect, the others estimated. Of one outside the catalogue, what the nearest
-    /// effect in it leaves comes second.
+    /// Noncentrality of each hidden effect with the others estimated. For an effect outside the catalogue, the second
+    /// value is what the nearest effect of the catalogue leaves unexplained.
     pub noncentralities: Vec<f64>,
-    /// Whether what is hidden can be seen in these poses; outside the catalogue, whether it can be told from
-    /// every single effect in it.
+    /// Whether the hidden effects are visible in these poses; for an effect outside the catalogue, whether it can be
+    /// told from every single effect of the catalogue.
     pub visible: bool,
-    /// Draws that were thrown away because the effect broke the robot.
+    /// Number of draws that were discarded because the effect broke the robot.
     pub redraws: usize,
 }
 
-/// A template with a size.
+/// A setting with its noncentrality.
 struct Sized {
     setting: EffectSetting,
     noncentrality: f64,
     visible: bool,
 }
 
-/// Makes a case of a plan. `None` if no reading of the robot depends on the effect.
+/// Draws the case of a plan. `None` if no reading of the robot depends on the effect.
 ///
 /// # Errors
 /// If the names are unknown or nothing could be drawn that leaves the robot whole.
 pub fn draw(plan: &Plan) -> Result<Option<Drawn>> {
     let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
-    // Another stream than that of the simulation, which has the same seed.
+    // The simulation uses the same seed, so the draws need another stream.
     rng.set_stream(1);
     let conditions = Conditions::draw(plan.circumstances, &mut rng);
     let setup = Setup::new(plan, conditions)?;
@@ -57,13 +57,16 @@ pub fn draw(plan: &Plan) -> Result<Option<Drawn>> {
             let effect = find(id).with_context(|| format!("no effect {id}"))?;
             one(setup, (effect, stratum), rng)
         }
-        Wanted::Any => Ok(Some(together(setup, several::one(setup, false, rng)?))),
-        Wanted::Separated => Ok(Some(together(setup, several::one(setup, true, rng)?))),
+        Wanted::Any => Ok(Some(drawn_effects(setup, several::one(setup, false, rng)?))),
+        Wanted::Separated => Ok(Some(drawn_effects(setup, several::one(setup, true, rng)?))),
         Wanted::Two => two(setup, rng).map(Some),
-        Wanted::Several => Ok(Some(together(setup, several::several(setup, rng)?))),
-        Wanted::ByChance => Ok(Some(together(setup, several::by_chance(setup, rng)?))),
-        Wanted::CommonOffset => Ok(Some(together(setup, several::common_offset(setup, rng)?))),
-        Wanted::Families => Ok(Some(together(setup, several::families(setup, rng)))),
+        Wanted::Several => Ok(Some(drawn_effects(setup, several::several(setup, rng)?))),
+        Wanted::ByChance => Ok(Some(drawn_effects(setup, several::by_chance(setup, rng)?))),
+        Wanted::CommonOffset => Ok(Some(drawn_effects(
+            setup,
+            several::common_offset(setup, rng)?,
+        ))),
+        Wanted::Families => Ok(Some(drawn_effects(setup, several::families(setup, rng)))),
         Wanted::Exchanged(channels) => Ok(exchanged(setup, channels, rng)),
         Wanted::Outside(id) => {
             let found = OUTSIDE.iter().find(|o| o.id == id);
@@ -76,7 +79,7 @@ pub fn draw(plan: &Plan) -> Result<Option<Drawn>> {
     }
 }
 
-/// A case in which all that is hidden can be seen.
+/// A case whose hidden effects are all visible.
 fn drawn(setup: &Setup, hidden: Hidden, noncentralities: Vec<f64>) -> Drawn {
     Drawn {
         case: Case {
@@ -91,7 +94,7 @@ fn drawn(setup: &Setup, hidden: Hidden, noncentralities: Vec<f64>) -> Drawn {
     }
 }
 
-fn together(setup: &Setup, (effects, seen): several::Together) -> Drawn {
+fn drawn_effects(setup: &Setup, (effects, seen): several::DrawnEffects) -> Drawn {
     let visible = seen.iter().all(|value| *value >= VISIBLE);
     Drawn {
         visible,
@@ -106,7 +109,7 @@ fn exchanged(setup: &Setup, channels: Channels, rng: &mut ChaCha8Rng) -> Option<
     let other = (one + rng.random_range(1..count)) % count;
     let hidden = Hidden::Exchanged(channels, [one, other]);
     channels
-        .are_there(robot)
+        .exist_on(robot)
         .then(|| drawn(setup, hidden, vec![]))
 }
 
@@ -116,10 +119,10 @@ fn one(
     rng: &mut ChaCha8Rng,
 ) -> Result<Option<Drawn>> {
     let mut last = anyhow!("nothing was tried");
-    for redraws in 0..TRIES {
+    for redraws in 0..MAX_DRAWS {
         let template = Template::draw(effect, &setup.robot, rng);
         match sized(setup, (&template, stratum), rng) {
-            Ok(sized) if sized.noncentrality < NOTHING => return Ok(None),
+            Ok(sized) if sized.noncentrality < NEGLIGIBLE => return Ok(None),
             Ok(sized) => {
                 let hidden = Hidden::Effects(vec![sized.setting]);
                 return Ok(Some(Drawn {
@@ -134,7 +137,7 @@ fn one(
     Err(last)
 }
 
-/// Gives a template a size. One that cannot be seen at the largest typical size has that size.
+/// Chooses a size for a template. A template that is not visible even at its largest typical size gets that size.
 fn sized(
     setup: &Setup,
     (template, stratum): (&Template, Stratum),
@@ -169,7 +172,7 @@ fn sized(
     })
 }
 
-/// The largest typical size, or the largest below it that leaves the robot whole, and its noncentrality.
+/// The largest typical size, or the largest size below it that does not break the robot, and its noncentrality.
 fn largest_possible(
     [smallest, largest]: [f64; 2],
     noncentrality: &impl Fn(f64) -> Result<f64>,
@@ -184,11 +187,11 @@ fn largest_possible(
     }
 }
 
-/// Two effects, each visible while the other is estimated.
+/// Draws two effects, each visible while the other is estimated.
 fn two(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Drawn> {
-    // What is not estimable cannot be allowed for while the other is judged.
+    // The noncentrality of one effect is computed with the other estimated, so both must be estimable.
     let estimable: Vec<_> = CATALOGUE.iter().filter(|e| e.is_estimable()).collect();
-    for redraws in 0..20 * TRIES {
+    for redraws in 0..20 * MAX_DRAWS {
         let mut settings = Vec::new();
         for _ in 0..2 {
             let effect = *estimable[rng.random_range(0..estimable.len())];
@@ -228,7 +231,7 @@ fn outside_case(
     let first = at(effect.unit)?;
     let size = size_for(target, (effect.unit, first), at)
         .with_context(|| format!("no size of {} is visible", effect.id))?;
-    let left = left_by_nearest(&outside::changed(setup, &exact, (effect, size)))?;
+    let left = chi2_of_nearest_effect(&outside::changed(setup, &exact, (effect, size)))?;
     Ok(Drawn {
         visible: left >= VISIBLE,
         ..drawn(setup, Hidden::Outside(effect, size), vec![at(size)?, left])
@@ -250,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_are_visible_or_said_not_to_be() {
+    fn visibility_of_sizes_is_reported() {
         for stratum in [Stratum::Typical, Stratum::JustVisible] {
             let wanted = Wanted::One("winch_scale", stratum);
             let drawn = draw(&plan("mini", wanted)).unwrap().unwrap();
@@ -262,14 +265,14 @@ mod tests {
                 Stratum::JustVisible => assert!(value > 0.9 * low && value < 1.1 * high),
             }
         }
-        // A steel frame that warms by less than a kelvin.
+        // A steel frame warms by less than a kelvin, which is not visible.
         let wanted = Wanted::One("frame_thermal", Stratum::Typical);
         let drawn = draw(&plan("mini", wanted)).unwrap().unwrap();
         assert!(!drawn.visible && drawn.noncentralities[0] < VISIBLE);
     }
 
     #[test]
-    fn what_no_reading_depends_on_is_no_case() {
+    fn effects_without_readings_give_no_case() {
         for id in ["swivel_offset", "inclinometer_tilt"] {
             let wanted = Wanted::One(id, Stratum::Typical);
             assert_eq!(draw(&plan("mini", wanted)).unwrap(), None);

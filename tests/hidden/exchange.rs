@@ -1,4 +1,4 @@
-//! Channels that are connected the wrong way round.
+//! Exchanged channels.
 
 use serde::{Deserialize, Serialize};
 use tautline_core::diagnosis::{Cause, Verdict};
@@ -8,22 +8,22 @@ use tautline_core::robot::Robot;
 
 use super::judge::Claim;
 
-/// Which channels are exchanged.
+/// The channels that are exchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Channels {
-    /// Those of the encoders, or of the lengths.
+    /// Encoders or length readings.
     Lengths,
-    /// Those of the force sensors.
+    /// Force sensors.
     Forces,
-    /// Both, as when the cables were taken for each other.
+    /// Both, as if the cables themselves were mistaken for each other.
     Both,
 }
 
 impl Channels {
-    /// All three ways.
+    /// All three kinds of exchange.
     pub const ALL: [Self; 3] = [Self::Lengths, Self::Forces, Self::Both];
 
-    /// In a few words.
+    /// Short description for tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -35,11 +35,11 @@ impl Channels {
 
     /// Whether a robot has these channels.
     #[must_use]
-    pub fn are_there(self, robot: &Robot) -> bool {
+    pub fn exist_on(self, robot: &Robot) -> bool {
         self == Self::Lengths || robot.has_force_sensors() && robot.platform.mass_kg.is_some()
     }
 
-    /// Exchanges the channels of two cables; doing it twice changes nothing.
+    /// Exchanges the channels of two cables. Doing so twice restores the data.
     pub fn exchange(self, cables: [usize; 2], data: &mut Measurements) {
         if self != Self::Forces {
             exchange(cables, &mut data.revolutions);
@@ -59,18 +59,18 @@ fn exchange([one, other]: [usize; 2], grid: &mut Grid) {
     }
 }
 
-/// Whether a cause says that channels are exchanged.
+/// Whether a cause is an exchange of channels.
 pub fn is_exchange(cause: &Cause) -> bool {
     cause.effect().search() == Search::Exchange
 }
 
-/// Whether the readings come back to their cables when every exchange that is named is undone.
+/// Whether the readings return to their cables when all named exchanges are undone.
 pub fn is_undone(
     (channels, cables): (Channels, [usize; 2]),
     claims: &[Claim],
     robot: &Robot,
 ) -> bool {
-    // One row of numbers that tell the channels apart: 1, 2, 3 and so on.
+    // One row of distinct numbers identifies the channels: 1, 2, 3 and so on.
     let numbered = || Grid::of_row((1..=robot.cable_count()).map(|n| n as f64).collect());
     let in_order = Measurements {
         labels: vec![1],

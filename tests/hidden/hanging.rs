@@ -1,4 +1,4 @@
-//! A platform that hangs on fewer cables than it has degrees of freedom: where it comes to rest.
+//! Equilibrium pose of a platform that hangs on fewer cables than it has degrees of freedom.
 
 use anyhow::{Result, ensure};
 use nalgebra::{DMatrix, DVector};
@@ -13,15 +13,16 @@ use tautline_core::simulation::{
 use super::conditions::normal;
 use super::robots::TestRobot;
 
-/// Newton steps before a pose is given up.
-const STEPS: usize = 60;
-/// Step of the differences from which derivatives are taken (m, rad).
+/// Maximum number of Newton steps.
+const MAX_STEPS: usize = 60;
+/// Step of numerical derivatives (m, rad).
 const DIFFERENCE: f64 = 1e-6;
 
-/// Simulates a hanging robot without noise: its true geometry is drawn, it rests wherever its cables let it hang.
+/// Simulates a hanging robot without noise. Its true geometry is drawn at random, and its poses are those at which it
+/// comes to rest.
 ///
 /// # Errors
-/// If it finds no rest, or tensions would be negative.
+/// If it does not come to rest or tensions are out of range.
 pub fn simulated(
     robot: &TestRobot,
     options: &SimulationOptions,
@@ -75,11 +76,11 @@ pub fn simulated(
     Ok(run)
 }
 
-/// Where the platform hangs if its cables have the geometric lengths that they have at `near`: Newton's method on
-/// lengths and equilibrium, for pose and tensions together.
+/// Pose at which the platform rests if its cables have the geometric lengths that they have at `near`, by Newton's
+/// method on lengths and equilibrium for pose and tensions together.
 ///
 /// # Errors
-/// If there is no convergence or a tension is out of range.
+/// If the iteration does not converge or a tension is out of range.
 pub fn at_rest(robot: &Robot, near: &Pose, range: &TensionRange) -> Result<Pose> {
     let lengths = |pose: &Pose| -> Result<Vec<f64>> {
         Ok(inverse_kinematics(robot, pose)?
@@ -100,7 +101,7 @@ pub fn at_rest(robot: &Robot, near: &Pose, range: &TensionRange) -> Result<Pose>
         Ok(DVector::from_vec(off))
     };
     let (mut pose, mut tensions) = (*near, vec![range.reference_n; cables]);
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let now = off(&pose, &tensions)?;
         let mut slopes = DMatrix::zeros(cables + 6, cables + 6);
         for k in 0..6 {
@@ -142,7 +143,7 @@ mod tests {
     use crate::hidden::robots::robot;
 
     #[test]
-    fn in_the_middle_the_platform_hangs_level_and_elsewhere_it_tilts_on_the_same_cables() {
+    fn the_platform_hangs_level_in_the_middle_and_tilts_elsewhere() {
         let robot = robot("hanging").unwrap();
         let (description, range) = (&robot.preset.robot, &robot.preset.tension);
         let middle = robot.preset.workspace.centre;
@@ -156,7 +157,7 @@ mod tests {
             assert!((at_rest.length_m - level.length_m).abs() < 1e-9);
         }
         assert!(rest.difference(&moved).fixed_rows::<3>(3).amax() > 1e-3);
-        // It came to rest by sinking.
+        // The centre of mass sinks when the platform comes to rest.
         let height = |pose: &Pose| {
             pose.transform(&description.platform.center_of_mass_m.into())
                 .z

@@ -1,6 +1,6 @@
-//! Exact binomial probabilities and intervals.
+//! Exact binomial probabilities and confidence intervals.
 
-/// Probability of `least` or more successes in `trials` of probability `p`.
+/// Probability of at least `least` successes in `trials` trials with success probability `p`.
 #[must_use]
 pub fn binomial_tail(trials: usize, least: usize, p: f64) -> f64 {
     if least == 0 || p >= 1.0 {
@@ -21,7 +21,7 @@ pub fn binomial_tail(trials: usize, least: usize, p: f64) -> f64 {
     f64::min(sum, 1.0)
 }
 
-/// Interval of Clopper and Pearson for the probability behind `successes` out of `trials`, 95 %.
+/// Clopper-Pearson 95 % confidence interval of a probability, given `successes` in `trials` trials.
 #[must_use]
 pub fn clopper_pearson(successes: usize, trials: usize) -> [f64; 2] {
     if trials == 0 {
@@ -40,7 +40,7 @@ pub fn clopper_pearson(successes: usize, trials: usize) -> [f64; 2] {
     [lower, upper]
 }
 
-/// Root of a function that rises from 0 to 1.
+/// Root of a function that increases on the interval from 0 to 1.
 fn bisect(f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..60 {

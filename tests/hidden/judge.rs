@@ -1,4 +1,4 @@
-//! Whether what a doctor says is what was hidden.
+//! Compares findings with the hidden effects.
 
 use std::collections::BTreeSet;
 
@@ -7,45 +7,45 @@ use tautline_core::diagnosis::{Cause, Finding, Verdict};
 use tautline_core::effect::{BoundEffect, EffectSetting, Scope, Search};
 use tautline_core::robot::Robot;
 
-/// Most causes that an ambiguous finding may list.
-pub const LONGEST_LIST: usize = 3;
+/// Maximum number of causes in an ambiguous finding that counts as found.
+pub const MAX_LISTED: usize = 3;
 
-/// What became of one hidden effect, in the order in which one claim outdoes another.
+/// Result for one hidden effect, best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Found {
-    /// Named, alone.
+    /// Named alone.
     Named,
-    /// Among at most three that the data cannot separate.
+    /// In a list of at most three causes that the data cannot separate.
     Listed,
-    /// Among at most three, but others of them fit clearly worse.
+    /// In a list of at most three causes, some of which fit clearly worse.
     ListedNeedlessly,
     /// In a longer list.
     ListedLong,
-    /// Not found; something else is named.
+    /// Not found; another effect is named.
     OtherNamed,
-    /// Not found; a list is given that does not contain it.
+    /// Not found; there is a list without it.
     OtherListed,
-    /// Not found, but something is said to be unknown.
+    /// Not found, but an unknown error is reported.
     Unknown,
-    /// Not found, and nothing is said in its place.
+    /// Not found, and nothing is reported in its place.
     Missed,
 }
 
-/// The part of a finding that is judged.
+/// The part of a finding that is compared with the truth.
 #[derive(Debug, Clone)]
 pub struct Claim {
-    /// How sure it is.
+    /// How certain the finding is.
     pub verdict: Verdict,
     /// The cause and its alternatives.
     pub candidates: Vec<Cause>,
     /// Their stated probabilities.
     pub probabilities: Vec<f64>,
-    /// Number of the finding.
+    /// Index of the finding.
     pub finding: usize,
 }
 
 impl Claim {
-    /// The claims of the findings: one each, but one per reading for outliers that are named together.
+    /// Extracts one claim per finding, or one per reading for outliers that are named together.
     #[must_use]
     pub fn of(findings: &[Finding]) -> Vec<Self> {
         let numbered = findings.iter().enumerate();
@@ -54,7 +54,7 @@ impl Claim {
             .collect()
     }
 
-    /// In words: identifiers with cables.
+    /// Identifiers with cable numbers, for tables.
     #[must_use]
     pub fn describe(&self) -> String {
         let names: Vec<String> = self.candidates.iter().map(describe).collect();
@@ -103,7 +103,7 @@ pub(super) fn describe(cause: &Cause) -> String {
     }
 }
 
-/// What an effect on cables is, whichever way it is written.
+/// An effect and its targets, independent of how they are expressed.
 #[derive(Debug, Clone, PartialEq)]
 struct Identity {
     id: &'static str,
@@ -122,7 +122,7 @@ impl Identity {
         };
         let pose = pose_parameter(effect.search());
         Self {
-            // The common scale is the scale of every winch.
+            // A common scale of all winches is the same as an equal scale of every winch.
             id: match effect.id() {
                 "winch_scale_common" => "winch_scale",
                 id => id,
@@ -140,10 +140,10 @@ fn pose_parameter(search: Search) -> Option<usize> {
     }
 }
 
-/// The hidden effects, by number, that a cause is. None if it also blames a cable that is innocent.
+/// Indices of the hidden effects that a cause describes; empty if it also blames a cable without a hidden effect.
 pub(super) fn matched(truths: &[EffectSetting], cause: &Cause, robot: &Robot) -> Vec<usize> {
     let claimed = Identity::of(&cause.instances, robot);
-    // A step may show one pose earlier or later; a wrong reading is at its pose.
+    // A step may seem to be one pose earlier or later, a wrong reading may not.
     let tolerance = match cause.effect().search() {
         Search::FromPose(_) => 1.0,
         _ => 0.0,
@@ -160,15 +160,15 @@ pub(super) fn matched(truths: &[EffectSetting], cause: &Cause, robot: &Robot) ->
         let same = truth.id == claimed.id
             && truth.cables.is_subset(&claimed.cables)
             && truth.poses.iter().all(near)
-            && (!is_common || are_equal(cause));
+            && (!is_common || has_equal_values(cause));
         if same {
             blamed.extend(truth.cables);
             matched.push(number);
         }
     }
     let one_value = cause.instances.len() == 1;
-    if one_value && differ(truths, &matched) {
-        // One value for all of these cables stands for what is hidden on all of them, not for what one has besides.
+    if one_value && have_different_values(truths, &matched) {
+        // One value for all of these cables describes an effect on all of them, but not an additional effect on one.
         matched.retain(|k| cables_of(&truths[*k], robot) == claimed.cables);
     }
     if blamed == claimed.cables {
@@ -178,34 +178,35 @@ pub(super) fn matched(truths: &[EffectSetting], cause: &Cause, robot: &Robot) ->
     }
 }
 
-/// The cables of a hidden effect.
+/// Cables of a hidden effect.
 fn cables_of(truth: &EffectSetting, robot: &Robot) -> BTreeSet<usize> {
     let bound = BoundEffect::from_setting(truth, robot);
     bound.map_or_else(|_| BTreeSet::new(), |b| Identity::of(&[b], robot).cables)
 }
 
-/// Whether effects on cables of their own have values for which one value for all cannot stand.
-fn differ(truths: &[EffectSetting], of: &[usize]) -> bool {
+/// Whether hidden effects on several cables have values too different for a common one.
+fn have_different_values(truths: &[EffectSetting], of: &[usize]) -> bool {
     let values: Vec<f64> = of
         .iter()
         .filter_map(|k| truths[*k].parameters.values().next().copied())
         .collect();
-    of.len() > 1 && !alike(&values)
+    of.len() > 1 && !are_nearly_equal(&values)
 }
 
-/// Whether instances with values of their own have about the same.
-fn are_equal(cause: &Cause) -> bool {
+/// Whether the instances of a cause have about the same value.
+fn has_equal_values(cause: &Cause) -> bool {
     let values = cause.instances.iter().filter_map(|b| b.values.first());
-    alike(&values.copied().collect::<Vec<f64>>())
+    are_nearly_equal(&values.copied().collect::<Vec<f64>>())
 }
 
-fn alike(values: &[f64]) -> bool {
+fn are_nearly_equal(values: &[f64]) -> bool {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     high - low <= 0.25 * (high + low).abs()
 }
 
-/// Judges the claims: for each hidden effect what became of it, and the claim that decided.
+/// Compares claims with the hidden effects. For each hidden effect, returns the result and the index of the claim that
+/// decides it.
 #[must_use]
 pub fn judge(
     truths: &[EffectSetting],
@@ -227,7 +228,7 @@ pub fn judge(
     (0..truths.len()).map(best).collect()
 }
 
-/// Hidden effects among the candidates of a claim.
+/// Indices of the hidden effects among the candidates of a claim.
 fn hits(truths: &[EffectSetting], claim: &Claim, robot: &Robot) -> BTreeSet<usize> {
     if claim.verdict == Verdict::Unknown {
         return BTreeSet::new();
@@ -238,11 +239,11 @@ fn hits(truths: &[EffectSetting], claim: &Claim, robot: &Robot) -> BTreeSet<usiz
         .collect()
 }
 
-/// What a claim makes of a hidden effect. A claim about another hidden effect says nothing of it.
+/// Result of one claim for a hidden effect; `None` if the claim is about another hidden effect.
 fn rank(claim: &Claim, of_it: bool, of_none: bool) -> Option<Found> {
     match (claim.verdict, of_it) {
         (Verdict::Named, true) => Some(Found::Named),
-        (Verdict::Ambiguous, true) if claim.candidates.len() <= LONGEST_LIST => Some(Found::Listed),
+        (Verdict::Ambiguous, true) if claim.candidates.len() <= MAX_LISTED => Some(Found::Listed),
         (Verdict::Ambiguous, true) => Some(Found::ListedLong),
         _ if !of_none => None,
         (Verdict::Unknown, _) => Some(Found::Unknown),
@@ -251,7 +252,7 @@ fn rank(claim: &Claim, of_it: bool, of_none: bool) -> Option<Found> {
     }
 }
 
-/// Effects that are named with confidence but not hidden.
+/// Effects that are named although they are not hidden.
 #[must_use]
 pub fn wrong_names(truths: &[EffectSetting], claims: &[Claim], robot: &Robot) -> Vec<String> {
     claims

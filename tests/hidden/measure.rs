@@ -1,4 +1,4 @@
-//! How good the numbers of an answer are: parameters, held-out error, and whether listed causes fit.
+//! Measures the accuracy of a diagnosis: parameter errors, held-out error, and the fit of listed causes.
 
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
@@ -15,27 +15,27 @@ use super::names::{self, Name};
 use super::visibility::solved;
 use crate::truth::preset_options;
 
-/// Difference of chi-square from which a cause fits clearly worse, for the same number of parameters; each
-/// parameter more or less counts for two (Akaike 1974).
+/// Difference of chi-square from which a cause fits clearly worse if the number of parameters is the same, and
+/// allowance for each additional parameter (Akaike 1974).
 const CLEARLY_WORSE: f64 = 9.0;
 const PER_PARAMETER: f64 = 2.0;
-/// Distance of the seed of held-out data.
+/// Offset of the seed for held-out data.
 const OTHER_SEED: u64 = 1 << 40;
 
 /// Error of one parameter of a named effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ParameterError {
-    /// Effect.
+    /// Identifier of the effect.
     #[serde(with = "names")]
     pub effect: Name,
-    /// Parameter.
+    /// Name of the parameter.
     #[serde(with = "names")]
     pub parameter: Name,
-    /// Value found minus truth, in standard deviations.
+    /// Estimate minus truth, in standard deviations.
     pub standardised: f64,
 }
 
-/// Errors of the parameters of a finding whose cause is hidden.
+/// Parameter errors of a finding whose cause is a hidden effect.
 #[must_use]
 pub fn parameter_errors(
     finding: &Finding,
@@ -44,7 +44,7 @@ pub fn parameter_errors(
 ) -> Vec<ParameterError> {
     let of = matched(truths, &finding.cause, robot);
     let effect = finding.cause.effect();
-    // Several outliers in one finding have parameters of the same name.
+    // Parameters of several outliers in one finding cannot be told apart by name.
     let single_readings = matches!(effect.search(), Search::AtPose(_));
     if single_readings && finding.cause.instances.len() > 1 {
         return Vec::new();
@@ -80,8 +80,8 @@ pub fn parameter_errors(
     errors
 }
 
-/// Difference of a parameter of a wave: a negative amplitude is a positive one at the opposite phase; `turned` is
-/// negative where one of the amplitudes is.
+/// Difference of a wave parameter. A wave of negative amplitude is the same as one of positive amplitude and opposite
+/// phase; `turned` is negative if exactly one of the amplitudes is.
 fn wave_difference(name: &str, found: f64, truth: f64, turned: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     match name {
@@ -94,12 +94,12 @@ fn wave_difference(name: &str, found: f64, truth: f64, turned: f64) -> f64 {
     }
 }
 
-/// Held-out error of a model over that of the true model fitted to the same data: root of the ratio of the
-/// chi-squares with which each, its parameters held, explains another run of the true robot. `None` where an
-/// effect changes readings in a way that no model has.
+/// Held-out error of a model relative to that of the true model fitted to the same data: the square root of the ratio
+/// of their chi-squares for another run of the true robot, with the parameters of both models fixed. `None` if an
+/// effect changes readings in a way that no model contains.
 ///
 /// # Errors
-/// If the true robot cannot be simulated again or a fit breaks down.
+/// If the true robot cannot be simulated again or a fit fails.
 pub fn held_out_ratio(setup: &Setup, run: &Simulated, extended: &Globals) -> Result<Option<f64>> {
     let description = &run.dataset.robot;
     let Some(problem) = with_effects(&run.dataset, &run.truth.effects)? else {
@@ -128,7 +128,7 @@ pub fn held_out_ratio(setup: &Setup, run: &Simulated, extended: &Globals) -> Res
     Ok(Some(ratio.sqrt()))
 }
 
-/// The problem with effects free, from their values. `None` if one cannot be estimated.
+/// The problem with some effects free, starting from their true values. `None` if one cannot be estimated.
 fn with_effects<'a>(
     dataset: &'a Dataset,
     effects: &[EffectSetting],
@@ -144,10 +144,10 @@ fn with_effects<'a>(
     Ok(Some(problem))
 }
 
-/// Whether each of the listed causes fits about as well as the hidden effect in whose place it stands.
+/// Whether each of the listed causes fits about as well as the hidden effect that it replaces.
 ///
 /// # Errors
-/// If a fit breaks down.
+/// If a fit fails.
 pub fn rivals_fit(
     dataset: &Dataset,
     listed: &[Cause],
@@ -166,7 +166,7 @@ pub fn rivals_fit(
     };
     for cause in listed {
         if cause.effect().id() == UNKNOWN.id() {
-            // An error without a name has no parameters to fit; its evidence is what lists it.
+            // An unmodelled error has no parameters to fit; it is listed because of its evidence.
             continue;
         }
         if !cause.effect().is_estimable() {

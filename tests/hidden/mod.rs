@@ -1,11 +1,11 @@
-//! The hidden-effect test: effects are hidden in simulated data, and the model doctor is asked what is wrong.
+//! The hidden-effect study: effects are hidden in simulated data and must be found by the diagnosis.
 //!
-//! A [`Plan`] says what to hide where, and under which [`Circumstances`] it is measured; [`draw`] makes a [`Case`] of it
-//! with random targets, signs and sizes; [`run`] simulates the case, asks the doctor and judges the answer; [`Study`] does
-//! so for many and [`markdown`] makes tables of the outcomes.
+//! A [`Plan`] determines what to hide in which robot and under which [`Circumstances`] it is measured. [`draw`] turns
+//! it into a [`Case`] with random targets, signs and sizes; [`run`] simulates the case, diagnoses it and compares the
+//! findings with the truth; [`Study`] collects the outcomes of many plans, and [`markdown`] makes tables of them.
 //!
-//! How well an effect can be seen is decided without the doctor, by its noncentrality: the chi-square that it
-//! leaves in a fit of the model without it to noise-free data.
+//! The visibility of an effect is determined independently of the diagnosis by its noncentrality: the chi-square of a
+//! model without the effect for noise-free data.
 
 mod conditions;
 mod draw;
@@ -38,7 +38,9 @@ pub use plans::{
 };
 pub use records::Records;
 pub use robots::{TestRobot, robot, robots};
-pub use run::{Candidate, Outcome, Said, Study, Sure, WithoutHoles, draw_all, run, run_all};
+pub use run::{
+    Candidate, FindingRecord, Outcome, Study, Sure, WithoutHoles, draw_all, run, run_all,
+};
 pub use setup::Setup;
 pub use table::{
     Figure, Figures, Target, coverage, describe, diagram, drawn_markdown, failures, markdown,
@@ -52,46 +54,46 @@ use tautline_core::effect::EffectSetting;
 
 use names::Name;
 
-/// Poses per data set, without the home pose, where a robot has no number of its own.
+/// Default number of poses per dataset, without the home pose.
 pub const POSES: usize = 41;
 
-/// How large a hidden effect is.
+/// Range of the size of a hidden effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Stratum {
-    /// Log-uniform from just visible, or the smallest typical size, to the largest typical size.
+    /// Log-uniform from the smallest typical size, or the visible one if that is larger, to the largest typical size.
     Typical,
-    /// Such that its noncentrality is that of an effect which can just be seen.
+    /// A size whose noncentrality is near the threshold of visibility.
     JustVisible,
 }
 
-/// What is to be hidden.
+/// What a plan hides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Wanted {
     /// Nothing.
     Nothing,
     /// One effect of the catalogue.
     One(#[serde(with = "names")] Name, Stratum),
-    /// One effect of the catalogue, drawn at random among those that can be seen.
+    /// One visible effect drawn from the catalogue.
     Any,
-    /// The same, if no other single effect could explain it.
+    /// The same, but one that no other single effect could explain.
     Separated,
-    /// Two effects of the catalogue, drawn at random.
+    /// Two effects drawn from the catalogue.
     Two,
-    /// Three to five effects of the catalogue, drawn at random.
+    /// Three to five effects drawn from the catalogue.
     Several,
-    /// As many effects as chance has it, visible or not: 0.8 on average.
+    /// A random number of effects, 0.8 on average, visible or not.
     ByChance,
-    /// One offset of 50 to 200 mm that all cables have in common.
+    /// A common offset of all cables of 50 to 200 mm.
     CommonOffset,
-    /// Every winch with a scale of its own, every force sensor with a gain and a bias of its own.
+    /// A different scale for every winch, and a different gain and bias for every force sensor.
     Families,
-    /// Two channels the wrong way round.
+    /// Two exchanged channels.
     Exchanged(Channels),
-    /// An effect that the catalogue does not have.
+    /// An effect outside the catalogue.
     Outside(#[serde(with = "names")] Name),
 }
 
-/// One data set to be made.
+/// Specification of one dataset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Plan {
     /// Name of the robot.
@@ -99,27 +101,27 @@ pub struct Plan {
     pub robot: Name,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// What is to be hidden.
+    /// What is hidden.
     pub wanted: Wanted,
-    /// How it is measured.
+    /// How the measurements deviate from the description.
     pub circumstances: Circumstances,
 }
 
-/// What is hidden in a data set.
+/// The hidden content of a dataset.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Hidden {
     /// Nothing.
     Nothing,
     /// Effects of the catalogue.
     Effects(Vec<EffectSetting>),
-    /// An effect outside the catalogue and its size, in units of its own.
+    /// An effect outside the catalogue, and its size in units of its own.
     Outside(#[serde(with = "outside::by_id")] &'static Outside, f64),
-    /// Channels of two cables, by index, the wrong way round.
+    /// Exchanged channels of two cables, given by index.
     Exchanged(Channels, [usize; 2]),
 }
 
 impl Hidden {
-    /// The effects of the catalogue.
+    /// The hidden effects of the catalogue.
     #[must_use]
     pub fn effects(&self) -> &[EffectSetting] {
         match self {
@@ -129,7 +131,7 @@ impl Hidden {
     }
 }
 
-/// One data set with what is hidden in it.
+/// One dataset with its hidden content.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Case {
     /// Name of the robot.
@@ -139,6 +141,6 @@ pub struct Case {
     pub seed: u64,
     /// What is hidden.
     pub hidden: Hidden,
-    /// How it is measured.
+    /// Imperfections of the measurements.
     pub conditions: Conditions,
 }

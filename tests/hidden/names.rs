@@ -1,4 +1,4 @@
-//! Names of the test in files: of robots, effects and parameters.
+//! Serialisation of the names of robots, effects and parameters.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serializer};
@@ -7,10 +7,10 @@ use tautline_core::effect::CATALOGUE;
 use super::OUTSIDE;
 use super::robots::all_names;
 
-/// A name that the program knows.
+/// A name known to the program.
 pub type Name = &'static str;
 
-/// The known name that reads `text`.
+/// The known name equal to `text`.
 fn known(text: &str) -> Option<Name> {
     let parameters = CATALOGUE.iter().flat_map(|effect| effect.parameters());
     let mut all = all_names()

@@ -1,5 +1,5 @@
-//! Effects that the catalogue does not have, as different from it and from each other as possible: on each kind of
-//! reading, in time, in space and in load. Each changes the readings of a clean simulation.
+//! Effects outside the catalogue, as different from it and from each other as possible: on each kind of reading, in
+//! time, in space and under load. Each one changes the readings of a simulation.
 
 mod kinds;
 
@@ -18,7 +18,7 @@ use super::visibility::solved;
 
 pub use kinds::OUTSIDE;
 
-/// Effects outside the catalogue in files: by their names.
+/// Serialisation of effects outside the catalogue by identifier.
 pub(super) mod by_id {
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serializer};
@@ -38,15 +38,15 @@ pub(super) mod by_id {
 
 /// An effect outside the catalogue.
 pub struct Outside {
-    /// Name in tables and commands.
+    /// Identifier in tables and commands.
     pub id: &'static str,
-    /// What happens, for a reader.
+    /// Description for the reader.
     pub title: &'static str,
-    /// Whether the robot has the readings that it changes.
+    /// Whether the robot has the readings that the effect changes.
     pub applies: fn(&Robot) -> bool,
-    /// Some size from which the wanted one is searched.
+    /// Start value of the search for a size.
     pub unit: f64,
-    /// Changes the readings by an effect of a size.
+    /// Changes the readings by an effect of the given size.
     pub change: fn(&Scene, f64, &mut Measurements),
 }
 
@@ -62,12 +62,12 @@ impl PartialEq for Outside {
     }
 }
 
-/// What an effect outside the catalogue can depend on, and what is drawn for it.
+/// Variables that an effect outside the catalogue may use, and random numbers drawn for it.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// The true robot.
     pub truth: Robot,
-    /// Cable concerned.
+    /// Target cable.
     pub cable: usize,
     /// A phase (rad).
     pub phase: f64,
@@ -76,7 +76,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// A scene drawn from a seed.
+    /// Draws a scene from a seed.
     #[must_use]
     pub fn new(truth: &Robot, seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -94,7 +94,7 @@ impl Scene {
         }
     }
 
-    /// Where the cables truly are, per row.
+    /// True states of the cables, by row.
     #[must_use]
     pub fn states(&self, data: &Measurements) -> Vec<Vec<CableState>> {
         let poses = data.truth.poses.iter();
@@ -103,7 +103,7 @@ impl Scene {
             .collect()
     }
 
-    /// True position relative to the first row's, per row, in units of the largest excursion.
+    /// True positions relative to their mean, in units of the largest excursion, by row.
     #[must_use]
     pub fn relative_positions(&self, data: &Measurements) -> Vec<Vec3> {
         let poses = &data.truth.poses;
@@ -114,7 +114,8 @@ impl Scene {
     }
 }
 
-/// Adds `error(row, cable)` metres to the length readings; relative readings lose the error at home.
+/// Adds `error(row, cable)` metres to the length readings. Relative readings are zero at home, so they lose the error
+/// there.
 pub(super) fn add_length(
     scene: &Scene,
     data: &mut Measurements,
@@ -152,7 +153,7 @@ pub(super) fn add_tension(
     }
 }
 
-/// Noise-free data, as they are seen, that the effect has changed.
+/// Noise-free data changed by an effect outside the catalogue.
 pub(super) fn changed(
     setup: &Setup,
     exact: &Simulated,
@@ -161,10 +162,10 @@ pub(super) fn changed(
     let mut exact = exact.clone();
     let scene = Scene::new(&exact.truth, setup.seed);
     (effect.change)(&scene, size, &mut exact.dataset.measurements);
-    setup.as_seen(&exact)
+    setup.visibility_data(&exact)
 }
 
-/// Chi-square that the effect leaves in a fit of the true description to noise-free data.
+/// Noncentrality of the effect: chi-square of the true description for noise-free data.
 pub(super) fn noncentrality(
     setup: &Setup,
     exact: &Simulated,

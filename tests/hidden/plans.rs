@@ -1,22 +1,22 @@
-//! Which data sets a study makes.
+//! Selects the datasets of a study.
 
 use tautline_core::effect::CATALOGUE;
 
 use super::{Channels, Circumstances, OUTSIDE, Plan, Stratum, Wanted, robots};
 
-/// Seed of the first data set.
+/// Seed of the first dataset.
 const FIRST_SEED: u64 = 3_000_000;
-/// Of this many data sets per effect and robot the last is just visible.
+/// One in this many datasets per effect and robot is just visible.
 const JUST_VISIBLE_EVERY: usize = 3;
 
-/// What a study is restricted to.
+/// Restricts a study to some of its datasets.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Restriction {
     /// Robot.
     pub robot: Option<String>,
     /// Effect.
     pub effect: Option<String>,
-    /// Seed of the only data set of each kind.
+    /// Seed to be used for all datasets instead of consecutive ones.
     pub seed: Option<u64>,
 }
 
@@ -32,7 +32,7 @@ impl Restriction {
             && self.seed.is_none_or(|seed| seed == plan.seed)
     }
 
-    /// Numbers seeds, whatever is left out later, and applies the restriction.
+    /// Numbers the seeds before applying the restriction, so that a dataset keeps its seed.
     fn plans(&self, wanted: impl Iterator<Item = (&'static str, Wanted)>) -> Vec<Plan> {
         let plans = wanted.enumerate().map(|(n, (robot, wanted))| Plan {
             robot,
@@ -42,7 +42,7 @@ impl Restriction {
         });
         let mut plans: Vec<Plan> = plans.filter(|plan| self.allows(plan)).collect();
         if self.seed.is_some() {
-            // With one seed, repetitions are the same data set.
+            // With a single seed, repetitions would be identical.
             let mut unique: Vec<Plan> = Vec::new();
             plans.retain(|plan| {
                 let new = !unique.contains(plan);
@@ -58,7 +58,7 @@ fn names() -> Vec<&'static str> {
     robots().iter().map(|robot| robot.name).collect()
 }
 
-/// Every effect of the catalogue on every robot, `count` times, every third time just visible.
+/// Every effect of the catalogue on every robot, `count` times; every third time it is just visible.
 #[must_use]
 pub fn single(count: usize, restriction: &Restriction) -> Vec<Plan> {
     let stratum = |repetition: usize| match (repetition + 1) % JUST_VISIBLE_EVERY {
@@ -76,14 +76,14 @@ pub fn single(count: usize, restriction: &Restriction) -> Vec<Plan> {
     restriction.plans(wanted.into_iter())
 }
 
-/// Random pairs of effects, `count` on every robot.
+/// Random pairs of effects, `count` for every robot.
 #[must_use]
 pub fn pairs(count: usize, restriction: &Restriction) -> Vec<Plan> {
     let each = (0..count).flat_map(|_| names());
     restriction.plans(each.map(|robot| (robot, Wanted::Two)))
 }
 
-/// Data without hidden effect, `count` in all, the robots in turn.
+/// Datasets without a hidden effect, `count` in all, distributed over the robots.
 #[must_use]
 pub fn clean(count: usize, restriction: &Restriction) -> Vec<Plan> {
     let each = names().into_iter().cycle().take(count);
@@ -104,10 +104,10 @@ pub fn outside(count: usize, restriction: &Restriction) -> Vec<Plan> {
     restriction.plans(wanted.into_iter())
 }
 
-/// Circumstances of the noise alone.
+/// Circumstances in which only the noise may deviate.
 const NOISES: [Circumstances; 2] = [Circumstances::AsStated, Circumstances::OtherNoise];
 
-/// Studies that take their data sets one after the other from all robots, and what is in them.
+/// Names and descriptions of the studies.
 pub const STUDIES: [(&str, &str); 13] = [
     (
         "several",
@@ -142,11 +142,11 @@ pub const STUDIES: [(&str, &str); 13] = [
     ("chance", "as many effects as chance has it"),
 ];
 
-/// First seed of data sets of which nobody sees more than the table.
+/// First seed of the published table. Development must use other seeds.
 pub const TABLE_SEED: u64 = 80_000_000;
-/// Distance of the first seeds of two studies of the table.
-const APART: u64 = 100_000;
-/// Data sets of each study of the table.
+/// Distance between the first seeds of two studies of the table.
+const SEED_STRIDE: u64 = 100_000;
+/// Number of datasets in each study of the table.
 const TABLE: [(&str, usize); 13] = [
     ("several", 400),
     ("separated", 252),
@@ -163,11 +163,11 @@ const TABLE: [(&str, usize); 13] = [
     ("chance", 216),
 ];
 
-/// The data sets of the table, of seeds of their own. The studies take turns so that the first ones are a table, too, with
+/// Datasets of the table. The studies are interleaved, so that an interrupted run still gives a complete table with
 /// wider intervals.
 #[must_use]
 pub fn table_plans(only: &Restriction) -> Vec<Plan> {
-    let studies = (TABLE_SEED..).step_by(APART as usize).zip(TABLE);
+    let studies = (TABLE_SEED..).step_by(SEED_STRIDE as usize).zip(TABLE);
     let mut placed: Vec<(f64, Plan)> = Vec::new();
     for (first, (study, count)) in studies {
         let plans = named(study, count, first, only).unwrap_or_default();
@@ -183,8 +183,8 @@ pub fn table_plans(only: &Restriction) -> Vec<Plan> {
     placed.into_iter().map(|(_, plan)| plan).collect()
 }
 
-/// The first `count` data sets of a study called by its name in [`STUDIES`], their seeds counted from `first_seed`; the
-/// robots in turn. `None` if there is no such study.
+/// The first `count` datasets of the study `study` in [`STUDIES`], cycling through the robots, with consecutive seeds
+/// from `first_seed` on. `None` if there is no such study.
 #[must_use]
 pub fn named(study: &str, count: usize, first_seed: u64, only: &Restriction) -> Option<Vec<Plan>> {
     use Circumstances as C;

@@ -1,4 +1,4 @@
-//! Outcomes on record: a long study goes on where it was interrupted.
+//! Recorded outcomes, which let an interrupted study resume.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
@@ -10,10 +10,10 @@ use anyhow::{Context, Result};
 
 use super::{Outcome, Plan};
 
-/// Outcomes by plan; of `None` the robot has no reading.
+/// Recorded outcomes by plan; `None` if the robot has no reading for the effect.
 type Known = BTreeMap<Plan, Option<Outcome>>;
 
-/// Outcomes in a file, a plan and its outcome to a line. By default nothing is on record and nothing is put there.
+/// A file of outcomes, one plan and its outcome per line. By default there is no file.
 #[derive(Debug, Default)]
 pub struct Records {
     known: Known,
@@ -21,7 +21,7 @@ pub struct Records {
 }
 
 impl Records {
-    /// Reads a file, if there is one, and writes what is added to it. A last line that is not complete is left out.
+    /// Reads a file if it exists, and opens it for appending. An incomplete last line is ignored.
     ///
     /// # Errors
     /// If the file cannot be read or written.
@@ -44,13 +44,13 @@ impl Records {
         })
     }
 
-    /// The outcome of a plan, if it is on record.
+    /// The recorded outcome of a plan.
     #[must_use]
     pub fn of(&self, plan: &Plan) -> Option<&Option<Outcome>> {
         self.known.get(plan)
     }
 
-    /// Puts an outcome on record.
+    /// Appends an outcome to the file.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -72,7 +72,7 @@ mod tests {
     use crate::hidden::{Circumstances, Stratum, Wanted, draw, run};
 
     #[test]
-    fn what_was_on_record_is_there_again() {
+    fn recorded_outcomes_are_read_back() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("outcomes.jsonl");
         let plan = Plan {

@@ -1,4 +1,4 @@
-//! The robots of the test: the presets, variants of them with other sensors, and two of kinds that real machines are.
+//! The robots of the study: the presets, variants with other sensors, and two robots typical of real machines.
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::presets::{self, Preset};
@@ -7,31 +7,31 @@ use tautline_core::simulation::{TensionRange, Workspace};
 
 use super::POSES;
 
-/// How the true robot behind a description is drawn.
+/// How the true robot is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Truth {
-    /// From the standard deviations that the description states.
+    /// From the standard deviations of the description.
     AsStated,
-    /// Entry points some centimetres from those described, of which the description says nothing.
+    /// Entry points deviate by some centimetres, while the description gives no standard deviation.
     AnchorsUnknown,
-    /// From the standard deviations; the platform hangs wherever it comes to rest.
+    /// From the standard deviations, with poses at which the platform hangs at rest.
     Hanging,
 }
 
-/// A robot with a name of its own.
+/// A named robot of the study.
 #[derive(Debug, Clone)]
 pub struct TestRobot {
     /// Name in tables and commands.
     pub name: &'static str,
-    /// The robot, where it moves and how its cables are tensioned.
+    /// The robot with its workspace and tensions.
     pub preset: Preset,
-    /// Poses per data set, without the home pose.
+    /// Number of poses per dataset, without the home pose.
     pub poses: usize,
     /// How the true robot is drawn.
     pub truth: Truth,
 }
 
-/// Name, preset it comes from, and what is changed of it.
+/// Name, preset, and function that modifies the preset.
 type Variant = (&'static str, &'static str, fn(&mut Robot));
 
 const VARIANTS: [Variant; 9] = [
@@ -46,17 +46,17 @@ const VARIANTS: [Variant; 9] = [
     ("mini-absolute", "mini", without_home),
 ];
 
-/// A planar robot with absolute lengths whose anchors nobody has measured.
+/// A planar robot with absolute lengths and unknown anchors.
 const UNMEASURED: Variant = ("planar-unmeasured", "planar", of_unmeasured_anchors);
-/// Poses of it.
+/// Number of poses of this robot.
 const UNMEASURED_POSES: usize = 100;
 
-/// Four cables, a platform that hangs freely.
+/// A platform that hangs on four cables.
 const HANGING: Variant = ("hanging", "suspended", on_four_cables);
-/// Poses of it.
+/// Number of poses of this robot.
 const HANGING_POSES: usize = 27;
 
-/// Nor is it known between which limits the tensions are.
+/// Without force sensors the tension limits are unknown, too.
 fn without_force_sensors(robot: &mut Robot) {
     for cable in &mut robot.cables {
         cable.force_sensor = None;
@@ -84,7 +84,7 @@ fn with_swivel_sensors(robot: &mut Robot) {
     }
 }
 
-/// Lengths are read absolutely: nothing counts from a home pose.
+/// With absolute length readings there is no home pose.
 fn without_home(robot: &mut Robot) {
     robot.home = None;
 }
@@ -98,13 +98,14 @@ fn of_unmeasured_anchors(robot: &mut Robot) {
         orientation_sd_rad: Some(1e-3),
     });
     for cable in &mut robot.cables {
-        // Across the plane the pulleys are known: nothing that is measured depends on it.
+        // No reading depends on the coordinate perpendicular to the plane, so it is fixed.
         cable.pulley.entry_point_sd_m = PerAxis::Each([None, None, Some(0.0)]);
         cable.winch.length_sd_m = 5e-4;
     }
 }
 
-/// Eyelets at the corners of a hall of 6 m x 5 m, 4 m high; a plate of 0.5 m x 0.4 m whose weight is below its anchors.
+/// Four eyelets at the corners of a hall of 6 m x 5 m x 4 m, and a plate of 0.5 m x 0.4 m with its centre of mass below
+/// its anchors.
 fn on_four_cables(robot: &mut Robot) {
     robot.cables.truncate(4);
     robot.laser = None;
@@ -139,19 +140,19 @@ fn on_four_cables(robot: &mut Robot) {
     }
 }
 
-/// All robots of the test but those that belong to one study alone.
+/// The robots of all studies, without those that belong to a single study.
 #[must_use]
 pub fn robots() -> Vec<TestRobot> {
     VARIANTS.iter().filter_map(build).collect()
 }
 
-/// Names of all robots, those of one study alone included.
+/// Names of all robots, including those that belong to a single study.
 pub(super) fn all_names() -> impl Iterator<Item = &'static str> {
     let all = VARIANTS.iter().chain([&UNMEASURED, &HANGING]);
     all.map(|variant| variant.0)
 }
 
-/// The robot called `name`.
+/// The robot with a given name.
 #[must_use]
 pub fn robot(name: &str) -> Option<TestRobot> {
     if name == UNMEASURED.0 {

@@ -1,4 +1,4 @@
-//! Simulates cases, asks the doctor and judges what it says.
+//! Simulates cases, diagnoses them and compares the findings with the truth.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -23,79 +23,80 @@ use super::robots::Truth;
 use super::visibility::solved;
 use super::{Circumstances, Conditions, Hidden, Plan, Records, Setup, Wanted};
 
-/// How sure a finding is of its name.
+/// How certain the name of a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Sure {
     /// One cause stands out.
     Named,
     /// Several causes exclude each other.
     Ambiguous,
-    /// No effect of the catalogue explains it.
+    /// No effect of the catalogue explains the error.
     Unknown,
 }
 
-/// One of the causes that a finding gives.
+/// A cause of a finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
-    /// Identifier with cables.
+    /// Identifier with cable numbers.
     pub name: String,
-    /// Probability that is stated.
+    /// Stated probability.
     pub probability: f64,
-    /// Whether it is hidden.
+    /// Whether the cause is hidden.
     pub right: bool,
 }
 
-/// What one finding says.
+/// One finding of a diagnosis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Said {
-    /// In words: identifiers with cables.
+pub struct FindingRecord {
+    /// Identifiers with cable numbers.
     pub text: String,
-    /// How sure it is.
+    /// How certain the finding is.
     pub sure: Sure,
-    /// Chi-square gained.
+    /// Reduction of chi-square.
     pub gain: f64,
-    /// The cause and its alternatives; none where it is unknown.
+    /// The cause and its alternatives; empty for an unknown error.
     pub candidates: Vec<Candidate>,
 }
 
-/// The same data set with no cell empty.
+/// Result for the same dataset without empty cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WithoutHoles {
-    /// What becomes of each hidden effect of the catalogue.
+    /// Result for each hidden effect of the catalogue.
     pub found: Vec<Found>,
-    /// Whether a fit of the true model to the data with holes ends where one that starts at the truth does.
+    /// Whether a fit of the true model to the data with empty cells reaches the same solution from the usual start as
+    /// from the truth.
     pub fit_arrives: bool,
 }
 
-/// What the doctor made of one data set.
+/// Outcome of the diagnosis of one dataset.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Outcome {
-    /// What was asked for.
+    /// The plan of the dataset.
     pub plan: Plan,
-    /// What was hidden.
+    /// The case that was drawn.
     pub drawn: Drawn,
-    /// What became of each hidden effect of the catalogue, or of an exchange of channels.
+    /// Result for each hidden effect of the catalogue, or for the exchange of channels.
     pub found: Vec<Found>,
-    /// What was said, finding by finding.
-    pub said: Vec<Said>,
-    /// What is said to be possible without being found.
+    /// The findings.
+    pub said: Vec<FindingRecord>,
+    /// Possible causes that are not findings.
     pub possible: Vec<Candidate>,
-    /// Readings whose noise is said to be larger or smaller than described: their kind and cable, and the factor.
+    /// Readings whose noise is reported to differ from the description: kind and cable, and ratio.
     pub noise: Vec<(String, f64)>,
-    /// Effects named with confidence that were not hidden.
+    /// Effects that are named although they are not hidden.
     pub wrong_names: Vec<String>,
-    /// Errors of the parameters of effects that were named rightly.
+    /// Parameter errors of correctly named effects.
     pub parameters: Vec<ParameterError>,
-    /// Held-out error over that of the true model.
+    /// Held-out error relative to that of the true model.
     pub held_out_ratio: Option<f64>,
-    /// The same where cells are empty, without.
+    /// Result without empty cells, for datasets that have any.
     pub without_holes: Option<WithoutHoles>,
-    /// Time of the processor for the diagnosis (s).
+    /// Processor time of the diagnosis (s).
     pub seconds: f64,
 }
 
 impl Outcome {
-    /// Whether a cause is said to be unknown although none is hidden.
+    /// Whether an unknown error is reported although none is hidden.
     #[must_use]
     pub fn unknown_without_reason(&self) -> bool {
         let nothing_unknown = self.plan.circumstances != Circumstances::ModelError
@@ -109,13 +110,13 @@ impl Outcome {
 pub struct Study {
     /// Outcomes, in the order of the plans.
     pub outcomes: Vec<Outcome>,
-    /// Plans for whose effect the robot has no reading.
+    /// Number of plans for whose effect the robot has no reading.
     pub not_applicable: usize,
-    /// Plans of which nothing could be made, and why.
+    /// Plans that failed, with the reason.
     pub impossible: Vec<(Plan, String)>,
 }
 
-/// Simulates a case and asks the doctor.
+/// Simulates and diagnoses a case.
 ///
 /// # Errors
 /// If the case cannot be simulated or diagnosed.
@@ -125,16 +126,16 @@ pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
     let mut run = setup.measured(&case.hidden)?;
     let mut without_holes = None;
     if case.conditions.holes {
-        let (_, claims, _) = asked(&run.dataset)?;
-        let found = judged(&run, (&case.hidden, &case.conditions), &claims)?;
+        let (_, claims, _) = run_diagnosis(&run.dataset)?;
+        let found = judge_claims(&run, (&case.hidden, &case.conditions), &claims)?;
         setup.lose_cells(&mut run);
         without_holes = Some(WithoutHoles {
             found: found.iter().map(|(found, _)| *found).collect(),
             fit_arrives: fit_arrives(&run, case.hidden.effects())?,
         });
     }
-    let (diagnosis, claims, seconds) = asked(&run.dataset)?;
-    let found = judged(&run, (&case.hidden, &case.conditions), &claims)?;
+    let (diagnosis, claims, seconds) = run_diagnosis(&run.dataset)?;
+    let found = judge_claims(&run, (&case.hidden, &case.conditions), &claims)?;
     let truths = case.hidden.effects();
     let robot = &run.dataset.robot;
     let mut wrong = wrong_names(truths, &claims, robot);
@@ -158,11 +159,12 @@ pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
         probability: other.probability,
         right: !matched(truths, &other.cause, robot).is_empty(),
     };
-    let say = |claim: &Claim| said(claim, &diagnosis.findings, (truths, undone), robot);
+    let record =
+        |claim: &Claim| finding_record(claim, &diagnosis.findings, (truths, undone), robot);
     Ok(Outcome {
         plan: *plan,
         found: found.iter().map(|(found, _)| *found).collect(),
-        said: claims.iter().map(say).collect(),
+        said: claims.iter().map(record).collect(),
         possible: diagnosis.possible.iter().map(possible).collect(),
         noise: diagnosis.noise.iter().map(noise).collect(),
         wrong_names: wrong,
@@ -174,10 +176,10 @@ pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
     })
 }
 
-/// When something started on this thread.
+/// Start time of an operation on this thread.
 struct Started {
     at: Instant,
-    /// Time (s) that the thread has spent on a processor, where the system tells.
+    /// Processor time of the thread until then (s), if the system reports it.
     spent_s: Option<f64>,
 }
 
@@ -195,15 +197,15 @@ impl Started {
         Some(1e-9 * nanoseconds)
     }
 
-    /// Time (s) since then, without what other programs had of the processor.
+    /// Processor time since then (s), or elapsed time if the system does not report it.
     fn elapsed_s(&self) -> f64 {
         let spent = Self::spent_s().zip(self.spent_s);
         spent.map_or_else(|| self.at.elapsed().as_secs_f64(), |(now, then)| now - then)
     }
 }
 
-/// What the doctor says, and the time of the processor (s) that it takes.
-fn asked(dataset: &Dataset) -> Result<(Diagnosis, Vec<Claim>, f64)> {
+/// Diagnoses a dataset. Returns the diagnosis, its claims and the processor time (s).
+fn run_diagnosis(dataset: &Dataset) -> Result<(Diagnosis, Vec<Claim>, f64)> {
     let started = Started::now();
     let options = DiagnosisOptions::default();
     let diagnosis = diagnose(dataset, &options, &mut |_| Control::Continue)?;
@@ -221,12 +223,12 @@ fn noise(statement: &NoiseStatement) -> (String, f64) {
     )
 }
 
-fn said(
+fn finding_record(
     claim: &Claim,
     findings: &[Finding],
     (truths, undone): (&[EffectSetting], bool),
     robot: &Robot,
-) -> Said {
+) -> FindingRecord {
     let candidate = |(cause, probability): (&Cause, &f64)| Candidate {
         name: judge::describe(cause),
         probability: *probability,
@@ -240,7 +242,7 @@ fn said(
     let pairs = claim.candidates.iter().zip(&claim.probabilities);
     let is_effect = |cause: &Cause| cause.effect().id() != UNKNOWN.id();
     let known = pairs.filter(|(cause, _)| sure != Sure::Unknown && is_effect(cause));
-    Said {
+    FindingRecord {
         text: claim.describe(),
         sure,
         gain: findings[claim.finding].evidence.delta_chi2,
@@ -248,7 +250,7 @@ fn said(
     }
 }
 
-/// Whether a fit with the hidden effects free gets from its usual start to where it gets from the truth.
+/// Whether a fit with the hidden effects free reaches the same solution from its usual start as from the truth.
 fn fit_arrives(run: &Simulated, effects: &[EffectSetting]) -> Result<bool> {
     let bound = |at_truth: bool| -> Result<Vec<BoundEffect>> {
         let mut all = Vec::new();
@@ -269,7 +271,7 @@ fn fit_arrives(run: &Simulated, effects: &[EffectSetting]) -> Result<bool> {
         problem.free_effects = bound(at_truth)?;
         Ok(solved(&problem)?.chi2)
     };
-    // A wave's phase and period are searched before they are fitted.
+    // Phase and period of a wave are found by a search before the fit, so the usual start says nothing about them.
     let is_wave = |effect: &EffectSetting| effect.parameters.contains_key("phase");
     if effects.iter().any(is_wave) {
         return Ok(true);
@@ -277,8 +279,8 @@ fn fit_arrives(run: &Simulated, effects: &[EffectSetting]) -> Result<bool> {
     Ok(chi2(false)? < chi2(true)? + 1.0)
 }
 
-/// The judgement, lists checked by fits of their members.
-fn judged(
+/// Compares claims with the truth, checking lists by fits of their members.
+fn judge_claims(
     run: &Simulated,
     (hidden, conditions): (&Hidden, &Conditions),
     claims: &[Claim],
@@ -311,7 +313,7 @@ fn judged(
     Ok(found)
 }
 
-/// Parameter errors of what is named rightly, each finding once.
+/// Parameter errors of correctly named effects, once per finding.
 fn errors(
     diagnosis: &Diagnosis,
     found: &[(Found, Option<usize>)],
@@ -329,10 +331,10 @@ fn errors(
     findings.into_iter().flat_map(errors).collect()
 }
 
-/// What became of the plans, in their order. `None`: the robot has no reading for the effect.
+/// Results by plan in the order of the plans; `None` if the robot has no reading for the effect.
 type Results<T> = Vec<(Plan, Result<Option<T>>)>;
 
-/// Does a job for all plans on some threads.
+/// Processes all plans in several threads.
 fn in_parallel<T: Send>(
     plans: &[Plan],
     threads: usize,
@@ -363,13 +365,13 @@ fn in_parallel<T: Send>(
     numbered.map(|(_, plan, result)| (plan, result)).collect()
 }
 
-/// As many threads as the machine has processors.
+/// Number of processors of the machine.
 fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Draws and runs all plans on some threads, by default as many as there are processors; those that are on record are
-/// taken from there, the others are put on record.
+/// Draws and runs all plans in several threads, by default as many as there are processors. Recorded outcomes are
+/// reused, and new ones are recorded.
 #[must_use]
 pub fn run_all(plans: &[Plan], threads: Option<usize>, records: &Records) -> Study {
     let job = |plan: &Plan| {
@@ -391,7 +393,7 @@ pub fn run_all(plans: &[Plan], threads: Option<usize>, records: &Records) -> Stu
     study
 }
 
-/// Draws all plans without asking the doctor.
+/// Draws all plans without diagnosing them.
 #[must_use]
 pub fn draw_all(plans: &[Plan]) -> Results<Drawn> {
     in_parallel(plans, processors(), draw)

@@ -1,4 +1,4 @@
-//! A robot, the seed of its data and the conditions under which they are measured: what all fits of a case share.
+//! Setup of a dataset: robot, seed and imperfections of the measurements.
 
 use anyhow::{Context, Result};
 use rand::SeedableRng;
@@ -14,33 +14,33 @@ use super::robots::{TestRobot, Truth, robot};
 use super::{Circumstances, Conditions, Hidden, Plan, Wanted, hanging};
 use crate::truth::preset_options;
 
-/// Streams of random numbers other than that of the simulation, which has the same seed.
+/// Streams of random numbers. The simulation uses stream 0 of the same seed, other modules use streams 1 and 2.
 const HANGING: u64 = 3;
 const NOISE: u64 = 4;
 const HOLES: u64 = 5;
-/// Poses where several effects are hidden at once.
+/// Number of poses if several effects are hidden at once.
 const SEVERAL_POSES: usize = 60;
-/// Poses where each is read several times.
+/// Number of poses if each has several rows.
 const STANDSTILLS: usize = 24;
-/// Standard deviation of entry points that nobody has measured (m).
+/// Standard deviation of unknown entry points (m).
 const UNMEASURED_M: f64 = 0.02;
 
-/// What all fits of a case share.
+/// Robot, seed and imperfections that all fits of a case share.
 #[derive(Debug, Clone)]
 pub struct Setup {
     /// The robot.
     pub robot: TestRobot,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// How it is measured.
+    /// Imperfections of the measurements.
     pub conditions: Conditions,
 }
 
 impl Setup {
-    /// The setup of a plan.
+    /// Creates the setup of a plan.
     ///
     /// # Errors
-    /// If there is no such robot.
+    /// If the robot does not exist.
     pub fn new(plan: &Plan, conditions: Conditions) -> Result<Self> {
         let mut robot = robot(plan.robot).with_context(|| format!("no robot {}", plan.robot))?;
         if plan.wanted == Wanted::Several {
@@ -62,10 +62,10 @@ impl Setup {
         rng
     }
 
-    /// The robot with effects of the catalogue, simulated without noise.
+    /// Simulates the robot with effects of the catalogue, without noise.
     ///
     /// # Errors
-    /// If the effects break it.
+    /// If the effects break the robot.
     pub fn exact(&self, effects: &[EffectSetting]) -> Result<Simulated> {
         let mut options = preset_options(&self.robot.preset, self.robot.poses, self.seed);
         options.effects = effects.to_vec();
@@ -89,9 +89,9 @@ impl Setup {
         Ok(run)
     }
 
-    /// Noise-free data as far as they are read, in a description that states noise by which the same can be seen as under
-    /// the conditions, and whose priors are centred at the truth: chi-square is 0 but for what the model lacks.
-    pub(super) fn as_seen(&self, exact: &Simulated) -> Dataset {
+    /// Noise-free data with a description whose noise corresponds to the imperfections and whose priors are centred on
+    /// the truth. Chi-square is then zero for the true model and the noncentrality for any other.
+    pub(super) fn visibility_data(&self, exact: &Simulated) -> Dataset {
         let plain = Robot {
             effects: Vec::new(),
             ..exact.truth.clone()
@@ -101,12 +101,12 @@ impl Setup {
             empty_cells(&plain, &mut measurements, &mut self.stream(HOLES));
         }
         Dataset {
-            robot: self.conditions.worth().of(&plain),
+            robot: self.conditions.equivalent_noise().of(&plain),
             measurements,
         }
     }
 
-    /// The data of a case as they are measured, but for cells that get lost.
+    /// Simulates the measured data of a case, before cells are emptied.
     ///
     /// # Errors
     /// If the effects break the robot.
@@ -133,14 +133,14 @@ impl Setup {
         Ok(run)
     }
 
-    /// Empties the cells that get lost.
+    /// Empties cells of a simulated dataset.
     pub fn lose_cells(&self, run: &mut Simulated) {
         let data = &mut run.dataset;
         empty_cells(&data.robot, &mut data.measurements, &mut self.stream(HOLES));
     }
 }
 
-/// The description with entry points that are known to some centimetres where it says nothing of them.
+/// The description with a standard deviation for entry points that it leaves unknown.
 fn measured_roughly(description: &Robot) -> Robot {
     let mut robot = description.clone();
     for cable in &mut robot.cables {

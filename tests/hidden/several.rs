@@ -1,4 +1,4 @@
-//! Several effects at once, and families of them.
+//! Draws several effects at once, and families of effects.
 
 use anyhow::{Result, bail};
 use rand::RngExt;
@@ -7,27 +7,27 @@ use tautline_core::effect::{CATALOGUE, Effect, EffectSetting};
 
 use super::setup::Setup;
 use super::template::{Template, log_uniform};
-use super::visibility::{VISIBLE, left_by_nearest_other, noncentrality};
+use super::visibility::{VISIBLE, chi2_of_nearest_other, noncentrality};
 
-/// Draws that may fail before a plan is given up.
-const TRIES: usize = 600;
-/// Noncentrality that every other single effect leaves of one that exact evidence separates: its log Bayes factor is 16
-/// on average and above 3, odds of 20 to 1, in 98.9 of 100 data sets.
+/// Maximum number of failed draws before a plan is given up.
+const MAX_DRAWS: usize = 600;
+/// Smallest noncentrality that any other single effect must leave unexplained for an effect to count as separated. The
+/// exact log Bayes factor is then 16 on average and exceeds 3 (odds of 20 to 1) in 98.9 % of datasets.
 const SEPARATED: f64 = 32.0;
-/// How many causes a robot has on average.
+/// Mean number of causes.
 const CAUSES: f64 = 0.8;
-/// How often a size is beyond the typical ones, and up to which factor.
-const BEYOND: f64 = 0.04;
-const BEYOND_FACTOR: f64 = 4.0;
-/// Common offset of a dominating cause (m).
+/// Probability that a size exceeds the typical ones, and largest factor by which it does.
+const ATYPICAL_SHARE: f64 = 0.04;
+const ATYPICAL_FACTOR: f64 = 4.0;
+/// Range of the common offset of all cables (m).
 const COMMON_OFFSET_M: [f64; 2] = [0.05, 0.2];
-/// Scale of a winch in a family.
+/// Range of the winch scales of a family.
 const WINCH_SCALE: [f64; 2] = [0.01, 0.03];
 
-/// Effects with the noncentrality of each while the others are estimated.
-pub type Together = (Vec<EffectSetting>, Vec<f64>);
+/// Effects, and the noncentrality of each with the others estimated.
+pub type DrawnEffects = (Vec<EffectSetting>, Vec<f64>);
 
-/// What is not estimable cannot be allowed for while another effect is judged.
+/// Draws an estimable effect, because noncentralities are computed with the other effects estimated.
 fn any_effect(rng: &mut ChaCha8Rng) -> &'static Effect {
     loop {
         let effect = CATALOGUE[rng.random_range(0..CATALOGUE.len())];
@@ -37,15 +37,15 @@ fn any_effect(rng: &mut ChaCha8Rng) -> &'static Effect {
     }
 }
 
-/// An effect of typical size, its logarithm uniform.
+/// Draws an effect whose size is log-uniform in the typical range.
 fn typical(setup: &Setup, rng: &mut ChaCha8Rng) -> EffectSetting {
     let template = Template::draw(any_effect(rng), &setup.robot, rng);
     let range = template.typical.unwrap_or([1.0, 1.0]);
     template.setting(log_uniform(range, rng))
 }
 
-/// Noncentrality of each effect while the others are estimated; 0 where they break the robot.
-fn each_beside_the_others(setup: &Setup, effects: &[EffectSetting]) -> Vec<f64> {
+/// Noncentrality of each effect with the others estimated; 0 where the effects break the robot.
+fn each_noncentrality(setup: &Setup, effects: &[EffectSetting]) -> Vec<f64> {
     let beside = |n: usize| {
         let others = [&effects[..n], &effects[n + 1..]].concat();
         noncentrality(setup, &effects[n], &others).unwrap_or(0.0)
@@ -53,19 +53,19 @@ fn each_beside_the_others(setup: &Setup, effects: &[EffectSetting]) -> Vec<f64> 
     (0..effects.len()).map(beside).collect()
 }
 
-/// Three to five effects of typical size, each visible while the others are estimated.
+/// Draws three to five effects of typical size, each visible while the others are estimated.
 ///
 /// # Errors
 /// If none are found.
-pub fn several(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
+pub fn several(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<DrawnEffects> {
     let count = rng.random_range(3..=5);
     let mut effects: Vec<EffectSetting> = Vec::new();
-    for _ in 0..TRIES {
+    for _ in 0..MAX_DRAWS {
         effects.push(typical(setup, rng));
         let last = effects.len() - 1;
         let others = &effects[..last];
         if noncentrality(setup, &effects[last], others).is_ok_and(|seen| seen >= VISIBLE) {
-            let seen = each_beside_the_others(setup, &effects);
+            let seen = each_noncentrality(setup, &effects);
             if seen.iter().all(|value| *value >= VISIBLE) {
                 if effects.len() == count {
                     return Ok((effects, seen));
@@ -78,18 +78,18 @@ pub fn several(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
     bail!("no {count} effects found for {}", setup.robot.name)
 }
 
-/// One effect of typical size that is visible; if `separated`, one that no other effect could be taken for.
+/// Draws one visible effect of typical size; if `separated`, one that no other effect can be mistaken for.
 ///
 /// # Errors
 /// If none is found.
-pub fn one(setup: &Setup, separated: bool, rng: &mut ChaCha8Rng) -> Result<Together> {
-    for _ in 0..TRIES {
+pub fn one(setup: &Setup, separated: bool, rng: &mut ChaCha8Rng) -> Result<DrawnEffects> {
+    for _ in 0..MAX_DRAWS {
         let effect = typical(setup, rng);
         let Ok(seen) = noncentrality(setup, &effect, &[]) else {
             continue;
         };
         if seen >= VISIBLE
-            && (!separated || left_by_nearest_other(setup, &effect, SEPARATED)? >= SEPARATED)
+            && (!separated || chi2_of_nearest_other(setup, &effect, SEPARATED)? >= SEPARATED)
         {
             return Ok((vec![effect], vec![seen]));
         }
@@ -97,14 +97,14 @@ pub fn one(setup: &Setup, separated: bool, rng: &mut ChaCha8Rng) -> Result<Toget
     bail!("no effect found for {}", setup.robot.name)
 }
 
-/// As many effects as chance has it, of typical sizes and rarely beyond: what the prior of the diagnosis says.
+/// Draws effects from the prior of the diagnosis: a random number of them, of typical sizes and rarely beyond.
 ///
 /// # Errors
-/// If all that is drawn breaks the robot.
-pub fn by_chance(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
-    for _ in 0..TRIES {
+/// If every draw breaks the robot.
+pub fn by_chance(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<DrawnEffects> {
+    for _ in 0..MAX_DRAWS {
         let mut effects = Vec::new();
-        // Poisson's distribution: exponential waiting times until 1 is exceeded.
+        // A Poisson number, by adding exponential waiting times until they exceed 1.
         let mut waited = 0.0;
         loop {
             waited -= rng.random_range(f64::MIN_POSITIVE..1.0).ln() / CAUSES;
@@ -113,15 +113,15 @@ pub fn by_chance(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
             }
             let template = Template::draw(any_effect(rng), &setup.robot, rng);
             let [smallest, largest] = template.typical.unwrap_or([1.0, 1.0]);
-            let range = match rng.random_bool(BEYOND) {
-                true => [largest, BEYOND_FACTOR * largest],
+            let range = match rng.random_bool(ATYPICAL_SHARE) {
+                true => [largest, ATYPICAL_FACTOR * largest],
                 false => [smallest, largest],
             };
             let size = log_uniform(range, rng);
             effects.push(template.setting(size));
         }
         if setup.exact(&effects).is_ok() {
-            let seen = each_beside_the_others(setup, &effects);
+            let seen = each_noncentrality(setup, &effects);
             return Ok((effects, seen));
         }
     }
@@ -141,19 +141,19 @@ fn signed(range: [f64; 2], rng: &mut ChaCha8Rng) -> f64 {
     sign * rng.random_range(range[0]..=range[1])
 }
 
-/// One offset that all cables have in common.
+/// Draws one offset common to all cables.
 ///
 /// # Errors
 /// If the robot cannot be simulated.
-pub fn common_offset(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<Together> {
+pub fn common_offset(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<DrawnEffects> {
     let effect = setting("winch_offset", &[], "offset", signed(COMMON_OFFSET_M, rng));
     let seen = noncentrality(setup, &effect, &[])?;
     Ok((vec![effect], vec![seen]))
 }
 
-/// Every winch with a scale of its own, every force sensor with a gain and a bias of its own, of typical sizes.
+/// Draws a different scale for every winch, and a different gain and bias for every force sensor, of typical sizes.
 #[must_use]
-pub fn families(setup: &Setup, rng: &mut ChaCha8Rng) -> Together {
+pub fn families(setup: &Setup, rng: &mut ChaCha8Rng) -> DrawnEffects {
     let cables = &setup.robot.preset.robot.cables;
     let typical = |id: &str| {
         let effect = tautline_core::effect::find(id);
@@ -170,7 +170,7 @@ pub fn families(setup: &Setup, rng: &mut ChaCha8Rng) -> Together {
             effects.push(setting(id, &[&cable.name], parameter, signed(range, rng)));
         }
     }
-    let seen = each_beside_the_others(setup, &effects);
+    let seen = each_noncentrality(setup, &effects);
     (effects, seen)
 }
 

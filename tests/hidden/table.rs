@@ -1,4 +1,4 @@
-//! Tables of a study, as Markdown.
+//! Markdown tables of a study.
 
 mod drawn;
 mod figures;
@@ -17,9 +17,9 @@ pub use reliability::diagram;
 use figures::NORMAL_95;
 
 use super::judge::Found;
-use super::{Hidden, OUTSIDE, Outcome, Said, Stratum, Study, Sure, Wanted, robots};
+use super::{FindingRecord, Hidden, OUTSIDE, Outcome, Stratum, Study, Sure, Wanted, robots};
 
-/// All tables of a study: figures, effects by robot, confusions, times.
+/// All tables of a study: figures, results by effect and robot, confusions, computing times.
 #[must_use]
 pub fn markdown(study: &Study) -> String {
     let mut text = summary(study);
@@ -34,13 +34,13 @@ pub fn markdown(study: &Study) -> String {
     let caption = "Outside the catalogue: unknown or ambiguous, and nothing named, of those that can be told \
                    from every single effect in it; in brackets those that cannot.";
     text.push_str(&by_robot(study, caption, &outside, |outcome| {
-        is_outside(outcome).then(|| is_honest(outcome))
+        is_outside(outcome).then(|| has_finding_without_wrong_name(outcome))
     }));
     text.push_str(&confusions(study));
     text
 }
 
-/// The tables of the studies: what is asked for, each kind of data, and how far stated probabilities can be relied on.
+/// The summary tables of a study: requirements, results by kind of dataset, and reliability of stated probabilities.
 #[must_use]
 pub fn summary(study: &Study) -> String {
     let mut text = figures_table(&Figures::of(study));
@@ -67,13 +67,13 @@ fn is_found(found: &Found) -> bool {
     matches!(found, Found::Named | Found::Listed)
 }
 
-/// Whether something is said, but no cause named.
-pub(super) fn is_honest(outcome: &Outcome) -> bool {
+/// Whether there is a finding, but no wrong name.
+pub(super) fn has_finding_without_wrong_name(outcome: &Outcome) -> bool {
     !outcome.said.is_empty() && outcome.wrong_names.is_empty()
 }
 
-/// The same, or readings are said to scatter more than described.
-pub(super) fn is_noticed(outcome: &Outcome) -> bool {
+/// Whether there is a finding or a statement of larger noise, but no wrong name.
+pub(super) fn is_noticed_without_wrong_name(outcome: &Outcome) -> bool {
     let is_louder = outcome.noise.iter().any(|(_, ratio)| *ratio > 1.0);
     outcome.wrong_names.is_empty() && (is_louder || !outcome.said.is_empty())
 }
@@ -119,7 +119,7 @@ fn counts(study: &Study) -> String {
     )
 }
 
-/// Data sets of one effect on one robot.
+/// Counts for one effect on one robot.
 #[derive(Default)]
 struct Cell {
     right: usize,
@@ -142,7 +142,8 @@ impl Cell {
     }
 }
 
-/// A row per effect and a column per robot with what `judge` accepts of what it judges.
+/// A table with a row per effect and a column per robot. `judge` returns whether an outcome is right, or `None` if it
+/// does not count.
 fn by_robot(
     study: &Study,
     caption: &str,
@@ -172,7 +173,7 @@ fn by_robot(
     )
 }
 
-/// A table with a column per robot and a row per effect that occurs; nothing without cells.
+/// A table with a column per robot and a row per effect that occurs; empty without cells.
 fn effects_by_robot(caption: &str, ids: &[&str], cells: &BTreeMap<(&str, &str), String>) -> String {
     if cells.is_empty() {
         return String::new();
@@ -192,7 +193,7 @@ fn effects_by_robot(caption: &str, ids: &[&str], cells: &BTreeMap<(&str, &str), 
     text
 }
 
-/// What was said instead of the truth, or besides it.
+/// Table of what was reported instead of the truth or in addition to it.
 fn confusions(study: &Study) -> String {
     let mut counts: BTreeMap<(String, String), usize> = BTreeMap::new();
     for outcome in &study.outcomes {
@@ -213,7 +214,7 @@ fn confusions(study: &Study) -> String {
     text
 }
 
-/// Hidden effect and what was said instead, without cables.
+/// Hidden effects and what was reported instead, without cable numbers.
 fn confused(outcome: &Outcome) -> Vec<(String, String)> {
     let said = |names: &[String]| {
         let plain: Vec<String> = names.iter().map(|name| without_cables(name)).collect();
@@ -228,7 +229,9 @@ fn confused(outcome: &Outcome) -> Vec<(String, String)> {
         Hidden::Effects(settings) => settings.iter().map(|s| s.effect.clone()).collect(),
         Hidden::Nothing if outcome.said.is_empty() => return Vec::new(),
         Hidden::Nothing => return vec![("nothing".to_owned(), said(&answers))],
-        Hidden::Outside(..) if is_honest(outcome) || !is_outside(outcome) => return Vec::new(),
+        Hidden::Outside(..) if has_finding_without_wrong_name(outcome) || !is_outside(outcome) => {
+            return Vec::new();
+        }
         Hidden::Outside(effect, _) => return vec![(effect.id.to_owned(), said(&answers))],
         Hidden::Exchanged(channels, _) => vec![format!("{} exchanged", channels.name())],
     };
@@ -250,7 +253,7 @@ fn confused(outcome: &Outcome) -> Vec<(String, String)> {
     confusions
 }
 
-/// An answer without its cable numbers: the same effect on several cables is no confusion of effects.
+/// Removes cable numbers, because the same effect on several cables is not a confusion of effects.
 fn without_cables(answer: &str) -> String {
     let names = answer.split(" or ");
     let mut plain: Vec<&str> = names
@@ -260,7 +263,7 @@ fn without_cables(answer: &str) -> String {
     plain.join(" or ")
 }
 
-/// One line for each data set in which something went wrong, with all that is needed to make it again.
+/// One line for each dataset with an error, with all that is needed to reproduce it.
 #[must_use]
 pub fn failures(study: &Study) -> String {
     let mut text = String::new();
@@ -277,8 +280,7 @@ pub fn failures(study: &Study) -> String {
     text
 }
 
-/// For every parameter: in how many of how many cases the 95 % interval covers the truth, and the root mean square
-/// of the error in standard deviations.
+/// For each parameter the coverage of the 95 % interval, and the root mean square error in standard deviations.
 #[must_use]
 pub fn coverage(study: &Study) -> String {
     let mut errors: BTreeMap<(&str, &str), Vec<f64>> = BTreeMap::new();
@@ -303,7 +305,7 @@ pub fn coverage(study: &Study) -> String {
     text
 }
 
-/// A data set in one line.
+/// Describes a dataset and its outcome in one line.
 #[must_use]
 pub fn describe(outcome: &Outcome) -> String {
     let hidden = match &outcome.drawn.case.hidden {
@@ -344,8 +346,8 @@ pub fn describe(outcome: &Outcome) -> String {
     )
 }
 
-/// What a finding says, with the probabilities that it states and the chi-square that it gains.
-fn with_probabilities(said: &Said) -> String {
+/// Describes a finding with its stated probabilities and the reduction of chi-square.
+fn with_probabilities(said: &FindingRecord) -> String {
     let each = said.candidates.iter();
     let each = each.map(|candidate| format!("{} {:.3}", candidate.name, candidate.probability));
     let text = match said.sure {

@@ -1,4 +1,4 @@
-//! An effect with everything drawn but its size.
+//! Draws everything about an effect except its size.
 
 use std::collections::BTreeMap;
 
@@ -9,8 +9,8 @@ use tautline_core::robot::Robot;
 
 use super::TestRobot;
 
-/// Effects whose parameter has a sign by nature: play, friction, compliance, expansion of steel, creep under tension,
-/// and weight, as a cable cannot weigh less than nothing.
+/// Effects whose parameter is positive by nature: backlash, friction, compliance, expansion of steel, creep under
+/// tension, and weight.
 const POSITIVE: [&str; 6] = [
     "winch_backlash",
     "pulley_friction",
@@ -20,22 +20,22 @@ const POSITIVE: [&str; 6] = [
     "cable_sag",
 ];
 
-/// Probability that an effect of one cable or all is put on one.
+/// Probability that an effect of one cable or all cables is put on one cable.
 const ONE_CABLE: f64 = 0.7;
 
-/// Poses that an event leaves before and behind it at least.
+/// Minimum number of poses before and after an event.
 const BESIDE_EVENT: i64 = 3;
 
-/// An effect with targets, direction and everything else that is no size.
+/// An effect with targets, directions and all other parameters except its size.
 #[derive(Clone)]
 pub struct Template {
-    /// The effect.
+    /// Kind of effect.
     pub effect: &'static Effect,
-    /// Names of the cables concerned.
+    /// Names of the target cables.
     pub targets: Vec<String>,
-    /// Smallest and largest typical size; `None` where an effect has no size.
+    /// Smallest and largest typical size; `None` if the effect has no size.
     pub typical: Option<[f64; 2]>,
-    /// One per parameter.
+    /// How each parameter depends on the size.
     values: Vec<Value>,
 }
 
@@ -43,7 +43,7 @@ pub struct Template {
 enum Value {
     /// Proportional to the size.
     PerSize(f64),
-    /// The same at any size.
+    /// Independent of the size.
     Fixed(f64),
 }
 
@@ -71,7 +71,7 @@ impl Template {
         }
     }
 
-    /// The effect at a size.
+    /// The effect with a given size.
     #[must_use]
     pub fn setting(&self, size: f64) -> EffectSetting {
         let value = |value: &Value| match value {
@@ -88,13 +88,13 @@ impl Template {
     }
 }
 
-/// The typical range of sizes. A range across zero is one of either sign.
+/// Typical range of sizes. Ranges of either sign become positive.
 fn typical(parameter: &EffectParameter) -> [f64; 2] {
     let [a, b] = parameter.typical.map(f64::abs);
     [a.min(b), a.max(b)]
 }
 
-/// Layers build up by the turn of the drum, and the parameter counts those of the motor.
+/// Layers build up per turn of the drum, while the parameter counts turns of the motor.
 fn build_up_turns(id: &str, robot: &Robot) -> f64 {
     if id == "drum_growth" {
         robot.cables[0].winch.gear_ratio
@@ -103,7 +103,7 @@ fn build_up_turns(id: &str, robot: &Robot) -> f64 {
     }
 }
 
-/// Value of a parameter that is no size.
+/// Value of a parameter that does not depend on the size; `None` for other parameters.
 fn fixed(effect: &Effect, k: usize, poses: usize, rng: &mut ChaCha8Rng) -> Option<f64> {
     let parameter = &effect.parameters()[k];
     let last = poses as i64;
@@ -123,12 +123,12 @@ fn fixed(effect: &Effect, k: usize, poses: usize, rng: &mut ChaCha8Rng) -> Optio
     }
 }
 
-/// A number from the range, its logarithm uniform.
+/// Draws a number log-uniformly from a range.
 pub(super) fn log_uniform([low, high]: [f64; 2], rng: &mut ChaCha8Rng) -> f64 {
     low * (high / low).powf(rng.random_range(0.0..=1.0))
 }
 
-/// A unit vector of any direction, within the half space that nature allows.
+/// Draws a unit vector of any direction, or of the physically possible sign.
 fn direction(id: &str, count: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
     if POSITIVE.contains(&id) {
         return vec![1.0; count];
@@ -148,7 +148,7 @@ fn targets(scope: Scope, robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<String> {
     let other = (first + rng.random_range(1..count)) % count;
     let all = rng.random_range(0.0..1.0) > ONE_CABLE;
     let chosen = match scope {
-        // The structure without a name is no effect to hide.
+        // Unmodelled errors cannot be hidden as effects.
         Scope::Robot | Scope::Reading => vec![],
         Scope::CableOrAll if all => vec![],
         Scope::Pair => vec![first, other],
@@ -168,7 +168,7 @@ mod tests {
     use tautline_core::effect::{BoundEffect, CATALOGUE};
 
     #[test]
-    fn templates_can_be_attached_and_have_the_size_asked_for() {
+    fn templates_can_be_bound_and_have_the_given_size() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         for robot in robots() {
             for effect in CATALOGUE {

@@ -1,4 +1,4 @@
-//! How well an effect can be seen, decided by fits and without the doctor.
+//! Visibility of effects, determined by fits and independently of the diagnosis.
 
 use anyhow::{Result, ensure};
 use tautline_core::effect::{
@@ -10,10 +10,10 @@ use tautline_core::robot::Robot;
 
 use super::Setup;
 
-/// Noncentrality from which an effect counts as visible: about that at which a test corrected for some hundred
-/// questions finds it with probability 0.99.
+/// Noncentrality from which an effect counts as visible. A test corrected for some hundred hypotheses detects it with a
+/// probability of about 0.99.
 pub const VISIBLE: f64 = 40.0;
-/// Noncentralities of effects that are just visible.
+/// Range of noncentralities of effects that are just visible.
 pub const JUST_VISIBLE: [f64; 2] = [25.0, 60.0];
 
 /// Solves a problem.
@@ -24,11 +24,10 @@ pub(super) fn solved(problem: &Problem<'_>) -> Result<Solution> {
     Ok(found)
 }
 
-/// The noncentrality of the first effect if the others are estimated: chi-square of noise-free data that a model
-/// without the first leaves, less what the whole truth leaves because predictions are approximate.
+/// Noncentrality of an effect with others estimated: the chi-square of a model without it for noise-free data.
 ///
 /// # Errors
-/// If the effects break the robot, or the truth itself does not explain the data.
+/// If the effects break the robot, or the true model does not explain the data.
 pub fn noncentrality(
     setup: &Setup,
     effect: &EffectSetting,
@@ -36,7 +35,7 @@ pub fn noncentrality(
 ) -> Result<f64> {
     let all: Vec<EffectSetting> = [effect].into_iter().chain(others).cloned().collect();
     let exact = setup.exact(&all)?;
-    let without = setup.as_seen(&exact);
+    let without = setup.visibility_data(&exact);
     let mut problem = Problem::new(&without)?;
     for other in others {
         let bound = BoundEffect::from_setting(other, &without.robot)?;
@@ -45,7 +44,7 @@ pub fn noncentrality(
         }
     }
     let left = solved(&problem)?.chi2;
-    let by_truth = left_by_truth(&exact.truth, &without)?;
+    let by_truth = chi2_of_truth(&exact.truth, &without)?;
     ensure!(
         by_truth < 1.0 + 0.02 * left,
         "the truth leaves {by_truth} of {left}"
@@ -53,8 +52,8 @@ pub fn noncentrality(
     Ok(left)
 }
 
-/// Chi-square that the truth leaves: large where an effect is beyond the validity of its own formula.
-fn left_by_truth(truth: &Robot, data: &Dataset) -> Result<f64> {
+/// Chi-square of the true model, which is large for effects beyond the validity of their own formula.
+fn chi2_of_truth(truth: &Robot, data: &Dataset) -> Result<f64> {
     let data = Dataset {
         robot: Robot {
             effects: truth.effects.clone(),
@@ -63,7 +62,7 @@ fn left_by_truth(truth: &Robot, data: &Dataset) -> Result<f64> {
         measurements: data.measurements.clone(),
     };
     let mut problem = Problem::new(&data)?;
-    // What corrupts readings is in no model.
+    // Effects that corrupt readings are not part of any model.
     if !problem.held_effects.iter().all(|b| b.effect.is_estimable()) {
         return Ok(0.0);
     }
@@ -71,15 +70,15 @@ fn left_by_truth(truth: &Robot, data: &Dataset) -> Result<f64> {
     Ok(solved(&problem)?.chi2)
 }
 
-/// Finds the size at which the noncentrality is `target`, within 5 %, starting at `size` where it is `at_size`.
-/// `None` if it is not found.
+/// Finds the size at which the noncentrality is `target`, within 5 %, starting at `size` with the noncentrality
+/// `at_size`. `None` if the search fails.
 pub(super) fn size_for(
     target: f64,
     (size, at_size): (f64, f64),
     noncentrality: impl Fn(f64) -> Result<f64>,
 ) -> Option<f64> {
     let (mut size, mut value) = (size, at_size);
-    // Quadratic for small effects, until the values tell otherwise.
+    // Noncentrality is quadratic for small effects; later steps use the observed slope.
     let mut power = 2.0;
     for _ in 0..20 {
         if !(value.is_finite() && value > 0.0) {
@@ -101,7 +100,7 @@ pub(super) fn size_for(
     None
 }
 
-/// Every effect of the catalogue on any one cable or all. Events and waves are not among them.
+/// Every permanent effect of the catalogue on any single cable or on all cables.
 fn single_effects(robot: &Robot) -> Vec<EffectRequest> {
     let names = robot.cables.iter().map(|cable| &cable.name);
     let direct = |effect: &&&Effect| effect.search() == Search::Direct;
@@ -120,19 +119,19 @@ fn single_effects(robot: &Robot) -> Vec<EffectRequest> {
     all
 }
 
-/// The chi-square that an effect leaves; infinite for one that the readings cannot carry, as it explains nothing.
-fn left_by(dataset: &Dataset, request: EffectRequest) -> Result<f64> {
+/// Chi-square that an effect leaves unexplained; infinite if it cannot be estimated from these readings.
+fn chi2_with(dataset: &Dataset, request: EffectRequest) -> Result<f64> {
     let mut problem = Problem::new(dataset)?;
     problem.free(&[request])?;
     Ok(solved(&problem).map_or(f64::INFINITY, |found| found.chi2))
 }
 
-/// The least chi-square that any one effect of the catalogue, on any one cable or all, leaves of what no effect of
-/// the catalogue made: below [`VISIBLE`] the data cannot tell the two apart. Events and waves are not tried.
-pub(super) fn left_by_nearest(dataset: &Dataset) -> Result<f64> {
+/// Smallest chi-square that any single permanent effect of the catalogue leaves of an effect outside it. Below
+/// [`VISIBLE`] the two cannot be told apart.
+pub(super) fn chi2_of_nearest_effect(dataset: &Dataset) -> Result<f64> {
     let mut least = f64::INFINITY;
     for request in single_effects(&dataset.robot) {
-        least = least.min(left_by(dataset, request)?);
+        least = least.min(chi2_with(dataset, request)?);
     }
     Ok(least)
 }
@@ -140,15 +139,15 @@ pub(super) fn left_by_nearest(dataset: &Dataset) -> Result<f64> {
 /// Effects of a cable at a pose.
 const EVENTS: [&str; 3] = ["cable_slip", "frame_shift", "encoder_outlier"];
 
-/// The least chi-square that any other single effect leaves of an effect; the search ends where it falls below `enough`.
-/// An effect in time could also be a slip of its cables, which is tried at every second pose, and what happens at a pose
-/// anything else that happens there.
-pub(super) fn left_by_nearest_other(
+/// Smallest chi-square that any other single effect leaves of an effect. The search stops below `enough`. A permanent
+/// effect is also compared with a slip of its cables at every second pose, and an event with all other events on the
+/// same cable at the same pose.
+pub(super) fn chi2_of_nearest_other(
     setup: &Setup,
     effect: &EffectSetting,
     enough: f64,
 ) -> Result<f64> {
-    let dataset = setup.as_seen(&setup.exact(std::slice::from_ref(effect))?);
+    let dataset = setup.visibility_data(&setup.exact(std::slice::from_ref(effect))?);
     let robot = &dataset.robot;
     let mut rivals = single_effects(robot);
     // The scale of all winches has two names.
@@ -159,7 +158,7 @@ pub(super) fn left_by_nearest_other(
     };
     rivals.retain(|rival| alike(&rival.effect) != alike(&effect.effect) || !single(rival));
     if EVENTS.contains(&effect.effect.as_str()) {
-        // What happens to the same cable at the same pose.
+        // Other events on the same cable at the same pose.
         for id in EVENTS.iter().filter(|id| **id != effect.effect) {
             rivals.push(EffectRequest {
                 effect: (*id).to_owned(),
@@ -180,10 +179,10 @@ pub(super) fn left_by_nearest_other(
     }
     let mut least = f64::INFINITY;
     for rival in rivals {
-        // Each cable its own contains the effect itself.
+        // The effect on each cable includes the effect itself.
         let contains = alike(&rival.effect) == alike(&effect.effect) && rival.cable.is_none();
         if !contains {
-            least = least.min(left_by(&dataset, rival)?);
+            least = least.min(chi2_with(&dataset, rival)?);
         }
         if least < enough {
             break;
@@ -215,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn noncentrality_is_nothing_without_effect_and_quadratic_in_a_small_one() {
+    fn noncentrality_is_zero_without_effect_and_quadratic_in_small_ones() {
         let mini = mini(5);
         let at = |size| noncentrality(&mini, &scale(size), &[]).unwrap();
         assert!(at(0.0) < 1e-6, "{}", at(0.0));
@@ -229,18 +228,18 @@ mod tests {
     }
 
     #[test]
-    fn what_is_estimated_beside_an_effect_takes_from_its_noncentrality() {
+    fn estimating_a_similar_effect_reduces_the_noncentrality() {
         let mini = mini(5);
         let alone = noncentrality(&mini, &scale(0.003), &[]).unwrap();
         let same = noncentrality(&mini, &scale(0.003), &[scale(0.001)]).unwrap();
-        // The other instance of the same effect explains both, but for its prior.
+        // The other instance of the same effect explains both, apart from its prior.
         assert!(same < 0.05 * alone, "{alone} {same}");
     }
 
-    /// The chi-square that data with noise gain by the effect is its noncentrality and 1 on average, with a
-    /// standard deviation of twice the root of the noncentrality.
+    /// The expected gain of chi-square by the effect in noisy data is its noncentrality plus 1, with a standard
+    /// deviation of twice the square root of the noncentrality.
     #[test]
-    fn noncentrality_is_what_noisy_data_gain() {
+    fn noncentrality_is_the_expected_gain_of_noisy_data() {
         let effect = scale(0.004);
         let mut z = 0.0;
         for seed in 0..20 {
@@ -255,7 +254,7 @@ mod tests {
             let gain = solved(&base).unwrap().chi2 - solved(&full).unwrap().chi2;
             z += (gain - expected - 1.0) / (2.0 * expected.sqrt()) / 20.0_f64.sqrt();
         }
-        // Fixed seeds; the mean of 20 would exceed 4 by chance once in 16,000.
+        // The mean of 20 standardised gains would exceed 4 standard errors by chance once in 16,000 cases.
         assert!(z.abs() < 4.0, "{z}");
     }
 }

@@ -1,4 +1,4 @@
-//! Whether a model explains the data: chi-square tests of everything and of each kind of reading.
+//! Chi-square tests of whether a model explains the data: of all residuals together and of each kind of reading.
 //!
 //! With model and noise right, the residuals `r_g` of a group of readings have the covariance `M_gg`
 //! ([`ResidualSpace`]), so `r_g^T r_g` has the mean `tr M_gg` and the variance `2 tr M_gg^2`. It is compared with
@@ -13,8 +13,8 @@ use super::{Adequacy, GlobalTest, GroupTest, Quantity};
 use crate::estimation::Solution;
 use crate::statistics::{chi_square_survival, chi_square_two_sided};
 
-/// Tests the residuals of a solution. `adequate` follows from the global test alone: the sum of
-/// squares is not larger than one in `1/alpha` would be.
+/// Tests the residuals of a solution. Only the global test decides `adequate`: with many group tests, some would reject
+/// by chance.
 pub(crate) fn adequacy(space: &ResidualSpace, solution: &Solution, alpha: f64) -> Adequacy {
     let (chi2, degrees_of_freedom) = (solution.chi2, solution.degrees_of_freedom);
     let global = GlobalTest {
@@ -33,7 +33,7 @@ pub(crate) fn adequacy(space: &ResidualSpace, solution: &Solution, alpha: f64) -
     }
 }
 
-/// Classes of the rows that have a reading, those with the same key together, in the order of the keys.
+/// Groups the rows that belong to a reading by a key. Returns the sorted keys and, for each row, the index of its key.
 pub(super) fn classes<K: Ord + Copy>(
     space: &ResidualSpace,
     key_of: impl Fn(&ReadingId) -> K,

@@ -1,11 +1,11 @@
-//! Mild model error that no cause explains: for the readings of each class a smooth function, part of the noise.
+//! Mild model error that no cause explains: a smooth random function for the readings of each class, treated as noise.
 //!
-//! The functions are polynomials of second and third degree of the position, waves over time and products with the
-//! tension, orthonormal over the poses. What an effect of the catalogue expresses is taken out of them: constants,
-//! linear functions of the pose, of the tension and of time, the square of the cable's length and so on. But where there
-//! is such an error it has constant and linear parts of the same size, which must not be taken for causes: they are
-//! part of the noise, too, once the others show the error. The
-//! coefficients have normal priors with one amplitude per class, in standard deviations of the readings as described.
+//! The functions are polynomials of the position from the second degree on, waves over time and products with the
+//! tension, orthonormal over the poses. They are made orthogonal to whatever an effect of the catalogue can express:
+//! constants, linear functions of pose, tension and time, the square of the cable length and so on. A real smooth error
+//! also has constant and linear parts of the same size, which must not be mistaken for causes, so they become part of
+//! the noise as soon as the other functions reveal the error. The coefficients have normal priors with one amplitude
+//! per class, in standard deviations of the readings as described.
 
 use std::f64::consts::PI;
 
@@ -17,23 +17,23 @@ use super::variables::Variables;
 use crate::estimation::Linearisation;
 use crate::measurement::Variable;
 
-/// Readings for each function.
+/// Readings needed for each function.
 const READINGS_PER_FUNCTION: usize = 3;
-/// Waves over the time of the measurement: half waves, from the first that is no drift.
+/// Half waves over the duration of the measurement. The first one is left out because it looks like a drift.
 const HALF_WAVES: std::ops::RangeInclusive<usize> = 2..=8;
-/// Part of a function that must be left when the others are taken out.
-const NEW: f64 = 0.05;
+/// Smallest share of a function's norm that must remain after projection for it to count as new.
+const MIN_INDEPENDENT_PART: f64 = 0.05;
 
-/// Degree of the polynomials of the position.
+/// Highest degree of the polynomials of the position.
 const DEGREE: usize = 5;
-/// On what functions depend.
+/// The variables that a group of functions depends on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Group {
-    /// On the position.
+    /// Position.
     Position,
-    /// On time.
+    /// Time.
     Time,
-    /// On the tension, alone and times the position.
+    /// Tension, alone and multiplied by the position.
     Load,
 }
 
@@ -41,19 +41,21 @@ impl Group {
     const ALL: [Self; 3] = [Self::Position, Self::Time, Self::Load];
 }
 
-/// The functions of one class of readings and one group, in conditions, one per column.
+/// Background functions of one class of readings and one group, one per column.
 pub(super) struct Shape {
     pub class: usize,
     pub group: Group,
-    /// Those that no effect of the catalogue expresses, of root mean square 1 together.
+    /// The functions that no effect of the catalogue expresses, as conditions; their joint root mean square is 1.
     pub columns: DMatrix<f64>,
-    /// The same as functions of the pose, one row per pose.
+    /// The same functions by pose, one row per pose.
     pub functions: DMatrix<f64>,
-    /// Constants and linear functions of the same size: an error that is not a cause has them, too, but they show nothing.
-    pub simple: DMatrix<f64>,
+    /// Constant and linear functions of the same size, as conditions. A smooth error contains them too, but they are no
+    /// evidence of one.
+    pub low_order: DMatrix<f64>,
 }
 
-/// The functions of every class, group after group; none where there are too few readings.
+/// Builds the functions of every class and group, skipping those with too few readings. The shapes of one class are
+/// adjacent.
 pub(super) fn shapes(
     conditions: &Conditions,
     linear: &Linearisation,
@@ -63,27 +65,31 @@ pub(super) fn shapes(
     for (class, id) in conditions.classes.iter().enumerate() {
         let poses = conditions.poses_of(class);
         let rows: Vec<usize> = poses.iter().map(|pose| linear.poses[*pose].row).collect();
-        let circumstances = Circumstances::new(id, &rows, variables);
+        let scaled_variables = ScaledVariables::new(id, &rows, variables);
         for group in Group::ALL {
-            let Some([simple, columns]) = circumstances.of_group(group) else {
+            let Some([low_order, columns]) = scaled_variables.of_group(group) else {
                 continue;
             };
-            let functions = spread(&columns, &poses, conditions.poses);
-            let simple = spread(&simple, &poses, conditions.poses);
+            let functions = at_all_poses(&columns, &poses, conditions.poses);
+            let low_order = at_all_poses(&low_order, &poses, conditions.poses);
             shapes.push(Shape {
                 class,
                 group,
-                columns: conditions.of_class(class, &functions),
+                columns: conditions.project_class(class, &functions),
                 functions,
-                simple: conditions.of_class(class, &simple),
+                low_order: conditions.project_class(class, &low_order),
             });
         }
     }
     shapes
 }
 
-/// Functions of some poses, one row each, as functions of all `count`; zero elsewhere.
-pub(super) fn spread(functions: &DMatrix<f64>, poses: &[usize], count: usize) -> DMatrix<f64> {
+/// Expands functions given at some poses, one row each, to all `count` poses; zero elsewhere.
+pub(super) fn at_all_poses(
+    functions: &DMatrix<f64>,
+    poses: &[usize],
+    count: usize,
+) -> DMatrix<f64> {
     let mut all = DMatrix::zeros(count, functions.ncols());
     for (row, pose) in poses.iter().enumerate() {
         all.row_mut(*pose).copy_from(&functions.row(row));
@@ -91,21 +97,21 @@ pub(super) fn spread(functions: &DMatrix<f64>, poses: &[usize], count: usize) ->
     all
 }
 
-/// Functions with their sizes.
-type Sized = Vec<(DVector<f64>, f64)>;
+/// Functions with the standard deviations of their coefficients.
+type WeightedFunctions = Vec<(DVector<f64>, f64)>;
 
-/// On what the readings of one class may depend, each from -1 to 1.
-pub(super) struct Circumstances {
+/// The variables on which the readings of one class may depend, each scaled to the interval from -1 to 1.
+pub(super) struct ScaledVariables {
     count: usize,
     position: Vec<DVector<f64>>,
     rotation: Vec<DVector<f64>>,
     tension: Option<DVector<f64>>,
     time: Option<DVector<f64>>,
-    /// What effects of the catalogue express beside a constant, and of which variable.
+    /// Functions that effects of the catalogue express besides a constant, with the variable that they depend on.
     expressed: Vec<(Variable, DVector<f64>)>,
 }
 
-impl Circumstances {
+impl ScaledVariables {
     pub fn new(id: &ReadingId, rows: &[usize], variables: &Variables<'_>) -> Self {
         let of = |value: &dyn Fn(usize) -> f64| {
             DVector::from_iterator(rows.len(), rows.iter().map(|row| value(*row)))
@@ -142,7 +148,7 @@ impl Circumstances {
         }
     }
 
-    /// The functions of a variable that effects of the catalogue express.
+    /// A constant and the functions of a variable that effects of the catalogue express.
     pub fn expressed(&self, of: Variable) -> Vec<DVector<f64>> {
         let constant = DVector::from_element(self.count, 1.0);
         let own = self
@@ -153,58 +159,59 @@ impl Circumstances {
         std::iter::once(constant).chain(own).collect()
     }
 
-    /// The functions of a group, one row per reading: those that effects express, and those that none does, these of root
-    /// mean square 1 together; nothing where there are none.
+    /// The functions of a group, one row per reading: those that effects express and those that none expresses. The
+    /// latter have a joint root mean square of 1. `None` if there are none of them.
     fn of_group(&self, group: Group) -> Option<[DMatrix<f64>; 2]> {
-        let [simple, found] = self.functions(group);
+        let [low_order, found] = self.functions(group);
         let total: f64 = found.iter().map(|(_, size)| size * size).sum();
         let scale = (self.count as f64 / total).sqrt();
-        let sized = |all: &Sized| {
+        let sized = |all: &WeightedFunctions| {
             let columns: Vec<_> = all.iter().map(|(f, size)| f * (scale * size)).collect();
             DMatrix::from_columns(&columns)
         };
-        (!found.is_empty()).then(|| [sized(&simple), sized(&found)])
+        (!found.is_empty()).then(|| [sized(&low_order), sized(&found)])
     }
 
-    /// Orthonormal functions of a group: those that effects express, and those that none does.
-    fn functions(&self, group: Group) -> [Sized; 2] {
+    /// Orthonormal functions of a group: those that effects express, and those that none expresses.
+    fn functions(&self, group: Group) -> [WeightedFunctions; 2] {
         let [linear, wanted] = match group {
             Group::Position => self.of_position(),
             Group::Time => self.of_time(),
             Group::Load => self.of_load(),
         };
         let mut basis: Vec<DVector<f64>> = Vec::new();
-        let mut simple: Sized = Vec::new();
+        let mut low_order: WeightedFunctions = Vec::new();
         if !wanted.is_empty() {
             let constant = (DVector::from_element(self.count, 1.0), 1.0);
             for (function, size) in std::iter::once(constant).chain(linear) {
-                if let Some(new) = beside(&basis, &function) {
+                if let Some(new) = orthogonal_component(&basis, &function) {
                     basis.push(new.clone());
-                    simple.push((new, size));
+                    low_order.push((new, size));
                 }
             }
         }
         let constant = DVector::from_element(self.count, 1.0);
-        basis.extend(beside(&basis, &constant));
+        basis.extend(orthogonal_component(&basis, &constant));
         for (_, function) in &self.expressed {
-            basis.extend(beside(&basis, function));
+            basis.extend(orthogonal_component(&basis, function));
         }
-        let mut found: Sized = Vec::new();
+        let mut found: WeightedFunctions = Vec::new();
         for (function, size) in wanted {
             let has_room =
                 found.len() < self.count / READINGS_PER_FUNCTION && basis.len() < self.count;
-            if let Some(new) = beside(&basis, &function).filter(|_| has_room) {
+            if let Some(new) = orthogonal_component(&basis, &function).filter(|_| has_room) {
                 basis.push(new.clone());
                 found.push((new, size));
             }
         }
-        [simple, found]
+        [low_order, found]
     }
 
-    fn of_position(&self) -> [Sized; 2] {
+    fn of_position(&self) -> [WeightedFunctions; 2] {
         let position = &self.position;
         let mut wanted = Vec::new();
-        // Monomials of one degree from those of the degree before, each with its last variable.
+        // Each monomial of a degree is one of the previous degree times its last variable or a later one, so that none
+        // occurs twice.
         let mut monomials: Vec<(DVector<f64>, usize)> = position
             .iter()
             .enumerate()
@@ -224,7 +231,7 @@ impl Circumstances {
         [position.iter().map(|x| (x.clone(), 1.0)).collect(), wanted]
     }
 
-    fn of_time(&self) -> [Sized; 2] {
+    fn of_time(&self) -> [WeightedFunctions; 2] {
         let Some(time) = &self.time else {
             return [Vec::new(), Vec::new()];
         };
@@ -233,7 +240,7 @@ impl Circumstances {
         [vec![(time.clone(), 1.0)], waves.collect()]
     }
 
-    fn of_load(&self) -> [Sized; 2] {
+    fn of_load(&self) -> [WeightedFunctions; 2] {
         let Some(load) = &self.tension else {
             return [Vec::new(), Vec::new()];
         };
@@ -245,16 +252,20 @@ impl Circumstances {
     }
 }
 
-/// The part of a function across orthonormal ones, of norm 1; none where nothing is left.
-pub(super) fn beside(basis: &[DVector<f64>], function: &DVector<f64>) -> Option<DVector<f64>> {
+/// The normalised component of a function orthogonal to an orthonormal basis; `None` if it lies in the span of the
+/// basis.
+pub(super) fn orthogonal_component(
+    basis: &[DVector<f64>],
+    function: &DVector<f64>,
+) -> Option<DVector<f64>> {
     let norm = function.norm();
     let mut rest = function.clone();
-    // Twice, against rounding.
+    // A second pass removes the rounding error of the first.
     for _ in 0..2 {
         for known in basis {
             rest.axpy(-known.dot(&rest), known, 1.0);
         }
     }
     let left = rest.norm();
-    (left > NEW * norm && norm > 0.0).then(|| rest / left)
+    (left > MIN_INDEPENDENT_PART * norm && norm > 0.0).then(|| rest / left)
 }

@@ -1,9 +1,9 @@
-//! What could be wrong: every effect of the catalogue on every target, with its columns and its prior.
+//! Candidate causes: every effect of the catalogue on every target, with its columns and its prior.
 //!
-//! A candidate is one cause: an effect on one cable, on all cables with common parameters, or on each cable with
-//! parameters of its own. An event that could be at any of `N` poses, or a wave of any of `N` periods, is `N` candidates
-//! that share its prior probability. Columns are derivatives of the readings at the value without effect; those of
-//! events and waves are one derivative, the generator, times a weight for each pose.
+//! A candidate is an effect on one cable, on all cables with common parameters, or on each cable with parameters of its
+//! own. An event that may have happened at any of `N` poses, or a wave of any of `N` periods, makes `N` candidates that
+//! share one prior probability. Columns are derivatives of the readings at the value without effect; the columns of
+//! events and waves are one derivative, the generator, multiplied by a weight for each pose.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -12,50 +12,50 @@ use nalgebra::DMatrix;
 use super::report::Cause;
 use crate::effect::{Effect, EffectParameter, Scope, Search};
 
-/// Probability that a size is beyond the typical ones, and by how much.
-const BEYOND: f64 = 0.04;
-const BEYOND_FACTOR: f64 = 4.0;
+/// Prior probability that a size exceeds the typical ones, and ratio of adjacent scales.
+const ATYPICAL_SHARE: f64 = 0.04;
+const SCALE_RATIO: f64 = 4.0;
 
-/// Standard deviation of a size over the largest typical one, at scale 1.
-const LARGEST_IS_RARE: f64 = 0.5;
+/// Prior standard deviation of a size over the largest typical size, at scale 1.
+const RELATIVE_SD: f64 = 0.5;
 
-/// At which poses a generator acts.
+/// How the effect of a generator depends on the pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Acts {
-    /// At all.
+pub(super) enum PoseWeights {
+    /// The same at all poses.
     Everywhere,
-    /// At the pose with this index among those fitted.
+    /// Only at the pose with this index among those fitted.
     At(usize),
-    /// From that pose on.
+    /// From the pose with this index on.
     From(usize),
-    /// Times the sine (or cosine) of an angle that turns once per period (m).
+    /// Multiplied by the sine or cosine of an angle that turns once per period (m).
     Wave { period: f64, cosine: bool },
 }
 
-/// A column of the linearised problem.
+/// A column of the linearised problem: a generator with its weights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Column {
     pub generator: usize,
-    pub acts: Acts,
+    pub pose_weights: PoseWeights,
 }
 
-/// One cause that the data are asked about.
+/// A candidate cause.
 #[derive(Debug, Clone)]
 pub(super) struct Candidate {
-    /// Effect and targets, the parameters at their start values.
+    /// Effect and targets, with the parameters at their start values.
     pub cause: Cause,
-    /// Cables concerned; those of an effect of the robot are none.
+    /// Bit mask of the targeted cables; 0 for an effect of the whole robot.
     pub cables: u64,
-    /// Label of the pose, or period; NaN where there is none.
+    /// Label of the pose of an event, or period of a wave; NaN for other effects.
     pub place: f64,
     pub columns: Vec<Column>,
-    /// Factor `F` of the prior covariance `F F^T` of the columns' parameters at scale 1.
+    /// Factor `F` of the prior covariance `F F^T` of the coordinates at scale 1.
     pub prior: DMatrix<f64>,
-    /// Sizes over those of `prior`, each with the logarithm of its probability.
+    /// Factors of `prior`, the scales of the size prior, each with its log probability.
     pub scales: Vec<(f64, f64)>,
-    /// Whether the parameter is not negative.
+    /// Whether the parameter cannot be negative.
     pub is_positive: bool,
-    /// Logarithm of its prior odds.
+    /// Log prior odds.
     pub log_odds: f64,
 }
 
@@ -68,12 +68,12 @@ impl Candidate {
         self.effect().pose_parameter().is_some()
     }
 
-    /// Whether it has a value for each of several cables.
+    /// Whether each of several cables has its own value.
     pub fn is_family(&self) -> bool {
         self.cause.instances.len() > 1
     }
 
-    /// Whether it is an effect on a single cable, present at all poses.
+    /// Whether this is a permanent effect on a single cable.
     pub fn is_single(&self) -> bool {
         let bound = &self.cause.instances[0];
         !self.is_family()
@@ -82,13 +82,14 @@ impl Candidate {
             && bound.effect.search() == Search::Direct
     }
 
-    /// Whether it is one value for all cables.
+    /// Whether all cables share one value.
     fn is_common(&self) -> bool {
         self.effect().scope() == Scope::CableOrAll && !self.cause.instances[0].targeted
     }
 
-    /// Whether it is this cause, with whatever values, at the same pose or of the same period.
-    pub fn is_of(&self, cause: &Cause) -> bool {
+    /// Whether this candidate represents a cause, whatever its values: the same effect and targets, and the same pose
+    /// or period.
+    pub fn represents(&self, cause: &Cause) -> bool {
         let bound = &cause.instances[0];
         let place = match bound.effect.search() {
             Search::FromPose(k)
@@ -98,14 +99,14 @@ impl Candidate {
             } => bound.values[k],
             _ => f64::NAN,
         };
-        is_alike(&self.cause, cause) && (place.is_nan() || place == self.place)
+        is_same_effect_and_targets(&self.cause, cause) && (place.is_nan() || place == self.place)
     }
 
-    /// Whether both cannot be in one set: they say the same of a cable.
+    /// Whether this candidate and another cannot be in one set because they describe the same property of a cable.
     pub fn excludes(&self, other: &Self) -> bool {
         let overlap = self.cables & other.cables != 0 || self.cables == other.cables;
         if std::ptr::eq(self.effect(), other.effect()) {
-            // What all cables have in common one of them may have more of.
+            // A single cable may deviate from a value that all cables share.
             let is_more =
                 self.is_common() != other.is_common() && !self.is_family() && !other.is_family();
             return overlap
@@ -115,7 +116,7 @@ impl Candidate {
         is_same_kind(self.effect(), other.effect()) && (self.is_family() || other.is_family())
     }
 
-    /// The cause with an estimate of its columns' parameters.
+    /// The cause with the parameters that an estimate of its coordinates stands for.
     pub fn estimated(&self, estimate: &[f64]) -> Cause {
         let mut cause = self.cause.clone();
         let mut numbers = estimate.iter().copied();
@@ -144,7 +145,7 @@ impl Candidate {
         cause
     }
 
-    /// The cause at its pose or with its period, other values at the start.
+    /// The cause with its pose or period set and the other parameters at their start values.
     pub fn placed(&self) -> Cause {
         let mut cause = self.cause.clone();
         for bound in &mut cause.instances {
@@ -160,8 +161,8 @@ impl Candidate {
         cause
     }
 
-    /// The cause at its pose or with its period at typical size: each parameter at the geometric mean of the smallest and
-    /// the largest that are typical, over the root of their number.
+    /// The cause at typical size. Each parameter is the geometric mean of its smallest and largest typical size,
+    /// divided by the square root of the number of parameters.
     pub fn typical(&self) -> Cause {
         let mut cause = self.placed();
         for bound in &mut cause.instances {
@@ -181,7 +182,7 @@ impl Candidate {
         cause
     }
 
-    /// The scale nearest to the size of values.
+    /// The scale of the prior nearest to the size of some coordinates.
     pub fn nearest_scale(&self, coordinates: &[f64]) -> usize {
         let size = |k: usize| coordinates[k].abs() / self.prior.row(k).norm();
         let largest = (0..coordinates.len()).map(size).fold(1e-9, f64::max);
@@ -190,7 +191,7 @@ impl Candidate {
         places.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)
     }
 
-    /// The columns' parameters of a cause of this kind with values: the inverse of [`Self::estimated`].
+    /// Coordinates of a cause in this candidate's columns: the inverse of [`Self::estimated`].
     pub fn coordinates(&self, cause: &Cause) -> Vec<f64> {
         let mut numbers = Vec::new();
         for bound in &cause.instances {
@@ -207,7 +208,7 @@ impl Candidate {
                 numbers.push(if probe == 0.0 {
                     value
                 } else {
-                    // The square of the value in steps of the derivative beside it.
+                    // The effect is quadratic here, so the square is expressed in steps of the derivative at the probe.
                     value * value / (2.0 * (value + probe))
                 });
             }
@@ -216,14 +217,14 @@ impl Candidate {
     }
 }
 
-/// Whether two effects are the same, or the scale of one winch and that of all.
+/// Whether two effects are the same, taking the scale of one winch and the scale of all winches as the same.
 pub(super) fn is_same_kind(one: &Effect, other: &Effect) -> bool {
     let scale = |effect: &Effect| matches!(effect.id(), "winch_scale" | "winch_scale_common");
     std::ptr::eq(one, other) || scale(one) && scale(other)
 }
 
-/// Same effect on the same cables in the same way, wherever an event or a wave is.
-pub(super) fn is_alike(one: &Cause, other: &Cause) -> bool {
+/// Whether two causes have the same effect and targets, ignoring the pose of an event or the period of a wave.
+pub(super) fn is_same_effect_and_targets(one: &Cause, other: &Cause) -> bool {
     let targets = |cause: &Cause| -> Vec<(Vec<usize>, bool)> {
         let instances = cause.instances.iter();
         instances.map(|b| (b.cables.clone(), b.targeted)).collect()
@@ -231,14 +232,14 @@ pub(super) fn is_alike(one: &Cause, other: &Cause) -> bool {
     std::ptr::eq(one.effect(), other.effect()) && targets(one) == targets(other)
 }
 
-/// Where a parameter is probed, from its neutral value: there where nothing depends on it at first order, a little beside
-/// it.
+/// Offset from the neutral value at which a parameter is differentiated. It is not zero for parameters on which nothing
+/// depends at first order.
 pub(super) fn probe_offset(parameter: &EffectParameter) -> f64 {
     0.1 * (parameter.start - parameter.neutral)
 }
 
-/// Distance from the neutral value that a linear step from the probe means: what does not depend on a parameter at
-/// first order depends on its square.
+/// Distance from the neutral value for a linear step from the probe. A parameter without a first-order effect acts by
+/// its square.
 fn distance(parameter: &EffectParameter, step: f64) -> f64 {
     let probe = probe_offset(parameter);
     if probe == 0.0 {
@@ -248,7 +249,7 @@ fn distance(parameter: &EffectParameter, step: f64) -> f64 {
     square.sqrt().max(parameter.start - parameter.neutral)
 }
 
-/// The parameter of a wave that is neither phase nor period.
+/// Index of the amplitude of a wave: the parameter that is neither phase nor period.
 pub(super) fn amplitude_of(phase: usize, period: Option<usize>) -> usize {
     (0..3)
         .find(|k| *k != phase && Some(*k) != period)
@@ -260,7 +261,7 @@ pub(super) fn estimable(effect: &'static Effect) -> impl Iterator<Item = usize> 
     parameters.filter(|(_, p)| !p.discrete).map(|(k, _)| k)
 }
 
-/// The parameter that says how large an effect is.
+/// The parameter that measures the size of an effect.
 pub(super) fn size_parameter(effect: &'static Effect) -> Option<&'static EffectParameter> {
     let index = match effect.search() {
         Search::Wave { phase, period } => Some(amplitude_of(phase, period)),
@@ -269,7 +270,7 @@ pub(super) fn size_parameter(effect: &'static Effect) -> Option<&'static EffectP
     index.map(|k| &effect.parameters()[k])
 }
 
-/// The geometric mean of the smallest and the largest typical size.
+/// Geometric mean of the smallest and the largest typical size.
 fn typical_size(parameter: &EffectParameter) -> f64 {
     let [least, largest] = parameter.typical_sizes();
     if least > 0.0 {
@@ -279,38 +280,39 @@ fn typical_size(parameter: &EffectParameter) -> f64 {
     }
 }
 
-/// Sizes over the largest typical one, each with the logarithm of its probability: evenly over the orders of
-/// magnitude of the typical sizes, and rarely beyond.
+/// Scales of the size prior relative to the largest typical size, with their log probabilities: uniform over the orders
+/// of magnitude of typical sizes, with a small share beyond.
 pub(super) fn scales(parameter: &EffectParameter) -> Vec<(f64, f64)> {
     let [least, largest] = parameter.typical_sizes();
     let mut sizes = vec![1.0];
     while sizes[sizes.len() - 1] * largest > 2.0 * least.max(1e-3 * largest) {
-        sizes.push(sizes[sizes.len() - 1] / BEYOND_FACTOR);
+        sizes.push(sizes[sizes.len() - 1] / SCALE_RATIO);
     }
-    let each = ((1.0 - BEYOND) / sizes.len() as f64).ln();
+    let each = ((1.0 - ATYPICAL_SHARE) / sizes.len() as f64).ln();
     let mut scales: Vec<_> = sizes.into_iter().map(|size| (size, each)).collect();
     if parameter.bounds == [f64::NEG_INFINITY, f64::INFINITY] || parameter.bounds[0] == 0.0 {
-        scales.push((BEYOND_FACTOR, BEYOND.ln()));
+        scales.push((SCALE_RATIO, ATYPICAL_SHARE.ln()));
     }
     scales
 }
 
-/// Logarithm of how much rarer a size is than the largest typical one, of which it is a multiple.
+/// Log ratio of the prior densities at the largest typical size and at a size, given as a multiple of that.
 pub(super) fn log_rarity(parameter: &EffectParameter, size: f64) -> f64 {
     let density = |size: f64| {
-        let of = |(scale, log_share): (f64, f64)| {
-            log_share.exp() / scale * (-0.5 * (size / (LARGEST_IS_RARE * scale)).powi(2)).exp()
+        let of = |(scale, log_amplitude_prior): (f64, f64)| {
+            log_amplitude_prior.exp() / scale
+                * (-0.5 * (size / (RELATIVE_SD * scale)).powi(2)).exp()
         };
         scales(parameter).into_iter().map(of).sum::<f64>()
     };
     density(1.0).ln() - density(size.max(1.0)).max(f64::MIN_POSITIVE).ln()
 }
 
-/// Largest typical size over the standard deviation of the prior of a step of a parameter.
+/// Prior standard deviation of a linear step of a parameter whose present distance from its neutral value is `present`.
 pub(super) fn prior_sd(parameter: &EffectParameter, present: f64) -> f64 {
     let [_, largest] = parameter.typical_sizes();
     let probe = probe_offset(parameter);
-    let sd = LARGEST_IS_RARE * largest;
+    let sd = RELATIVE_SD * largest;
     if probe == 0.0 {
         sd
     } else {

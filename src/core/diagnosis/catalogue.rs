@@ -1,12 +1,12 @@
-//! All candidates at a fit, with the columns of the linear problem that they need.
+//! The candidates at a fit, with the columns that they need.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nalgebra::{DMatrix, DVector};
 
 use super::candidates::{
-    Acts, Candidate, Column, amplitude_of, estimable, is_alike, prior_sd, probe_offset, scales,
-    size_parameter,
+    Candidate, Column, PoseWeights, amplitude_of, estimable, is_same_effect_and_targets, prior_sd,
+    probe_offset, scales, size_parameter,
 };
 use super::conditions::Conditions;
 use super::fit::Fit;
@@ -14,35 +14,35 @@ use super::report::Cause;
 use crate::effect::{BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_EXTERNAL_POSES, Scope, Search};
 use crate::estimation::{Linearisation, ParameterId};
 
-/// Columns that are linearised at once.
+/// Maximum number of columns in one linearisation.
 const CHUNK: usize = 64;
-/// Steps of a wave's frequency for each wave over the range of its variable.
-const PERIODS_PER_WAVE: f64 = 2.5;
-/// Most periods that are tried.
-const MOST_PERIODS: f64 = 300.0;
-/// Share of an effect's prior probability that is for some cables with a common value: evenly over their number, then over
-/// the choices of so many.
-const SHARED: f64 = 0.05;
-/// Share of an effect's prior probability that is for one cable, for all cables alike and for each its own value.
-const SHARES: [f64; 3] = [0.5, 0.3, 0.1];
-/// The same for some cables with values of their own: evenly over their number, then over the choices of so many.
-const SEVERAL: f64 = 0.1;
-/// Correlation of the values that cables have of their own.
-const ALIKE: f64 = 0.3;
+/// Number of frequencies tried per wave over the range of the variable.
+const FREQUENCIES_PER_WAVE: f64 = 2.5;
+/// Maximum number of periods tried.
+const MAX_PERIODS: f64 = 300.0;
+/// Shares of an effect's prior probability by target. For several cables with a common value it is split evenly over
+/// their number, then over the choices of that many cables.
+const COMMON_VALUE_SHARE: f64 = 0.05;
+/// For one cable, for all cables alike, and for each cable with its own value.
+const TARGET_SHARES: [f64; 3] = [0.5, 0.3, 0.1];
+/// For several cables with values of their own, split in the same way.
+const SEVERAL_CABLES_SHARE: f64 = 0.1;
+/// Prior correlation between the values of different cables.
+const FAMILY_CORRELATION: f64 = 0.3;
 
-/// The columns of a fit for all candidates, and the candidates.
+/// All candidates at a fit, with the generators of their columns.
 pub(super) struct Catalogue {
     pub candidates: Vec<Candidate>,
-    /// Rows of the fit's linearisation x generators, poses and tensions eliminated.
+    /// Generators by row of the linearisation (rows x generators), with poses and tensions eliminated.
     pub generators: DMatrix<f64>,
     /// Laser reading at each fitted pose (m); NaN where there is none.
     pub distances: Vec<f64>,
 }
 
 impl Catalogue {
-    /// All candidates at a fit whose linearisation is `linear`, or only those that are causes of the fit; `expected` is
-    /// the number of causes expected beforehand.
-    pub fn new(fit: &Fit<'_>, linear: &Linearisation, expected: f64, is_all: bool) -> Self {
+    /// Builds all candidates at a fit whose linearisation is `linear`, or without `include_all` only those that are
+    /// causes of the fit. `expected` is the prior expectation of the number of causes.
+    pub fn new(fit: &Fit<'_>, linear: &Linearisation, expected: f64, include_all: bool) -> Self {
         let data = &fit.problem.dataset.measurements;
         let labels: Vec<i64> = linear.poses.iter().map(|p| data.labels[p.row]).collect();
         let distances: Vec<f64> = linear.poses.iter().map(|p| data.laser_at(p.row)).collect();
@@ -51,7 +51,7 @@ impl Catalogue {
             linear,
             labels,
             distances,
-            is_all,
+            include_all,
             bounds: Vec::new(),
             generators: Vec::new(),
             candidates: Vec::new(),
@@ -65,18 +65,18 @@ impl Catalogue {
                 .chain(shown_by_poses)
                 .chain(shown_by_motion)
         };
-        let asked = || known().filter(|e| e.search() != Search::Exchange);
-        let each = expected / asked().count() as f64;
-        for effect in asked() {
+        let tested = || known().filter(|e| e.search() != Search::Exchange);
+        let each = expected / tested().count() as f64;
+        for effect in tested() {
             builder.add(effect, each);
         }
-        builder.add_shared(each * SHARED);
+        builder.add_shared(each * COMMON_VALUE_SHARE);
         builder.build()
     }
 }
 
 impl Catalogue {
-    /// A column in conditions; `generators` are the catalogue's.
+    /// A column as conditions, given the generators as conditions.
     pub fn column(
         &self,
         column: Column,
@@ -84,12 +84,12 @@ impl Catalogue {
         conditions: &Conditions,
     ) -> DVector<f64> {
         let mut values = generators.column(column.generator).into_owned();
-        if column.acts == Acts::Everywhere {
+        if column.pose_weights == PoseWeights::Everywhere {
             return values;
         }
         for (pose, block) in conditions.blocks.iter().enumerate() {
             let weight = if pose < conditions.poses {
-                self.weight(column.acts, pose)
+                self.weight(column.pose_weights, pose)
             } else {
                 0.0
             };
@@ -100,12 +100,12 @@ impl Catalogue {
     }
 
     /// Weight of a generator at a pose.
-    pub fn weight(&self, acts: Acts, pose: usize) -> f64 {
-        match acts {
-            Acts::Everywhere => 1.0,
-            Acts::At(at) => f64::from(u8::from(pose == at)),
-            Acts::From(from) => f64::from(u8::from(pose >= from)),
-            Acts::Wave { period, cosine } => wave(period, cosine, self.distances[pose]),
+    pub fn weight(&self, pose_weights: PoseWeights, pose: usize) -> f64 {
+        match pose_weights {
+            PoseWeights::Everywhere => 1.0,
+            PoseWeights::At(at) => f64::from(u8::from(pose == at)),
+            PoseWeights::From(from) => f64::from(u8::from(pose >= from)),
+            PoseWeights::Wave { period, cosine } => wave(period, cosine, self.distances[pose]),
         }
     }
 }
@@ -115,11 +115,11 @@ struct Builder<'b> {
     linear: &'b Linearisation,
     labels: Vec<i64>,
     distances: Vec<f64>,
-    /// Whether causes that the fit does not have are candidates, too.
-    is_all: bool,
-    /// What is probed, each once.
+    /// Whether to include candidates that are not causes of the fit.
+    include_all: bool,
+    /// Distinct effects to be differentiated.
     bounds: Vec<BoundEffect>,
-    /// Index of what is probed, and of its parameter.
+    /// For each generator the index in `bounds` and the parameter.
     generators: Vec<(usize, usize)>,
     candidates: Vec<Candidate>,
 }
@@ -148,7 +148,7 @@ impl Builder<'_> {
         })
     }
 
-    /// Adds all candidates of an effect, whose expected number is `expected`.
+    /// Adds all candidates of an effect; `expected` is the prior expectation of their number.
     fn add(&mut self, effect: &'static Effect, expected: f64) {
         let cables = self.fit.problem.dataset.robot.cable_count();
         let all: Vec<usize> = (0..cables).collect();
@@ -165,13 +165,13 @@ impl Builder<'_> {
             Scope::Robot => targets.push((whole(), 1.0)),
             Scope::Pair | Scope::Reading => {}
             Scope::Cable | Scope::CableOrAll => {
-                let alone = SHARES[0] / cables as f64;
+                let alone = TARGET_SHARES[0] / cables as f64;
                 targets.extend(each().map(|b| (vec![b], alone)));
                 if effect.scope() == Scope::CableOrAll {
-                    targets.push((whole(), SHARES[1]));
+                    targets.push((whole(), TARGET_SHARES[1]));
                 }
                 if effect.search() == Search::Direct && cables > 1 {
-                    targets.push((each().collect(), SHARES[2]));
+                    targets.push((each().collect(), TARGET_SHARES[2]));
                 }
             }
         }
@@ -180,11 +180,11 @@ impl Builder<'_> {
         }
     }
 
-    /// Adds the causes of the fit that some cables have in common.
+    /// Adds causes of the fit with a common value on several cables, which are not candidates by default.
     fn add_shared(&mut self, expected: f64) {
         let cables = self.fit.problem.dataset.robot.cable_count();
         for cause in &self.fit.causes {
-            let known = self.candidates.iter().any(|c| c.is_of(cause));
+            let known = self.candidates.iter().any(|c| c.represents(cause));
             if !known && cause.effect().search() != Search::Exchange {
                 let mut start = cause.clone();
                 for bound in &mut start.instances {
@@ -198,13 +198,17 @@ impl Builder<'_> {
 
     fn add_cause(&mut self, cause: &Cause, expected: f64) {
         let effect = cause.effect();
-        let present = self.fit.causes.iter().any(|c| is_alike(c, cause));
-        if !self.is_all && !present {
+        let present = self
+            .fit
+            .causes
+            .iter()
+            .any(|c| is_same_effect_and_targets(c, cause));
+        if !self.include_all && !present {
             return;
         }
         match effect.search() {
             Search::Direct | Search::Exchange => {
-                let columns = self.columns(cause, |_| Acts::Everywhere);
+                let columns = self.columns(cause, |_| PoseWeights::Everywhere);
                 self.push(cause, columns, f64::NAN, expected);
             }
             Search::Wave {
@@ -218,12 +222,16 @@ impl Builder<'_> {
                 phase,
                 period: Some(period),
             } => self.add_periods(cause, (phase, period), expected),
-            Search::FromPose(pose) => self.add_event(cause, pose, Acts::From, expected),
-            Search::AtPose(pose) => self.add_event(cause, pose, Acts::At, expected),
+            Search::FromPose(pose) => self.add_event(cause, pose, PoseWeights::From, expected),
+            Search::AtPose(pose) => self.add_event(cause, pose, PoseWeights::At, expected),
         }
     }
 
-    fn columns(&mut self, cause: &Cause, acts: impl Fn(usize) -> Acts) -> Vec<Column> {
+    fn columns(
+        &mut self,
+        cause: &Cause,
+        pose_weights: impl Fn(usize) -> PoseWeights,
+    ) -> Vec<Column> {
         let mut columns = Vec::new();
         for bound in &cause.instances {
             let mut at = bound.clone();
@@ -234,14 +242,14 @@ impl Builder<'_> {
                 let generator = self.generator(&at, k);
                 columns.push(Column {
                     generator,
-                    acts: acts(columns.len()),
+                    pose_weights: pose_weights(columns.len()),
                 });
             }
         }
         columns
     }
 
-    /// The sine and the cosine of a wave of known period.
+    /// Sine and cosine columns of a wave with a known period.
     fn wave(&mut self, cause: &Cause, phase: usize) -> Vec<Column> {
         let mut columns = Vec::new();
         for bound in &cause.instances {
@@ -251,16 +259,17 @@ impl Builder<'_> {
                 at.values[phase] = angle;
                 columns.push(Column {
                     generator: self.generator(&at, amplitude_of(phase, None)),
-                    acts: Acts::Everywhere,
+                    pose_weights: PoseWeights::Everywhere,
                 });
             }
         }
         columns
     }
 
-    /// Waves in the laser's distance: from the shortest to the longest period that the readings can show.
+    /// Adds waves over the laser distance, from the shortest to the longest period that the readings can resolve.
     fn add_periods(&mut self, cause: &Cause, (phase, period): (usize, usize), expected: f64) {
-        // An endless wave at its crest is a constant.
+        // The derivative of a wave of infinite period at its crest is a constant, to which the weights of each pose
+        // apply.
         let mut at = cause.instances[0].clone();
         at.values.fill(0.0);
         at.values[period] = f64::INFINITY;
@@ -283,7 +292,7 @@ impl Builder<'_> {
         for period in periods {
             let column = |cosine| Column {
                 generator,
-                acts: Acts::Wave { period, cosine },
+                pose_weights: PoseWeights::Wave { period, cosine },
             };
             self.push(cause, vec![column(false), column(true)], period, share);
         }
@@ -293,12 +302,12 @@ impl Builder<'_> {
         &mut self,
         cause: &Cause,
         pose: usize,
-        acts: impl Fn(usize) -> Acts,
+        pose_weights: impl Fn(usize) -> PoseWeights,
         expected: f64,
     ) {
         let mut at = cause.clone();
         for bound in &mut at.instances {
-            // NaN stands for every pose.
+            // NaN makes the event act at every pose; the column weights then select the poses.
             bound.values[pose] = f64::NAN;
         }
         let mut generators = Vec::new();
@@ -308,15 +317,15 @@ impl Builder<'_> {
             }
         }
         let mut places: Vec<usize> = (0..self.labels.len()).collect();
-        if matches!(acts(0), Acts::From(_)) && !places.is_empty() {
-            // From the first pose on it would be no event but an offset.
+        if matches!(pose_weights(0), PoseWeights::From(_)) && !places.is_empty() {
+            // From the first pose on it would be a constant offset.
             places.remove(0);
         }
         let share = expected / places.len().max(1) as f64;
         for place in places {
             let columns = generators.iter().map(|generator| Column {
                 generator: *generator,
-                acts: acts(place),
+                pose_weights: pose_weights(place),
             });
             let label = self.labels[place] as f64;
             self.push(cause, columns.collect(), label, share);
@@ -330,9 +339,10 @@ impl Builder<'_> {
         };
         let is_cause = |c: &Cause| {
             let values = c.instances[0].values.iter();
-            is_alike(c, cause) && (place.is_nan() || values.into_iter().any(|v| *v == place))
+            is_same_effect_and_targets(c, cause)
+                && (place.is_nan() || values.into_iter().any(|v| *v == place))
         };
-        if !self.is_all && !self.fit.causes.iter().any(is_cause) {
+        if !self.include_all && !self.fit.causes.iter().any(is_cause) {
             return;
         }
         let present = |bound: &BoundEffect, k: usize| {
@@ -354,7 +364,7 @@ impl Builder<'_> {
         }
         let count = cause.instances.len();
         let per = sds.len() / count;
-        let alike = if count > 1 { ALIKE } else { 0.0 };
+        let alike = if count > 1 { FAMILY_CORRELATION } else { 0.0 };
         let covariance = DMatrix::from_fn(sds.len(), sds.len(), |i, k| {
             let correlation = match (i == k, i % per == k % per) {
                 (true, _) => 1.0,
@@ -396,7 +406,7 @@ impl Builder<'_> {
                 columns += self.bounds[until].values.len();
                 until += 1;
             }
-            let linear = on_top_of(self.fit, &self.bounds[first..until]);
+            let linear = linearise_with(self.fit, &self.bounds[first..until]);
             let present = self.fit.problem.free_effects.len();
             for (column, parameter) in linear.parameters.iter().enumerate() {
                 let ParameterId::Effect { effect, parameter } = parameter.id else {
@@ -412,7 +422,7 @@ impl Builder<'_> {
             }
             first = until;
         }
-        // What no reading depends on cannot be asked.
+        // Candidates that affect no reading cannot be tested.
         let mut candidates = self.candidates;
         candidates.retain(|candidate| {
             let mut columns = candidate.columns.iter();
@@ -426,8 +436,8 @@ impl Builder<'_> {
     }
 }
 
-/// The problem of a fit linearised at its solution with further effects.
-fn on_top_of(fit: &Fit<'_>, bounds: &[BoundEffect]) -> Linearisation {
+/// Linearises the problem of a fit at its solution with further effects added.
+fn linearise_with(fit: &Fit<'_>, bounds: &[BoundEffect]) -> Linearisation {
     let mut problem = fit.problem.clone();
     problem.free_effects.extend(bounds.iter().cloned());
     let mut solution = fit.solution.clone();
@@ -436,8 +446,8 @@ fn on_top_of(fit: &Fit<'_>, bounds: &[BoundEffect]) -> Linearisation {
     Linearisation::new(&problem, &solution)
 }
 
-/// Periods at which a wave is tried: from twice the mean distance of neighbouring values, or the shortest typical one if
-/// that is longer, to their range, so close that none between is missed.
+/// Periods at which a wave is tried: from twice the mean spacing of the values, or the shortest typical period if that
+/// is longer, to their range. Frequencies are spaced closely enough that no wave falls between two of them.
 fn periods(typical: [f64; 2], values: &[f64]) -> Vec<f64> {
     let finite = || values.iter().copied().filter(|v| v.is_finite());
     let range = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);
@@ -449,26 +459,27 @@ fn periods(typical: [f64; 2], values: &[f64]) -> Vec<f64> {
         typical[1].min(range).max(typical[0].min(range)),
     );
     let (low, high) = (longest.recip(), shortest.recip());
-    let count = ((high - low) * PERIODS_PER_WAVE * range)
+    let count = ((high - low) * FREQUENCIES_PER_WAVE * range)
         .ceil()
-        .clamp(1.0, MOST_PERIODS);
+        .clamp(1.0, MAX_PERIODS);
     (0..=count as usize)
         .map(|k| (low + (high - low) * k as f64 / count).recip())
         .collect()
 }
 
-/// Logarithm of the prior odds of causes of one effect on `count` single cables over the product of their own, each of which
-/// has the logarithm `log_odds`: what is wrong with one winch of a robot is often wrong with others.
-pub(super) fn log_together(count: usize, cables: usize, log_odds: f64) -> f64 {
+/// Log ratio of the prior odds of an effect on `count` single cables and of the product of their separate odds, each
+/// with the logarithm `log_odds`. What is wrong with one winch is often wrong with others, so the causes are not
+/// independent.
+pub(super) fn log_joint_odds_ratio(count: usize, cables: usize, log_odds: f64) -> f64 {
     if count < 2 || count >= cables {
         return 0.0;
     }
     let choices = (cables - 2) as f64 * binomial(cables, count);
-    let several = (SEVERAL / SHARES[0] * cables as f64 / choices).ln();
+    let several = (SEVERAL_CABLES_SHARE / TARGET_SHARES[0] * cables as f64 / choices).ln();
     (several - (count - 1) as f64 * log_odds).max(0.0)
 }
 
-/// Number of ways to choose some of so many.
+/// Binomial coefficient: number of ways to choose `some` of `of`.
 fn binomial(of: usize, some: usize) -> f64 {
     (0..some)
         .map(|k| (of - k) as f64 / (k + 1) as f64)

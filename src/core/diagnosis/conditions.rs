@@ -1,9 +1,10 @@
-//! The readings as condition equations: what is left of them when poses and latent tensions are eliminated.
+//! The readings as condition equations, with poses and latent tensions eliminated.
 //!
-//! With `Q_j` an orthonormal basis of what pose `j` alone leaves of its rows ([`super::residual_space`]), the conditions
-//! are `y_j = Q_j^T r_j`, their derivatives `Q_j^T A_j`, and their noise has the covariance `Q_j^T D_j Q_j` with the
-//! variances `D_j` of the readings over those described: other noise needs no elimination anew. Readings of no pose
-//! and priors are conditions themselves. (Mikhail and Ackermann, Observations and Least Squares, 1976, chapter 7.)
+//! With `Q_j` an orthonormal basis of the part of pose `j`'s rows that the pose cannot absorb
+//! ([`super::residual_space`]), the conditions are `y_j = Q_j^T r_j`, their derivatives `Q_j^T A_j`, and their noise
+//! has the covariance `Q_j^T D_j Q_j` with the ratios `D_j` of the readings' variances to those described. A change of
+//! the noise therefore needs no new elimination. Readings that belong to no pose and priors are conditions themselves.
+//! (Mikhail and Ackermann, Observations and Least Squares, 1976, chapter 7.)
 
 use std::collections::BTreeMap;
 
@@ -13,20 +14,20 @@ use super::reading_id::ReadingId;
 use super::residual_space::range_basis;
 use crate::estimation::{Linearisation, ParameterId, RowKind};
 
-/// The conditions of one pose, or a row of none.
+/// The conditions of one pose, or of one row that belongs to no pose.
 #[derive(Debug, Clone)]
 pub(super) struct Block {
-    /// Which conditions.
+    /// Range of the conditions.
     pub conditions: std::ops::Range<usize>,
-    /// Which rows of the linearisation.
+    /// Range of the rows of the linearisation.
     rows: std::ops::Range<usize>,
     /// `Q^T`, one column per row.
     basis: DMatrix<f64>,
-    /// Class of each row; none for what is no reading.
+    /// Class of each row; `None` for rows that are not readings.
     classes: Vec<Option<usize>>,
 }
 
-/// All conditions of a linearisation.
+/// All condition equations of a linearisation.
 #[derive(Debug, Clone)]
 pub(super) struct Conditions {
     pub blocks: Vec<Block>,
@@ -34,16 +35,16 @@ pub(super) struct Conditions {
     pub poses: usize,
     /// Number of conditions.
     pub count: usize,
-    /// The kinds of readings, each with a variance of its own.
+    /// Classes of readings; each has its own variance.
     pub classes: Vec<ReadingId>,
 }
 
-/// Noise of all conditions.
+/// Noise of all conditions for given variances of the classes.
 pub(super) struct Noise<'c> {
     conditions: &'c Conditions,
-    /// Variance of each class over that described.
+    /// Variance of each class over the described one.
     pub variance: Vec<f64>,
-    /// `L^-1` of the Cholesky factors `L`; none where the noise is as described.
+    /// Inverse Cholesky factor `L^-1` of each block; `None` where the noise is as described.
     factors: Vec<Option<DMatrix<f64>>>,
     pub log_determinant: f64,
 }
@@ -73,7 +74,7 @@ impl Conditions {
         }
         let first = linear.poses.last().map_or(0, |pose| pose.rows.end);
         for row in first..linear.rows.len() {
-            // Causes have priors of their own.
+            // Candidate causes have priors of their own, so the priors of their parameters in the fit are left out.
             if let RowKind::Prior(k) = linear.rows[row].kind
                 && matches!(linear.parameters[k].id, ParameterId::Effect { .. })
             {
@@ -100,8 +101,8 @@ impl Conditions {
         });
     }
 
-    /// The conditions of functions of the rows, one per column.
-    pub fn of_rows(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
+    /// Conditions for functions of the rows, one function per column.
+    pub fn project_rows(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         let mut conditions = DMatrix::zeros(self.count, rows.ncols());
         for block in &self.blocks {
             let own = rows.rows(block.rows.start, block.rows.len());
@@ -111,9 +112,9 @@ impl Conditions {
         conditions
     }
 
-    /// The conditions of functions of the readings of one class: one value per pose, of which the first that the class
-    /// has at a pose counts.
-    pub fn of_class(&self, class: usize, functions: &DMatrix<f64>) -> DMatrix<f64> {
+    /// Conditions for functions of the readings of one class, given one value per pose. Of several readings of the
+    /// class at a pose the first counts.
+    pub fn project_class(&self, class: usize, functions: &DMatrix<f64>) -> DMatrix<f64> {
         let mut conditions = DMatrix::zeros(self.count, functions.ncols());
         for (pose, block) in self.blocks[..self.poses].iter().enumerate() {
             let Some(row) = block.classes.iter().position(|c| *c == Some(class)) else {
@@ -130,13 +131,13 @@ impl Conditions {
         conditions
     }
 
-    /// The poses at which a class has a reading.
+    /// Poses at which a class has a reading.
     pub fn poses_of(&self, class: usize) -> Vec<usize> {
         let has = |pose: &usize| self.blocks[*pose].classes.contains(&Some(class));
         (0..self.poses).filter(has).collect()
     }
 
-    /// `x^T C x` of each column, with the covariance `C` of the conditions where classes have these variances.
+    /// `x^T C x` for each column, where `C` is the covariance of the conditions for given variances of the classes.
     pub fn variances(&self, variance: &[f64], columns: &DMatrix<f64>) -> Vec<f64> {
         let mut sums = vec![0.0; columns.ncols()];
         for block in &self.blocks {
@@ -151,7 +152,7 @@ impl Conditions {
         sums
     }
 
-    /// Noise with these variances of the classes.
+    /// The noise for given variances of the classes.
     pub fn noise(&self, variance: &[f64]) -> Noise<'_> {
         let mut noise = Noise {
             conditions: self,
@@ -183,8 +184,8 @@ impl Conditions {
     }
 }
 
-/// Matrices of as many rows beside each other.
-pub(super) fn joined(parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
+/// Concatenates matrices with the same number of rows.
+pub(super) fn concatenate_columns(parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
     let rows = parts.first().map_or(0, |part| part.nrows());
     let width = parts.iter().map(|part| part.ncols()).sum();
     let mut all = DMatrix::zeros(rows, width);
@@ -197,7 +198,7 @@ pub(super) fn joined(parts: &[&DMatrix<f64>]) -> DMatrix<f64> {
 }
 
 impl Noise<'_> {
-    /// Divides by the noise: `L^-1 x` with the covariance `L L^T` of the conditions.
+    /// Whitens columns: `L^-1 x`, where `L L^T` is the covariance of the conditions.
     pub fn whiten(&self, x: &mut DMatrix<f64>) {
         for (block, factor) in self.conditions.blocks.iter().zip(&self.factors) {
             if let Some(factor) = factor {
@@ -208,7 +209,8 @@ impl Noise<'_> {
         }
     }
 
-    /// An error of 1 in the readings of some classes at each pose, whitened: its first condition and its values.
+    /// Whitened conditions of a unit error in the readings of some classes, for each pose: index of the first
+    /// condition, and values.
     pub fn unit_errors(&self, classes: &[usize]) -> Vec<(usize, DVector<f64>)> {
         let poses = &self.conditions.blocks[..self.conditions.poses];
         let of = |(block, factor): (&Block, &Option<DMatrix<f64>>)| {
@@ -226,10 +228,10 @@ impl Noise<'_> {
         poses.iter().zip(&self.factors).map(of).collect()
     }
 
-    /// For each class the squares of its estimated errors in the noise described, and their expectation over its
-    /// variance: `sum (v w.p)^2` and `v sum w^T P w` over its rows, with `w` the column of `Q^T` of a row, the weighted
-    /// residual `p = L^-T r` and `P = L^-T (1 - U U^T) L^-1`; `taken` is `U^T`.
-    pub fn class_sums(&self, residual: &DVector<f64>, taken: &DMatrix<f64>) -> Vec<[f64; 2]> {
+    /// For each class the sum of squares of the estimated errors, in units of the described noise, and its expectation
+    /// divided by the variance: `sum (v w.p)^2` and `v sum w^T P w` over its rows, with `w` the column of `Q^T` of a
+    /// row, the weighted residual `p = L^-T r` and `P = L^-T (1 - U U^T) L^-1`; `eliminated` is `U^T`.
+    pub fn class_sums(&self, residual: &DVector<f64>, eliminated: &DMatrix<f64>) -> Vec<[f64; 2]> {
         let mut sums = vec![[0.0; 2]; self.conditions.classes.len()];
         for (block, factor) in self.conditions.blocks.iter().zip(&self.factors) {
             if block.classes.iter().all(Option::is_none) {
@@ -241,11 +243,12 @@ impl Noise<'_> {
             };
             let (first, count) = (block.conditions.start, block.conditions.len());
             let error = rows.tr_mul(&residual.rows(first, count));
-            let taken = taken.columns(first, count) * &rows;
+            let eliminated = eliminated.columns(first, count) * &rows;
             for (row, class) in block.classes.iter().enumerate() {
                 if let Some(class) = class {
                     let v = self.variance[*class];
-                    let left = rows.column(row).norm_squared() - taken.column(row).norm_squared();
+                    let left =
+                        rows.column(row).norm_squared() - eliminated.column(row).norm_squared();
                     sums[*class][0] += (v * error[row]).powi(2);
                     sums[*class][1] += v * left;
                 }

@@ -1,208 +1,224 @@
-//! How sure the causes are that were inferred: what takes certainty from a name, or ends it.
+//! Decides which inferred causes are confirmed and with which probability they are stated.
 
 use super::adequacy::adequacy;
 use super::candidates::{log_rarity, size_parameter};
-use super::claims::{Claim, MOST_IMITATED, SURE};
+use super::cause_posteriors::{CausePosterior, MAX_IMITATION_RATE, NAMING_PROBABILITY};
 use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
 use super::gain::Prediction;
-use super::inference::{Inference, at_fit, is_same_cause};
+use super::inference::{Inference, inference_at_fit, is_same_cause};
 use super::reading_id::ReadingId;
-use super::remainder::{Nameless, Remainder};
 use super::report::{
     Adequacy, Alternative, Cause, Discrepancy, Finding, FoundParameter, NoiseStatement, Verdict,
 };
 use super::residual_space::ResidualSpace;
+use super::unmodelled_errors::{UnmodelledError, UnmodelledErrors};
 use super::variables::Variables;
 use super::{DiagnosisOptions, Quantity};
 use crate::effect::Search;
 use crate::estimation::{EstimationError, Linearisation, Problem};
 
-/// Probability from which a cause that is not sure is likely.
+/// Probability from which an unconfirmed cause counts as likely.
 const LIKELY: f64 = 0.5;
-/// Part of what a cause explains by which readings of the same cables may scatter more than those of others.
-const LEFT: f64 = 0.25;
-/// An error without a name may be part of one that a cause imitates if it explains this part of what the cause does, and is
-/// on the same cable, or this share of what the cause changes is in the same readings.
-const PART: f64 = 0.05;
-const SHARE: f64 = 0.2;
-/// Logarithm of the odds for a cause against an error that is in no catalogue and looks just like it.
+/// A name becomes ambiguous if readings of its cables have excess scatter of more than this share of what the cause
+/// explains.
+const EXCESS_SHARE: f64 = 0.25;
+/// A remaining unmodelled error makes a name ambiguous if it explains more than `ERROR_SHARE` of what the cause
+/// explains and either is on the same cable or is in readings that have more than `READINGS_SHARE` of the effect of the
+/// cause.
+const ERROR_SHARE: f64 = 0.05;
+const READINGS_SHARE: f64 = 0.2;
+/// Log odds for a cause against an error outside the catalogue that looks exactly like it.
 const LOOKS_THE_SAME: f64 = 4.5;
-/// How often an error outside the catalogue passes for a cause that explains a chi-square of 1; with more it falls by the root.
-/// And how often none of the causes of a list is there. Both were counted in simulated data, the model slightly wrong or an
-/// effect outside the catalogue hidden in some of them.
-const IMITATED: f64 = 0.5;
-const NONE_OF_THEM: f64 = 0.2;
-/// Events on one reading from which they look like a pattern, unless each stands for itself by this gain.
+/// Probability that an error outside the catalogue imitates a cause that explains a chi-square of 1, which falls with
+/// the square root of the chi-square explained, and probability that none of the causes of a list is present. Both were
+/// counted on simulated development data, some with a slightly wrong model or an effect outside the catalogue.
+const IMITATION_RATE: f64 = 0.5;
+const NONE_PRESENT_RATE: f64 = 0.2;
+/// From this number on, events on one reading look like a pattern, unless each has at least the chi-square gain
+/// `LARGE_EVENT`.
 const MANY_EVENTS: usize = 2;
 const LARGE_EVENT: f64 = 60.0;
 
-/// Causes with what is known of them, and what else is possible.
-pub(super) struct Kept<'a> {
+/// Confirmed causes with their posteriors, and other possible causes.
+pub(super) struct ConfirmedCauses<'a> {
     pub inference: Inference<'a>,
-    pub claims: Vec<Claim>,
+    pub posteriors: Vec<CausePosterior>,
     pub possible: Vec<Alternative>,
-    /// Causes that are likely without being sure.
-    likely: Vec<(Cause, Claim)>,
+    /// Likely causes that are not confirmed.
+    likely: Vec<(Cause, CausePosterior)>,
 }
 
-/// Leaves out the causes in whose place an error without a name is nearly certain, until none is.
-pub(super) fn contested<'a>(
+/// Rejects causes that an unmodelled error almost certainly replaces, refitting until none is left.
+pub(super) fn reject_replaceable_causes<'a>(
     problem: &Problem<'a>,
-    kept: Kept<'a>,
+    confirmed: ConfirmedCauses<'a>,
     options: &DiagnosisOptions,
-) -> Result<(Kept<'a>, Remainder), EstimationError> {
-    let Kept {
+) -> Result<(ConfirmedCauses<'a>, UnmodelledErrors), EstimationError> {
+    let ConfirmedCauses {
         mut inference,
-        mut claims,
+        mut posteriors,
         mut possible,
         likely,
-    } = kept;
-    let mut lost: Vec<Nameless> = Vec::new();
+    } = confirmed;
+    let mut replacements: Vec<UnmodelledError> = Vec::new();
     loop {
-        let mut remainder = Remainder::new(&inference);
+        let mut unmodelled = UnmodelledErrors::new(&inference);
         let mut causes = Vec::new();
-        let mut kept = Vec::new();
-        let all = inference.fit.causes.iter().zip(claims);
-        for ((cause, claim), rival) in all.zip(&remainder.rivals) {
-            match rival.as_ref().filter(|rival| rival.probability() >= SURE) {
+        let mut accepted = Vec::new();
+        let all = inference.fit.causes.iter().zip(posteriors);
+        for ((cause, posterior), rival) in all.zip(&unmodelled.rivals) {
+            match rival
+                .as_ref()
+                .filter(|rival| rival.probability() >= NAMING_PROBABILITY)
+            {
                 Some(rival) => {
                     possible.push(Alternative {
                         cause: cause.clone(),
-                        probability: claim.probability * (1.0 - rival.probability()),
+                        probability: posterior.probability * (1.0 - rival.probability()),
                     });
-                    lost.push(rival.clone());
+                    replacements.push(rival.clone());
                 }
                 None => {
                     causes.push(cause.clone());
-                    kept.push(claim);
+                    accepted.push(posterior);
                 }
             }
         }
-        claims = kept;
+        posteriors = accepted;
         if causes.len() == inference.fit.causes.len() {
-            for rival in lost {
-                if remainder.left.iter().all(|known| known.id != rival.id) {
-                    remainder.left.push(rival);
+            for rival in replacements {
+                if unmodelled
+                    .remaining
+                    .iter()
+                    .all(|known| known.id != rival.id)
+                {
+                    unmodelled.remaining.push(rival);
                 }
             }
-            let kept = Kept {
+            let confirmed = ConfirmedCauses {
                 inference,
-                claims,
+                posteriors,
                 possible,
                 likely,
             };
-            return Ok((kept, remainder));
+            return Ok((confirmed, unmodelled));
         }
         let fit = Fit::new(problem, &causes)?;
-        inference = at_fit(fit, options, Vec::new(), &inference.linear.start);
+        inference = inference_at_fit(fit, options, Vec::new(), &inference.linear.start);
     }
 }
 
-/// Takes in again the likely causes that explain an error without a name: it is one of both.
-pub(super) fn weighed<'a>(
+/// Adds likely causes back if they explain an unmodelled error. The finding is then ambiguous between the two.
+pub(super) fn readmit_likely_causes<'a>(
     problem: &Problem<'a>,
-    (mut kept, mut remainder): (Kept<'a>, Remainder),
+    (mut confirmed, mut unmodelled): (ConfirmedCauses<'a>, UnmodelledErrors),
     options: &DiagnosisOptions,
-) -> Result<(Kept<'a>, Remainder), EstimationError> {
-    let errors = |inference: &Inference<'_>, remainder: &Remainder| {
-        if remainder.left.is_empty() {
-            let (_, found, _) = judged(&inference.fit, options.alpha);
-            found.iter().take(1).map(Nameless::of_discrepancy).collect()
+) -> Result<(ConfirmedCauses<'a>, UnmodelledErrors), EstimationError> {
+    let errors = |inference: &Inference<'_>, unmodelled: &UnmodelledErrors| {
+        if unmodelled.remaining.is_empty() {
+            let (_, found, _) = assess_fit(&inference.fit, options.alpha);
+            found
+                .iter()
+                .take(1)
+                .map(UnmodelledError::from_discrepancy)
+                .collect()
         } else {
-            remainder.left.clone()
+            unmodelled.remaining.clone()
         }
     };
-    for (cause, claim) in std::mem::take(&mut kept.likely) {
-        let before = errors(&kept.inference, &remainder);
+    for (cause, posterior) in std::mem::take(&mut confirmed.likely) {
+        let before = errors(&confirmed.inference, &unmodelled);
         let Some(mut instead) = before.first().cloned() else {
             break;
         };
-        let mut causes = kept.inference.fit.causes.clone();
+        let mut causes = confirmed.inference.fit.causes.clone();
         causes.push(cause);
         let fit = Fit::new(problem, &causes)?;
-        let with = at_fit(fit, options, Vec::new(), &kept.inference.linear.start);
-        let mut left = Remainder::new(&with);
-        if errors(&with, &left).len() >= before.len() {
+        let with = inference_at_fit(fit, options, Vec::new(), &confirmed.inference.linear.start);
+        let mut remaining = UnmodelledErrors::new(&with);
+        if errors(&with, &remaining).len() >= before.len() {
             continue;
         }
         let is_other = |a: &Alternative| !is_same_cause(&a.cause, &causes[causes.len() - 1]);
-        kept.possible.retain(is_other);
-        // One of both is there; how likely it is the cause is known already.
-        instead.log_odds = (claim.probability.recip() - 1.0).ln();
-        if let Some(rival) = left.rivals.last_mut() {
+        confirmed.possible.retain(is_other);
+        // One of the two is present, so the odds follow from the known probability of the cause.
+        instead.log_odds = (posterior.probability.recip() - 1.0).ln();
+        if let Some(rival) = remaining.rivals.last_mut() {
             *rival = Some(instead);
         }
-        kept.claims.push(Claim {
+        confirmed.posteriors.push(CausePosterior {
             probability: 1.0,
             alternatives: Vec::new(),
-            is_sure: true,
+            is_near_certain: true,
         });
-        kept.inference = with;
-        remainder = left;
+        confirmed.inference = with;
+        unmodelled = remaining;
     }
-    Ok((kept, remainder))
+    Ok((confirmed, unmodelled))
 }
 
-/// The causes that are there with near certainty and predict poses held out, fitted without the others; these are
-/// possible.
-pub(super) fn kept<'a>(
+/// Confirms the causes that are nearly certain and improve the prediction of held-out poses, and refits the model with
+/// those alone. The others become possible causes.
+pub(super) fn confirm_causes<'a>(
     problem: &Problem<'a>,
     inference: Inference<'a>,
-    claims: Vec<Claim>,
+    posteriors: Vec<CausePosterior>,
     mut possible: Vec<Alternative>,
     options: &DiagnosisOptions,
-) -> Result<Kept<'a>, EstimationError> {
+) -> Result<ConfirmedCauses<'a>, EstimationError> {
     let full = Prediction::new(&inference.fit);
-    let mut kept: Vec<(f64, Cause, Claim)> = Vec::new();
+    let mut confirmed: Vec<(f64, Cause, CausePosterior)> = Vec::new();
     let mut likely = Vec::new();
-    for (index, (cause, claim)) in inference.fit.causes.iter().zip(claims).enumerate() {
+    for (index, (cause, posterior)) in inference.fit.causes.iter().zip(posteriors).enumerate() {
         let mut others = inference.fit.causes.clone();
         others.remove(index);
         let without = Fit::new(problem, &others)?;
-        // Poses held out say nothing of an event at one of the others.
+        // The other poses cannot predict an event at a single pose.
         let is_event = matches!(cause.effect().search(), Search::AtPose(_));
-        if claim.is_sure && (is_event || full.is_better_than(&Prediction::new(&without))) {
-            kept.push((without.solution.chi2, cause.clone(), claim));
+        if posterior.is_near_certain
+            && (is_event || full.is_better_than(&Prediction::new(&without)))
+        {
+            confirmed.push((without.solution.chi2, cause.clone(), posterior));
             continue;
         }
         possible.push(Alternative {
             cause: cause.clone(),
-            probability: claim.probability,
+            probability: posterior.probability,
         });
-        possible.extend(claim.alternatives.iter().cloned());
-        if (LIKELY..SURE).contains(&claim.probability) {
-            likely.push((cause.clone(), claim));
+        possible.extend(posterior.alternatives.iter().cloned());
+        if (LIKELY..NAMING_PROBABILITY).contains(&posterior.probability) {
+            likely.push((cause.clone(), posterior));
         }
     }
     possible.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-    let is_complete = kept.len() == inference.fit.causes.len();
-    let is_ordered = kept.windows(2).all(|pair| pair[0].0 >= pair[1].0);
-    // What explains most comes first.
-    kept.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let (causes, claims): (Vec<_>, Vec<_>) = kept
+    let is_complete = confirmed.len() == inference.fit.causes.len();
+    let is_ordered = confirmed.windows(2).all(|pair| pair[0].0 >= pair[1].0);
+    // The cause that explains most comes first.
+    confirmed.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (causes, posteriors): (Vec<_>, Vec<_>) = confirmed
         .into_iter()
-        .map(|(_, cause, claim)| (cause, claim))
+        .map(|(_, cause, posterior)| (cause, posterior))
         .unzip();
     let inference = if is_complete && is_ordered {
         inference
     } else {
         let fit = Fit::new(problem, &causes)?;
-        at_fit(fit, options, Vec::new(), &inference.linear.start)
+        inference_at_fit(fit, options, Vec::new(), &inference.linear.start)
     };
-    Ok(Kept {
+    Ok(ConfirmedCauses {
         inference,
-        claims,
+        posteriors,
         possible,
         likely,
     })
 }
 
-/// Takes the confidence from names in whose place an error without a name could be.
-pub(super) fn temper(
+/// Downgrades names that an unmodelled error might explain as well.
+pub(super) fn downgrade_doubtful_names(
     findings: &mut [Finding],
     inference: &Inference<'_>,
-    (rivals, left): (&[Option<Nameless>], &[Nameless]),
+    (rivals, remaining): (&[Option<UnmodelledError>], &[UnmodelledError]),
     scatter: &[(ReadingId, f64)],
 ) {
     let cables = inference.fit.problem.dataset.robot.cable_count();
@@ -216,9 +232,9 @@ pub(super) fn temper(
         small(&finding) && all.iter().filter(small).count() >= MANY_EVENTS
     };
     let events: Vec<bool> = findings.iter().map(|f| many(f, findings)).collect();
-    // A certain name stays one beside what is improbable.
-    let matters = |share: f64| 1.0 - share < SURE;
-    // Exchanged channels come first and have no rivals.
+    // An improbable rival does not make a near-certain name ambiguous.
+    let matters = |share: f64| 1.0 - share < NAMING_PROBABILITY;
+    // Exchanged channels come first in the findings and have no rivals.
     let first = findings.len() - rivals.len();
     for (index, (finding, is_event)) in findings.iter_mut().zip(events).enumerate() {
         let own = finding.cause.cables();
@@ -229,31 +245,36 @@ pub(super) fn temper(
         let explained = finding.evidence.delta_chi2;
         let of_own = |id: &ReadingId| id.cable.is_none_or(|cable| own.contains(&cable));
         let mut scatter = scatter.iter();
-        let scattered = scatter.find(|(id, excess)| of_own(id) && *excess > LEFT * explained);
-        let beside = left.iter().find(|error| {
+        let scattered =
+            scatter.find(|(id, excess)| of_own(id) && *excess > EXCESS_SHARE * explained);
+        let beside = remaining.iter().find(|error| {
             let same = error.id.cable.is_some_and(|cable| own.contains(&cable));
-            let shares = || own_index.is_some_and(|k| inference.share_in(k, &error.id) > SHARE);
-            2.0 * error.log_odds > PART * explained && (same || shares())
+            let shares = || {
+                own_index
+                    .is_some_and(|k| inference.share_of_effect_in(k, &error.id) > READINGS_SHARE)
+            };
+            2.0 * error.log_odds > ERROR_SHARE * explained && (same || shares())
         });
-        // Which of them is behind what they share is open.
-        let open = scattered.map(|(id, _)| Nameless::of(*id));
+        // It is undecided which of them explains what they share.
+        let open = scattered.map(|(id, _)| UnmodelledError::of(*id));
         let open = open.or_else(|| beside.cloned()).or_else(|| {
             is_event.then(|| {
-                Nameless::of(ReadingId {
+                UnmodelledError::of(ReadingId {
                     quantity: Quantity::Length,
                     cable: own.first().copied(),
                     component: None,
                 })
             })
         });
-        // A size that no machine has may be that of another error which looks the same.
+        // A size beyond that of real machines suggests another error that looks the same.
         let odds = (log_rarity_of(finding) - LOOKS_THE_SAME).exp();
         let share = odds / (1.0 + odds);
-        let odd = || {
-            let id = inference.most_changed(own_index.filter(|_| matters(share))?)?;
-            Some((Nameless::of(id), share))
+        let oversized = || {
+            let id = inference.most_affected_class(own_index.filter(|_| matters(share))?)?;
+            Some((UnmodelledError::of(id), share))
         };
-        let Some((other, share)) = rival.or(open.map(|other| (other, 0.5))).or_else(odd) else {
+        let Some((other, share)) = rival.or(open.map(|other| (other, 0.5))).or_else(oversized)
+        else {
             continue;
         };
         finding.verdict = Verdict::Ambiguous;
@@ -266,8 +287,8 @@ pub(super) fn temper(
     }
 }
 
-/// Allows for errors outside the catalogue, of which the evidence knows nothing: lowers the probabilities of all findings. A name
-/// that is then no longer certain becomes a list.
+/// Allows for errors outside the catalogue, which the evidence ignores, by lowering the probabilities of all findings.
+/// A name that falls below the naming threshold becomes a list.
 pub(super) fn allow_for_imitations(findings: &mut [Finding]) {
     for finding in findings {
         if finding.verdict == Verdict::Named {
@@ -279,30 +300,32 @@ pub(super) fn allow_for_imitations(findings: &mut [Finding]) {
             }
             finding.verdict = Verdict::Ambiguous;
         }
-        finding.probability *= 1.0 - NONE_OF_THEM;
+        finding.probability *= 1.0 - NONE_PRESENT_RATE;
         for alternative in &mut finding.alternatives {
-            alternative.probability *= 1.0 - NONE_OF_THEM;
+            alternative.probability *= 1.0 - NONE_PRESENT_RATE;
         }
     }
 }
 
-/// Probability of a named cause that explains a chi-square; `None` where it is too low for a name.
+/// Probability of a named cause that explains a given chi-square; `None` if it is too low for a name.
 ///
-/// An error outside the catalogue passes for a cause if noise hides the difference of their shapes. Of shapes that differ by
-/// any share of what the cause explains, a part in proportion to `1 / sqrt(chi-square explained)` does.
+/// An error outside the catalogue can pass for a cause if noise hides the difference of their shapes. If that
+/// difference is equally likely to be any fraction of what the cause explains, the share that noise hides is
+/// proportional to `1 / sqrt(chi-square explained)`.
 fn probability_of_name(probability: f64, explained: f64) -> Option<f64> {
-    let imitated = (IMITATED / explained.max(1.0).sqrt()).min(MOST_IMITATED);
+    let imitated = (IMITATION_RATE / explained.max(1.0).sqrt()).min(MAX_IMITATION_RATE);
     let stated = probability * (1.0 - imitated);
-    (stated >= SURE).then_some(stated)
+    (stated >= NAMING_PROBABILITY).then_some(stated)
 }
 
-/// Logarithm of how much rarer the size of a cause, as far as it is certain, is than the largest typical one.
+/// Log prior rarity of the size of a cause, relative to the largest typical size, at the lower end of its confidence
+/// interval.
 fn log_rarity_of(finding: &Finding) -> f64 {
     let effect = finding.cause.effect();
     let Some(size) = size_parameter(effect) else {
         return 0.0;
     };
-    // Coordinates of one vector are as large as each other at most.
+    // The typical size of a vector bounds each of its coordinates, so their squares are summed.
     let of_instance = |found: &[FoundParameter]| {
         let alike = effect.parameters().iter().zip(found);
         let alike = alike.filter(|(p, _)| p.unit == size.unit && !p.discrete);
@@ -317,16 +340,16 @@ fn log_rarity_of(finding: &Finding) -> f64 {
     log_rarity(size, instances.map(of_instance).fold(0.0, f64::max))
 }
 
-/// Chi-square of readings that depend on something, and of the readings of a cable that scatter more than those of others,
-/// beyond what noise gives.
-pub(super) fn excess(
+/// Excess chi-square, beyond that of noise, of readings whose residuals depend on a variable and of cables whose
+/// readings scatter more than those of the others.
+pub(super) fn excess_chi2(
     space: &ResidualSpace,
     remaining: &[Discrepancy],
     noise: &[NoiseStatement],
 ) -> Vec<(ReadingId, f64)> {
     let structured = remaining.iter().map(|d| {
         let excess = d.points.len() as f64 * (d.rms_over_sd.powi(2) - 1.0);
-        (Nameless::of_discrepancy(d).id, excess)
+        (UnmodelledError::from_discrepancy(d).id, excess)
     });
     let loud = noise.iter().filter(|statement| statement.cable.is_some());
     let loud = loud.map(|statement| {
@@ -341,9 +364,9 @@ pub(super) fn excess(
     structured.chain(loud).collect()
 }
 
-/// Whether a fit explains the data, and if not, on what its residuals depend.
-pub(super) fn judged(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>, ResidualSpace) {
-    // Half of the probability of a false alarm is for the tests of the residuals, half for the causes.
+/// Tests whether a fit explains the data and on which variables its residuals depend.
+pub(super) fn assess_fit(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>, ResidualSpace) {
+    // Half of the false alarm probability is allotted to the tests of the residuals, half to the causes.
     let level = alpha / 2.0;
     let linear = Linearisation::new(&fit.problem, &fit.solution);
     let space = ResidualSpace::new(&linear);
@@ -358,7 +381,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_more_a_cause_explains_the_surer_is_its_name() {
+    fn names_become_more_certain_with_the_chi_square_explained() {
         let stated = |p, explained| probability_of_name(p, explained);
         let expected = [(2500.0, 0.99), (100.0, 0.97), (10.0, 0.97), (0.0, 0.97)];
         for (explained, probability) in expected {

@@ -1,42 +1,40 @@
-//! On which readings, and along which variables, a model is wrong, whatever the cause.
+//! Tests on which variables the residuals depend, without reference to any cause.
 //!
-//! For the readings `g` of one kind and cable and a variable `u`, smooth functions `Phi` of `u` stand for any
-//! dependence, monotonic or not. With the score `s = Phi^T r_g` and its covariance
-//! `I = Phi^T M_gg Phi` ([`super::residual_space`]), `s^T I^-1 s` is a chi-square variable of `rank I` degrees of
-//! freedom if there is no dependence: Rao's score test of an error `Phi c` in these readings, everything
-//! else estimated.
+//! For the readings `g` of one kind and cable and a variable `u`, smooth functions `Phi` of `u` represent any
+//! dependence, monotonic or not. With the score `s = Phi^T r_g` and its covariance `I = Phi^T M_gg Phi`
+//! ([`super::residual_space`]), `s^T I^-1 s` is chi-square distributed with `rank I` degrees of freedom if there is no
+//! dependence. This is Rao's score test of an error `Phi c` in these readings, with all other parameters estimated.
 //!
-//! Where readings scatter more than described, by noise or by an error, any function would seem to explain some
-//! of it, in these readings and in others on which they pull. So readings whose scatter is
-//! significantly too large get weights that fit it ([`super::noise`]), and there the test is that of the ratio
-//! to what the functions leave (Fisher's F).
+//! Where readings scatter more than described, any function would seem to explain some of the scatter, in these
+//! readings and in others that they influence. Readings with significantly excessive scatter are therefore reweighted
+//! ([`super::noise`]), and their test compares the explained with the remaining variance (Fisher's F test).
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::adequacy::classes;
-use super::noise::excess;
+use super::noise::excess_sd_factors;
 use super::reading_id::ReadingId;
 use super::residual_space::{ClassSums, ResidualSpace, RowGroup, Score};
 use super::variables::{Variables, varies};
 use super::{Discrepancy, Quantity, Variable};
 use crate::statistics::{chi_square_survival, f_survival};
 
-/// Most smooth functions of a variable.
-const MOST_FUNCTIONS: usize = 5;
-/// Readings for each function.
+/// Maximum number of smooth functions of a variable.
+const MAX_FUNCTIONS: usize = 5;
+/// Readings needed for each function.
 const READINGS_PER_FUNCTION: usize = 4;
-/// Directions of the functions of which less than this shows in the residuals are left out.
-const UNSEEN: f64 = 1e-6;
-/// Level at which readings count as scattering more than described.
-const TOO_LARGE: f64 = 0.01;
-/// Variables that are reported for the same readings.
-const VARIABLES_REPORTED: usize = 3;
-/// Readings of which less than this shows in the residual have no residual worth a plot.
-const CONTROLLED: f64 = 1e-3;
+/// Directions of the functions whose share in the residuals is smaller than this are left out.
+const MIN_VISIBLE_SHARE: f64 = 1e-6;
+/// Significance level at which readings count as scattering more than described.
+const EXCESS_LEVEL: f64 = 0.01;
+/// Maximum number of variables that are reported for the same readings.
+const MAX_REPORTED_VARIABLES: usize = 3;
+/// Readings with a smaller redundancy than this are left out of plots, because their residuals carry no information.
+const MIN_REDUNDANCY: f64 = 1e-3;
 
-/// The question whether some readings depend on a variable, and its answer.
+/// Test of whether some readings depend on a variable.
 #[derive(Debug, Clone)]
 #[cfg_attr(
     not(test),
@@ -87,24 +85,26 @@ pub fn smooth_functions(values: &[f64], variable: Variable, most: usize) -> DMat
             let angle = TAU * values[row] * (1 + k / 2) as f64;
             if k % 2 == 0 { angle.sin() } else { angle.cos() }
         }),
-        _ => DMatrix::from_fn(values.len(), most.min(MOST_FUNCTIONS), |row, k| {
+        _ => DMatrix::from_fn(values.len(), most.min(MAX_FUNCTIONS), |row, k| {
             (PI * (k + 1) as f64 * (values[row] - least) / spread).cos()
         }),
     }
 }
 
-/// All questions of the kind "do these readings depend on that variable", with their answers.
+/// Tests every class of readings against every variable that applies to it.
 pub(crate) fn dependence_tests(
     space: &ResidualSpace,
     variables: &Variables<'_>,
 ) -> Vec<DependenceTest> {
-    let fair = Fair::new(space);
+    let reweighted = ReweightedResiduals::new(space);
     let mut tests = Vec::new();
-    for (class, id) in fair.ids.iter().enumerate() {
+    for (class, id) in reweighted.ids.iter().enumerate() {
         let rows: Vec<usize> = (0..space.rows())
-            .filter(|row| fair.class_of[*row] == Some(class) && space.measured[*row].is_some())
+            .filter(|row| {
+                reweighted.class_of[*row] == Some(class) && space.measured[*row].is_some()
+            })
             .collect();
-        let all = fair.readings(class, rows);
+        let all = reweighted.readings(class, rows);
         for variable in Variable::ALL {
             let Some(by_row) = variables.values(id.quantity, id.cable, variable) else {
                 continue;
@@ -114,18 +114,18 @@ pub(crate) fn dependence_tests(
             let known: Vec<usize> = rows.filter(|row| value(row).is_finite()).collect();
             let values: Vec<f64> = known.iter().map(value).collect();
             let some =
-                (known.len() < all.described.rows.len()).then(|| fair.readings(class, known));
+                (known.len() < all.described.rows.len()).then(|| reweighted.readings(class, known));
             tests.extend(some.as_ref().unwrap_or(&all).test(variable, values));
         }
     }
     tests
 }
 
-/// Residuals in weights that fit their scatter.
-struct Fair<'a> {
-    /// The residuals in the noise as described.
+/// Residuals with weights that match their actual scatter.
+struct ReweightedResiduals<'a> {
+    /// The residuals with the noise as described.
     described: &'a ResidualSpace,
-    /// The same in other weights, where there are any.
+    /// The reweighted residuals, if any weight differs.
     weighted: Option<ResidualSpace>,
     factors: Vec<f64>,
     ids: Vec<ReadingId>,
@@ -134,16 +134,16 @@ struct Fair<'a> {
     redundancy: Vec<f64>,
 }
 
-impl<'a> Fair<'a> {
+impl<'a> ReweightedResiduals<'a> {
     fn new(described: &'a ResidualSpace) -> Self {
         let (ids, class_of) = classes(described, |id| *id);
-        let factors = excess(described, TOO_LARGE);
+        let factors = excess_sd_factors(described, EXCESS_LEVEL);
         let is_other = factors.iter().any(|factor| *factor != 1.0);
         let weighted = is_other.then(|| described.rescaled(&factors));
-        let fair = weighted.as_ref().unwrap_or(described);
+        let reweighted = weighted.as_ref().unwrap_or(described);
         Self {
-            sums: fair.class_sums(&class_of, ids.len()),
-            redundancy: fair.redundancy(),
+            sums: reweighted.class_sums(&class_of, ids.len()),
+            redundancy: reweighted.redundancy(),
             described,
             weighted,
             factors,
@@ -152,9 +152,9 @@ impl<'a> Fair<'a> {
         }
     }
 
-    fn readings(&self, class: usize, rows: Vec<usize>) -> Readings {
+    fn readings(&self, class: usize, rows: Vec<usize>) -> TestedReadings {
         let scaled = self.sums.scaled_chi_square(class);
-        Readings {
+        TestedReadings {
             id: self.ids[class],
             trace: rows.iter().map(|row| self.redundancy[*row]).sum(),
             scaled: scaled.map(|(factor, _)| factor),
@@ -168,20 +168,20 @@ impl<'a> Fair<'a> {
     }
 }
 
-/// The readings that a question is about.
-struct Readings {
+/// The readings that one test is about.
+struct TestedReadings {
     id: ReadingId,
     described: RowGroup,
     weighted: Option<RowGroup>,
-    /// Standard deviation in the weights over that of the description.
+    /// Standard deviation in the weights over the described one.
     sd_factor: f64,
-    /// Sum of the redundancies in the weights.
+    /// Sum of the redundancies with these weights.
     trace: f64,
-    /// Factor of the scaled chi-square variable that the squares of the residuals are, in the weights.
+    /// Factor of the scaled chi-square distribution of the sum of squared residuals, with these weights.
     scaled: Option<f64>,
 }
 
-impl Readings {
+impl TestedReadings {
     fn test(&self, variable: Variable, values: Vec<f64>) -> Option<DependenceTest> {
         let most = values.len() / READINGS_PER_FUNCTION;
         let functions = smooth_functions(&values, variable, most);
@@ -189,17 +189,17 @@ impl Readings {
             return None;
         }
         let score = self.described.score(&functions);
-        let described = Fit::new(&functions, &score);
-        let fair = self.weighted.as_ref().map(|group| {
+        let described = ScoreFit::new(&functions, &score);
+        let reweighted = self.weighted.as_ref().map(|group| {
             let score = group.score(&functions);
-            (group, Fit::new(&functions, &score), score)
+            (group, ScoreFit::new(&functions, &score), score)
         });
-        let (group, fit, score) = match &fair {
+        let (group, fit, score) = match &reweighted {
             Some((group, fit, score)) => (*group, fit, score),
             None => (&self.described, &described, &score),
         };
         let rank = fit.rank as f64;
-        let (rest, p_value) = match self.rest(group, score, fit) {
+        let (rest, p_value) = match self.residual_variance(group, score, fit) {
             Some((rest, freedom)) => {
                 let ratio = fit.chi2 / rank / rest;
                 (rest, f_survival(ratio, [rank, freedom])?)
@@ -221,22 +221,27 @@ impl Readings {
         })
     }
 
-    /// Variance of the residuals that the functions leave over that of the weights, and its degrees of freedom;
-    /// `None` where the noise is as described and it is not significantly larger than that. The squares
-    /// that are left are taken as a scaled chi-square variable with the factor of all.
-    fn rest(&self, group: &RowGroup, score: &Score, fit: &Fit) -> Option<(f64, f64)> {
+    /// Residual variance after fitting the functions, relative to the weights, with its degrees of freedom; `None` if
+    /// it is not significantly larger than the described noise. The remaining sum of squares is taken as scaled
+    /// chi-square with the same factor as the total.
+    fn residual_variance(
+        &self,
+        group: &RowGroup,
+        score: &Score,
+        fit: &ScoreFit,
+    ) -> Option<(f64, f64)> {
         let left = &group.residual - &score.projected * &fit.coefficients;
         let squares = score.projected.tr_mul(&score.projected);
         let trace = self.trace - squares.dot(&fit.inverse);
         let freedom = trace / self.scaled?;
         let factor = left.norm_squared() / trace;
         let p = chi_square_survival(factor * freedom, freedom)?;
-        (self.sd_factor != 1.0 || p < TOO_LARGE).then_some((factor, freedom))
+        (self.sd_factor != 1.0 || p < EXCESS_LEVEL).then_some((factor, freedom))
     }
 }
 
-/// Best coefficients of functions for a score.
-struct Fit {
+/// Least squares fit of functions to a score.
+struct ScoreFit {
     chi2: f64,
     rank: usize,
     coefficients: nalgebra::DVector<f64>,
@@ -244,7 +249,7 @@ struct Fit {
     inverse: DMatrix<f64>,
 }
 
-impl Fit {
+impl ScoreFit {
     fn new(functions: &DMatrix<f64>, score: &Score) -> Self {
         let count = functions.ncols();
         let norms: Vec<f64> = functions
@@ -262,7 +267,7 @@ impl Fit {
             inverse: DMatrix::zeros(count, count),
         };
         for (direction, value) in eigen.eigenvectors.column_iter().zip(&eigen.eigenvalues) {
-            if *value <= UNSEEN {
+            if *value <= MIN_VISIBLE_SHARE {
                 continue;
             }
             let direction = direction.map_with_location(|k, _, d| d / norms[k]);
@@ -276,38 +281,37 @@ impl Fit {
     }
 }
 
-/// The dependences that are significant at level `alpha` for all questions together (Bonferroni), first those that
-/// explain most of chi-square (less two for each function); of each reading of each cable at most
-/// three variables.
+/// The dependences that are significant at level `alpha` over all tests (Bonferroni), in order of the chi-square that
+/// they explain less two per function. At most three variables are reported for the readings of one kind and cable.
 pub(crate) fn discrepancies(
     space: &ResidualSpace,
     tests: &[DependenceTest],
     alpha: f64,
 ) -> Vec<Discrepancy> {
-    let questions = tests.len() as f64;
+    let test_count = tests.len() as f64;
     let mut found: Vec<&DependenceTest> = tests
         .iter()
-        .filter(|test| test.p_value * questions < alpha)
+        .filter(|test| test.p_value * test_count < alpha)
         .collect();
-    // All explain the same residuals; where an error is large, the probabilities hardly differ.
+    // Sorting by p-value would be useless for large errors, whose p-values all underflow.
     let gain = |t: &DependenceTest| t.chi2 - 2.0 * t.rank as f64;
     found.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
     let redundancy = space.redundancy();
     let mut kept: Vec<Discrepancy> = Vec::new();
     for test in found {
         let same = |d: &&Discrepancy| (d.quantity, d.cable) == (test.quantity, test.cable);
-        if kept.iter().filter(same).count() < VARIABLES_REPORTED {
-            kept.push(report(space, &redundancy, test, questions));
+        if kept.iter().filter(same).count() < MAX_REPORTED_VARIABLES {
+            kept.push(to_discrepancy(space, &redundancy, test, test_count));
         }
     }
     kept
 }
 
-fn report(
+fn to_discrepancy(
     space: &ResidualSpace,
     redundancy: &[f64],
     test: &DependenceTest,
-    questions: f64,
+    test_count: f64,
 ) -> Discrepancy {
     let squares: f64 = test
         .rows
@@ -316,7 +320,7 @@ fn report(
         .sum();
     let trace: f64 = test.rows.iter().map(|row| redundancy[*row]).sum();
     let point = |(row, value): (&usize, &f64)| {
-        let share = Some(redundancy[*row]).filter(|share| *share > CONTROLLED)?;
+        let share = Some(redundancy[*row]).filter(|share| *share > MIN_REDUNDANCY)?;
         Some((
             space.measured[*row]?,
             *value,
@@ -328,7 +332,7 @@ fn report(
         cable: test.cable,
         variable: test.variable,
         rms_over_sd: (squares / trace).sqrt(),
-        p_value: (test.p_value * questions).min(1.0),
+        p_value: (test.p_value * test_count).min(1.0),
         points: test
             .rows
             .iter()

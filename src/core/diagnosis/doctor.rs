@@ -1,34 +1,35 @@
-//! The course of a diagnosis.
+//! The sequence of steps of a diagnosis.
 
 use super::candidates::size_parameter;
-use super::claims::{claims, possible_after};
+use super::cause_posteriors::{cause_posteriors, discount_possible_causes};
 use super::confidence::{
-    Kept, allow_for_imitations, contested, excess, judged, kept, temper, weighed,
+    ConfirmedCauses, allow_for_imitations, assess_fit, confirm_causes, downgrade_doubtful_names,
+    excess_chi2, readmit_likely_causes, reject_replaceable_causes,
 };
-use super::exchange::exchanged;
+use super::exchange::find_exchange;
 use super::exploration::Visibility;
-use super::finding::Found;
+use super::finding::FindingBuilder;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::inference::infer;
 use super::noise::noise_statements;
 use super::progress::Reporter;
-use super::remainder::Nameless;
 use super::report::{Diagnosis, Finding, Invisible};
+use super::unmodelled_errors::UnmodelledError;
 use super::{DiagnosisOptions, Observer, Stage};
 use crate::effect::{CablePorts, Dual, measurements_as_modelled};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 use crate::statistics::normal_quantile;
 
-/// Probability with which an effect of the smallest visible size is found.
+/// Probability of detection at the smallest visible size.
 const POWER: f64 = 0.9;
 
-/// Most samples of a recording in motion that are looked at.
+/// Maximum number of samples taken from a recording in motion.
 pub const MOST_SAMPLES: usize = 300;
 
-/// Diagnoses a dataset: the joint problem of its robot, the effects of its model held. Rows of one standstill are
-/// averaged, recordings in motion thinned to independent samples.
+/// Diagnoses a dataset with the joint problem of its robot, the effects of its model held fixed. Rows of one standstill
+/// are averaged, and recordings in motion are thinned to independent samples.
 ///
 /// # Errors
 /// If the measurements cannot be used with this robot at all.
@@ -45,26 +46,27 @@ pub fn diagnose(
         robot: dataset.robot.clone(),
         measurements: averaged.into_owned(),
     };
-    let problem = based(&dataset)?;
+    let problem = problem_at_fitted_poses(&dataset)?;
     let first = Fit::new(&problem, &[])?;
-    let Some(exchange) = exchanged(&first, &mut report)? else {
+    let Some(exchange) = find_exchange(&first, &mut report)? else {
         return examine(&problem, (&first, rows), Vec::new(), options, &mut report);
     };
-    let mut after = based(&exchange.dataset)?;
+    let mut after = problem_at_fitted_poses(&exchange.dataset)?;
     after.held_effects.push(exchange.bound.clone());
     let second = Fit::new(&after, &[])?;
     let found = exchange.finding(&first, &second);
     examine(&after, (&first, rows), vec![found], options, &mut report)
 }
 
-/// The problem with what effects depend on taken at the poses of its solution.
-pub(super) fn based(dataset: &Dataset) -> Result<Problem<'_>, EstimationError> {
+/// The problem whose effects are evaluated at the poses of its own solution.
+pub(super) fn problem_at_fitted_poses(dataset: &Dataset) -> Result<Problem<'_>, EstimationError> {
     let problem = Problem::new(dataset)?;
     let first = Fit::new(&problem, &[])?;
     Ok(problem.at_poses_of(&first.solution))
 }
 
-/// Examines a problem, given the fit of the model as it was and how many rows of a standstill were averaged at most.
+/// Examines a problem. `first` is the fit of the model as supplied, `rows` the largest number of averaged rows of a
+/// standstill.
 fn examine(
     problem: &Problem<'_>,
     (first, rows): (&Fit<'_>, usize),
@@ -74,56 +76,57 @@ fn examine(
 ) -> Result<Diagnosis, EstimationError> {
     let (problem, inference, visibility) = infer(problem.clone(), options, report)?;
     let problem = &problem;
-    let (claims, possible) = claims(&inference.ranking);
-    let kept = kept(problem, inference, claims, possible, options)?;
-    let contested = contested(problem, kept, options)?;
-    let (kept, remainder) = weighed(problem, contested, options)?;
-    let Kept {
+    let (posteriors, possible) = cause_posteriors(&inference.ranking);
+    let confirmed = confirm_causes(problem, inference, posteriors, possible, options)?;
+    let remaining_causes = reject_replaceable_causes(problem, confirmed, options)?;
+    let (confirmed, unmodelled) = readmit_likely_causes(problem, remaining_causes, options)?;
+    let ConfirmedCauses {
         inference,
-        claims,
+        posteriors,
         mut possible,
         ..
-    } = kept;
+    } = confirmed;
     report.stage(Stage::HeldOut, findings.len());
     let fit = &inference.fit;
-    let spread = inference.spread();
+    let sd_ratios = inference.sd_ratios();
     let mut before = Prediction::new(&Fit::new(problem, &[])?);
-    for (index, claim) in claims.iter().enumerate() {
+    for (index, posterior) in posteriors.iter().enumerate() {
         let after = Prediction::new(&Fit::new(problem, &fit.causes[..=index])?);
         let gain = after.gain_over(&before);
         before = after;
         report.stage(Stage::Separation, findings.len());
-        let found = Found {
+        let found = FindingBuilder {
             fit,
             index,
-            claim,
+            posterior,
             gain,
             questions: visibility.len(),
-            spread: &spread[index],
+            sd_ratios: &sd_ratios[index],
         };
-        findings.push(found.finding()?);
+        findings.push(found.build()?);
     }
     report.stage(Stage::Discrepancy, findings.len());
-    let (mut base, discrepancies, _) = judged(first, options.alpha);
-    let (extended, remaining, space) = judged(fit, options.alpha);
+    let (mut base, discrepancies, _) = assess_fit(first, options.alpha);
+    let (extended, remaining, space) = assess_fit(fit, options.alpha);
     let mut noise = noise_statements(&space, &remaining, options.alpha);
-    // Means scatter less than rows do; how much less depends on what the rows share.
+    // The noise of means is smaller than that of single rows by a factor that depends on what the rows share, so less
+    // noise than described is not reported for them.
     noise.retain(|statement| rows == 1 || statement.ratio > 1.0);
     if !report.cancelled {
-        let mut left = remainder.left;
-        if left.is_empty() {
-            left.extend(remaining.first().map(Nameless::of_discrepancy));
+        let mut remaining_errors = unmodelled.remaining;
+        if remaining_errors.is_empty() {
+            remaining_errors.extend(remaining.first().map(UnmodelledError::from_discrepancy));
         }
-        let scatter = excess(&space, &remaining, &noise);
-        temper(
+        let scatter = excess_chi2(&space, &remaining, &noise);
+        downgrade_doubtful_names(
             &mut findings,
             &inference,
-            (&remainder.rivals, &left),
+            (&unmodelled.rivals, &remaining_errors),
             &scatter,
         );
         allow_for_imitations(&mut findings);
-        findings.extend(left.iter().map(|s| s.finding(fit)));
-        possible = possible_after(possible, !left.is_empty());
+        findings.extend(remaining_errors.iter().map(|s| s.finding(fit)));
+        possible = discount_possible_causes(possible, !remaining_errors.is_empty());
     }
     base.adequate &= findings.is_empty();
     Ok(Diagnosis {
@@ -132,7 +135,7 @@ fn examine(
         extended,
         discrepancies,
         remaining,
-        invisible: invisible(problem, &visibility, options),
+        invisible: invisible_effects(problem, &visibility, options),
         findings,
         possible,
         base_solution: first.solution.clone(),
@@ -141,9 +144,9 @@ fn examine(
     })
 }
 
-/// The effects that would not be found at their largest typical size, of those on which a reading depends at all: what an
-/// instrument shows that was not there is nobody's question.
-fn invisible(
+/// Effects that would not be found even at their largest typical size. Effects of instruments that the robot does not
+/// have are left out.
+fn invisible_effects(
     problem: &Problem<'_>,
     visibility: &[Visibility],
     options: &DiagnosisOptions,
@@ -153,15 +156,15 @@ fn invisible(
     let has_forces = problem.dataset.robot.has_force_sensors()
         && !problem.dataset.measurements.force_n.is_empty();
     let mut found = Vec::new();
-    for asked in visibility {
-        let is_read = asked.is_read && (has_forces || !acts_on_tension(asked, problem));
-        let Some(parameter) = size_parameter(asked.cause.effect()).filter(|_| is_read) else {
+    for effect in visibility {
+        let is_read = effect.is_read && (has_forces || !acts_on_tension(effect, problem));
+        let Some(parameter) = size_parameter(effect.cause.effect()).filter(|_| is_read) else {
             continue;
         };
-        let smallest = asked.sd.map(|sd| needed * sd);
+        let smallest = effect.sd.map(|sd| needed * sd);
         if smallest.is_none_or(|size| size > parameter.typical[1]) {
             found.push(Invisible {
-                cause: asked.cause.clone(),
+                cause: effect.cause.clone(),
                 parameter: (parameter.name, parameter.unit),
                 smallest_visible: smallest,
             });
@@ -170,9 +173,9 @@ fn invisible(
     found
 }
 
-/// Whether it changes the tensions that force sensors tell.
-fn acts_on_tension(asked: &Visibility, problem: &Problem<'_>) -> bool {
-    let bound = &asked.cause.instances[0];
+/// Whether an effect acts only through tensions that force sensors read.
+fn acts_on_tension(effect: &Visibility, problem: &Problem<'_>) -> bool {
+    let bound = &effect.cause.instances[0];
     let (Some(cable), Some(contexts)) = (bound.cables.first(), &problem.contexts) else {
         return false;
     };

@@ -1,38 +1,38 @@
-//! The evidence of a set of causes in closed form.
+//! Log evidence of a set of causes in closed form.
 //!
-//! With the Gram matrix `G` and the score `b` of the columns of a set, in units of their prior, the logarithm of the
-//! evidence over that of no cause is `1/2 b^T (1 + G)^-1 b - 1/2 log det(1 + G)`. The determinant is the price of a
-//! parameter. A parameter that is not negative has a normal prior cut at zero, which adds the logarithm of twice the
-//! probability that it is positive given the data. The size of a prior is one of several scales.
+//! With the Gram matrix `G` and the score `b` of the columns of a set, in units of their prior, the log evidence
+//! relative to no cause is `1/2 b^T (1 + G)^-1 b - 1/2 log det(1 + G)`. The determinant penalises parameters. A
+//! parameter that cannot be negative has a normal prior truncated at zero, which adds the logarithm of twice the
+//! posterior probability that it is positive. The size prior is a mixture of several scales.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::candidates::Candidate;
-use super::catalogue::log_together;
+use super::catalogue::log_joint_odds_ratio;
 use super::exploration::log_sum;
-use super::gram::{Gram, Own};
+use super::gram::{CandidateScore, Gram};
 use crate::statistics::log_normal_cdf;
 
-/// A cause in a set: number of its candidate and place of its scale.
+/// A cause in a set: index of its candidate, and index of its scale.
 pub(super) type Member = (usize, usize);
 
-/// A set of causes with its evidence, ready to be extended.
+/// A set of causes with its evidence, prepared for evaluating extensions.
 pub(super) struct System {
     pub members: Vec<Member>,
-    /// `(L^-1 F^T R)^T` with the rows `R` of the set: one row per column of the catalogue by which it may be extended, one
-    /// column per parameter.
+    /// `(L^-1 F^T R)^T` with the rows `R` of the set: one row for each catalogue column that may extend it, one column
+    /// per parameter.
     shared: DMatrix<f64>,
-    /// What each of these columns has in common with the set: sum of the squares of its row, and its product with the
-    /// score.
-    taken: DVector<f64>,
+    /// Part of each extension column that the set absorbs: the sum of squares of its row of `shared`, and the product
+    /// of that row with the score.
+    eliminated: DVector<f64>,
     explained: DVector<f64>,
-    /// Number of the first of these columns in the catalogue.
+    /// Index of the first extension column in the catalogue.
     offset: usize,
-    /// Logarithm of the evidence and the prior of the set.
+    /// Log evidence and prior of the set.
     pub log_posterior: f64,
-    /// Estimates of the columns' parameters, member after member.
+    /// Estimated coordinates, member after member.
     pub estimate: DVector<f64>,
-    /// Their covariance.
+    /// Covariance of the estimate.
     pub covariance: DMatrix<f64>,
 }
 
@@ -41,19 +41,19 @@ fn scaled_prior(candidate: &Candidate, scale: usize) -> DMatrix<f64> {
 }
 
 impl System {
-    /// The set with these members, ready to be extended by any candidate.
+    /// Prepares a set that any candidate may extend.
     pub fn extensible(gram: &mut Gram<'_>, members: &[Member]) -> Self {
         let all = 0..*gram.first.last().unwrap_or(&0);
         Self::with_columns(gram, members, all)
     }
 
-    /// The set with these members, which may be extended by one candidate.
+    /// Prepares a set that one given candidate may extend.
     pub fn extensible_by(gram: &mut Gram<'_>, members: &[Member], candidate: usize) -> Self {
         let own = gram.first[candidate]..gram.first[candidate + 1];
         Self::with_columns(gram, members, own)
     }
 
-    /// The set with these members.
+    /// Evaluates a set without preparing extensions.
     pub fn new(gram: &mut Gram<'_>, members: &[Member]) -> Self {
         Self::with_columns(gram, members, 0..0)
     }
@@ -83,7 +83,9 @@ impl System {
             let prior = scaled_prior(candidate, *scale);
             factor.view_mut((at, at), (count, count)).copy_from(&prior);
             log_prior += candidate.log_odds + candidate.scales[*scale].1;
-            score.rows_mut(at, count).copy_from(&gram.own[*index].score);
+            score
+                .rows_mut(at, count)
+                .copy_from(&gram.scores[*index].score);
             for k in 0..count {
                 let row = gram.row(gram.first[*index] + k);
                 let by = &row[extension.clone()];
@@ -101,24 +103,24 @@ impl System {
         matrix += factor.tr_mul(&among) * &factor;
         let matrix = (&matrix + matrix.transpose()) * 0.5;
         let cholesky = Cholesky::new(matrix).unwrap_or_else(|| {
-            // Rounding of a nearly singular matrix: one plus a positive semidefinite one.
+            // Only rounding can make this matrix, the identity plus a positive semidefinite one, fail.
             Cholesky::pack_dirty(DMatrix::identity(width, width))
         });
         let mut half = score.clone();
         cholesky.l_dirty().solve_lower_triangular_mut(&mut half);
-        let mut taken = DVector::zeros(extension.len());
+        let mut eliminated = DVector::zeros(extension.len());
         let mut explained = DVector::zeros(extension.len());
         if !extension.is_empty() {
-            divide(&mut shared, cholesky.l_dirty());
+            divide_by_factor(&mut shared, cholesky.l_dirty());
             for (column, score) in shared.column_iter().zip(half.iter()) {
                 axpy(*score, column.as_slice(), explained.as_mut_slice());
-                for (sum, value) in taken.iter_mut().zip(column.iter()) {
+                for (sum, value) in eliminated.iter_mut().zip(column.iter()) {
                     *sum += value * value;
                 }
             }
         }
         for (place, (index, _)) in members.iter().enumerate() {
-            log_prior += more_together(gram, &members[..place], *index);
+            log_prior += joint_odds_bonus(gram, &members[..place], *index);
         }
         let log_determinant = 2.0 * cholesky.l_dirty().diagonal().map(f64::ln).sum();
         let estimate = &factor * cholesky.solve(&-&score);
@@ -126,19 +128,19 @@ impl System {
         let mut system = Self {
             members: members.to_vec(),
             shared,
-            taken,
+            eliminated,
             explained,
             offset: extension.start,
             log_posterior: 0.5 * (half.norm_squared() - log_determinant) + log_prior,
             estimate,
             covariance,
         };
-        system.log_posterior += system.log_signs(gram.candidates);
+        system.log_posterior += system.log_sign_probability(gram.candidates);
         system
     }
 
-    /// What the signs of the parameters add.
-    fn log_signs(&self, candidates: &[Candidate]) -> f64 {
+    /// Contribution of the sign constraints to the log evidence.
+    fn log_sign_probability(&self, candidates: &[Candidate]) -> f64 {
         let mut at = 0;
         let mut sum = 0.0;
         for (index, _) in &self.members {
@@ -150,7 +152,7 @@ impl System {
         sum
     }
 
-    /// First parameter of each member.
+    /// Range of the parameters of each member.
     pub fn parameters(&self, candidates: &[Candidate]) -> Vec<std::ops::Range<usize>> {
         let mut at = 0;
         let range = |(index, _): &Member| {
@@ -161,47 +163,52 @@ impl System {
         self.members.iter().map(range).collect()
     }
 
-    /// Logarithm of the prior odds of a further candidate.
+    /// Log prior odds of an additional candidate.
     pub fn log_odds(&self, gram: &Gram<'_>, index: usize) -> f64 {
-        gram.candidates[index].log_odds + more_together(gram, &self.members, index)
+        gram.candidates[index].log_odds + joint_odds_bonus(gram, &self.members, index)
     }
 
-    /// Share of what the readings say of the first parameter of a further candidate that is left when the members are
+    /// Share of the information on the first parameter of a further candidate that remains when the members are
     /// estimated, too.
-    pub fn left_of(&self, gram: &Gram<'_>, index: usize) -> f64 {
-        let whole = gram.own[index].information[(0, 0)];
-        let left = whole - self.taken[gram.first[index] - self.offset];
+    pub fn remaining_information(&self, gram: &Gram<'_>, index: usize) -> f64 {
+        let whole = gram.scores[index].information[(0, 0)];
+        let left = whole - self.eliminated[gram.first[index] - self.offset];
         left / whole.max(f64::MIN_POSITIVE)
     }
 
-    /// By how much the logarithm of the posterior rises with a further candidate, and its best scale; nothing where that is
-    /// clearly below `least`.
+    /// Gain of the log posterior by an additional candidate, and the scale that maximises it; `None` if it is clearly
+    /// below `least`.
     pub fn gain(&self, gram: &Gram<'_>, index: usize, least: f64) -> Option<(f64, usize)> {
         let candidate = &gram.candidates[index];
         let log_odds = self.log_odds(gram, index);
         if candidate.columns.len() == 1 {
-            let (score, information) = self.conditional_on_one(gram, index);
-            let value = |scale| (value_of_one(candidate, scale, score, information), scale);
+            let (score, information) = self.conditional_single_column(gram, index);
+            let value = |scale| {
+                (
+                    single_column_evidence(candidate, scale, score, information),
+                    scale,
+                )
+            };
             let all = (0..candidate.scales.len()).map(value);
             let (value, scale) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
             let value = value + log_odds;
             return (value >= least).then_some((value, scale));
         }
-        let own = self.conditional(gram, index).in_prior(candidate);
+        let own = self.conditional(gram, index).in_prior_units(candidate);
         best_scale(candidate, &own, least).map(|(value, scale)| (value + log_odds, scale))
     }
 
-    /// Logarithm of the evidence of a further candidate, summed over its scales, over that at its best scale.
+    /// Log ratio of the evidence of an additional candidate summed over its scales and that at its best scale.
     pub fn log_over_scales(&self, gram: &Gram<'_>, index: usize) -> f64 {
         let candidate = &gram.candidates[index];
         let scales = 0..candidate.scales.len();
         let values: Vec<f64> = if candidate.columns.len() == 1 {
-            let (score, information) = self.conditional_on_one(gram, index);
+            let (score, information) = self.conditional_single_column(gram, index);
             scales
-                .map(|scale| value_of_one(candidate, scale, score, information))
+                .map(|scale| single_column_evidence(candidate, scale, score, information))
                 .collect()
         } else {
-            let own = self.conditional(gram, index).in_prior(candidate);
+            let own = self.conditional(gram, index).in_prior_units(candidate);
             scales
                 .filter_map(|scale| Some(own.value(candidate, scale)?.1))
                 .collect()
@@ -210,29 +217,34 @@ impl System {
         log_sum(values.into_iter()) - best
     }
 
-    /// What the readings say of a further candidate when the members are estimated, too.
-    fn conditional(&self, gram: &Gram<'_>, index: usize) -> Own {
-        let own = &gram.own[index];
+    /// Score and information of an additional candidate, conditional on estimating the members.
+    fn conditional(&self, gram: &Gram<'_>, index: usize) -> CandidateScore {
+        let own = &gram.scores[index];
         let at = gram.first[index] - self.offset;
         let count = own.score.len();
         let rows = self.shared.rows(at, count).into_owned();
-        Own {
+        CandidateScore {
             score: &own.score - self.explained.rows(at, count),
             information: &own.information - &rows * rows.transpose(),
         }
     }
 
-    /// The same of one with a single column: score and information.
-    fn conditional_on_one(&self, gram: &Gram<'_>, index: usize) -> (f64, f64) {
-        let own = &gram.own[index];
+    /// The same for a candidate with a single column.
+    fn conditional_single_column(&self, gram: &Gram<'_>, index: usize) -> (f64, f64) {
+        let own = &gram.scores[index];
         let at = gram.first[index] - self.offset;
-        let information = (own.information[(0, 0)] - self.taken[at]).max(0.0);
+        let information = (own.information[(0, 0)] - self.eliminated[at]).max(0.0);
         (own.score[0] - self.explained[at], information)
     }
 }
 
-/// Evidence of a candidate with one column at one of its scales, the prior of the scale included.
-fn value_of_one(candidate: &Candidate, scale: usize, score: f64, information: f64) -> f64 {
+/// Log evidence of a candidate with one column at one of its scales, including the prior of the scale.
+fn single_column_evidence(
+    candidate: &Candidate,
+    scale: usize,
+    score: f64,
+    information: f64,
+) -> f64 {
     let (size, weight) = candidate.scales[scale];
     let sd = candidate.prior[(0, 0)] * size;
     let spread = 1.0 + information * sd * sd;
@@ -243,16 +255,16 @@ fn value_of_one(candidate: &Candidate, scale: usize, score: f64, information: f6
     value
 }
 
-impl Own {
-    /// The same in units of the prior at scale 1.
-    fn in_prior(&self, candidate: &Candidate) -> Self {
+impl CandidateScore {
+    /// Converts to units of the prior at scale 1.
+    fn in_prior_units(&self, candidate: &Candidate) -> Self {
         Self {
             score: candidate.prior.tr_mul(&self.score),
             information: candidate.prior.tr_mul(&self.information) * &candidate.prior,
         }
     }
 
-    /// In units of the prior at scale 1: half of the chi-square gained at a scale less the penalty, and the evidence.
+    /// In units of the prior at scale 1: half of the chi-square gain at a scale, and the log evidence.
     fn value(&self, candidate: &Candidate, scale: usize) -> Option<(f64, f64)> {
         let (size, weight) = candidate.scales[scale];
         let mut matrix = &self.information * (size * size);
@@ -275,8 +287,8 @@ fn axpy(weight: f64, from: &[f64], to: &mut [f64]) {
     }
 }
 
-/// `columns := columns L^-T`, column by column: these are long and few.
-fn divide(columns: &mut DMatrix<f64>, l: &DMatrix<f64>) {
+/// `columns := columns L^-T`, column by column because the columns are long and few.
+fn divide_by_factor(columns: &mut DMatrix<f64>, l: &DMatrix<f64>) {
     for k in 0..columns.ncols() {
         for j in 0..k {
             let (from, mut to) = columns.columns_range_pair_mut(j, k);
@@ -286,19 +298,19 @@ fn divide(columns: &mut DMatrix<f64>, l: &DMatrix<f64>) {
     }
 }
 
-/// The largest evidence over the scales of a candidate, their probabilities included, of what the readings say in units of
-/// the prior at scale 1.
-fn best_scale(candidate: &Candidate, own: &Own, least: f64) -> Option<(f64, usize)> {
+/// Largest log evidence over the scales of a candidate, including the prior of the scale, for a score in units of the
+/// prior at scale 1. `None` if it is clearly below `least`.
+fn best_scale(candidate: &Candidate, own: &CandidateScore, least: f64) -> Option<(f64, usize)> {
     let (gain, probe) = own.value(candidate, candidate.scales.len() / 2)?;
-    if gain < STRONG && probe + candidate.log_odds < least - PROBED {
+    if gain < STRONG_GAIN && probe + candidate.log_odds < least - MAX_DEFICIT {
         return None;
     }
     let all = (0..candidate.scales.len()).filter_map(|k| Some((own.value(candidate, k)?.1, k)));
     all.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// By how much a candidate is likelier beside members of the same effect on other cables.
-fn more_together(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
+/// Increase of the log prior odds of a candidate because the set has the same effect on other cables.
+fn joint_odds_bonus(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
     let candidate = &gram.candidates[index];
     if !candidate.is_single() {
         return 0.0;
@@ -306,14 +318,14 @@ fn more_together(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
     let all = members.iter().map(|m| &gram.candidates[m.0]);
     let same = all.filter(|c| c.is_single() && std::ptr::eq(c.effect(), candidate.effect()));
     let count = same.count();
-    let log = |count| log_together(count, gram.cables, candidate.log_odds);
+    let log = |count| log_joint_odds_ratio(count, gram.cables, candidate.log_odds);
     log(count + 1) - log(count)
 }
 
-/// How far below what is looked for a candidate is at its middle scale where other scales are not tried, unless it gains
-/// so much there that the scale may matter more.
-const PROBED: f64 = 12.0;
-const STRONG: f64 = 20.0;
+/// The other scales are not tried if the middle one is lower than required by more than `MAX_DEFICIT`, unless the gain
+/// there exceeds `STRONG_GAIN`, where the scale may matter more.
+const MAX_DEFICIT: f64 = 12.0;
+const STRONG_GAIN: f64 = 20.0;
 
 /// Logarithm of twice the probability that a normal variable is positive.
 fn log_positive(mean: f64, variance: f64) -> f64 {

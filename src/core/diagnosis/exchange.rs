@@ -1,5 +1,5 @@
-//! Two channels that are connected the wrong way round: the readings are exchanged back, pair by pair and kind by kind,
-//! and what explains what nothing else could is named.
+//! Exchanged channels: for every pair and kind of channel the readings are exchanged back, and an exchange is reported
+//! if it explains what no effect could.
 
 use super::Stage;
 use super::fit::Fit;
@@ -10,26 +10,27 @@ use crate::effect::{BoundEffect, CATALOGUE, Search};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 
-/// Chi-square per degree of freedom from which an exchange is looked for: its residuals are huge.
+/// Chi-square per degree of freedom above which an exchange is looked for, because wrong channels make huge residuals.
 const HUGE: f64 = 4.0;
-/// Steps after which a fit that leaves more than allowed is given up: the right one gets there in half as many.
+/// Number of steps after which a fit is abandoned if chi-square is still too large; the right exchange converges in
+/// half as many.
 const PATIENCE: usize = 6;
-/// Part of the excess of chi-square that may be left, and of what a second exchange of other channels leaves.
-const LEFT: f64 = 0.25;
-/// Difference of chi-square from which one exchange is told from another.
-const CLEAR: f64 = 9.0;
+/// Share of the excess chi-square that may remain, for example that of a second exchange.
+const MAX_REMAINING_EXCESS: f64 = 0.25;
+/// Difference of chi-square that separates one exchange from another.
+const DISTINGUISHING_CHI2: f64 = 9.0;
 
-/// An exchange that was found.
+/// An exchange that explains the readings.
 pub(super) struct Exchange {
     pub bound: BoundEffect,
     /// The measurements with the exchange undone.
     pub dataset: Dataset,
-    /// All that were tried, with the chi-square of each.
+    /// All exchanges that were tried, with their chi-square.
     tried: Vec<(BoundEffect, f64)>,
 }
 
-/// The exchange that explains the readings, if there is one.
-pub(super) fn exchanged(
+/// Finds the exchange that explains the readings, if there is one.
+pub(super) fn find_exchange(
     fit: &Fit<'_>,
     report: &mut Reporter<'_, '_>,
 ) -> Result<Option<Exchange>, EstimationError> {
@@ -42,8 +43,8 @@ pub(super) fn exchanged(
         return Ok(None);
     }
     let dataset = fit.problem.dataset;
-    let allowed =
-        solution.degrees_of_freedom + LEFT * (solution.chi2 - solution.degrees_of_freedom);
+    let allowed = solution.degrees_of_freedom
+        + MAX_REMAINING_EXCESS * (solution.chi2 - solution.degrees_of_freedom);
     let kinds: &[f64] = if dataset.measurements.force_n.is_empty() {
         &[1.0]
     } else {
@@ -62,27 +63,27 @@ pub(super) fn exchanged(
             targeted: true,
             values: vec![kind],
         };
-        let exchanged = undone(dataset, &bound);
-        let fit = Fit::below((allowed, PATIENCE), &Problem::new(&exchanged)?, &[])?;
+        let exchanged = undo_exchange(dataset, &bound);
+        let fit = Fit::with_early_stop((allowed, PATIENCE), &Problem::new(&exchanged)?, &[])?;
         tried.push((bound, fit.solution.chi2));
     }
     tried.sort_by(|a, b| a.1.total_cmp(&b.1));
     let found = tried.first().filter(|(_, chi2)| *chi2 < allowed);
     Ok(found.map(|(bound, _)| Exchange {
         bound: bound.clone(),
-        dataset: undone(dataset, bound),
+        dataset: undo_exchange(dataset, bound),
         tried: tried.clone(),
     }))
 }
 
-fn undone(dataset: &Dataset, bound: &BoundEffect) -> Dataset {
+fn undo_exchange(dataset: &Dataset, bound: &BoundEffect) -> Dataset {
     let mut exchanged = dataset.clone();
     bound.exchange_channels(&mut exchanged.measurements);
     exchanged
 }
 
 impl Exchange {
-    /// What is reported of it; `first` and `second` are the fits before and after.
+    /// The finding; `first` and `second` are the fits before and after undoing the exchange.
     pub fn finding(&self, first: &Fit<'_>, second: &Fit<'_>) -> Finding {
         let robot = &self.dataset.robot;
         let (before, after) = (Prediction::new(first), Prediction::new(second));
@@ -100,7 +101,7 @@ impl Exchange {
         let weights: f64 = ranking.iter().map(weight).sum();
         let alternatives: Vec<Alternative> = ranking[1..]
             .iter()
-            .filter(|rival| ranking[0].delta_chi2 - rival.delta_chi2 < CLEAR)
+            .filter(|rival| ranking[0].delta_chi2 - rival.delta_chi2 < DISTINGUISHING_CHI2)
             .map(|rival| Alternative {
                 cause: rival.cause.clone(),
                 probability: weight(rival) / weights,

@@ -1,35 +1,35 @@
-//! Findings: the causes that are there with near certainty, fitted and tested on poses held out.
+//! Findings: confirmed causes, fitted and tested on held-out poses.
 
 use nalgebra::DMatrix;
 
-use super::claims::Claim;
+use super::cause_posteriors::CausePosterior;
 use super::fit::Fit;
 use super::gain::Prediction;
+use super::projector::{Projector, cosine};
 use super::report::{Alternative, Cause, Evidence, Finding, FoundParameter, Gain, Rival, Verdict};
 use super::separation::separation;
-use super::space::{Space, cosine};
 use crate::effect::BoundEffect;
 use crate::estimation::{EstimationError, Linearisation, ParameterId};
 use crate::robot::Robot;
 use crate::statistics::chi_square_survival;
 
-/// A cause of a fit with everything that a finding says of it.
-pub(super) struct Found<'f, 'a> {
-    /// The fit of all causes.
+/// What a finding needs to know of one cause of a fit.
+pub(super) struct FindingBuilder<'f, 'a> {
+    /// The fit of all confirmed causes.
     pub fit: &'f Fit<'a>,
-    /// Which of them.
+    /// Index of the cause in the fit.
     pub index: usize,
-    pub claim: &'f Claim,
-    /// What it gains on top of those before it.
+    pub posterior: &'f CausePosterior,
+    /// Gain on held-out poses over the causes before it.
     pub gain: Gain,
-    /// Number of causes that were asked about.
+    /// Number of causes that were tested.
     pub questions: usize,
-    /// Standard deviation of each of its parameters over that in the noise as described.
-    pub spread: &'f [f64],
+    /// Standard deviations of its parameters, relative to those with the noise as described.
+    pub sd_ratios: &'f [f64],
 }
 
-impl Found<'_, '_> {
-    pub fn finding(&self) -> Result<Finding, EstimationError> {
+impl FindingBuilder<'_, '_> {
+    pub fn build(&self) -> Result<Finding, EstimationError> {
         let fit = self.fit;
         let cause = &fit.causes[self.index];
         let robot = &fit.problem.dataset.robot;
@@ -37,9 +37,9 @@ impl Found<'_, '_> {
         others.remove(self.index);
         let without = Fit::new(&fit.problem, &others)?;
         let rivals = self.rivals(&others)?;
-        let is_named = self.claim.is_named();
+        let is_named = self.posterior.is_named();
         let separation = rivals.first().filter(|_| !is_named).and_then(|rival| {
-            let own = self.last(&others, cause).ok()?;
+            let own = self.fit_with_last(&others, cause).ok()?;
             separation(&own, rival)
         });
         let ranking = ranking(&without, fit, self.index, &rivals);
@@ -52,9 +52,9 @@ impl Found<'_, '_> {
             } else {
                 Verdict::Ambiguous
             },
-            probability: self.claim.probability,
-            sentence: joined(cause, robot, BoundEffect::cause),
-            advice: joined(cause, robot, BoundEffect::workshop),
+            probability: self.posterior.probability,
+            sentence: distinct_texts(cause, robot, BoundEffect::cause),
+            advice: distinct_texts(cause, robot, BoundEffect::workshop),
             alternatives: self.alternatives(&rivals),
             parameters: self.parameters(),
             evidence: Evidence {
@@ -70,8 +70,8 @@ impl Found<'_, '_> {
         })
     }
 
-    /// The other causes with one more, the last.
-    fn last(&self, others: &[Cause], cause: &Cause) -> Result<Fit<'_>, EstimationError> {
+    /// Fits the other causes together with `cause`, which comes last.
+    fn fit_with_last(&self, others: &[Cause], cause: &Cause) -> Result<Fit<'_>, EstimationError> {
         let mut causes = others.to_vec();
         causes.push(cause.clone());
         let mut problem = self.fit.problem.clone();
@@ -79,16 +79,16 @@ impl Found<'_, '_> {
         Fit::new(&problem, &causes)
     }
 
-    /// The alternatives fitted in its place.
+    /// Fits each alternative in place of the cause.
     fn rivals(&self, others: &[Cause]) -> Result<Vec<Fit<'_>>, EstimationError> {
-        let alternatives = self.claim.alternatives.iter();
+        let alternatives = self.posterior.alternatives.iter();
         alternatives
-            .map(|alternative| self.last(others, &started(&alternative.cause)))
+            .map(|alternative| self.fit_with_last(others, &at_start_values(&alternative.cause)))
             .collect()
     }
 
     fn alternatives(&self, rivals: &[Fit<'_>]) -> Vec<Alternative> {
-        let pairs = self.claim.alternatives.iter().zip(rivals);
+        let pairs = self.posterior.alternatives.iter().zip(rivals);
         let fitted = |(alternative, fit): (&Alternative, &Fit<'_>)| Alternative {
             cause: fit.causes.last().unwrap_or(&alternative.cause).clone(),
             probability: alternative.probability,
@@ -106,7 +106,7 @@ impl Found<'_, '_> {
         let cause = &fit.causes[self.index];
         let several = cause.instances.len() > 1;
         let mut found = Vec::new();
-        let mut spread = self.spread.iter();
+        let mut sd_ratios = self.sd_ratios.iter();
         for (instance, bound) in cause.instances.iter().enumerate() {
             for (number, parameter) in bound.effect.parameters().iter().enumerate() {
                 let id = ParameterId::Effect {
@@ -115,7 +115,7 @@ impl Found<'_, '_> {
                 };
                 let column = fit.solution.parameters.iter().position(|p| p.id == id);
                 let sd = column.and_then(|k| fit.solution.standard_deviation(k));
-                let factor = column.map_or(1.0, |_| spread.next().copied().unwrap_or(1.0));
+                let factor = column.map_or(1.0, |_| sd_ratios.next().copied().unwrap_or(1.0));
                 found.push(FoundParameter {
                     name: parameter.name,
                     cable: bound.cables.first().copied().filter(|_| several),
@@ -129,8 +129,9 @@ impl Found<'_, '_> {
     }
 }
 
-/// A cause at the start values of its fit; waves start at a tenth of their typical size, where their phase shows.
-fn started(cause: &Cause) -> Cause {
+/// A cause with its start values. Waves start at a tenth of their typical size, since the phase has no derivative at
+/// amplitude zero.
+fn at_start_values(cause: &Cause) -> Cause {
     let mut cause = cause.clone();
     for bound in &mut cause.instances {
         if let crate::effect::Search::Wave { phase, period } = bound.effect.search() {
@@ -142,8 +143,12 @@ fn started(cause: &Cause) -> Cause {
     cause
 }
 
-/// The sentences of all instances, each once.
-fn joined(cause: &Cause, robot: &Robot, text: impl Fn(&BoundEffect, &Robot) -> String) -> String {
+/// The texts of all instances, without repetitions.
+fn distinct_texts(
+    cause: &Cause,
+    robot: &Robot,
+    text: impl Fn(&BoundEffect, &Robot) -> String,
+) -> String {
     let mut sentences: Vec<String> = Vec::new();
     for bound in &cause.instances {
         let sentence = text(bound, robot);
@@ -154,17 +159,17 @@ fn joined(cause: &Cause, robot: &Robot, text: impl Fn(&BoundEffect, &Robot) -> S
     sentences.join(" ")
 }
 
-/// The cause itself, then its rivals in their order.
+/// Compares the cause with its fitted alternatives; the cause comes first.
 fn ranking(without: &Fit<'_>, own: &Fit<'_>, index: usize, rivals: &[Fit<'_>]) -> Vec<Rival> {
     let linear = Linearisation::new(&without.problem, &without.solution);
-    let space = Space::new(&linear.design, &linear.residual);
+    let projector = Projector::new(&linear.design, &linear.residual);
     let rows = linear.rows.len() - without.parameters();
     let signature = |fit: &Fit<'_>, index: usize| -> DMatrix<f64> {
         let linear = Linearisation::new(&fit.problem, &fit.solution);
         let columns = linear.design.select_columns(&fit.parameters_of(index));
-        let mut padded = DMatrix::zeros(space.residual.len(), columns.ncols());
+        let mut padded = DMatrix::zeros(projector.residual.len(), columns.ncols());
         padded.rows_mut(0, rows).copy_from(&columns.rows(0, rows));
-        space.project(&padded)
+        projector.project(&padded)
     };
     let first = signature(own, index);
     let last = |fit: &Fit<'_>| fit.causes.len() - 1;

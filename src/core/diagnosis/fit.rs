@@ -1,41 +1,43 @@
-//! A model fitted to the data: the nominal one, extended by causes.
+//! A fit of the model, extended by candidate causes.
 
 use super::report::Cause;
 use crate::estimation::{
     Control, EstimationError, Options, ParameterId, Problem, Progress, Solution, solve,
 };
 
-/// Steps tried after which a fit that is still worse than it must become is given up: one that gets there needs
-/// half as many.
+/// Number of steps after which a fit that is still worse than required is abandoned; successful fits need half as many.
 const PATIENCE: usize = 15;
-/// Most steps of a fit with causes: those that creep on are no explanation.
-const MOST_STEPS: usize = 40;
+/// Maximum number of steps of a fit with causes; one that converges more slowly explains nothing.
+const MAX_STEPS: usize = 40;
 
 /// A problem with its solution.
 #[derive(Debug, Clone)]
 pub(super) struct Fit<'a> {
     pub problem: Problem<'a>,
     pub solution: Solution,
-    /// The causes with the values fitted.
+    /// The causes with their fitted values.
     pub causes: Vec<Cause>,
 }
 
 impl<'a> Fit<'a> {
-    /// Fits the problem `base` with `causes` freed, starting from their values. What does not become better than
-    /// without them is not fitted to the end.
+    /// Fits the problem `base` with the parameters of `causes` freed, starting from their values. The fit is abandoned
+    /// early if it does not improve on the one without causes.
     pub fn new(base: &Problem<'a>, causes: &[Cause]) -> Result<Self, EstimationError> {
         let known = base.known.as_ref().filter(|_| !causes.is_empty());
         let bound = known.map_or(f64::INFINITY, |known| known.chi2);
-        Self::below((bound, PATIENCE), base, causes)
+        Self::with_early_stop((bound, PATIENCE), base, causes)
     }
 
-    /// The same to the end: where nothing explains the readings yet, the way may be long.
-    pub fn to_the_end(base: &Problem<'a>, causes: &[Cause]) -> Result<Self, EstimationError> {
-        Self::below((f64::INFINITY, usize::MAX), base, causes)
+    /// Fits without early stopping, for causes that are still far from explaining the readings and may need many steps.
+    pub fn without_early_stop(
+        base: &Problem<'a>,
+        causes: &[Cause],
+    ) -> Result<Self, EstimationError> {
+        Self::with_early_stop((f64::INFINITY, usize::MAX), base, causes)
     }
 
-    /// The same, given up where chi-square is not below a bound after so many steps.
-    pub fn below(
+    /// Fits, but stops if chi-square is not below a bound after so many steps.
+    pub fn with_early_stop(
         (bound, patience): (f64, usize),
         base: &Problem<'a>,
         causes: &[Cause],
@@ -56,7 +58,7 @@ impl<'a> Fit<'a> {
         };
         let mut options = Options::default();
         if bound.is_finite() {
-            options.max_iterations = MOST_STEPS;
+            options.max_iterations = MAX_STEPS;
         }
         let solution = solve(&problem, &options, watch)?;
         let mut fitted = solution.globals.effects[problem.held_effects.len()..].iter();
@@ -84,7 +86,7 @@ impl<'a> Fit<'a> {
             .sum()
     }
 
-    /// The parameters of one cause: indices in the solution.
+    /// Indices of the parameters of one cause in the solution.
     pub fn parameters_of(&self, cause: usize) -> Vec<usize> {
         let before: usize = self.causes[..cause].iter().map(|c| c.instances.len()).sum();
         let own = before..before + self.causes[cause].instances.len();

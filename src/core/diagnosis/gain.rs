@@ -1,89 +1,89 @@
-//! What a cause gains on poses that took no part in fitting, and what it does to the robot.
+//! Cross-validation: the gain of a cause on held-out poses, and by how much it moves the platform.
 //!
 //! Each pose is left out in turn. With the orthonormal basis `V` of the estimated parameters and the rows `j` of the
-//! pose, the fit to all others predicts the residual `e_j = r_j + V_j z_j`,
-//! `z_j = (1 - V_j^T V_j)^-1 V_j^T r_j` (Cook and Weisberg 1982, linear at the solution). Only the position of the
-//! platform at the pose itself is fitted to its readings.
+//! pose, the fit to all other poses predicts the residual `e_j = r_j + V_j z_j` with
+//! `z_j = (1 - V_j^T V_j)^-1 V_j^T r_j` (Cook and Weisberg 1982, linear at the solution). Only the pose of the platform
+//! is fitted to the held-out readings.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::fit::Fit;
+use super::projector::Projector;
 use super::report::{Gain, KindGain, PositionChange, Quantity};
-use super::space::Space;
 use crate::effect::Search;
 use crate::estimation::{Linearisation, RowKind};
 use crate::statistics::normal_quantile;
 
-/// Resampled sets of poses behind an interval, and the seed by which they are drawn.
+/// Number of bootstrap samples for an interval, and seed of their random numbers.
 const RESAMPLES: usize = 1000;
 const SEED: u64 = 2018;
 
-/// One pose held out.
+/// Prediction of one held-out pose.
 #[derive(Debug, Clone)]
 struct HeldOut {
     row: usize,
-    /// Sum of squares, and what noise alone gives.
+    /// Sum of squares, and its expectation from noise alone.
     chi2: f64,
     freedom: f64,
-    /// The same per kind of reading.
+    /// Sum of squares and expectation for each kind of reading.
     kinds: Vec<(Quantity, f64, f64)>,
-    /// Step of the basis when this pose is left out.
+    /// Change of the estimate, in coordinates of the basis, when this pose is left out.
     step: DVector<f64>,
 }
 
 impl HeldOut {
-    /// Sum of squares of one kind of reading, and what noise alone gives.
+    /// Sum of squares of one kind of reading, and its expectation from noise alone.
     fn of_kind(&self, quantity: Quantity) -> (f64, f64) {
         let found = self.kinds.iter().find(|(q, ..)| *q == quantity);
         found.map_or((0.0, 0.0), |(_, squares, freedom)| (*squares, *freedom))
     }
 }
 
-/// A fit as seen by the poses held out.
+/// Predictions of all held-out poses by one model.
 #[derive(Debug, Clone)]
 pub(super) struct Prediction {
     held_out: Vec<HeldOut>,
     linear: Linearisation,
-    space: Space,
+    projector: Projector,
     /// Positions of the fitted poses by row (m).
     positions: Vec<(usize, nalgebra::Vector3<f64>)>,
-    /// Rows at which an event of the model acts alone: nothing else could predict them.
+    /// Rows at which an event of the model acts alone; no other pose could predict it.
     events: Vec<usize>,
 }
 
 impl Prediction {
     pub fn new(fit: &Fit<'_>) -> Self {
         let linear = Linearisation::new(&fit.problem, &fit.solution);
-        let space = Space::new(&linear.design, &linear.residual);
+        let projector = Projector::new(&linear.design, &linear.residual);
         let held_out = (0..linear.poses.len())
-            .map(|pose| hold_out(&linear, &space, pose))
+            .map(|pose| hold_out(&linear, &projector, pose))
             .collect();
         let poses = fit.solution.poses.iter();
         Self {
             held_out,
             linear,
-            space,
+            projector,
             positions: poses.map(|(row, pose)| (*row, pose.position)).collect(),
             events: rows_of_events(fit),
         }
     }
 
-    /// Held-out root mean square over sd.
+    /// Root mean square of the held-out residuals, in standard deviations.
     pub fn rms(&self) -> f64 {
         rms(self.held_out.iter().map(|pose| (pose.chi2, pose.freedom)))
     }
 
-    /// The poses held out by both, but for those at which an event acts alone.
+    /// Pairs of predictions by both models, without the poses at which an event acts alone.
     fn pairs<'p>(&'p self, before: &'p Self) -> Vec<(&'p HeldOut, &'p HeldOut)> {
         let skipped = |row: usize| self.events.contains(&row) || before.events.contains(&row);
         let both = before.held_out.iter().zip(&self.held_out);
         both.filter(|(one, _)| !skipped(one.row)).collect()
     }
 
-    /// Whether poses held out are predicted better than by `before`, in the noise that this fit leaves in each kind of
-    /// reading.
+    /// Whether held-out poses are predicted better than by `before`. Each kind of reading is weighted by the noise that
+    /// this fit leaves in it.
     pub fn is_better_than(&self, before: &Self) -> bool {
         let pairs = self.pairs(before);
         let sums = |quantity: Quantity| {
@@ -99,7 +99,7 @@ impl Prediction {
         gained.sum::<f64>() > 0.0
     }
 
-    /// What this fit gains over `before`.
+    /// Gain of this fit over `before`.
     pub fn gain_over(&self, before: &Self) -> Gain {
         let pairs = self.pairs(before);
         let was = rms(pairs.iter().map(|(b, _)| (b.chi2, b.freedom)));
@@ -110,12 +110,12 @@ impl Prediction {
             interval: resampled(&pairs),
             poses_held_out: pairs.len(),
             kinds: kinds(&pairs),
-            position: self.moved_from(before),
+            position: self.position_change(before),
         }
     }
 
-    /// How far the fitted positions are from those of another fit.
-    fn moved_from(&self, before: &Self) -> PositionChange {
+    /// Distance of the fitted positions from those of another fit.
+    fn position_change(&self, before: &Self) -> PositionChange {
         let distances = |shift: &dyn Fn(usize) -> nalgebra::Vector3<f64>| -> Vec<f64> {
             let pairs = self.held_out.iter().enumerate();
             pairs
@@ -150,9 +150,9 @@ impl Prediction {
         }
     }
 
-    /// Change of each fitted position per step of the basis.
+    /// Derivative of each fitted position with respect to coordinates in the basis.
     fn position_maps(&self) -> Vec<nalgebra::Matrix3xX<f64>> {
-        let map = self.space.map();
+        let map = self.projector.map();
         let of =
             |block: &crate::estimation::PoseBlock| block.pose_by_parameter.fixed_rows::<3>(0) * map;
         self.linear.poses.iter().map(of).collect()
@@ -171,15 +171,15 @@ fn rows_of_events(fit: &Fit<'_>) -> Vec<usize> {
     rows
 }
 
-fn hold_out(linear: &Linearisation, space: &Space, pose: usize) -> HeldOut {
+fn hold_out(linear: &Linearisation, projector: &Projector, pose: usize) -> HeldOut {
     let block = &linear.poses[pose];
     let (first, count) = (block.rows.start, block.rows.len());
-    let basis = space.basis().rows(first, count);
-    let residual = space.residual.rows(first, count);
-    let n = space.taken();
+    let basis = projector.basis().rows(first, count);
+    let residual = projector.residual.rows(first, count);
+    let n = projector.rank();
     let left = DMatrix::identity(n, n) - basis.tr_mul(&basis);
     let pull = basis.tr_mul(&residual);
-    // Singular only where this pose alone tells a parameter: then it cannot be predicted.
+    // The matrix is singular only if this pose alone determines a parameter; then the pose cannot be predicted.
     let step = left
         .cholesky()
         .map_or_else(|| DVector::zeros(n), |factor| factor.solve(&pull));
@@ -212,7 +212,7 @@ fn hold_out(linear: &Linearisation, space: &Space, pose: usize) -> HeldOut {
     }
 }
 
-/// The kind of reading of a row; none for equilibrium equations and priors.
+/// Kind of reading of a row; `None` for equilibrium equations and priors.
 pub(super) fn quantity_of(kind: RowKind) -> Option<Quantity> {
     use crate::estimation::ObservationKind as Kind;
     match kind {
@@ -251,7 +251,7 @@ fn kinds(pairs: &[(&HeldOut, &HeldOut)]) -> Vec<KindGain> {
         .collect()
 }
 
-/// 95 % interval of the difference of the root mean squares, by resampling poses.
+/// Bootstrap 95 % interval of the difference of the root mean squares, resampling poses.
 fn resampled(pairs: &[(&HeldOut, &HeldOut)]) -> [f64; 2] {
     if pairs.is_empty() {
         return [f64::NAN; 2];

@@ -1,21 +1,21 @@
-//! Scores and information of all candidates at given hyperparameters, and their products with those in a set.
+//! Scores and information of all candidates at given hyperparameters, and the rows of their Gram matrix.
 //!
-//! With `P = 1 - U U^T` of [`Base`] and whitened columns `c`, the score is `c^T P r` and the Gram matrix `c^T P d`. It is
-//! never formed: a set needs its own rows only, each of which costs one product with the generators. Columns that act at
-//! one pose, or from one on, are sums over the poses of their generator.
+//! With `P = 1 - U U^T` of [`ReducedProblem`] and whitened columns `c`, the score is `c^T P r` and the Gram matrix
+//! `c^T P d`. The Gram matrix is never formed as a whole: a set needs only its own rows, each of which costs one
+//! product with the generators. Columns that act at one pose, or from one on, are sums of their generator over poses.
 
 use std::collections::HashMap;
 use std::rc::Rc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::candidates::{Acts, Candidate, Column};
+use super::candidates::{Candidate, Column, PoseWeights};
 use super::catalogue::Catalogue;
-use super::hyperparameters::{Base, Linear};
+use super::hyperparameters::{LinearProblem, ReducedProblem};
 
 /// Score and information of one candidate alone.
 #[derive(Debug, Clone)]
-pub(super) struct Own {
+pub(super) struct CandidateScore {
     pub score: DVector<f64>,
     pub information: DMatrix<f64>,
 }
@@ -25,27 +25,27 @@ pub(super) struct Gram<'l> {
     pub candidates: &'l [Candidate],
     /// Number of cables with readings.
     pub cables: usize,
-    pub base: Base<'l>,
-    linear: &'l Linear,
+    pub base: ReducedProblem<'l>,
+    linear: &'l LinearProblem,
     catalogue: &'l Catalogue,
-    /// Whitened generators: conditions x generators.
+    /// Whitened generators (conditions x generators).
     generators: DMatrix<f64>,
-    pub own: Vec<Own>,
-    /// First column of each candidate, and their number at the end.
+    pub scores: Vec<CandidateScore>,
+    /// Index of the first column of each candidate, and the number of columns at the end.
     pub first: Vec<usize>,
     columns: Vec<Column>,
-    /// Generators of which columns act at some poses only, with their place among them.
+    /// Generators that have columns acting at some poses only, with their indices among them.
     local: HashMap<usize, usize>,
-    /// Weights of the waves at each pose, in the order of their columns.
+    /// Weights at each pose, for each column of a wave.
     waves: Vec<DVector<f64>>,
     rows: HashMap<usize, Rc<Vec<f64>>>,
 }
 
 impl<'l> Gram<'l> {
-    /// `generators` are those of the catalogue in conditions.
+    /// `generators` are those of the catalogue as conditions.
     pub fn new(
-        linear: &'l Linear,
-        base: Base<'l>,
+        linear: &'l LinearProblem,
+        base: ReducedProblem<'l>,
         catalogue: &'l Catalogue,
         generators: &DMatrix<f64>,
     ) -> Self {
@@ -61,14 +61,14 @@ impl<'l> Gram<'l> {
         let mut local = HashMap::new();
         let mut waves = Vec::new();
         for column in &columns {
-            if column.acts != Acts::Everywhere {
+            if column.pose_weights != PoseWeights::Everywhere {
                 let next = local.len();
                 local.entry(column.generator).or_insert(next);
             }
-            if matches!(column.acts, Acts::Wave { .. }) {
+            if matches!(column.pose_weights, PoseWeights::Wave { .. }) {
                 let poses = linear.conditions.poses;
                 waves.push(DVector::from_fn(poses, |pose, _| {
-                    catalogue.weight(column.acts, pose)
+                    catalogue.weight(column.pose_weights, pose)
                 }));
             }
         }
@@ -79,37 +79,40 @@ impl<'l> Gram<'l> {
             linear,
             catalogue,
             generators: whitened,
-            own: Vec::new(),
+            scores: Vec::new(),
             first,
             columns,
             local,
             waves,
             rows: HashMap::new(),
         };
-        gram.own = gram.own_of_all();
+        gram.scores = gram.all_scores();
         gram
     }
 
-    fn own_of_all(&self) -> Vec<Own> {
-        let taken = &self.base.taken * &self.generators;
+    fn all_scores(&self) -> Vec<CandidateScore> {
+        let eliminated = &self.base.eliminated * &self.generators;
         let score = self.cross(&self.base.residual);
-        let whole = self.generators.transpose() * &self.generators - taken.transpose() * &taken;
+        let whole =
+            self.generators.transpose() * &self.generators - eliminated.transpose() * &eliminated;
         let mut events: HashMap<Vec<usize>, Vec<[DMatrix<f64>; 2]>> = HashMap::new();
         let mut own = Vec::with_capacity(self.candidates.len());
         for (index, candidate) in self.candidates.iter().enumerate() {
             let columns = &candidate.columns;
             let generators: Vec<usize> = columns.iter().map(|c| c.generator).collect();
-            let information = match columns[0].acts {
-                Acts::Everywhere => whole.select_rows(&generators).select_columns(&generators),
-                Acts::At(pose) | Acts::From(pose) => {
-                    let from = matches!(columns[0].acts, Acts::From(_));
+            let information = match columns[0].pose_weights {
+                PoseWeights::Everywhere => {
+                    whole.select_rows(&generators).select_columns(&generators)
+                }
+                PoseWeights::At(pose) | PoseWeights::From(pose) => {
+                    let from = matches!(columns[0].pose_weights, PoseWeights::From(_));
                     let known = events.entry(generators.clone());
                     let known = known.or_insert_with(|| self.event_information(&generators));
                     known[pose][usize::from(from)].clone()
                 }
-                Acts::Wave { .. } => self.wave_information(index),
+                PoseWeights::Wave { .. } => self.wave_information(index),
             };
-            own.push(Own {
+            own.push(CandidateScore {
                 score: DVector::from_column_slice(&score[self.first[index]..self.first[index + 1]]),
                 information,
             });
@@ -117,12 +120,12 @@ impl<'l> Gram<'l> {
         own
     }
 
-    /// Information of generators that act at each pose alone, and from it on.
+    /// Information of generators that act at each single pose, and from each pose on.
     fn event_information(&self, generators: &[usize]) -> Vec<[DMatrix<f64>; 2]> {
         let columns = self.generators.select_columns(generators);
         let k = generators.len();
         let mut sum = DMatrix::zeros(k, k);
-        let mut taken = DMatrix::zeros(self.base.taken.nrows(), k);
+        let mut eliminated = DMatrix::zeros(self.base.eliminated.nrows(), k);
         let blocks = &self.linear.conditions.blocks[..self.linear.conditions.poses];
         let mut found: Vec<_> = blocks
             .iter()
@@ -131,17 +134,20 @@ impl<'l> Gram<'l> {
                 let (first, count) = (block.conditions.start, block.conditions.len());
                 let own = columns.rows(first, count);
                 let square = own.tr_mul(&own);
-                let alone = self.base.taken.columns(first, count) * own;
+                let alone = self.base.eliminated.columns(first, count) * own;
                 sum += &square;
-                taken += &alone;
-                [square - alone.tr_mul(&alone), &sum - taken.tr_mul(&taken)]
+                eliminated += &alone;
+                [
+                    square - alone.tr_mul(&alone),
+                    &sum - eliminated.tr_mul(&eliminated),
+                ]
             })
             .collect();
         found.reverse();
         found
     }
 
-    /// A column, whitened: weights of poses and noise commute.
+    /// A whitened column. Whitening works pose by pose, so it commutes with weighting the poses.
     fn column(&self, index: usize) -> DVector<f64> {
         self.catalogue.column(
             self.columns[index],
@@ -155,8 +161,8 @@ impl<'l> Gram<'l> {
         for k in 0..2 {
             columns.set_column(k, &self.column(self.first[index] + k));
         }
-        let taken = &self.base.taken * &columns;
-        columns.tr_mul(&columns) - taken.tr_mul(&taken)
+        let eliminated = &self.base.eliminated * &columns;
+        columns.tr_mul(&columns) - eliminated.tr_mul(&eliminated)
     }
 
     /// Products of a column with all columns.
@@ -165,7 +171,11 @@ impl<'l> Gram<'l> {
             return Rc::clone(known);
         }
         let values = self.column(column);
-        let left = &values - self.base.taken.tr_mul(&(&self.base.taken * &values));
+        let left = &values
+            - self
+                .base
+                .eliminated
+                .tr_mul(&(&self.base.eliminated * &values));
         let row = Rc::new(self.cross(&left));
         self.rows.insert(column, Rc::clone(&row));
         row
@@ -192,11 +202,11 @@ impl<'l> Gram<'l> {
         let mut waves = self.waves.iter();
         let product = |column: &Column| {
             let place = || self.local[&column.generator];
-            match column.acts {
-                Acts::Everywhere => whole[column.generator],
-                Acts::At(pose) => by_pose[(pose, place())],
-                Acts::From(pose) => from[(pose, place())],
-                Acts::Wave { .. } => {
+            match column.pose_weights {
+                PoseWeights::Everywhere => whole[column.generator],
+                PoseWeights::At(pose) => by_pose[(pose, place())],
+                PoseWeights::From(pose) => from[(pose, place())],
+                PoseWeights::Wave { .. } => {
                     let values = by_pose.column(place());
                     waves.next().map_or(0.0, |w| w.dot(&values.rows(0, poses)))
                 }

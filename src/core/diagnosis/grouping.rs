@@ -1,12 +1,12 @@
-//! Causes of the same effect on several cables, said with fewer values.
+//! Merges causes of the same effect on several cables into one with fewer parameters.
 
 use super::fit::Fit;
 use super::report::Cause;
 use crate::effect::{BoundEffect, Search};
 
-/// The causes of a fit with those of the same effect on several single cables replaced by one with a common value.
-pub(super) fn united(fit: &Fit<'_>) -> Option<Vec<Cause>> {
-    if let Some(causes) = shared_by_some(fit) {
+/// Replaces causes of the same effect on several single cables by one with a common value; `None` if there are none.
+pub(super) fn merge_common_values(fit: &Fit<'_>) -> Option<Vec<Cause>> {
+    if let Some(causes) = merge_part_of_family(fit) {
         return Some(causes);
     }
     let is_single = |cause: &Cause| match cause.instances.as_slice() {
@@ -43,9 +43,9 @@ pub(super) fn united(fit: &Fit<'_>) -> Option<Vec<Cause>> {
     Some(others.cloned().chain([common]).collect())
 }
 
-/// The causes of a fit with a family, of which some cables have about the same value and the others nearly none, replaced
-/// by one with a common value on these.
-fn shared_by_some(fit: &Fit<'_>) -> Option<Vec<Cause>> {
+/// Replaces a family in which some cables have about the same value and the others almost none by one cause with a
+/// common value on those cables.
+fn merge_part_of_family(fit: &Fit<'_>) -> Option<Vec<Cause>> {
     for (place, cause) in fit.causes.iter().enumerate() {
         let first = &cause.instances[0];
         if cause.instances.len() < 2 || first.values.len() != 1 {

@@ -1,10 +1,10 @@
-//! How large the noise and the mild model error are, estimated together with a set of causes.
+//! Estimates the sizes of noise and of mild model error, given a set of causes.
 //!
-//! Every class of readings has a variance factor and an amplitude of its [`super::background`]. The variance factors are
-//! estimated by restricted maximum likelihood with inverse gamma priors: that of a kind of reading is centred on 1, that
-//! of a cable on that of its kind. One step of the estimation makes each variance the mean of the squares of the
-//! estimated errors over their redundancy (Helmert 1907, Foerstner 1979). Amplitudes are chosen on a grid by their
-//! evidence, which the eigenvalues of the functions' information give for all amplitudes at once.
+//! Each class of readings has a variance factor and an amplitude of its [`super::background`]. The variance factors are
+//! estimated by restricted maximum likelihood with inverse gamma priors, which are centred on 1 for a kind of reading
+//! and on the factor of the kind for a cable. In each step a variance becomes the mean of the squared estimated errors
+//! over their redundancy (Helmert 1907, Foerstner 1979). Amplitudes are chosen on a grid by their evidence, which the
+//! eigenvalues of the functions' information give for all amplitudes at once.
 
 use std::collections::BTreeMap;
 
@@ -12,90 +12,90 @@ use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, SymmetricEigen};
 
 use super::Quantity;
 use super::background::{Group, Shape};
-use super::conditions::{Conditions, Noise, joined};
+use super::conditions::{Conditions, Noise, concatenate_columns};
 use super::reading_errors::ReadingErrors;
 
-/// Amplitudes, in standard deviations of the readings as described.
+/// Grid of amplitudes, in standard deviations of the readings as described.
 pub(super) const AMPLITUDES: [f64; 8] = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
-/// Probability that a kind of reading has no background, and that a class has that of its kind.
-const NONE: f64 = 0.7;
-const AS_ITS_KIND: f64 = 0.85;
-/// Readings that the prior of a variance is worth: of a kind, and of a cable around its kind.
+/// Prior probabilities that a kind of reading has no background, and that a class has the amplitude of its kind.
+const NO_BACKGROUND: f64 = 0.7;
+const SAME_AS_KIND: f64 = 0.85;
+/// Weights of the variance priors in numbers of readings: of a kind around 1, and of a cable around its kind.
 const KIND_PRIOR: f64 = 1.0;
 const CABLE_PRIOR: f64 = 60.0;
-/// Variances that are possible.
+/// Bounds of the variance factors.
 const VARIANCES: [f64; 2] = [1e-3, 1e5];
-/// Most steps of the estimation, and the change of the logarithm of all variances that ends it.
-const MOST_STEPS: usize = 12;
-const SETTLED: f64 = 0.05;
-/// By how much a step may lower the logarithm of the posterior density.
-const TOLERATED: f64 = 0.05;
-/// Makes directions of the fixed parameters that nothing determines regular.
+/// Maximum number of steps of the estimation, and the largest change of a log variance at convergence.
+const MAX_STEPS: usize = 12;
+const CONVERGED: f64 = 0.05;
+/// Decrease of the log posterior density that a step may cause.
+const TOLERATED_DECREASE: f64 = 0.05;
+/// Regularises directions of the fixed parameters that the data do not determine.
 pub(super) const RIDGE: f64 = 1e-11;
 
-/// Variance factor and amplitude of every class.
+/// Variance factor of each class of readings, and amplitude of each background shape.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Hyperparameters {
     pub variance: Vec<f64>,
-    /// Places in [`AMPLITUDES`].
+    /// Indices into [`AMPLITUDES`].
     pub amplitude: Vec<usize>,
-    /// Logarithm of their prior density.
+    /// Log prior density.
     pub log_prior: f64,
 }
 
 impl Hyperparameters {
-    /// Whether another point would give other probabilities.
+    /// Whether two points differ enough to give different probabilities.
     pub fn is_far_from(&self, other: &Self) -> bool {
         let far = |(a, b): (&f64, &f64)| (a / b).ln().abs() > 0.3;
         self.amplitude != other.amplitude || self.variance.iter().zip(&other.variance).any(far)
     }
 
-    /// Whether much is left unexplained.
-    pub fn is_loud(&self) -> bool {
+    /// Whether noise or background is much larger than described, so that much is unexplained.
+    pub fn is_noisy(&self) -> bool {
         self.variance.iter().any(|v| *v > 2.0) || self.amplitude.iter().any(|a| *a > 2)
     }
 }
 
-/// The linear problem without candidates.
-pub(super) struct Linear {
+/// The linear problem without candidate causes.
+pub(super) struct LinearProblem {
     pub conditions: Conditions,
-    /// Conditions less what the causes of the fit explain.
+    /// Residuals as conditions, minus what the causes of the fit explain.
     pub residual: DVector<f64>,
-    /// Derivatives with respect to what is always estimated.
+    /// Derivatives with respect to the parameters that are always estimated.
     pub fixed: DMatrix<f64>,
     pub shapes: Vec<Shape>,
-    /// Variance factors from which they are estimated, with no background: from louder noise than there is the estimation would not find a
-    /// background, and from quieter it would try one in every class.
+    /// Variance factors at which their estimation starts, without background. From louder noise than there is, the
+    /// estimation would not find a background; from quieter noise it would try one in every class.
     pub start: Vec<f64>,
 }
 
-/// The problem with given hyperparameters, what is always estimated and the background eliminated.
-pub(super) struct Base<'l> {
+/// The problem at given hyperparameters, with the background and the parameters that are always estimated eliminated.
+pub(super) struct ReducedProblem<'l> {
     pub noise: Noise<'l>,
-    /// `U^T`: `1 - U U^T` is what the elimination leaves of whitened conditions.
-    pub taken: DMatrix<f64>,
-    /// Whitened residual, the same taken out.
+    /// `U^T`, where `1 - U U^T` is the projection of whitened conditions by the elimination.
+    pub eliminated: DMatrix<f64>,
+    /// Whitened and projected residual.
     pub residual: DVector<f64>,
-    /// Sum of the squares that are left, those of the parameters with priors included.
+    /// Weighted sum of squared residuals, including those of the parameters with priors.
     pub chi2: f64,
-    /// Logarithm of the probability density of the readings.
+    /// Log density of the readings.
     pub log_evidence: f64,
 }
 
-impl Linear {
-    /// Noise with all variances that many times larger than described, no background.
-    pub fn louder(&self, factor: f64) -> Hyperparameters {
+impl LinearProblem {
+    /// Hyperparameters with the same variance factor for all classes and no background.
+    pub fn with_variance_factor(&self, factor: f64) -> Hyperparameters {
         let classes = self.conditions.classes.len();
         self.with_prior(vec![factor; classes], vec![0; self.shapes.len()])
     }
 
-    /// Noise as described, no background.
+    /// Hyperparameters with noise as described and no background.
     pub fn described(&self) -> Hyperparameters {
         let classes = self.conditions.classes.len();
         self.with_prior(vec![1.0; classes], vec![0; self.shapes.len()])
     }
 
-    /// The shapes of each kind of reading and group.
+    /// Groups the indices of shapes by kind of reading and group of functions.
     fn kinds_of_shapes(&self) -> Vec<Vec<usize>> {
         let kind = |shape: &Shape| (self.conditions.classes[shape.class].quantity, shape.group);
         let mut kinds: BTreeMap<(Quantity, Group), Vec<usize>> = BTreeMap::new();
@@ -126,7 +126,7 @@ impl Linear {
     }
 
     fn with_prior(&self, variance: Vec<f64>, amplitude: Vec<usize>) -> Hyperparameters {
-        // Logarithm of an inverse gamma density over the logarithm, 0 at its mode.
+        // Log density of an inverse gamma prior with respect to the log variance, normalised to 0 at its mode.
         let density = |ratio: f64, worth: f64| 0.5 * worth * (1.0 - ratio.ln() - ratio.recip());
         let mut log_prior = 0.0;
         for (_, classes) in self.kinds() {
@@ -141,8 +141,8 @@ impl Linear {
             let of_kind = |kind: usize| {
                 let each = shapes
                     .iter()
-                    .map(|k| log_share(amplitude[*k], kind, shapes.len()));
-                log_kind(kind) + each.sum::<f64>()
+                    .map(|k| log_amplitude_prior(amplitude[*k], kind, shapes.len()));
+                log_kind_prior(kind) + each.sum::<f64>()
             };
             log_prior += (0..AMPLITUDES.len())
                 .map(of_kind)
@@ -155,18 +155,19 @@ impl Linear {
         }
     }
 
-    /// The problem at `at`, with further columns whose parameters have the prior variance 1.
-    pub fn base(&self, at: &Hyperparameters, further: &DMatrix<f64>) -> Base<'_> {
+    /// Eliminates the background and the parameters that are always estimated at the hyperparameters `at`, and also
+    /// `further` columns whose parameters have prior variance 1.
+    pub fn reduced(&self, at: &Hyperparameters, further: &DMatrix<f64>) -> ReducedProblem<'_> {
         let noise = self.conditions.noise(&at.variance);
         let mut parts = vec![self.fixed.clone()];
         for (shape, amplitude) in self.shapes.iter().zip(&at.amplitude) {
             if *amplitude > 0 {
                 parts.push(&shape.columns * AMPLITUDES[*amplitude]);
-                parts.push(&shape.simple * AMPLITUDES[*amplitude]);
+                parts.push(&shape.low_order * AMPLITUDES[*amplitude]);
             }
         }
         parts.push(further.clone());
-        let mut z = joined(&parts.iter().collect::<Vec<_>>());
+        let mut z = concatenate_columns(&parts.iter().collect::<Vec<_>>());
         let width = z.ncols();
         noise.whiten(&mut z);
         let whitened = self.whitened(&noise);
@@ -184,17 +185,17 @@ impl Linear {
         for k in 0..width {
             normal[(k, k)] += if k < fixed { RIDGE } else { 1.0 };
         }
-        let mut taken = z.transpose();
+        let mut eliminated = z.transpose();
         if let Some(factor) = normal.cholesky() {
             log_determinant += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
-            solve_lower(&factor.l_dirty().as_view(), &mut taken.as_view_mut());
+            solve_lower(&factor.l_dirty().as_view(), &mut eliminated.as_view_mut());
         }
-        residual -= taken.tr_mul(&(&taken * &residual));
-        // The residual is projected once: with priors the projection is no idempotent one.
+        residual -= eliminated.tr_mul(&(&eliminated * &residual));
+        // With priors the projection is not idempotent, so the square has to be `y^T P y`.
         let square = whitened.dot(&residual);
-        Base {
+        ReducedProblem {
             noise,
-            taken,
+            eliminated,
             chi2: square,
             log_evidence: -0.5 * (log_determinant + square),
             residual,
@@ -207,18 +208,18 @@ impl Linear {
         y.column(0).into_owned()
     }
 
-    /// The hyperparameters with the largest posterior density given further columns.
+    /// Estimates the hyperparameters of largest posterior density given further columns.
     ///
-    /// Readings of several cables may show the same error: where changing all amplitudes at once makes it worse, only that
-    /// with the largest gain is changed.
+    /// Readings of several cables may show the same error. If changing all amplitudes at once lowers the density, only
+    /// the amplitude with the largest gain is changed.
     pub fn estimate(&self, further: &DMatrix<f64>) -> Hyperparameters {
         let mut at = self.with_prior(self.start.clone(), vec![0; self.shapes.len()]);
         let mut best: Option<(f64, Hyperparameters, Hyperparameters)> = None;
-        for _ in 0..MOST_STEPS {
-            let base = self.base(&at, further);
+        for _ in 0..MAX_STEPS {
+            let base = self.reduced(&at, further);
             let value = base.log_evidence + at.log_prior;
             if let Some((least, _, instead)) = &mut best
-                && value < *least - TOLERATED
+                && value < *least - TOLERATED_DECREASE
             {
                 if *instead == at {
                     break;
@@ -235,14 +236,14 @@ impl Linear {
             if let Some(k) = strongest {
                 single[k] = amplitude[k];
             }
-            let sums = base.noise.class_sums(&base.residual, &base.taken);
+            let sums = base.noise.class_sums(&base.residual, &base.eliminated);
             let variance = self.variances(&sums);
             let change = at
                 .variance
                 .iter()
                 .zip(&variance)
                 .map(|(a, b)| (a / b).ln().abs());
-            let settled = change.fold(0.0, f64::max) < SETTLED && strongest.is_none();
+            let settled = change.fold(0.0, f64::max) < CONVERGED && strongest.is_none();
             let instead = self.with_prior(variance.clone(), single);
             best = Some((value, at, instead));
             at = self.with_prior(variance, amplitude);
@@ -253,7 +254,7 @@ impl Linear {
         best.map_or(at, |(_, best, _)| best)
     }
 
-    /// The variances that suit given amplitudes and further columns, and the logarithm of the posterior density there.
+    /// Estimates the variances for given amplitudes and further columns. Also returns the log posterior density there.
     pub fn with_amplitudes(
         &self,
         amplitude: &[usize],
@@ -263,7 +264,7 @@ impl Linear {
         self.refined(&start, further)
     }
 
-    /// The same from some hyperparameters, whose amplitudes stay.
+    /// The same, starting from hyperparameters whose amplitudes are kept.
     pub fn refined(
         &self,
         from: &Hyperparameters,
@@ -271,13 +272,13 @@ impl Linear {
     ) -> (f64, Hyperparameters) {
         let mut at = from.clone();
         let mut value = f64::NEG_INFINITY;
-        for _ in 0..MOST_STEPS {
-            let base = self.base(&at, further);
+        for _ in 0..MAX_STEPS {
+            let base = self.reduced(&at, further);
             let before = std::mem::replace(&mut value, base.log_evidence + at.log_prior);
-            if value - before < TOLERATED {
+            if value - before < TOLERATED_DECREASE {
                 break;
             }
-            let sums = base.noise.class_sums(&base.residual, &base.taken);
+            let sums = base.noise.class_sums(&base.residual, &base.eliminated);
             at = self.with_prior(self.variances(&sums), at.amplitude.clone());
         }
         (value, at)
@@ -297,18 +298,20 @@ impl Linear {
         variance
     }
 
-    /// The amplitudes of largest posterior probability, each given all others as they were.
+    /// Amplitudes of largest posterior probability, each conditional on the present values of the others.
     fn amplitudes(&self, by_shape: &[[f64; AMPLITUDES.len()]]) -> Vec<usize> {
         let mut chosen = vec![0; self.shapes.len()];
         for shapes in self.kinds_of_shapes() {
             let best = |shape: usize, kind: usize| {
-                let value = |k: usize| by_shape[shape][k] + log_share(k, kind, shapes.len());
+                let value =
+                    |k: usize| by_shape[shape][k] + log_amplitude_prior(k, kind, shapes.len());
                 let places = 0..AMPLITUDES.len();
                 let best = places.max_by(|a, b| value(*a).total_cmp(&value(*b)));
                 best.map_or((0, 0.0), |k| (k, value(k)))
             };
-            let total =
-                |kind: usize| log_kind(kind) + shapes.iter().map(|s| best(*s, kind).1).sum::<f64>();
+            let total = |kind: usize| {
+                log_kind_prior(kind) + shapes.iter().map(|s| best(*s, kind).1).sum::<f64>()
+            };
             let kind = (0..AMPLITUDES.len()).max_by(|a, b| total(*a).total_cmp(&total(*b)));
             for shape in &shapes {
                 chosen[*shape] = best(*shape, kind.unwrap_or(0)).0;
@@ -317,16 +320,16 @@ impl Linear {
         chosen
     }
 
-    /// Logarithm of the evidence of each amplitude of each shape, over that of none, all others as they are.
+    /// Log evidence of each amplitude of each shape relative to amplitude zero, the others as they are.
     fn amplitude_evidence(
         &self,
-        base: &Base<'_>,
+        base: &ReducedProblem<'_>,
         at: &Hyperparameters,
     ) -> Vec<[f64; AMPLITUDES.len()]> {
         let mut of_class: Option<(usize, ReadingErrors)> = None;
         let mut all = Vec::with_capacity(self.shapes.len());
         for (shape, present) in self.shapes.iter().zip(&at.amplitude) {
-            // Shapes of a class follow each other.
+            // Shapes of one class are adjacent, so that its reading errors can be reused.
             let errors = match of_class.take() {
                 Some((class, errors)) if class == shape.class => errors,
                 _ => ReadingErrors::new(base, &[shape.class]),
@@ -338,7 +341,7 @@ impl Linear {
             let along = eigen.eigenvectors.tr_mul(&score);
             let present = AMPLITUDES[*present].powi(2);
             for (value, along) in eigen.eigenvalues.iter().zip(along.iter()) {
-                // Without the amplitude that it has at present.
+                // Removes the amplitude that the shape has at present.
                 let left = (1.0 - present * value.max(0.0)).max(1e-12);
                 let (value, along) = (value.max(0.0) / left, along / left);
                 for (k, amplitude) in AMPLITUDES.iter().enumerate() {
@@ -353,7 +356,8 @@ impl Linear {
     }
 }
 
-/// `b := L^-1 b` for a large triangle `L`, by halves, so that nearly all of it are products of matrices.
+/// `b := L^-1 b` for a large triangular `L`. Recursive halving makes nearly all of the work products of matrices, which
+/// are fast.
 fn solve_lower(l: &DMatrixView<'_, f64>, b: &mut DMatrixViewMut<'_, f64>) {
     const DIRECT: usize = 32;
     let n = l.nrows();
@@ -379,18 +383,18 @@ fn solve_lower(l: &DMatrixView<'_, f64>, b: &mut DMatrixViewMut<'_, f64>) {
     b.view_mut((half, 0), (n - half, columns)).copy_from(&lower);
 }
 
-fn log_kind(kind: usize) -> f64 {
+fn log_kind_prior(kind: usize) -> f64 {
     let others = (AMPLITUDES.len() - 1) as f64;
     if kind == 0 {
-        NONE
+        NO_BACKGROUND
     } else {
-        (1.0 - NONE) / others
+        (1.0 - NO_BACKGROUND) / others
     }
     .ln()
 }
 
-/// Logarithm of the probability of an amplitude of one of `classes` where its kind has another.
-fn log_share(amplitude: usize, kind: usize, classes: usize) -> f64 {
+/// Log prior probability of the amplitude of one of `classes` classes, given the amplitude of its kind.
+fn log_amplitude_prior(amplitude: usize, kind: usize, classes: usize) -> f64 {
     let others = (AMPLITUDES.len() - 1) as f64;
     if classes == 1 {
         return if amplitude == kind {
@@ -400,9 +404,9 @@ fn log_share(amplitude: usize, kind: usize, classes: usize) -> f64 {
         };
     }
     if amplitude == kind {
-        AS_ITS_KIND
+        SAME_AS_KIND
     } else {
-        (1.0 - AS_ITS_KIND) / others
+        (1.0 - SAME_AS_KIND) / others
     }
     .ln()
 }

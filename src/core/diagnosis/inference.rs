@@ -1,63 +1,63 @@
-//! From readings to the posterior probabilities of sets of causes.
+//! Infers the posterior probabilities of sets of causes from the readings.
 //!
-//! At a fit, all readings are linear in the parameters of all candidates. Sets are compared there at a few points of the
-//! hyperparameters: noise as described, and the estimates for the sets that were best; the probability of a set is the
-//! sum over the points, so that a small cause in small noise competes with no cause in large noise. The likeliest sets are
-//! then fitted completely and compared by the evidence at their own fits; at the best of them everything is linearised
-//! again, until it stays the best.
+//! At a fit, all readings are linear in the parameters of all candidates. Sets are compared there at a few points of
+//! the hyperparameters, namely noise as described and the estimates for the best sets. The probability of a set is the
+//! sum over these points, so that a small cause in small noise competes with no cause in large noise. The most probable
+//! sets are then fitted with the full model and compared by the evidence at their own fits. The problem is linearised
+//! again at the best of them until it stays the best.
 
 use nalgebra::DMatrix;
 
-use super::approach::approach;
-use super::candidates::is_alike;
+use super::candidates::is_same_effect_and_targets;
 use super::catalogue::Catalogue;
-use super::complete::Comparison;
-use super::conditions::joined;
+use super::conditions::concatenate_columns;
 use super::evidence::{Member, System};
 use super::exploration::{Visibility, explore};
 use super::fit::Fit;
 use super::gram::Gram;
-use super::grouping::united;
-use super::hyperparameters::{AMPLITUDES, Hyperparameters, Linear, RIDGE};
+use super::grouping::merge_common_values;
+use super::hyperparameters::{AMPLITUDES, Hyperparameters, LinearProblem, RIDGE};
+use super::initial_fit::initial_fit;
 use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
 use super::progress::Reporter;
 use super::reading_id::ReadingId;
 use super::report::Cause;
-use super::search::alike_together;
+use super::search::collinear_members;
+use super::set_comparison::SetComparison;
 use super::{DiagnosisOptions, Stage};
 use crate::estimation::{EstimationError, Problem};
 
-/// Most linearisations.
-const MOST_LINEARISATIONS: usize = 5;
-/// Change of chi-square from which effects depend on other poses than those of the fit before.
-const MOVED: f64 = 0.5;
-/// Sizes over the largest typical one that no cause has.
-const ABSURD: f64 = 10.0;
+/// Maximum number of linearisations.
+const MAX_LINEARISATIONS: usize = 5;
+/// Change of chi-square from which the effects are evaluated at the poses of the new fit.
+const MOVED_CHI2: f64 = 0.5;
+/// Sizes from this multiple of the largest typical size on are taken as impossible.
+const IMPOSSIBLE_FACTOR: f64 = 10.0;
 
 /// A set of causes with its posterior.
 #[derive(Debug, Clone)]
-pub(super) struct Ranked {
+pub(super) struct RankedSet {
     pub causes: Vec<Cause>,
     pub log_posterior: f64,
 }
 
-/// What was inferred.
+/// Result of the inference.
 pub(super) struct Inference<'a> {
-    /// The fit of the likeliest set.
+    /// Fit of the most probable set.
     pub fit: Fit<'a>,
-    /// Sets, the likeliest first, which is that of the fit.
-    pub ranking: Vec<Ranked>,
+    /// Sets in order of decreasing probability, that of the fit first.
+    pub ranking: Vec<RankedSet>,
     /// The problem linearised at the fit, with the hyperparameters estimated there.
-    pub linear: Linear,
-    pub at: Hyperparameters,
-    /// Columns of the causes of the fit in units of their prior.
+    pub linear: LinearProblem,
+    pub hyper: Hyperparameters,
+    /// Columns of the causes of the fit, in units of their prior.
     pub columns: DMatrix<f64>,
     catalogue: Catalogue,
     present: Vec<Member>,
 }
 
 impl Inference<'_> {
-    /// First column of each cause, and their number at the end.
+    /// Index of the first column of each cause, and the number of columns at the end.
     fn first_columns(&self) -> Vec<usize> {
         let mut first = vec![0];
         for (index, _) in &self.present {
@@ -66,7 +66,7 @@ impl Inference<'_> {
         first
     }
 
-    /// The columns of all causes but some.
+    /// Columns of all causes except those given.
     pub fn columns_without(&self, causes: &[usize]) -> DMatrix<f64> {
         let first = self.first_columns();
         let kept = (0..self.present.len()).filter(|k| !causes.contains(k));
@@ -80,12 +80,12 @@ impl Inference<'_> {
         causes.iter().map(|k| first[k + 1] - first[*k]).sum()
     }
 
-    /// Logarithm of the prior odds of some causes with their sizes and signs.
+    /// Log prior odds of some causes, including the priors of their scales and signs.
     pub fn log_prior(&self, causes: &[usize]) -> f64 {
         let of = |k: &usize| {
             let (index, scale) = self.present[*k];
             let candidate = &self.catalogue.candidates[index];
-            // A normal prior cut at zero is twice as dense.
+            // A normal prior truncated at zero has twice the density.
             let sign = if candidate.is_positive {
                 std::f64::consts::LN_2
             } else {
@@ -96,10 +96,10 @@ impl Inference<'_> {
         causes.iter().map(of).sum()
     }
 
-    /// Share of what a cause changes, whatever else is estimated, that is in the readings of one kind and cable, or of all
-    /// cables.
-    pub fn share_in(&self, cause: usize, id: &ReadingId) -> f64 {
-        let squares = self.changed(cause);
+    /// Share of a cause's effect on the readings, with all else estimated, that is in readings of one kind and cable,
+    /// or of one kind and all cables.
+    pub fn share_of_effect_in(&self, cause: usize, id: &ReadingId) -> f64 {
+        let squares = self.effect_by_class(cause);
         let classes = self.linear.conditions.classes.iter().zip(&squares);
         let is_meant = |class: &ReadingId| {
             class.quantity == id.quantity && id.cable.is_none_or(|c| class.cable == Some(c))
@@ -109,43 +109,47 @@ impl Inference<'_> {
         inside / squares.iter().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 
-    /// The class of readings that a cause changes most.
-    pub fn most_changed(&self, cause: usize) -> Option<ReadingId> {
-        let squares = self.changed(cause);
+    /// The class of readings on which a cause has the largest effect.
+    pub fn most_affected_class(&self, cause: usize) -> Option<ReadingId> {
+        let squares = self.effect_by_class(cause);
         let classes = self.linear.conditions.classes.iter().zip(squares);
         classes.max_by(|a, b| a.1.total_cmp(&b.1)).map(|c| *c.0)
     }
 
-    /// What a cause changes in each class of readings, whatever else is estimated, as a sum of squares.
-    fn changed(&self, cause: usize) -> Vec<f64> {
+    /// Sum of squares of a cause's effect on each class of readings, with all else estimated.
+    fn effect_by_class(&self, cause: usize) -> Vec<f64> {
         let none = DMatrix::zeros(self.linear.conditions.count, 0);
-        let base = self.linear.base(&self.at, &none);
+        let base = self.linear.reduced(&self.hyper, &none);
         let first = self.first_columns();
         let mut own = self
             .columns
             .columns(first[cause], first[cause + 1] - first[cause])
             .into_owned();
         base.noise.whiten(&mut own);
-        own -= base.taken.tr_mul(&(&base.taken * &own));
-        let mut all = vec![0.0; self.at.variance.len()];
+        own -= base.eliminated.tr_mul(&(&base.eliminated * &own));
+        let mut all = vec![0.0; self.hyper.variance.len()];
         for column in own.column_iter() {
-            let sums = base.noise.class_sums(&column.into_owned(), &base.taken);
-            for ((sum, [square, _]), variance) in all.iter_mut().zip(sums).zip(&self.at.variance) {
+            let sums = base
+                .noise
+                .class_sums(&column.into_owned(), &base.eliminated);
+            for ((sum, [square, _]), variance) in all.iter_mut().zip(sums).zip(&self.hyper.variance)
+            {
                 *sum += square / variance;
             }
         }
         all
     }
 
-    /// Standard deviations of the columns' parameters of each cause, in the noise and the background that there is, over
-    /// those in the noise as described, whose weights the fit has.
+    /// Standard deviations of the coordinates of each cause with the actual noise and background, relative to those
+    /// with the noise as described, which determines the weights of the fit.
     ///
-    /// With the derivatives `Z`, the prior `R`, `N = Z^T Z + R` and the covariance `C` of noise and background, an estimate
-    /// in other weights has the covariance `N^-1 (Z^T C Z + R) N^-1` (White 1980), in the noise as described `N^-1`.
-    pub fn spread(&self) -> Vec<Vec<f64>> {
+    /// With the derivatives `Z`, the prior information `R`, `N = Z^T Z + R` and the covariance `C` of noise and
+    /// background, an estimate in the described weights has the covariance `N^-1 (Z^T C Z + R) N^-1` (White 1980). If
+    /// the noise is as described, this is `N^-1`.
+    pub fn sd_ratios(&self) -> Vec<Vec<f64>> {
         let conditions = &self.linear.conditions;
         let fixed = self.linear.fixed.ncols();
-        let mut derivatives = joined(&[&self.linear.fixed, &self.columns]);
+        let mut derivatives = concatenate_columns(&[&self.linear.fixed, &self.columns]);
         for mut column in derivatives.columns_mut(0, fixed).column_iter_mut() {
             column.try_normalize_mut(f64::MIN_POSITIVE);
         }
@@ -160,10 +164,10 @@ impl Inference<'_> {
         };
         let of_causes = inverse.columns(fixed, width - fixed).into_owned();
         let weights = &derivatives * &of_causes;
-        let mut square = conditions.variances(&self.at.variance, &weights);
-        let shapes = self.linear.shapes.iter().zip(&self.at.amplitude);
+        let mut square = conditions.variances(&self.hyper.variance, &weights);
+        let shapes = self.linear.shapes.iter().zip(&self.hyper.amplitude);
         for (shape, amplitude) in shapes.filter(|(_, amplitude)| **amplitude > 0) {
-            for functions in [&shape.columns, &shape.simple] {
+            for functions in [&shape.columns, &shape.low_order] {
                 let along = functions.tr_mul(&weights) * AMPLITUDES[*amplitude];
                 for (square, along) in square.iter_mut().zip(along.column_iter()) {
                     *square += along.norm_squared();
@@ -179,19 +183,20 @@ impl Inference<'_> {
     }
 }
 
-/// Whether all values of a fit are physically possible.
-pub(super) fn is_possible(fit: &Fit<'_>) -> bool {
+/// Whether all parameter values of a fit are physically possible.
+pub(super) fn is_physically_possible(fit: &Fit<'_>) -> bool {
     let bounds = fit.causes.iter().flat_map(|cause| &cause.instances);
     let mut values = bounds.flat_map(|b| b.values.iter().zip(b.effect.parameters()));
     fit.solution.chi2.is_finite()
         && values.all(|(value, p)| {
             let [_, largest] = p.typical_sizes();
-            let sized = p.discrete || (value - p.neutral).abs() < ABSURD * largest.max(p.prior_sd);
+            let sized = p.discrete
+                || (value - p.neutral).abs() < IMPOSSIBLE_FACTOR * largest.max(p.prior_sd);
             sized && *value >= p.bounds[0] && *value <= p.bounds[1]
         })
 }
 
-/// The causes of members, estimated at a point of the linear problem.
+/// The causes of some members, with the values estimated in the linear problem.
 pub(super) fn causes_of(
     at: &LinearFit<'_, '_>,
     gram: &mut Gram<'_>,
@@ -203,7 +208,7 @@ pub(super) fn causes_of(
     let mut causes = Vec::new();
     for ((index, _), range) in members.iter().zip(ranges) {
         let estimate: Vec<f64> = system.estimate.rows_range(range).iter().copied().collect();
-        // What the fit has already is known better.
+        // Values from the nonlinear fit are more accurate than linear estimates.
         let known = at.present.iter().position(|m| m.0 == *index);
         causes.push(match known {
             Some(k) => at.fit.causes[k].clone(),
@@ -213,8 +218,8 @@ pub(super) fn causes_of(
     causes
 }
 
-/// Infers the causes of a problem. What effects depend on is taken at the poses of each fit, which a large cause moves: so
-/// it is in the problem without causes that comes back.
+/// Infers the causes of a problem. Effects are evaluated at the poses of each fit, which a large cause moves, so the
+/// problem is returned with the poses of the last one.
 pub(super) fn infer<'a>(
     mut base: Problem<'a>,
     options: &DiagnosisOptions,
@@ -223,31 +228,31 @@ pub(super) fn infer<'a>(
     let expected = EXPECTED_PER_ALPHA * options.alpha;
     let none = Fit::new(&base, &[])?;
     let mut seen: Option<Vec<Visibility>> = None;
-    let mut fit = approach(none, &mut seen, options, report)?;
+    let mut fit = initial_fit(none, &mut seen, options, report)?;
     let mut tried: Vec<Vec<Cause>> = vec![fit.causes.clone()];
     // Evidence of sets at their own fits.
     let mut fitted: Vec<(Vec<Cause>, f64)> = Vec::new();
-    // Variance factors of the quietest noise that any fit left.
-    let mut quietest: Vec<f64> = Vec::new();
+    // Smallest variance factors found at any fit.
+    let mut smallest_variances: Vec<f64> = Vec::new();
     for round in 1.. {
         if !fit.causes.is_empty() {
             let nearer = base.clone().with_contexts_of(&fit.solution);
             let moved = Fit::new(&nearer, &fit.causes)?;
-            if (moved.solution.chi2 - fit.solution.chi2).abs() > MOVED {
+            if (moved.solution.chi2 - fit.solution.chi2).abs() > MOVED_CHI2 {
                 (base, fit) = (nearer, moved);
                 fitted.clear();
             }
         }
-        let at = LinearFit::new(&fit, expected, true).starting_at(&quietest);
+        let at = LinearFit::new(&fit, expected, true).starting_at(&smallest_variances);
         let (own, hyper) = at.own_evidence();
-        quieten(&mut quietest, &hyper);
-        let at = at.starting_at(&quietest);
-        let explored = explore(&at, hyper, (options.most_findings, round == 1), report);
-        let visible = seen.get_or_insert(explored.visibility);
+        lower_variances(&mut smallest_variances, &hyper);
+        let at = at.starting_at(&smallest_variances);
+        let exploration = explore(&at, hyper, (options.most_findings, round == 1), report);
+        let visible = seen.get_or_insert(exploration.visibility);
         report.stage(Stage::Refits, at.present.len());
         fitted.push((fit.causes.clone(), own));
-        let mut compared = Comparison::new(&at, explored.ranking, &fitted);
-        let mut gram = at.gram(&explored.at);
+        let mut compared = SetComparison::new(&at, exploration.ranking, &fitted);
+        let mut gram = at.gram(&exploration.hyper);
         let mut best: Option<(f64, Fit<'a>)> = None;
         while let Some(place) = compared.next() {
             if report.cancelled && best.is_some() {
@@ -255,17 +260,18 @@ pub(super) fn infer<'a>(
             }
             let start = causes_of(&at, &mut gram, compared.members(place));
             let refit = Fit::new(&base, &start)?;
-            let value = if is_possible(&refit) {
-                let refit = LinearFit::new(&refit, expected, false).starting_at(&quietest);
+            let value = if is_physically_possible(&refit) {
+                let refit =
+                    LinearFit::new(&refit, expected, false).starting_at(&smallest_variances);
                 let (value, hyper) = refit.own_evidence();
-                quieten(&mut quietest, &hyper);
+                lower_variances(&mut smallest_variances, &hyper);
                 value
             } else {
                 f64::NEG_INFINITY
             };
-            compared.fitted(place, value);
+            compared.record_fit(place, value);
             if value == f64::NEG_INFINITY {
-                let alike = alike_together(&mut gram, compared.members(place));
+                let alike = collinear_members(&mut gram, compared.members(place));
                 if alike.len() > 1 {
                     compared.exclude(&alike);
                 }
@@ -273,16 +279,16 @@ pub(super) fn infer<'a>(
             fitted.push((compared.causes(place).to_vec(), value));
             if value > best.as_ref().map_or(own, |b| b.0) {
                 best = Some((value, refit));
-                if compared.is_best(place) && round < MOST_LINEARISATIONS {
-                    // Everything is compared anew from there.
+                if compared.is_best(place) && round < MAX_LINEARISATIONS {
+                    // Start over with a linearisation at the better fit.
                     break;
                 }
             }
         }
         let ranking = compared.ranking();
         let better = best.filter(|(_, fit)| {
-            let seen = tried.iter().any(|t| is_same(t, &fit.causes));
-            !seen && round < MOST_LINEARISATIONS
+            let seen = tried.iter().any(|t| is_same_set(t, &fit.causes));
+            !seen && round < MAX_LINEARISATIONS
         });
         match better {
             Some((_, next)) if !report.cancelled || fit.causes.is_empty() => {
@@ -290,16 +296,20 @@ pub(super) fn infer<'a>(
                 fit = next;
             }
             _ => {
-                let united = united(&fit).filter(|_| round < MOST_LINEARISATIONS);
-                let united = united.map(|causes| Fit::new(&base, &causes)).transpose()?;
-                let better = united.filter(|fit| {
-                    let at = LinearFit::new(fit, expected, false).starting_at(&quietest);
-                    is_possible(fit) && at.own_evidence().0 > own
+                let merge_common_values =
+                    merge_common_values(&fit).filter(|_| round < MAX_LINEARISATIONS);
+                let merge_common_values = merge_common_values
+                    .map(|causes| Fit::new(&base, &causes))
+                    .transpose()?;
+                let better = merge_common_values.filter(|fit| {
+                    let at = LinearFit::new(fit, expected, false).starting_at(&smallest_variances);
+                    is_physically_possible(fit) && at.own_evidence().0 > own
                 });
                 match better {
                     Some(next) => fit = next,
                     None => {
-                        let inference = at_fit(fit, options, ranking, &quietest);
+                        let inference =
+                            inference_at_fit(fit, options, ranking, &smallest_variances);
                         return Ok((base, inference, std::mem::take(visible)));
                     }
                 }
@@ -309,21 +319,21 @@ pub(super) fn infer<'a>(
     unreachable!("the last round returns")
 }
 
-/// The smaller variance factors of both.
-fn quieten(quietest: &mut Vec<f64>, at: &Hyperparameters) {
-    if quietest.is_empty() {
-        quietest.clone_from(&at.variance);
+/// Replaces each variance factor by the smaller of the two.
+fn lower_variances(smallest_variances: &mut Vec<f64>, at: &Hyperparameters) {
+    if smallest_variances.is_empty() {
+        smallest_variances.clone_from(&at.variance);
     }
-    for (least, variance) in quietest.iter_mut().zip(&at.variance) {
+    for (least, variance) in smallest_variances.iter_mut().zip(&at.variance) {
         *least = least.min(*variance);
     }
 }
 
-/// What is known at a fit, the variance factors of the noise estimated from some.
-pub(super) fn at_fit<'a>(
+/// The inference result at a fit. The estimation of its variance factors starts at `start`.
+pub(super) fn inference_at_fit<'a>(
     fit: Fit<'a>,
     options: &DiagnosisOptions,
-    mut ranking: Vec<Ranked>,
+    mut ranking: Vec<RankedSet>,
     start: &[f64],
 ) -> Inference<'a> {
     let expected = EXPECTED_PER_ALPHA * options.alpha;
@@ -331,12 +341,15 @@ pub(super) fn at_fit<'a>(
     let (_, hyper) = at.own_evidence();
     let at = at.starting_at(&hyper.variance);
     let columns = at.columns(&at.present);
-    // The fit is of the likeliest set, but for rounding of the linear comparison.
-    if let Some(own) = ranking.iter().position(|r| is_same(&r.causes, &fit.causes)) {
+    // The linear comparison may rank the set of the fit slightly lower than another one.
+    if let Some(own) = ranking
+        .iter()
+        .position(|r| is_same_set(&r.causes, &fit.causes))
+    {
         let own = ranking.remove(own);
         ranking.insert(
             0,
-            Ranked {
+            RankedSet {
                 causes: fit.causes.clone(),
                 ..own
             },
@@ -351,7 +364,7 @@ pub(super) fn at_fit<'a>(
     Inference {
         ranking,
         linear,
-        at: hyper,
+        hyper,
         columns,
         catalogue,
         present,
@@ -359,15 +372,15 @@ pub(super) fn at_fit<'a>(
     }
 }
 
-/// The same causes, in whatever order.
-pub(super) fn is_same(one: &[Cause], other: &[Cause]) -> bool {
+/// Whether two sets consist of the same causes, in any order.
+pub(super) fn is_same_set(one: &[Cause], other: &[Cause]) -> bool {
     let contains = |all: &[Cause], cause: &Cause| all.iter().any(|c| is_same_cause(c, cause));
     one.len() == other.len() && one.iter().all(|cause| contains(other, cause))
 }
 
-/// Same effect and targets; an event at the same pose.
+/// Whether two causes have the same effect and targets, and events the same pose.
 pub(super) fn is_same_cause(one: &Cause, other: &Cause) -> bool {
     let pose = one.effect().pose_parameter();
-    is_alike(one, other)
+    is_same_effect_and_targets(one, other)
         && pose.is_none_or(|k| one.instances[0].values[k] == other.instances[0].values[k])
 }

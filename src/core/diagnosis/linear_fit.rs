@@ -1,50 +1,54 @@
-//! A fit with its linear problem: all candidates linearised there.
+//! A fit with all candidates linearised at its solution.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::background::shapes;
 use super::catalogue::Catalogue;
-use super::conditions::{Conditions, joined};
+use super::conditions::{Conditions, concatenate_columns};
 use super::evidence::Member;
 use super::fit::Fit;
 use super::gram::Gram;
-use super::hyperparameters::{Hyperparameters, Linear};
+use super::hyperparameters::{Hyperparameters, LinearProblem};
 use super::search::Search;
 use super::variables::Variables;
 use crate::estimation::{Linearisation, ParameterId};
 
-/// Causes expected beforehand, for each unit of the probability of a false finding that is allowed.
+/// Prior expectation of the number of causes for each unit of the false alarm probability.
 pub(super) const EXPECTED_PER_ALPHA: f64 = 80.0;
 
 /// A fit with its linear problem.
 pub(super) struct LinearFit<'f, 'a> {
     pub fit: &'f Fit<'a>,
-    pub linear: Linear,
+    pub linear: LinearProblem,
     pub catalogue: Catalogue,
-    /// The generators in conditions.
+    /// Generators as conditions.
     pub generators: DMatrix<f64>,
-    /// The members that are the causes of the fit.
+    /// The causes of the fit as members.
     pub present: Vec<Member>,
 }
 
 impl<'f, 'a> LinearFit<'f, 'a> {
-    pub fn new(fit: &'f Fit<'a>, expected: f64, is_all: bool) -> Self {
+    pub fn new(fit: &'f Fit<'a>, expected: f64, include_all: bool) -> Self {
         let linear = Linearisation::new(&fit.problem, &fit.solution);
-        let catalogue = Catalogue::new(fit, &linear, expected, is_all);
+        let catalogue = Catalogue::new(fit, &linear, expected, include_all);
         let conditions = Conditions::new(&linear);
         let variables = Variables::new(&fit.problem, &fit.solution, &linear);
         let shapes = shapes(&conditions, &linear, &variables);
         let is_fixed = |k: &usize| !matches!(linear.parameters[*k].id, ParameterId::Effect { .. });
         let fixed: Vec<usize> = (0..linear.parameters.len()).filter(is_fixed).collect();
-        let fixed = conditions.of_rows(&linear.design.select_columns(&fixed));
-        let generators = conditions.of_rows(&catalogue.generators);
+        let fixed = conditions.project_rows(&linear.design.select_columns(&fixed));
+        let generators = conditions.project_rows(&catalogue.generators);
         let residual =
             DMatrix::from_column_slice(linear.residual.len(), 1, linear.residual.as_slice());
-        let mut residual: DVector<f64> = conditions.of_rows(&residual).column(0).into_owned();
+        let mut residual: DVector<f64> = conditions.project_rows(&residual).column(0).into_owned();
         let mut present = Vec::new();
         let poses = conditions.poses;
         for cause in &fit.causes {
-            let Some(index) = catalogue.candidates.iter().position(|c| c.is_of(cause)) else {
+            let Some(index) = catalogue
+                .candidates
+                .iter()
+                .position(|c| c.represents(cause))
+            else {
                 continue;
             };
             let candidate = &catalogue.candidates[index];
@@ -58,7 +62,7 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         debug_assert!(poses == linear.poses.len());
         Self {
             fit,
-            linear: Linear {
+            linear: LinearProblem {
                 start: vec![1.0; conditions.classes.len()],
                 conditions,
                 residual,
@@ -71,7 +75,7 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         }
     }
 
-    /// The same with variance factors of the noise that are known better than as described, if any are.
+    /// Starts the estimation of the variance factors at given values instead of the described noise, if there are any.
     pub fn starting_at(mut self, variance: &[f64]) -> Self {
         if !variance.is_empty() {
             self.linear.start.copy_from_slice(variance);
@@ -79,9 +83,9 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         self
     }
 
-    /// Columns of members in conditions, in units of their prior.
+    /// Columns of some members as conditions, in units of their prior.
     pub fn columns(&self, members: &[Member]) -> DMatrix<f64> {
-        // No member has no column.
+        // `concatenate_columns` needs a first part with the right number of rows even if there are no members.
         let mut parts = vec![DMatrix::zeros(self.linear.conditions.count, 0)];
         for (index, scale) in members {
             let candidate = &self.catalogue.candidates[*index];
@@ -94,10 +98,10 @@ impl<'f, 'a> LinearFit<'f, 'a> {
             }
             parts.push(columns * &candidate.prior * candidate.scales[*scale].0);
         }
-        joined(&parts.iter().collect::<Vec<_>>())
+        concatenate_columns(&parts.iter().collect::<Vec<_>>())
     }
 
-    /// The hyperparameters that suit a set.
+    /// Estimates the hyperparameters for a set.
     pub fn estimate(&self, members: &[Member]) -> Hyperparameters {
         self.linear.estimate(&self.columns(members))
     }
@@ -106,19 +110,19 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         let none = DMatrix::zeros(self.linear.conditions.count, 0);
         Gram::new(
             &self.linear,
-            self.linear.base(at, &none),
+            self.linear.reduced(at, &none),
             &self.catalogue,
             &self.generators,
         )
     }
 
-    /// The evidence of the causes of the fit at it, its prior included, with the hyperparameters that suit it.
+    /// Log evidence and prior of the fit's own causes, with the hyperparameters estimated for them.
     pub fn own_evidence(&self) -> (f64, Hyperparameters) {
         let at = self.estimate(&self.present);
         let mut gram = self.gram(&at);
-        let of_none = gram.base.log_evidence + at.log_prior;
+        let log_evidence_of_none = gram.base.log_evidence + at.log_prior;
         let mut search = Search::new(&mut gram, self.present.len());
         let value = search.settle(&self.present);
-        (of_none + value, at)
+        (log_evidence_of_none + value, at)
     }
 }

@@ -1,28 +1,26 @@
-//! The model doctor: says whether a model explains the data, names what it gets wrong, extends it, and measures
-//! what that gains.
+//! Model diagnosis: tests whether a model explains the data, names the effects that it lacks, extends it by them and
+//! quantifies the gain.
 //!
-//! Everything rests on one linearisation of all readings at a solution
-//! ([`crate::estimation::Linearisation`]): the posterior probabilities of sets of causes, errors without a name, the angle
-//! between the signatures of two effects, and cross-validation. What is reported is fitted anew with the whole
-//! nonlinear problem. docs/DIAGNOSIS.md has the equations.
+//! All computations use one linearisation of the readings at a solution ([`crate::estimation::Linearisation`]):
+//! posterior probabilities of sets of causes, unmodelled errors, the angle between the signatures of two effects, and
+//! cross-validation. Reported values come from a new fit of the full nonlinear problem. The equations are in
+//! docs/DIAGNOSIS.md.
 
 mod adequacy;
 #[cfg(test)]
 mod adequacy_tests;
-mod approach;
 mod background;
 mod candidates;
 mod catalogue;
-mod claims;
-mod complete;
+mod cause_posteriors;
 mod conditions;
 mod confidence;
 mod discrepancy;
 mod doctor;
+mod error_functions;
 mod evidence;
 mod exchange;
 mod exploration;
-mod families;
 mod finding;
 mod fit;
 mod gain;
@@ -30,19 +28,21 @@ mod gram;
 mod grouping;
 mod hyperparameters;
 mod inference;
+mod initial_fit;
 mod isolability;
 mod linear_fit;
 mod noise;
 mod progress;
+mod projector;
 mod reading_errors;
 mod reading_id;
-mod remainder;
 mod report;
 mod residual_space;
 mod search;
 mod separation;
-mod space;
-mod structure;
+mod set_comparison;
+mod structured_errors;
+mod unmodelled_errors;
 mod variables;
 
 pub use discrepancy::smooth_functions;
@@ -61,12 +61,12 @@ pub use variables::Variables;
 use crate::estimation::Control;
 pub use crate::measurement::Variable;
 
-/// How to diagnose.
+/// Options of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DiagnosisOptions {
-    /// Probability of any finding in data that the model explains.
+    /// Probability of a false alarm: of any finding in data that the model explains.
     pub alpha: f64,
-    /// Most findings that are added one after the other.
+    /// Maximum number of findings.
     pub most_findings: usize,
 }
 
@@ -79,33 +79,33 @@ impl Default for DiagnosisOptions {
     }
 }
 
-/// What a running diagnosis is about.
+/// Stage of a running diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Fitting the model without further effects.
+    /// Fits the model without additional effects.
     BaseFit,
-    /// Asking on which readings and along which variables it is wrong.
+    /// Tests on which variables the residuals depend.
     Discrepancy,
-    /// Asking every effect on every target.
+    /// Scores every effect on every target.
     Scores,
-    /// Fitting the best of them completely.
+    /// Fits the most probable sets with the full model.
     Refits,
-    /// Comparing what they predict for poses held out.
+    /// Compares predictions of held-out poses.
     HeldOut,
-    /// Looking for poses that would separate causes.
+    /// Looks for poses that would tell causes apart.
     Separation,
 }
 
-/// State of a running diagnosis.
+/// Progress of a running diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DiagnosisProgress {
-    /// What it is about.
+    /// Current stage.
     pub stage: Stage,
-    /// Findings so far.
+    /// Number of findings so far.
     pub findings: usize,
 }
 
-/// Observer of a running diagnosis.
+/// Callback that observes a running diagnosis and may cancel it.
 pub type Observer<'a> = dyn FnMut(&DiagnosisProgress) -> Control + 'a;
 
 #[cfg(test)]

@@ -1,16 +1,15 @@
-//! How large the noise of each kind of reading really is.
+//! Estimates the actual noise of each kind of reading.
 //!
-//! With the noise of class `a` of the readings `theta_a` times as large in variance as described, the squares of
-//! the residuals have the expectation `E[r_a^T r_a] = sum_b tr(M_ab M_ba) theta_b`. Solving this for `theta`,
-//! weighting all rows by the new noise and repeating until nothing changes is restricted maximum
-//! likelihood by Fisher's scoring (Helmert 1907, Foerstner 1979; Searle, Casella and McCulloch, Variance Components,
-//! section 6.6). The covariance of `theta` is then `2 F^-1`, `F_ab = tr(M_ab M_ba)` in the new
-//! weights, so `theta_a` is as well known as a variance from `1 / (F^-1)_aa` degrees of freedom; interval and probability
-//! are those of a chi-square variable divided by them. Equilibrium equations and priors keep the
-//! noise that they have.
+//! If the noise variance of class `a` of the readings is `theta_a` times the described one, the squared residuals have
+//! the expectation `E[r_a^T r_a] = sum_b tr(M_ab M_ba) theta_b`. Solving this for `theta`, reweighting all rows and
+//! repeating until convergence is restricted maximum likelihood by Fisher scoring (Helmert 1907, Foerstner 1979;
+//! Searle, Casella and McCulloch, Variance Components, section 6.6). The covariance of `theta` is `2 F^-1` with
+//! `F_ab = tr(M_ab M_ba)` in the final weights, so `theta_a` is as accurate as a variance from `1 / (F^-1)_aa` degrees
+//! of freedom; interval and p-value are those of the corresponding chi-square variable. The noise of equilibrium
+//! equations and priors is not changed.
 //!
-//! All is done in the linearised problem. Readings whose residuals depend on something are not noise: they get a
-//! variance of their own, so that others do not suffer, and nothing is said of it.
+//! All of this happens in the linearised problem. Readings whose residuals depend on a variable do not show pure noise.
+//! They get a variance of their own, so that they do not affect the others, and no statement is made about it.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,24 +21,24 @@ use super::residual_space::{ClassSums, ResidualSpace};
 use super::{Discrepancy, NoiseStatement, Quantity};
 use crate::statistics::{chi_square_quantile, chi_square_two_sided};
 
-/// Most steps of the estimation, and the change of all variances that ends it.
-const MOST_STEPS: usize = 8;
-const SETTLED: f64 = 1e-2;
-/// Variances known from fewer degrees of freedom are not estimated.
-const LEAST_FREEDOM: f64 = 2.0;
-/// A step to less than this share of a variance overshoots.
-const LEAST_STEP: f64 = 0.1;
-/// Fewest cables of which one can be told to differ from the others.
-const FEWEST_CABLES: usize = 3;
+/// Maximum number of steps of the estimation, and the largest relative change of a variance at convergence.
+const MAX_STEPS: usize = 8;
+const CONVERGED: f64 = 1e-2;
+/// A variance with fewer degrees of freedom than this is not estimated.
+const MIN_FREEDOM: f64 = 2.0;
+/// Smallest factor of a variance in one step; anything smaller would overshoot.
+const MIN_STEP: f64 = 0.1;
+/// Minimum number of cables for deciding that one of them differs from the others.
+const MIN_CABLES: usize = 3;
 
-/// Readings with a common variance.
+/// Readings with a common variance: a kind of reading, or one cable of it.
 pub(super) type Class = (Quantity, Option<usize>);
 
-/// Readings with a variance of their own, and where its estimation starts.
-pub(super) type Apart = BTreeMap<Class, f64>;
+/// Classes with a variance of their own, with the start values of the estimation.
+pub(super) type SeparateVariances = BTreeMap<Class, f64>;
 
-/// Kinds of readings, and single cables where one differs clearly from the others, whose noise is larger or
-/// smaller than described: at level `alpha` for all of them together, `discrepancies` telling which are no noise.
+/// Kinds of readings, and single cables that differ clearly from the others, whose noise is larger or smaller than
+/// described, at level `alpha` for all tests together. Readings with `discrepancies` are excluded.
 pub(crate) fn noise_statements(
     space: &ResidualSpace,
     discrepancies: &[Discrepancy],
@@ -49,23 +48,23 @@ pub(crate) fn noise_statements(
         .iter()
         .map(|d| (d.quantity, d.cable))
         .collect();
-    let questions = questions(space);
-    let apart = scatter(space, &structured);
-    let estimate = Estimate::with_strangers(space, apart, alpha / questions);
+    let test_count = test_count(space);
+    let separate = start_variances(space, &structured);
+    let estimate = VarianceEstimate::with_outlying_variances(space, separate, alpha / test_count);
     let statements = (0..estimate.classes.len()).filter_map(|class| estimate.statement(class));
     statements
         .map(|statement| NoiseStatement {
-            p_value: (statement.p_value * questions).min(1.0),
+            p_value: (statement.p_value * test_count).min(1.0),
             ..statement
         })
         .filter(|s| s.p_value < alpha && !structured.contains(&(s.quantity, s.cable)))
         .collect()
 }
 
-/// How many times larger than described the scatter of each row is, whatever its cause; 1 where that is not
-/// significant at level `level`.
-pub(super) fn excess(space: &ResidualSpace, level: f64) -> Vec<f64> {
-    let mut estimate = Estimate::with_strangers(space, Apart::new(), level);
+/// Standard deviation of each row over the described one; 1 where it is not significantly larger at level `level`.
+pub(super) fn excess_sd_factors(space: &ResidualSpace, level: f64) -> Vec<f64> {
+    let mut estimate =
+        VarianceEstimate::with_outlying_variances(space, SeparateVariances::new(), level);
     for class in 0..estimate.classes.len() {
         let statement = estimate.statement(class);
         if !statement.is_some_and(|s| s.ratio > 1.0 && s.p_value < level) {
@@ -75,20 +74,23 @@ pub(super) fn excess(space: &ResidualSpace, level: f64) -> Vec<f64> {
     estimate.row_factors()
 }
 
-/// The noise of every class whose variance can be estimated, the cables in `apart` on their own;
-/// probabilities are not corrected.
+/// Statements on all classes whose variance can be estimated, whatever their significance. The cables in `separate`
+/// have a variance of their own, and p-values are not corrected for the number of tests.
 #[cfg(test)]
-pub(super) fn noise_of_all(space: &ResidualSpace, apart: &Apart) -> Vec<NoiseStatement> {
-    let estimate = Estimate::new(space, apart);
+pub(super) fn noise_of_all(
+    space: &ResidualSpace,
+    separate: &SeparateVariances,
+) -> Vec<NoiseStatement> {
+    let estimate = VarianceEstimate::new(space, separate);
     let classes = 0..estimate.classes.len();
     classes
         .filter_map(|class| estimate.statement(class))
         .collect()
 }
 
-/// Mean squares of some readings, at least those of noise as described. From there estimation starts: from too small
-/// a variance the excess would be taken for noise of others.
-fn scatter(space: &ResidualSpace, chosen: &BTreeSet<Class>) -> Apart {
+/// Mean squared residuals of the chosen classes, at least those of the described noise, as start values. From too small
+/// a variance the estimation would attribute their excess to other classes.
+fn start_variances(space: &ResidualSpace, chosen: &BTreeSet<Class>) -> SeparateVariances {
     let (classes, of_row) = classes(space, |id| (id.quantity, id.cable));
     let sums = space.class_sums(&of_row, classes.len());
     let mean_square = |k: usize| (sums.squares[k] / sums.traces[k].max(1e-6)).max(1.0);
@@ -99,56 +101,59 @@ fn scatter(space: &ResidualSpace, chosen: &BTreeSet<Class>) -> Apart {
         .collect()
 }
 
-/// Number of variances about which something could be said.
-fn questions(space: &ResidualSpace) -> f64 {
+/// Number of variances that are tested.
+fn test_count(space: &ResidualSpace) -> f64 {
     let ids = space.readings.iter().flatten();
     let all = ids.flat_map(|id| [(id.quantity, None), (id.quantity, id.cable)]);
     all.collect::<BTreeSet<Class>>().len() as f64
 }
 
-/// Class of a reading when the cables in `apart` have a variance of their own.
-fn class_of(id: &ReadingId, apart: &Apart) -> Class {
+/// Class of a reading when the cables in `separate` have a variance of their own.
+fn class_of(id: &ReadingId, separate: &SeparateVariances) -> Class {
     let own = (id.quantity, id.cable);
-    (id.quantity, id.cable.filter(|_| apart.contains_key(&own)))
+    (
+        id.quantity,
+        id.cable.filter(|_| separate.contains_key(&own)),
+    )
 }
 
-/// Variances of classes of readings.
-struct Estimate {
+/// Estimated variances of classes of readings.
+struct VarianceEstimate {
     classes: Vec<Class>,
-    /// Variance over that of the description.
+    /// Variance over the described one.
     variance: Vec<f64>,
-    /// From how many degrees of freedom each is known; `None` where it was not estimated.
+    /// Degrees of freedom of each variance; `None` if it was not estimated.
     freedom: Vec<Option<f64>>,
     /// Class of each row.
     of_row: Vec<Option<usize>>,
-    /// The residuals with these variances.
+    /// The residuals weighted with these variances.
     space: ResidualSpace,
 }
 
-impl Estimate {
-    fn new(space: &ResidualSpace, apart: &Apart) -> Self {
-        let (classes, of_row) = classes(space, |id| class_of(id, apart));
+impl VarianceEstimate {
+    fn new(space: &ResidualSpace, separate: &SeparateVariances) -> Self {
+        let (classes, of_row) = classes(space, |id| class_of(id, separate));
         let mut estimate = Self {
             variance: classes
                 .iter()
-                .map(|class| apart.get(class).copied().unwrap_or(1.0))
+                .map(|class| separate.get(class).copied().unwrap_or(1.0))
                 .collect(),
             freedom: vec![None; classes.len()],
             classes,
             of_row,
             space: space.clone(),
         };
-        if !apart.is_empty() {
+        if !separate.is_empty() {
             estimate.space = space.rescaled(&estimate.row_factors());
         }
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let sums = estimate
                 .space
                 .class_sums(&estimate.of_row, estimate.classes.len());
             let step = VarianceStep::new(&sums);
             estimate.freedom.clone_from(&step.freedom);
             let change = step.factors.iter().map(|factor| (factor - 1.0).abs());
-            if change.fold(0.0, f64::max) < SETTLED {
+            if change.fold(0.0, f64::max) < CONVERGED {
                 break;
             }
             for (variance, factor) in estimate.variance.iter_mut().zip(&step.factors) {
@@ -159,25 +164,29 @@ impl Estimate {
         estimate
     }
 
-    /// The same with a variance of its own for each cable that differs from the others of its kind at level
-    /// `level`, besides those in `apart`.
-    fn with_strangers(space: &ResidualSpace, mut apart: Apart, level: f64) -> Self {
+    /// Estimates variances with a separate one for each cable that differs from the others of its kind at level
+    /// `level`, in addition to those in `separate`.
+    fn with_outlying_variances(
+        space: &ResidualSpace,
+        mut separate: SeparateVariances,
+        level: f64,
+    ) -> Self {
         loop {
-            let estimate = Self::new(space, &apart);
-            match estimate.stranger(&apart, level) {
-                Some((stranger, variance)) => apart.insert(stranger, variance),
+            let estimate = Self::new(space, &separate);
+            match estimate.outlying_variance(&separate, level) {
+                Some((class, variance)) => separate.insert(class, variance),
                 None => return estimate,
             };
         }
     }
 
-    /// Standard deviation of each row over that of the description.
+    /// Standard deviation of each row over the described one.
     fn row_factors(&self) -> Vec<f64> {
         let sd = |class: &Option<usize>| class.map_or(1.0, |k| self.variance[k].sqrt());
         self.of_row.iter().map(sd).collect()
     }
 
-    /// What is known of a variance, the probability not corrected; `None` where it was not estimated.
+    /// Statement on one variance, with an uncorrected p-value; `None` if it was not estimated.
     fn statement(&self, class: usize) -> Option<NoiseStatement> {
         let (quantity, cable) = self.classes[class];
         let freedom = self.freedom[class]?;
@@ -195,15 +204,15 @@ impl Estimate {
         })
     }
 
-    /// The cable that differs most from the others of its kind, if it does at level `level`, and its mean square:
-    /// the score test of a variance of its own.
-    fn stranger(&self, apart: &Apart, level: f64) -> Option<(Class, f64)> {
+    /// The cable that differs most from the others of its kind, if significantly at level `level`, with its mean
+    /// square. This is the score test of a separate variance.
+    fn outlying_variance(&self, separate: &SeparateVariances, level: f64) -> Option<(Class, f64)> {
         let (cables, of_row) = classes(&self.space, |id| (id.quantity, id.cable));
         let sums = self.space.class_sums(&of_row, cables.len());
-        let common = |class: &&Class| class.1.is_some() && !apart.contains_key(*class);
+        let common = |class: &&Class| class.1.is_some() && !separate.contains_key(*class);
         let enough = |quantity: Quantity| {
             let same = cables.iter().filter(common).filter(|c| c.0 == quantity);
-            same.count() >= FEWEST_CABLES
+            same.count() >= MIN_CABLES
         };
         let probability = |(k, class): (usize, &Class)| {
             let (factor, freedom) = sums.scaled_chi_square(k)?;
@@ -216,7 +225,7 @@ impl Estimate {
             .filter(|(_, class)| common(class) && enough(class.0))
             .filter_map(probability)
             .filter(|(_, p, _)| *p < level)
-            // Where probabilities are too small for a number, the ratio decides.
+            // The ratio decides where p-values underflow.
             .min_by(|a, b| a.1.total_cmp(&b.1).then(b.2.total_cmp(&a.2)))?;
         let kind = self.classes.iter().position(|c| *c == (class.0, None));
         let others = kind.map_or(1.0, |k| self.variance[k]);
@@ -224,9 +233,9 @@ impl Estimate {
     }
 }
 
-/// One step of the estimation.
+/// One Fisher scoring step.
 struct VarianceStep {
-    /// By how much each variance is to be multiplied.
+    /// Factor by which each variance changes.
     factors: Vec<f64>,
     freedom: Vec<Option<f64>>,
 }
@@ -246,12 +255,12 @@ impl VarianceStep {
         let change = &inverse * excess;
         for (k, class) in estimated.iter().enumerate() {
             let scored = 1.0 + change[k];
-            // The mean square is always positive and has the same fixed point.
+            // The ratio to the expectation is always positive and has the same fixed point.
             let mean_square = sums.squares[*class] / sums.traces[*class];
-            step.factors[*class] = if scored > LEAST_STEP {
+            step.factors[*class] = if scored > MIN_STEP {
                 scored
             } else {
-                mean_square.max(LEAST_STEP)
+                mean_square.max(MIN_STEP)
             };
             step.freedom[*class] = Some(inverse[(k, k)].recip());
         }
@@ -259,20 +268,20 @@ impl VarianceStep {
     }
 }
 
-/// The classes whose variances can be told from each other, and the inverse of their information. The worst known
-/// is given up until all are known well enough.
+/// The classes whose variances can be separated, with the inverse of their information. The least determined class is
+/// removed until all have enough degrees of freedom.
 fn estimable(sums: &ClassSums) -> (Vec<usize>, DMatrix<f64>) {
-    let seen = |class: &usize| sums.information[(*class, *class)] > LEAST_FREEDOM;
+    let seen = |class: &usize| sums.information[(*class, *class)] > MIN_FREEDOM;
     let mut kept: Vec<usize> = (0..sums.traces.len()).filter(seen).collect();
     while !kept.is_empty() {
         let information = sums.information.select_rows(&kept).select_columns(&kept);
         let alone = information.diagonal();
         let inverse = Cholesky::new(information).map(|c| c.inverse());
-        // Where even that fails, the class with least redundancy goes.
+        // If the information is singular, the class with the least redundancy is removed.
         let known = |k: &usize| inverse.as_ref().map_or(alone[*k], |i| i[(*k, *k)].recip());
         let worst = (0..kept.len()).min_by(|a, b| known(a).total_cmp(&known(b)));
         match (worst, inverse) {
-            (Some(worst), Some(inverse)) if inverse[(worst, worst)].recip() >= LEAST_FREEDOM => {
+            (Some(worst), Some(inverse)) if inverse[(worst, worst)].recip() >= MIN_FREEDOM => {
                 return (kept, inverse);
             }
             (Some(worst), _) => drop(kept.remove(worst)),

@@ -1,9 +1,9 @@
-//! Tells the observer how far a diagnosis is, and asks whether to go on.
+//! Reports progress to the observer and records whether it has cancelled.
 
 use super::{DiagnosisProgress, Observer, Stage};
 use crate::estimation::Control;
 
-/// The observer with its last answer.
+/// The observer and whether it has cancelled.
 pub(super) struct Reporter<'o, 'f> {
     observer: &'o mut Observer<'f>,
     pub cancelled: bool,
@@ -17,7 +17,7 @@ impl<'o, 'f> Reporter<'o, 'f> {
         }
     }
 
-    /// Tells where it is; whether to go on.
+    /// Reports the stage; returns whether to continue.
     pub fn stage(&mut self, stage: Stage, findings: usize) -> bool {
         if !self.cancelled {
             let progress = DiagnosisProgress { stage, findings };

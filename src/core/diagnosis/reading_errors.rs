@@ -1,44 +1,44 @@
-//! Errors of single readings as columns of the linear problem: products with functions of the pose cost little, as each
-//! reading acts on the conditions of its own pose alone.
+//! Errors of single readings as columns of the linear problem. A reading affects only the conditions of its own pose,
+//! so products with functions of the pose are cheap.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::hyperparameters::Base;
+use super::hyperparameters::ReducedProblem;
 
-/// An error of 1 in the readings of some classes at each pose: its score and information.
+/// Score and information of a unit error in the readings of some classes at each pose.
 pub(super) struct ReadingErrors {
     score: DVector<f64>,
-    /// Square, pose by pose, of the whitened error.
+    /// Squared norm of the whitened error at each pose.
     squares: DVector<f64>,
-    /// `U^T` times it, one column per pose.
-    taken: DMatrix<f64>,
+    /// `U^T` times the whitened error, one column per pose.
+    eliminated: DMatrix<f64>,
 }
 
 impl ReadingErrors {
-    pub fn new(base: &Base<'_>, classes: &[usize]) -> Self {
+    pub fn new(base: &ReducedProblem<'_>, classes: &[usize]) -> Self {
         let errors = base.noise.unit_errors(classes);
         let mut found = Self {
             score: DVector::zeros(errors.len()),
             squares: DVector::zeros(errors.len()),
-            taken: DMatrix::zeros(base.taken.nrows(), errors.len()),
+            eliminated: DMatrix::zeros(base.eliminated.nrows(), errors.len()),
         };
         for (pose, (first, error)) in errors.iter().enumerate() {
             found.score[pose] = error.dot(&base.residual.rows(*first, error.len()));
             found.squares[pose] = error.norm_squared();
-            let taken = base.taken.columns(*first, error.len()) * error;
-            found.taken.set_column(pose, &taken);
+            let eliminated = base.eliminated.columns(*first, error.len()) * error;
+            found.eliminated.set_column(pose, &eliminated);
         }
         found
     }
 
-    /// Score and information of functions of the pose, one per column, one row per pose.
+    /// Score and information of errors that are functions of the pose, one function per column and one row per pose.
     pub fn of(&self, functions: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let mut weighted = functions.clone();
         for (mut row, square) in weighted.row_iter_mut().zip(self.squares.iter()) {
             row *= *square;
         }
-        let taken = &self.taken * functions;
-        let information = functions.tr_mul(&weighted) - taken.tr_mul(&taken);
+        let eliminated = &self.eliminated * functions;
+        let information = functions.tr_mul(&weighted) - eliminated.tr_mul(&eliminated);
         (functions.tr_mul(&self.score), information)
     }
 }

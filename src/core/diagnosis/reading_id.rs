@@ -1,22 +1,22 @@
-//! Which reading a row of a linearisation belongs to, as reports call it.
+//! Identifies the reading that a row of a linearisation belongs to, in the terms of reports.
 
 use super::Quantity;
 use crate::estimation::{LinearRow, Linearisation, ObservationKind, ParameterId, RowKind};
 
-/// The reading behind a row.
+/// The reading that a row belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct ReadingId {
     /// Kind of reading.
     pub quantity: Quantity,
-    /// Cable, if the reading is a cable's.
+    /// Cable, for readings of a cable.
     pub cable: Option<usize>,
-    /// Axis or angle of a reading that has several.
+    /// Axis or angle, for readings with several components.
     pub component: Option<usize>,
 }
 
 impl ReadingId {
-    /// The reading behind a row; `None` for equilibrium equations, and for priors other than those that stand
-    /// for the tension readings at home.
+    /// The reading of a row; `None` for equilibrium equations, and for priors except those that represent the tension
+    /// readings at home.
     pub fn of(row: &LinearRow, linear: &Linearisation) -> Option<Self> {
         let (quantity, cable, component) = match row.kind {
             RowKind::AssumedTension(_) => return None,

@@ -1,11 +1,11 @@
-//! What a diagnosis says: plain data.
+//! The result of a diagnosis as plain data.
 
 use crate::effect::{BoundEffect, Effect};
 use crate::estimation::Solution;
 use crate::geometry::Pose;
 use crate::measurement::Variable;
 
-/// A kind of reading.
+/// Kind of reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Quantity {
     /// Length of a cable.
@@ -25,7 +25,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All of them.
+    /// All kinds of readings.
     pub const ALL: [Self; 7] = [
         Self::Length,
         Self::Tension,
@@ -51,76 +51,76 @@ impl Quantity {
     }
 }
 
-/// Chi-square test of a whole solution.
+/// Chi-square test of all residuals of a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GlobalTest {
     /// Sum of squares.
     pub chi2: f64,
     /// Degrees of freedom.
     pub degrees_of_freedom: f64,
-    /// Probability of a larger sum if model and noise are right.
+    /// Probability of a larger sum of squares if model and noise are correct.
     pub p_value: f64,
 }
 
-/// Test of one kind of reading, or of one cable of it.
+/// Test of the readings of one kind, or of one kind and cable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroupTest {
     /// Kind of reading.
     pub quantity: Quantity,
-    /// Cable, or all of them.
+    /// Cable; `None` for all cables together.
     pub cable: Option<usize>,
     /// Number of readings.
     pub readings: usize,
-    /// Root mean square of the residuals over what noise alone gives: 1 if all is right.
+    /// Root mean square of the residuals over its expectation; 1 if model and noise are correct.
     pub rms_over_sd: f64,
-    /// Two-sided probability, not corrected.
+    /// Two-sided p-value, not corrected for the number of tests.
     pub p_value: f64,
 }
 
-/// A kind of reading whose noise is not what the description says.
+/// A kind of reading whose noise differs from the description.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoiseStatement {
     /// Kind of reading.
     pub quantity: Quantity,
-    /// Cable, or all of them.
+    /// Cable; `None` for all cables together.
     pub cable: Option<usize>,
-    /// Standard deviation over the one given.
+    /// Actual standard deviation over the described one.
     pub ratio: f64,
     /// 95 % interval of the ratio.
     pub interval: [f64; 2],
-    /// Probability of such a ratio if the noise is as given, corrected for the number of questions.
+    /// P-value of the ratio, corrected for the number of tests.
     pub p_value: f64,
 }
 
 /// Whether a model explains the data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adequacy {
-    /// Whether no test rejects.
+    /// Whether the global test accepts the model.
     pub adequate: bool,
-    /// Test of everything together.
+    /// Test of all readings together.
     pub global: GlobalTest,
-    /// Tests per kind of reading, then per cable.
+    /// Tests of each kind of reading, then of each cable.
     pub groups: Vec<GroupTest>,
 }
 
-/// A residual that depends on a variable.
+/// Readings whose residuals depend on a variable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Discrepancy {
     /// Kind of reading.
     pub quantity: Quantity,
-    /// Cable, if the reading is a cable's.
+    /// Cable, for readings of a cable.
     pub cable: Option<usize>,
-    /// On what the residual depends.
+    /// The variable that the residuals depend on.
     pub variable: Variable,
-    /// Root mean square of these residuals over what noise alone gives.
+    /// Root mean square of these residuals over its expectation.
     pub rms_over_sd: f64,
-    /// Probability if there is no dependence, corrected for the number of questions.
+    /// P-value, corrected for the number of tests.
     pub p_value: f64,
-    /// Row, variable and residual in its own standard deviations: what a plot shows.
+    /// Row, variable and residual in its own standard deviations, for plots.
     pub points: Vec<(usize, f64, f64)>,
 }
 
-/// An effect with its targets: one instance, or one for each cable that has its own values.
+/// An effect with its targets: one instance, or one for each cable that has its own parameters.
 #[derive(Debug, Clone)]
 pub struct Cause {
     /// The instances, all of the same effect.
@@ -131,13 +131,13 @@ impl Cause {
     /// The effect.
     ///
     /// # Panics
-    /// Never for a cause that a diagnosis made: it has an instance.
+    /// Never for a cause of a diagnosis, which has at least one instance.
     #[must_use]
     pub fn effect(&self) -> &'static Effect {
         self.instances[0].effect
     }
 
-    /// Cables concerned, by index; none for an effect of the robot, an instrument or all cables together.
+    /// Indices of the targeted cables; empty for an effect of the robot, an instrument or all cables together.
     #[must_use]
     pub fn cables(&self) -> Vec<usize> {
         let targeted = self.instances.iter().filter(|bound| bound.targeted);
@@ -154,14 +154,14 @@ pub struct Alternative {
     pub probability: f64,
 }
 
-/// How sure a finding is of its name.
+/// How certain the name of a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// One cause stands out.
     Named,
-    /// The data cannot separate it from its alternatives.
+    /// The data cannot tell it from its alternatives.
     Ambiguous,
-    /// No effect of the catalogue explains it.
+    /// No effect of the catalogue explains the error.
     Unknown,
 }
 
@@ -170,45 +170,46 @@ pub enum Verdict {
 pub struct FoundParameter {
     /// Name of the parameter.
     pub name: &'static str,
-    /// Cable whose parameter it is, where each has its own.
+    /// Cable, if each cable has its own parameter.
     pub cable: Option<usize>,
     /// Value (SI units).
     pub value: f64,
     /// Unit.
     pub unit: &'static str,
-    /// Standard deviation; `None` for what was searched rather than fitted, as the label of a pose.
+    /// Standard deviation; `None` for parameters that are searched rather than fitted, such as the label of a pose.
     pub sd: Option<f64>,
 }
 
-/// A cause in comparison with others that were fitted in its place.
+/// A cause and its competitors, each fitted in its place.
 #[derive(Debug, Clone)]
 pub struct Rival {
     /// The cause, with the values fitted.
     pub cause: Cause,
-    /// By how much it lowers chi-square.
+    /// Reduction of chi-square.
     pub delta_chi2: f64,
     /// Number of its parameters.
     pub parameters: usize,
-    /// Twice the logarithm of its evidence: the gain of chi-square less what its freedom is worth.
+    /// Twice the log evidence in the BIC approximation: the reduction of chi-square minus the penalty for its
+    /// parameters.
     pub score: f64,
-    /// Angle between its signature and that of the first of the ranking, everything else estimated (rad).
+    /// Angle between its signature and that of the first cause of the ranking, with all else estimated (rad).
     pub angle_rad: f64,
-    /// Held-out root mean square over sd with this cause.
+    /// Held-out root mean square over standard deviation with this cause.
     pub holdout: f64,
 }
 
-/// The numbers behind a verdict.
+/// The statistics behind a verdict.
 #[derive(Debug, Clone)]
 pub struct Evidence {
-    /// By how much the cause lowers chi-square, all other findings present.
+    /// Reduction of chi-square by the cause, with all other findings present.
     pub delta_chi2: f64,
     /// Number of its parameters.
     pub parameters: usize,
-    /// Probability of such a gain without the cause, corrected for the number of questions.
+    /// P-value of the reduction, corrected for the number of tests.
     pub p_value: f64,
-    /// How many questions were asked.
+    /// Number of tests.
     pub questions: usize,
-    /// All that were fitted in its place, the best first; the cause itself is the first.
+    /// Competitors fitted in its place, best first; the cause itself is the first entry.
     pub ranking: Vec<Rival>,
 }
 
@@ -217,29 +218,29 @@ pub struct Evidence {
 pub struct KindGain {
     /// Kind of reading.
     pub quantity: Quantity,
-    /// Held-out root mean square over sd without the cause.
+    /// Held-out root mean square over standard deviation without the cause.
     pub before: f64,
-    /// The same with it.
+    /// The same with the cause.
     pub after: f64,
 }
 
-/// How far the platform is from where the model without the cause has it.
+/// Distance between the platform positions of the models with and without the cause.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PositionChange {
     /// Root mean square over the measured poses (m).
     pub rms_m: f64,
     /// 95 % interval (m).
     pub interval_m: [f64; 2],
-    /// The largest (m).
+    /// Maximum (m).
     pub largest_m: f64,
 }
 
-/// What a finding gains on poses that took no part in fitting.
+/// Gain of a finding on held-out poses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gain {
-    /// Held-out root mean square over sd without the cause.
+    /// Held-out root mean square over standard deviation without the cause.
     pub before: f64,
-    /// The same with it.
+    /// The same with the cause.
     pub after: f64,
     /// 95 % interval of `before - after`.
     pub interval: [f64; 2],
@@ -247,80 +248,80 @@ pub struct Gain {
     pub poses_held_out: usize,
     /// Per kind of reading.
     pub kinds: Vec<KindGain>,
-    /// What it does to the robot.
+    /// Effect on the position of the platform.
     pub position: PositionChange,
 }
 
-/// What would separate causes that these data cannot.
+/// Measurements and checks that would tell apart causes that the present data cannot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Separation {
-    /// Further poses, the most telling first.
+    /// Proposed poses, the most informative first.
     pub poses: Vec<Pose>,
-    /// Chi-square by which the two best causes are expected to differ once these poses are measured.
+    /// Expected difference of chi-square between the two best causes once these poses are measured.
     pub expected_delta_chi2: f64,
-    /// What a technician reads.
+    /// Advice for the user.
     pub advice: String,
 }
 
-/// One thing that was found.
+/// A finding of the diagnosis.
 #[derive(Debug, Clone)]
 pub struct Finding {
-    /// How sure the name is.
+    /// How certain the name is.
     pub verdict: Verdict,
-    /// The cause with the values of the final model.
+    /// The cause with its values in the final model.
     pub cause: Cause,
     /// Posterior probability of the cause. It and its alternatives exclude each other.
     pub probability: f64,
-    /// The sentence that a technician reads.
+    /// Description for the user.
     pub sentence: String,
     /// What to do in the workshop.
     pub advice: String,
-    /// Causes that the data cannot separate from it, the likeliest first.
+    /// Causes that the data cannot tell from it, most probable first.
     pub alternatives: Vec<Alternative>,
     /// Its parameters.
     pub parameters: Vec<FoundParameter>,
-    /// The numbers behind the verdict.
+    /// The statistics behind the verdict.
     pub evidence: Evidence,
-    /// What it gains on poses held out, on top of the findings before it.
+    /// Gain on held-out poses over the findings before it.
     pub gain: Gain,
-    /// What would separate it from its alternatives.
+    /// What would tell it from its alternatives.
     pub separation: Option<Separation>,
 }
 
-/// An effect that the data cannot show at its typical size.
+/// An effect that the data cannot reveal at its typical size.
 #[derive(Debug, Clone)]
 pub struct Invisible {
     /// Effect and target.
     pub cause: Cause,
-    /// Name and unit of the parameter.
+    /// Name and unit of the size parameter.
     pub parameter: (&'static str, &'static str),
-    /// Smallest size that would be found with probability 0.9; `None` if no size would.
+    /// Smallest size that would be found with probability 0.9; `None` if no size would be.
     pub smallest_visible: Option<f64>,
 }
 
-/// Everything that a diagnosis found.
+/// Result of a diagnosis.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
-    /// Whether the model as it came explains the data.
+    /// Whether the model as supplied explains the data.
     pub base: Adequacy,
-    /// Whether the extended model does; the same as `base` without findings.
+    /// Whether the extended model explains the data; equal to `base` without findings.
     pub extended: Adequacy,
-    /// Dependences of the residuals of the model as it came, the strongest first.
+    /// Dependences of the residuals of the model as supplied, strongest first.
     pub discrepancies: Vec<Discrepancy>,
-    /// Those that are left with the extended model.
+    /// Dependences that remain with the extended model.
     pub remaining: Vec<Discrepancy>,
-    /// What was found, in the order in which it was added.
+    /// Findings in the order in which they extend the model.
     pub findings: Vec<Finding>,
-    /// Causes that are possible but too improbable for a finding, the likeliest first.
+    /// Causes that are possible but too improbable for a finding, most probable first.
     pub possible: Vec<Alternative>,
-    /// Noise that is not as the description says.
+    /// Noise that differs from the description.
     pub noise: Vec<NoiseStatement>,
-    /// Effects that these data cannot show.
+    /// Effects that these data cannot reveal.
     pub invisible: Vec<Invisible>,
-    /// The solution of the model as it came.
+    /// Solution of the model as supplied.
     pub base_solution: Solution,
-    /// The solution of the extended model; its effects are all of the model's.
+    /// Solution of the extended model, with all of its effects.
     pub extended_solution: Solution,
-    /// Whether the observer cancelled; what was found until then is reported.
+    /// Whether the observer cancelled; the findings until then are reported.
     pub cancelled: bool,
 }

@@ -1,24 +1,24 @@
-//! What the residuals can be if model and noise are right, and what a group of them says.
+//! The covariance of residuals under a correct model, and score tests of groups of them.
 //!
-//! Let `e` be the noise of all rows of a linearisation in their standard deviations, covariance `I`. Least
-//! squares leaves the residuals `r = M e` with the projector
+//! Let `e` be the noise of all rows of a linearisation in their standard deviations, with covariance `I`. Least squares
+//! leaves the residuals `r = M e` with the projector
 //!
 //! `M = blockdiag(Q_j Q_j^T) - V V^T`,
 //!
-//! `Q_j` (`n_j x q_j`) an orthonormal basis of what pose `j` alone leaves of its `n_j` rows, 1 for rows of no
-//! pose, and `V` (`N x rank`) one of what the common parameters take away. So `M` is also the covariance of
-//! `r`, its diagonal are the redundancies and its trace the degrees of freedom (Baarda 1968). `M`
-//! is never formed: its size is that of all readings squared.
+//! with `Q_j` (`n_j x q_j`) an orthonormal basis of the part of pose `j`'s `n_j` rows that the pose cannot absorb, 1
+//! for rows of no pose, and `V` (`N x rank`) an orthonormal basis of what the common parameters absorb. `M` is
+//! therefore also the covariance of `r`, its diagonal has the redundancies and its trace is the number of degrees of
+//! freedom (Baarda 1968). `M` is never formed, because its size is the number of readings squared.
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::reading_id::ReadingId;
 use crate::estimation::{LinearRow, Linearisation};
 
-/// Directions of the common parameters with less information than this share of the best determined one are
-/// taken as not estimated; a thousand times the rounding error of the information.
+/// Directions of the common parameters with less information than this share of the best determined one count as not
+/// estimated. It is a thousand times the rounding error of the information.
 const UNDETERMINED: f64 = 1e-13;
-/// Eigenvalues of a projector are 0 or 1; this tells them apart.
+/// Eigenvalues of a projector are 0 or 1; this threshold tells them apart.
 const HALF: f64 = 0.5;
 
 /// The rows of one pose.
@@ -29,12 +29,12 @@ struct Block {
     remainder: DMatrix<f64>,
 }
 
-/// Residuals with their covariance.
+/// Residuals and their covariance.
 #[derive(Debug, Clone)]
 pub(crate) struct ResidualSpace {
     /// The reading behind each row.
     pub readings: Vec<Option<ReadingId>>,
-    /// Row of the measurements of each row; `None` for priors.
+    /// Row of the measurements for each row of the linearisation; `None` for priors.
     pub measured: Vec<Option<usize>>,
     /// The residuals in standard deviations.
     pub residual: DVector<f64>,
@@ -57,8 +57,8 @@ pub(crate) struct ClassSums {
 }
 
 impl ClassSums {
-    /// Factor and degrees of freedom of the scaled chi-square variable with the mean and variance of the squares of a
-    /// class: mean `tr M`, variance `2 tr M^2` (Satterthwaite 1946). `None` for residuals that are always zero.
+    /// Factor and degrees of freedom of the scaled chi-square distribution with the same mean `tr M` and variance
+    /// `2 tr M^2` as the sum of squares of a class (Satterthwaite 1946). `None` for residuals that are always zero.
     pub fn scaled_chi_square(&self, class: usize) -> Option<(f64, f64)> {
         let (mean, half_variance) = (self.traces[class], self.information[(class, class)]);
         let seen = mean > 1e-6 && half_variance > 0.0;
@@ -96,7 +96,7 @@ impl ResidualSpace {
         self.blocks.last().map_or(0, |block| block.rows.end)..self.rows()
     }
 
-    /// Share of an error of each row that shows in its residual: the diagonal of `M`.
+    /// Redundancy of each row, the diagonal of `M`: the share of an error that shows in its own residual.
     pub fn redundancy(&self) -> Vec<f64> {
         let mut redundancy = vec![1.0; self.rows()];
         for block in &self.blocks {
@@ -110,7 +110,7 @@ impl ResidualSpace {
         redundancy
     }
 
-    /// Sums over classes of rows, `class_of` telling the class of each row, below `count`.
+    /// Sums over classes of rows, where `class_of` has the class of each row as an index below `count`.
     pub fn class_sums(&self, class_of: &[Option<usize>], count: usize) -> ClassSums {
         let mut sums = ClassSums {
             counts: vec![0; count],
@@ -170,7 +170,7 @@ impl ResidualSpace {
         }
     }
 
-    /// The rows `rows`, in ascending order, together.
+    /// Combines the rows `rows`, in ascending order, to a group.
     pub fn group(&self, rows: Vec<usize>) -> RowGroup {
         let mut parts = Vec::new();
         let mut first = 0;
@@ -196,10 +196,9 @@ impl ResidualSpace {
         }
     }
 
-    /// The residuals and their covariance if the noise of each row were `factors` times as large: the linearised
-    /// problem, weighted accordingly and solved anew. With `D = diag(factors)`, what a pose leaves of its
-    /// rows becomes `D Q K^-T` with `K K^T = Q^T D^2 Q`, and its residuals and `V` are mapped by
-    /// `D Q (Q^T D^2 Q)^-1 Q^T`.
+    /// The residuals and their covariance if the noise of each row were larger by its factor: the linearised problem,
+    /// weighted accordingly and solved again. With `D = diag(factors)`, the basis `Q` of a pose becomes `D Q K^-T` with
+    /// `K K^T = Q^T D^2 Q`, and its residuals and `V` are mapped by `D Q (Q^T D^2 Q)^-1 Q^T`.
     ///
     /// # Panics
     /// If a factor is not a positive number.
@@ -244,10 +243,10 @@ impl ResidualSpace {
     }
 }
 
-/// Rows of a group that belong to one pose.
+/// The rows of a group that belong to one pose.
 #[derive(Debug, Clone)]
 struct GroupPart {
-    /// Which rows of the group.
+    /// Range of the rows within the group.
     rows: std::ops::Range<usize>,
     /// `Q Q^T`.
     covariance: DMatrix<f64>,
@@ -265,7 +264,7 @@ pub(crate) struct RowGroup {
     fitted: DMatrix<f64>,
 }
 
-/// Score of row functions and what is known of it without an error of that form.
+/// Score of row functions, and its distribution without an error of that form.
 #[derive(Debug, Clone)]
 pub(crate) struct Score {
     /// `Phi^T r_g`.
@@ -277,7 +276,7 @@ pub(crate) struct Score {
 }
 
 impl RowGroup {
-    /// Score and information of the row functions `functions` (`|g| x k`).
+    /// Score and information of row functions (`|g| x k`).
     pub fn score(&self, functions: &DMatrix<f64>) -> Score {
         let projected = self.project(functions);
         Score {
@@ -303,7 +302,7 @@ impl RowGroup {
     }
 }
 
-/// Orthonormal basis of the range of `C`, `C C^T` a projector, transposed.
+/// Orthonormal basis of the range of `C`, transposed; `C C^T` must be a projector.
 pub(super) fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
     let eigen = SymmetricEigen::new(c.tr_mul(c));
     let kept: Vec<usize> = (0..eigen.eigenvalues.len())
@@ -313,7 +312,7 @@ pub(super) fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
     directions.transpose() * c.transpose()
 }
 
-/// Orthonormal basis of the rows of `wide` (`n x N`, one row per parameter), at most `n` of them.
+/// Orthonormal basis of the row space of `wide` (`n x N`, one row per parameter), with at most `n` rows.
 fn row_basis(wide: &DMatrix<f64>) -> DMatrix<f64> {
     if wide.is_empty() {
         return DMatrix::zeros(0, wide.ncols());

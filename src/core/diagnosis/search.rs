@@ -1,57 +1,57 @@
-//! The search over sets of causes at given hyperparameters.
+//! Search over sets of causes at given hyperparameters.
 //!
-//! The best set that was not yet looked at is extended by every candidate, and so is every set that it becomes without
-//! one of its causes: adding, dropping and exchanging. That goes on until no set near the best is left. As no single
-//! addition leads to several families of errors at once, a second start has them all and drops what is not needed;
-//! the evidence for dropping a cause is the ratio of posterior and prior density of its parameters at zero (Savage and
-//! Dickey).
+//! The best set that was not yet extended is extended by every candidate, and so is each set that results from dropping
+//! one of its causes. The search thus adds, drops and exchanges causes until no set near the best is left. As no single
+//! addition leads to several families of errors at once, a second start has all families and drops those that are not
+//! needed. The evidence for dropping a cause is the ratio of the posterior and prior densities of its parameters at
+//! zero (Savage and Dickey).
 
 use std::collections::{HashMap, HashSet};
 
-use super::candidates::Acts;
+use super::candidates::PoseWeights;
 use super::evidence::{Member, System};
 use super::gram::Gram;
 
-/// Difference of the logarithm of the posterior up to which a set is looked at, and kept.
-const NEAR: f64 = 6.0;
-const KEPT: f64 = 9.0;
-/// Most sets whose families are reduced at a time.
-const REDUCED: usize = 8;
-/// How many are tried in place of a family, each extended by another.
-const IN_PLACE: usize = 4;
-/// Share of what a cause explains by which a linear comparison of what stands in its place may be off.
-pub(super) const INEXACT: f64 = 0.05;
-/// Share of what the readings say of a cause below which others are alike together.
-const ALIKE: f64 = 0.05;
-/// Most extensions of one set that are kept.
-const MOST_KEPT: usize = 40;
+/// Log posterior below the best down to which a set is extended, and down to which an extension is recorded.
+const EXTEND_WITHIN: f64 = 6.0;
+const RECORD_WITHIN: f64 = 9.0;
+/// Maximum number of sets whose families are reduced at a time.
+const MAX_REDUCED: usize = 8;
+/// Number of causes tried in place of a family, each extended by another cause.
+const MAX_REPLACEMENTS: usize = 4;
+/// Relative error of the linear comparison when another cause replaces one, as a share of what the cause explains.
+pub(super) const LINEARISATION_ERROR: f64 = 0.05;
+/// Members that have less than this share of their information left, given the others, count as collinear.
+const COLLINEAR: f64 = 0.05;
+/// Maximum number of extensions recorded for one set.
+const MAX_RECORDED: usize = 40;
 
-/// Candidates in ascending order.
-pub(super) type Set = Vec<usize>;
+/// Indices of candidates in ascending order.
+pub(super) type CandidateSet = Vec<usize>;
 
 /// A set that was evaluated.
 #[derive(Debug, Clone)]
-pub(super) struct Visited {
-    /// Its members with the scales that were best for each when it was added.
+pub(super) struct EvaluatedSet {
+    /// Members, with the scales that were best when each was added.
     pub members: Vec<Member>,
-    /// Logarithm of evidence and prior.
+    /// Log evidence and prior.
     pub log_posterior: f64,
-    /// What of it is the sum over the scales of the members, where it is known.
+    /// Part of `log_posterior` that comes from summing over the scales of the members; 0 if it was not computed.
     pub over_scales: f64,
 }
 
-/// Sets that were evaluated at given hyperparameters.
+/// The sets evaluated at given hyperparameters.
 pub(super) struct Search<'g, 'l> {
     gram: &'g mut Gram<'l>,
-    pub visited: HashMap<Set, Visited>,
-    extended: HashSet<Set>,
+    pub evaluated: HashMap<CandidateSet, EvaluatedSet>,
+    extended: HashSet<CandidateSet>,
     /// Most causes of a set.
     most: usize,
 }
 
-/// A set evaluated exactly: the scale of each member chosen anew, and its evidence summed over the scales, those of the
-/// others being the best.
-pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> Visited {
+/// Evaluates a set exactly: the scale of each member is optimised again, and the evidence is summed over the scales of
+/// each member with the others at their best scale.
+pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> EvaluatedSet {
     let mut members = members.to_vec();
     let mut over_scales = 0.0;
     for place in 0..members.len() {
@@ -62,15 +62,15 @@ pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> Visited {
         members[place] = (index, best.map_or(scale, |b| b.1));
         over_scales += system.log_over_scales(gram, index);
     }
-    Visited {
+    EvaluatedSet {
         log_posterior: System::new(gram, &members).log_posterior + over_scales,
         over_scales,
         members,
     }
 }
 
-/// A set without each of its members.
-fn each_left_out(members: &[Member]) -> impl Iterator<Item = Vec<Member>> {
+/// The subsets that lack one member each.
+fn leave_one_out(members: &[Member]) -> impl Iterator<Item = Vec<Member>> {
     (0..members.len()).map(|left_out| {
         let mut fewer = members.to_vec();
         fewer.remove(left_out);
@@ -78,19 +78,19 @@ fn each_left_out(members: &[Member]) -> impl Iterator<Item = Vec<Member>> {
     })
 }
 
-pub(super) fn set_of(members: &[Member]) -> Set {
-    let mut set: Set = members.iter().map(|m| m.0).collect();
+pub(super) fn set_of(members: &[Member]) -> CandidateSet {
+    let mut set: CandidateSet = members.iter().map(|m| m.0).collect();
     set.sort_unstable();
     set
 }
 
-/// The members of which the others say nearly the same together, as a heavier platform, stiffer cables and force sensors that
-/// read less do: a linear comparison takes what noise changes in their derivatives for a reason to prefer them.
-pub(super) fn alike_together(gram: &mut Gram<'_>, members: &[Member]) -> Vec<usize> {
-    let each = members.iter().zip(each_left_out(members));
+/// Members that are almost collinear with the others, such as a heavier platform, stiffer cables and force sensors that
+/// read low. For these, the linear comparison mistakes the effect of noise on the derivatives for evidence.
+pub(super) fn collinear_members(gram: &mut Gram<'_>, members: &[Member]) -> Vec<usize> {
+    let each = members.iter().zip(leave_one_out(members));
     each.filter_map(|((index, _), others)| {
-        let left = System::extensible_by(gram, &others, *index).left_of(gram, *index);
-        (left < ALIKE).then_some(*index)
+        let left = System::extensible_by(gram, &others, *index).remaining_information(gram, *index);
+        (left < COLLINEAR).then_some(*index)
     })
     .collect()
 }
@@ -99,28 +99,28 @@ impl<'g, 'l> Search<'g, 'l> {
     pub fn new(gram: &'g mut Gram<'l>, most: usize) -> Self {
         Self {
             gram,
-            visited: HashMap::new(),
+            evaluated: HashMap::new(),
             extended: HashSet::new(),
             most,
         }
     }
 
-    /// Evaluates a set.
-    pub fn visit(&mut self, members: &[Member]) -> f64 {
+    /// Evaluates a set with the given scales and records it.
+    pub fn evaluate(&mut self, members: &[Member]) -> f64 {
         let system = System::new(self.gram, members);
         self.record(members.to_vec(), system.log_posterior);
         system.log_posterior
     }
 
     fn record(&mut self, members: Vec<Member>, log_posterior: f64) {
-        let known = self.visited.entry(set_of(&members));
-        let known = known.or_insert_with(|| Visited {
+        let known = self.evaluated.entry(set_of(&members));
+        let known = known.or_insert_with(|| EvaluatedSet {
             members: members.clone(),
             log_posterior: f64::NEG_INFINITY,
             over_scales: 0.0,
         });
         if log_posterior > known.log_posterior {
-            *known = Visited {
+            *known = EvaluatedSet {
                 members,
                 log_posterior,
                 over_scales: 0.0,
@@ -128,25 +128,26 @@ impl<'g, 'l> Search<'g, 'l> {
         }
     }
 
-    /// The best set, and the best that was not extended and is near it.
-    pub fn best(&self) -> Option<&Visited> {
-        let order = |a: &&Visited, b: &&Visited| a.log_posterior.total_cmp(&b.log_posterior);
-        self.visited.values().max_by(order)
+    /// The best set.
+    pub fn best(&self) -> Option<&EvaluatedSet> {
+        let order =
+            |a: &&EvaluatedSet, b: &&EvaluatedSet| a.log_posterior.total_cmp(&b.log_posterior);
+        self.evaluated.values().max_by(order)
     }
 
     fn next(&self) -> Option<Vec<Member>> {
-        let least = self.best()?.log_posterior - NEAR;
-        let open = self.visited.iter();
+        let least = self.best()?.log_posterior - EXTEND_WITHIN;
+        let open = self.evaluated.iter();
         let open =
             open.filter(|(set, v)| v.log_posterior >= least && !self.extended.contains(*set));
         let best = open.max_by(|a, b| {
             let by_value = a.1.log_posterior.total_cmp(&b.1.log_posterior);
             by_value.then_with(|| b.0.cmp(a.0))
         });
-        best.map(|(_, visited)| visited.members.clone())
+        best.map(|(_, evaluated)| evaluated.members.clone())
     }
 
-    /// Looks at sets near the best until none is left or so many were extended; `go_on` is asked before each.
+    /// Extends sets near the best until none is left or `most_extended` were extended. `go_on` is called before each.
     pub fn run(&mut self, most_extended: usize, go_on: &mut dyn FnMut() -> bool) {
         self.reduce_families();
         for _ in 0..most_extended {
@@ -164,42 +165,42 @@ impl<'g, 'l> Search<'g, 'l> {
             if !go_on() {
                 return;
             }
-            self.extend(&members, self.top());
-            for fewer in each_left_out(&members) {
+            self.extend(&members, self.best_value());
+            for fewer in leave_one_out(&members) {
                 if !self.extended.contains(&set_of(&fewer)) {
-                    self.visit(&fewer);
-                    self.extend(&fewer, self.top());
+                    self.evaluate(&fewer);
+                    self.extend(&fewer, self.best_value());
                 }
             }
         }
     }
 
-    /// Looks at sets near one that seems to be far from the best, which a complete fit may show to be none.
-    pub fn around(&mut self, members: &[Member]) {
+    /// Explores sets near one that seems far below the best, because a full fit may show that it is not.
+    pub fn explore_around(&mut self, members: &[Member]) {
         let value = self.settle(members);
-        if self.top() - value < NEAR {
+        if self.best_value() - value < EXTEND_WITHIN {
             return;
         }
         self.extend(members, value);
-        for fewer in each_left_out(members) {
-            self.visit(&fewer);
+        for fewer in leave_one_out(members) {
+            self.evaluate(&fewer);
             self.extend(&fewer, value);
         }
     }
 
-    /// Value of the best set.
-    fn top(&self) -> f64 {
+    /// Log posterior of the best set.
+    fn best_value(&self) -> f64 {
         self.best().map_or(f64::NEG_INFINITY, |b| b.log_posterior)
     }
 
-    /// Evaluates a set with each further candidate; what is far below `top` is left out.
-    fn extend(&mut self, members: &[Member], top: f64) {
+    /// Evaluates a set extended by each candidate, discarding extensions far below `best_value`.
+    fn extend(&mut self, members: &[Member], best_value: f64) {
         self.extended.insert(set_of(members));
         if members.len() >= self.most {
             return;
         }
         let system = System::extensible(self.gram, members);
-        let least = top - KEPT - system.log_posterior;
+        let least = best_value - RECORD_WITHIN - system.log_posterior;
         let all = self.gram.candidates;
         let allowed = |index: &usize| {
             let candidate = &all[*index];
@@ -209,40 +210,40 @@ impl<'g, 'l> Search<'g, 'l> {
             .filter(allowed)
             .filter_map(|index| {
                 let (gain, scale) = system.gain(self.gram, index, least)?;
-                // What the readings speak against is no better than nothing.
+                // A gain from the prior odds alone means that the readings speak against the candidate.
                 let speaks_for = gain > system.log_odds(self.gram, index);
                 (gain >= least && speaks_for).then_some((gain, (index, scale)))
             })
             .collect();
         found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        for (gain, member) in found.into_iter().take(MOST_KEPT) {
+        for (gain, member) in found.into_iter().take(MAX_RECORDED) {
             let mut more = members.to_vec();
             more.push(member);
             self.record(more, system.log_posterior + gain);
         }
-        // What signs say of the whole set is known once it is evaluated as a whole.
+        // The sign constraints of the whole set are known only once it is evaluated as a whole.
         if let Some(best) = self.next().filter(|m| m.len() == members.len() + 1) {
             self.settle(&best);
         }
     }
 
-    /// Puts in the place of each cause of a set that explains much the likeliest other effect, though it is clearly worse
-    /// here.
+    /// Replaces each cause that explains much by the most probable other effect, even if that is clearly worse here,
+    /// because the linear comparison may be wrong by a share of what the cause explains.
     pub fn exchange(&mut self, members: &[Member]) {
         let all = self.gram.candidates;
-        let whole = self.visit(members);
-        for ((cause, _), mut fewer) in members.iter().zip(each_left_out(members)) {
+        let whole = self.evaluate(members);
+        for ((cause, _), mut fewer) in members.iter().zip(leave_one_out(members)) {
             let system = System::extensible(self.gram, &fewer);
-            let off = INEXACT * (whole - system.log_posterior);
-            if off < KEPT {
+            let off = LINEARISATION_ERROR * (whole - system.log_posterior);
+            if off < RECORD_WITHIN {
                 continue;
             }
-            let is_asked = |index: &usize| {
+            let is_eligible = |index: &usize| {
                 let candidate = &all[*index];
                 !std::ptr::eq(candidate.effect(), all[*cause].effect())
                     && fewer.iter().all(|m| !candidate.excludes(&all[m.0]))
             };
-            let gains = (0..all.len()).filter(is_asked).filter_map(|index| {
+            let gains = (0..all.len()).filter(is_eligible).filter_map(|index| {
                 let (gain, scale) = system.gain(self.gram, index, f64::NEG_INFINITY)?;
                 Some((gain, (index, scale)))
             });
@@ -258,7 +259,8 @@ impl<'g, 'l> Search<'g, 'l> {
         }
     }
 
-    /// Puts in the place of each family of the best set two others: the likeliest instead of it, extended by another.
+    /// Replaces each family of the best set by two other causes: one of the most probable replacements, extended by
+    /// another cause.
     fn split_families(&mut self) {
         let all = self.gram.candidates;
         let Some(members) = self.best().map(|b| b.members.clone()) else {
@@ -271,7 +273,7 @@ impl<'g, 'l> Search<'g, 'l> {
             let mut fewer = members.clone();
             fewer.remove(place);
             let system = System::extensible(self.gram, &fewer);
-            let is_asked = |index: &usize| {
+            let is_eligible = |index: &usize| {
                 let candidate = &all[*index];
                 index != family
                     && !candidate.is_event()
@@ -279,40 +281,44 @@ impl<'g, 'l> Search<'g, 'l> {
                     && fewer.iter().all(|m| !candidate.excludes(&all[m.0]))
             };
             let mut gains: Vec<(f64, Member)> = (0..all.len())
-                .filter(is_asked)
+                .filter(is_eligible)
                 .filter_map(|index| {
                     let (gain, scale) = system.gain(self.gram, index, f64::NEG_INFINITY)?;
                     Some((gain, (index, scale)))
                 })
                 .collect();
             gains.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-            for (_, member) in gains.into_iter().take(IN_PLACE) {
+            for (_, member) in gains.into_iter().take(MAX_REPLACEMENTS) {
                 let mut instead = fewer.clone();
                 instead.push(member);
                 if !self.extended.contains(&set_of(&instead)) {
-                    self.extend(&instead, self.top());
+                    self.extend(&instead, self.best_value());
                 }
             }
         }
     }
 
-    /// Puts in the place of each family of the best sets single causes of its cables, one after the other, each the one that
-    /// gains most.
+    /// Replaces each family of the best sets by single causes on its cables, added one by one in order of their gain.
     fn reduce_families(&mut self) {
         let all = self.gram.candidates;
         let Some(best) = self.best().map(|b| b.log_posterior) else {
             return;
         };
-        let has_family = |visited: &&Visited| {
-            let mut members = visited.members.iter();
-            visited.log_posterior >= best - NEAR && members.any(|m| all[m.0].is_family())
+        let has_family = |evaluated: &&EvaluatedSet| {
+            let mut members = evaluated.members.iter();
+            evaluated.log_posterior >= best - EXTEND_WITHIN && members.any(|m| all[m.0].is_family())
         };
-        let mut sets: Vec<Visited> = self.visited.values().filter(has_family).cloned().collect();
+        let mut sets: Vec<EvaluatedSet> = self
+            .evaluated
+            .values()
+            .filter(has_family)
+            .cloned()
+            .collect();
         sets.sort_by(|a, b| {
             let order = b.log_posterior.total_cmp(&a.log_posterior);
             order.then_with(|| a.members.cmp(&b.members))
         });
-        for set in sets.into_iter().take(REDUCED) {
+        for set in sets.into_iter().take(MAX_REDUCED) {
             self.reduce_families_of(&set.members);
         }
     }
@@ -324,11 +330,11 @@ impl<'g, 'l> Search<'g, 'l> {
             if !family.is_family() {
                 continue;
             }
-            let is_part = |index: &usize| {
+            let is_member = |index: &usize| {
                 let candidate = &all[*index];
                 candidate.is_single() && std::ptr::eq(candidate.effect(), family.effect())
             };
-            let mut open: Vec<usize> = (0..all.len()).filter(is_part).collect();
+            let mut open: Vec<usize> = (0..all.len()).filter(is_member).collect();
             let mut fewer = members.to_vec();
             fewer.remove(place);
             while open.len() > 1 && fewer.len() < self.most {
@@ -343,34 +349,38 @@ impl<'g, 'l> Search<'g, 'l> {
                 };
                 open.retain(|index| *index != single.0);
                 fewer.push(single);
-                if !self.visited.contains_key(&set_of(&fewer)) {
+                if !self.evaluated.contains_key(&set_of(&fewer)) {
                     self.settle(&fewer);
                 }
             }
         }
     }
 
-    /// Evaluates a set exactly, the scale of each member chosen anew.
+    /// Evaluates a set exactly, with optimised scales, and records it.
     pub fn settle(&mut self, members: &[Member]) -> f64 {
         let settled = settled(self.gram, members);
         let value = settled.log_posterior;
-        self.visited.insert(set_of(members), settled);
+        self.evaluated.insert(set_of(members), settled);
         value
     }
 
-    /// Starts from all families and effects of the robot together, and drops the least needed until each is.
-    pub fn drop_from_all(&mut self) {
+    /// Starts with all families and effects of the robot together, and drops the least needed until all that remain are
+    /// needed.
+    pub fn prune_from_all(&mut self) {
         let all = self.gram.candidates;
         let wide = |index: &usize| {
             let candidate = &all[*index];
-            let seen = self.gram.own[*index].information.trace() > 0.0;
+            let seen = self.gram.scores[*index].information.trace() > 0.0;
             let targeted = candidate.cause.instances.iter().any(|b| b.targeted);
-            let direct = candidate.columns.iter().all(|c| c.acts == Acts::Everywhere);
+            let direct = candidate
+                .columns
+                .iter()
+                .all(|c| c.pose_weights == PoseWeights::Everywhere);
             seen && direct && (candidate.is_family() || !targeted)
         };
         let mut members: Vec<Member> = Vec::new();
         for index in (0..all.len()).filter(wide) {
-            // Values of their own say more than a common one.
+            // A family includes the common value, so it takes precedence.
             members.retain(|m| !(all[index].is_family() && all[index].excludes(&all[m.0])));
             if members.iter().all(|m| !all[index].excludes(&all[m.0])) {
                 members.push((index, all[index].scales.len().min(2) - 1));
@@ -421,7 +431,7 @@ impl<'g, 'l> Search<'g, 'l> {
                 - &cross * factor.solve(&cross.transpose());
             members.remove(place);
         }
-        self.visit(&members);
+        self.evaluate(&members);
         self.settle(&members);
     }
 }

@@ -1,5 +1,5 @@
-//! What would separate two causes: poses at which the models that fit these data still differ once the second has adapted
-//! all its parameters to them, and checks in the workshop.
+//! Finds measurements that would tell two causes apart: poses at which the fitted models still differ after the second
+//! has adapted all its parameters to them, and checks in the workshop.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,18 +12,18 @@ use crate::measurement::{Dataset, Measurements};
 use crate::robot::Robot;
 use crate::simulation::{SimulationOptions, TensionRange, TrueGeometry, Workspace, simulate};
 
-/// Poses that are tried at least and at most, and those that are proposed.
-const TRIED: usize = 80;
-const MOST_TRIED: usize = 500;
+/// Minimum and maximum number of poses tried, and number of poses proposed.
+const MIN_TRIED: usize = 80;
+const MAX_TRIED: usize = 500;
 const PROPOSED: usize = 5;
 /// Seed of the poses tried.
 const SEED: u64 = 41;
-/// Difference of chi-square that decides.
+/// Difference of chi-square that counts as decisive.
 const DECISIVE: f64 = 9.0;
-/// Most times that a pose is to be measured.
-const MOST_TIMES: usize = 40;
+/// Maximum number of measurements at one pose.
+const MAX_REPEATS: usize = 40;
 
-/// The robot as a fit has it, its readings on their own channels.
+/// The robot of a fit, with its readings on the correct channels.
 fn robot_of(fit: &Fit<'_>) -> Robot {
     let mut globals = fit.solution.globals.clone();
     globals
@@ -32,7 +32,8 @@ fn robot_of(fit: &Fit<'_>) -> Robot {
     globals.model(&fit.problem.dataset.robot)
 }
 
-/// What separates the last causes of two fits; `None` where the robot cannot be simulated and no check is known.
+/// Measurements that tell apart the last causes of two fits; `None` where the robot cannot be simulated and no check is
+/// known.
 pub(super) fn separation(one: &Fit<'_>, other: &Fit<'_>) -> Option<Separation> {
     let checks = checks(one, other);
     let candidates = candidates(one, other);
@@ -41,11 +42,11 @@ pub(super) fn separation(one: &Fit<'_>, other: &Fit<'_>) -> Option<Separation> {
     }
     let mut candidates = candidates.unwrap_or_default();
     let information = &other.solution.information;
-    let alone = |candidate: &Candidate| difference(&[candidate], 1.0, information);
+    let alone = |candidate: &CandidatePose| expected_difference(&[candidate], 1.0, information);
     candidates.sort_by(|a, b| alone(b).total_cmp(&alone(a)));
     candidates.truncate(PROPOSED);
-    let chosen: Vec<&Candidate> = candidates.iter().collect();
-    let Some(needed) = needed(&chosen, information) else {
+    let chosen: Vec<&CandidatePose> = candidates.iter().collect();
+    let Some(needed) = measurements_needed(&chosen, information) else {
         return Some(Separation {
             poses: Vec::new(),
             expected_delta_chi2: 0.0,
@@ -54,22 +55,22 @@ pub(super) fn separation(one: &Fit<'_>, other: &Fit<'_>) -> Option<Separation> {
     };
     Some(Separation {
         advice: advice(needed, &checks),
-        expected_delta_chi2: difference(&chosen, 1.0, information),
+        expected_delta_chi2: expected_difference(&chosen, 1.0, information),
         poses: chosen.iter().map(|candidate| candidate.pose).collect(),
     })
 }
 
-/// A pose, with what the second model predicts there if the first is right.
-struct Candidate {
+/// A pose, with the prediction of the second model if the first one is true.
+struct CandidatePose {
     pose: Pose,
-    /// Prediction less reading, without noise.
+    /// Prediction minus reading, without noise.
     residual: DVector<f64>,
-    /// Its derivative with respect to the parameters of the second model.
+    /// Derivative of the prediction with respect to the parameters of the second model.
     design: DMatrix<f64>,
 }
 
-fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<Candidate>> {
-    let (measurements, poses) = further(one)?;
+fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<CandidatePose>> {
+    let (measurements, poses) = predicted_readings(one)?;
     let dataset = Dataset {
         robot: robot_of(other),
         measurements,
@@ -96,7 +97,7 @@ fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<Candidate>> {
     let linear = Linearisation::new(&problem, &solution);
     let of = |block: &crate::estimation::PoseBlock| {
         let (first, count) = (block.rows.start, block.rows.len());
-        Candidate {
+        CandidatePose {
             pose: poses[block.row],
             residual: linear.residual.rows(first, count).into_owned(),
             design: linear.design.rows(first, count).into_owned(),
@@ -105,18 +106,18 @@ fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<Candidate>> {
     Some(linear.poses.iter().map(of).collect())
 }
 
-/// Readings at further poses without noise, as a fit predicts them, of what was read in its data; and the poses.
-fn further(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
+/// Noise-free readings of a fit at further poses, for the instruments that its data have, and the poses.
+fn predicted_readings(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
     let events = fit.causes.iter().flat_map(|cause| &cause.instances);
     let labels = events.filter_map(|bound| Some(bound.values[bound.effect.pose_parameter()?]));
-    // Events are before some of the poses.
+    // The poses must go on until after the last event.
     let last = labels.fold(0.0, f64::max) as usize;
     let options = SimulationOptions {
         geometry: TrueGeometry::Nominal,
         noise: false,
         workspace: Workspace::around(fit.solution.poses.iter().map(|(_, pose)| pose)),
         tension: tension_of(fit),
-        ..SimulationOptions::new((last + PROPOSED).clamp(TRIED, MOST_TRIED), SEED)
+        ..SimulationOptions::new((last + PROPOSED).clamp(MIN_TRIED, MAX_TRIED), SEED)
     };
     let run = simulate(&robot_of(fit), &options).ok()?;
     let mut further = run.dataset.measurements;
@@ -125,7 +126,7 @@ fn further(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
     Some((further, poses))
 }
 
-/// The tensions at which the data were taken.
+/// Range of tensions of the data.
 fn tension_of(fit: &Fit<'_>) -> Option<TensionRange> {
     let dataset = fit.problem.dataset;
     let mut all = Vec::new();
@@ -145,9 +146,9 @@ fn tension_of(fit: &Fit<'_>) -> Option<TensionRange> {
     })
 }
 
-/// Chi-square that the second model has more than the first, once every one of these poses was measured so many times
-/// besides the present data, whose information it has: the least over all that it can adapt.
-fn difference(chosen: &[&Candidate], times: f64, information: &DMatrix<f64>) -> f64 {
+/// Expected excess chi-square of the second model over the first if each of these poses is measured `times` times in
+/// addition to the present data. The second model adapts its parameters, with the present information as prior.
+fn expected_difference(chosen: &[&CandidatePose], times: f64, information: &DMatrix<f64>) -> f64 {
     let mut squares = 0.0;
     let mut pull = DVector::zeros(information.nrows());
     let mut total = information.clone();
@@ -156,23 +157,23 @@ fn difference(chosen: &[&Candidate], times: f64, information: &DMatrix<f64>) -> 
         pull += candidate.design.tr_mul(&candidate.residual);
         total += candidate.design.tr_mul(&candidate.design) * times;
     }
-    // Where the data leave a parameter open, nothing can be promised.
+    // If the data leave a parameter undetermined, no difference can be promised.
     let solved = total.cholesky().map(|factor| factor.solve(&pull));
     let explained = solved.map_or(f64::INFINITY, |solved| times * pull.dot(&solved));
     (times * (squares - explained)).max(0.0)
 }
 
-/// How many measurements decide: the first poses once each, or all of them several times.
-fn needed(chosen: &[&Candidate], information: &DMatrix<f64>) -> Option<usize> {
+/// Number of measurements for a decision: the first poses once each, or all of them several times.
+fn measurements_needed(chosen: &[&CandidatePose], information: &DMatrix<f64>) -> Option<usize> {
     let decides = |poses: usize, times: usize| {
-        difference(&chosen[..poses], times as f64, information) >= DECISIVE
+        expected_difference(&chosen[..poses], times as f64, information) >= DECISIVE
     };
     let few = (1..=chosen.len()).find(|poses| decides(*poses, 1));
-    let often = || (2..=MOST_TIMES).find(|times| decides(chosen.len(), *times));
+    let often = || (2..=MAX_REPEATS).find(|times| decides(chosen.len(), *times));
     few.or_else(|| Some(chosen.len() * often()?))
 }
 
-/// The checks of both causes, each once.
+/// The checks of both causes, without repetition.
 fn checks(one: &Fit<'_>, other: &Fit<'_>) -> Vec<&'static str> {
     let causes = [one, other].map(|fit| fit.causes.last());
     let mut checks: Vec<&str> = causes

@@ -1,8 +1,8 @@
-//! The variables on which residuals may depend, at every row of the measurements.
+//! The variables on which residuals may depend, for each row of the measurements.
 //!
-//! Where a variable is itself a reading with noise that matters (tension, laser distance), the fitted value is taken: the
-//! reading less its estimated error. Fitted values and residuals of least squares are uncorrelated, so
-//! residuals do not seem to depend on a variable because both contain the same noise.
+//! If a variable is itself a reading with considerable noise (tension, laser distance), its fitted value is used, which
+//! is the reading minus its estimated error. Fitted values and residuals of least squares are uncorrelated, so the
+//! residuals cannot seem to depend on a variable just because both contain the same noise.
 
 use super::{Quantity, Variable};
 use crate::effect::travel;
@@ -11,21 +11,21 @@ use crate::geometry::{Pose, Vec3};
 use crate::kinematics::{CablePath, PulleyGeometry};
 use crate::measurement::Grid;
 
-/// Fewest values of a variable that make a dependence visible.
-const FEWEST_VALUES: usize = 6;
-/// Values closer than this share of the spread are the same.
-const SAME: f64 = 1e-9;
-/// Spread below this share of the largest value is rounding.
-const NO_SPREAD: f64 = 1e-12;
+/// Minimum number of different values for a dependence to be visible.
+const MIN_VALUES: usize = 6;
+/// Values that differ by less than this share of their spread count as equal.
+const SAME_VALUE: f64 = 1e-9;
+/// A spread below this share of the largest value is rounding error.
+const MIN_RELATIVE_SPREAD: f64 = 1e-12;
 
-/// Circumstances of all readings at a solution.
+/// Variables of all readings at a solution.
 pub struct Variables<'a> {
     problem: &'a Problem<'a>,
-    /// Home pose, or the first fitted one: rotations count from it.
+    /// Reference of rotations: the home pose, or the first fitted pose.
     reference: Pose,
-    /// Fitted pose of each row; `None` for rows that were not fitted.
+    /// Fitted pose of each row; `None` if the row was not fitted.
     poses: Vec<Option<Pose>>,
-    /// Path of each cable at each fitted pose, cable after cable.
+    /// Path of each cable at each fitted pose, by cable.
     paths: Vec<Vec<Option<CablePath<f64>>>>,
     /// Fitted tensions (N).
     tension_n: Grid,
@@ -34,7 +34,7 @@ pub struct Variables<'a> {
 }
 
 impl<'a> Variables<'a> {
-    /// Finds them at `solution`, whose linearisation is `linear`.
+    /// Evaluates the variables at `solution`, whose linearisation is `linear`.
     #[must_use]
     pub fn new(problem: &'a Problem<'a>, solution: &Solution, linear: &Linearisation) -> Self {
         let data = &problem.dataset.measurements;
@@ -55,8 +55,8 @@ impl<'a> Variables<'a> {
         }
     }
 
-    /// Values of `variable` for readings `quantity` of `cable`, one per row of the measurements, NaN where
-    /// not known. `None` if it does not apply to these readings, is not known or hardly varies.
+    /// Values of `variable` for the readings `quantity` of `cable`, one per row of the measurements, NaN where unknown.
+    /// `None` if the variable does not apply to these readings, is unknown or hardly varies.
     #[must_use]
     pub fn values(
         &self,
@@ -111,7 +111,7 @@ impl<'a> Variables<'a> {
                     .map(|r| (r / gear_ratio).rem_euclid(1.0))
                     .collect()
             }
-            // A direction that is not known is no direction.
+            // `travel` is zero where the direction is unknown.
             _ => self
                 .rows()
                 .map(|row| travel(data, self.problem.home_row(), (row, cable)))
@@ -129,8 +129,8 @@ impl<'a> Variables<'a> {
         self.rows().map(reading).collect()
     }
 
-    /// From the zero direction of the pulley, or from the mean direction where it has none. Counted
-    /// from the mean first, so that there is no jump at half a turn.
+    /// Swivel angle from the zero direction of the pulley, or from the mean direction if it has none. Angles are
+    /// computed from the mean direction first to avoid a jump at half a turn.
     fn swivel_angles(&self, cable: usize) -> Vec<f64> {
         let pulley = &self.problem.dataset.robot.cables[cable].pulley;
         let axis = Vec3::from(pulley.swivel_axis);
@@ -164,7 +164,7 @@ impl<'a> Variables<'a> {
     }
 }
 
-/// Whether values tell anything apart: at least six different ones, for a direction at least two.
+/// Whether the values vary enough for a test: at least six different values, or two for a direction.
 pub(crate) fn varies(values: impl Iterator<Item = f64>, variable: Variable) -> bool {
     let mut sorted: Vec<f64> = values.filter(|v| v.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
@@ -175,13 +175,15 @@ pub(crate) fn varies(values: impl Iterator<Item = f64>, variable: Variable) -> b
     let fewest = if variable == Variable::Direction {
         2
     } else {
-        FEWEST_VALUES
+        MIN_VALUES
     };
-    let gaps = sorted.windows(2).filter(|w| w[1] - w[0] > SAME * spread);
-    spread > NO_SPREAD * largest.abs().max(least.abs()) && gaps.count() + 1 >= fewest
+    let gaps = sorted
+        .windows(2)
+        .filter(|w| w[1] - w[0] > SAME_VALUE * spread);
+    spread > MIN_RELATIVE_SPREAD * largest.abs().max(least.abs()) && gaps.count() + 1 >= fewest
 }
 
-/// Path of each cable at each pose, entry points as identified, pulleys and anchors as described.
+/// Path of each cable at each pose, with identified entry points and the described pulleys and anchors.
 fn paths(
     problem: &Problem<'_>,
     solution: &Solution,
@@ -201,7 +203,7 @@ fn paths(
     cables.zip(&solution.globals.entry_points).map(of).collect()
 }
 
-/// Readings less their estimated errors: tensions (N) and laser distances (m).
+/// Fitted tensions (N) and laser distances (m): readings minus their estimated errors.
 fn fitted_readings(problem: &Problem<'_>, linear: &Linearisation) -> (Grid, Vec<f64>) {
     let data = &problem.dataset.measurements;
     let robot = &problem.dataset.robot;
@@ -218,7 +220,7 @@ fn fitted_readings(problem: &Problem<'_>, linear: &Linearisation) -> (Grid, Vec<
         let Some(row) = at.row else { continue };
         let correction = residual * at.sd;
         match at.kind {
-            // The rows of tensions are the errors of the readings themselves: reading minus tension.
+            // The row of a tension is the error of the reading itself: reading minus tension.
             RowKind::Observation(ObservationKind::Tension(cable)) => {
                 tension.set(row, cable, tension.get(row, cable) + correction);
             }

@@ -1,4 +1,4 @@
-//! Empty cells.
+//! Empties cells of a dataset.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -7,13 +7,13 @@ use tautline_core::robot::Robot;
 
 use crate::hidden::template::log_uniform;
 
-/// Share of scattered cells that are empty.
+/// Range of the share of cells that are empty in the scattered pattern.
 const SCATTERED: [f64; 2] = [0.01, 0.3];
 
-/// A column of the file: a cable's in one of the grids, or the laser's.
+/// A column of the file: index of its grid and of the cable; grid 4 is the laser.
 type Column = (usize, usize);
 
-/// The grid of a column; none for the laser.
+/// The grid of a column; `None` for the laser.
 fn grid(data: &mut Measurements, of: usize) -> Option<&mut Grid> {
     let all = [
         &mut data.revolutions,
@@ -31,8 +31,8 @@ fn clear(data: &mut Measurements, (of, cable): Column, row: usize) {
     }
 }
 
-/// Empties cells by a pattern that is drawn: one cell, ten cells, scattered ones, one channel from some pose on, or all
-/// channels of one kind at some poses. The encoders at home are not read but set, and stay.
+/// Empties cells in a random pattern: one cell, ten cells, scattered cells, one channel from some pose on, or all
+/// channels of one kind at some poses. The encoder values at home are set rather than read, so they stay.
 pub fn empty_cells(robot: &Robot, data: &mut Measurements, rng: &mut ChaCha8Rng) {
     let cables = robot.cable_count();
     let mut columns: Vec<Column> = Vec::new();

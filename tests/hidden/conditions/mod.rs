@@ -1,5 +1,5 @@
-//! How data are measured: noise that is not as stated, heavy tails, a model that is slightly wrong everywhere, empty
-//! cells, several rows in one standstill.
+//! Imperfect measurements: noise that differs from the description, heavy tails, mild model error, empty cells, and
+//! several rows per standstill.
 
 mod holes;
 mod model_error;
@@ -19,16 +19,16 @@ pub(super) use standstills::{REPEATS, add_shared_errors, repeated};
 
 use super::template::log_uniform;
 
-/// In what respect measuring is not as the description says.
+/// How the measurements deviate from the description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Circumstances {
-    /// In none.
+    /// Not at all.
     AsStated,
-    /// Noise of every kind of reading is half to twice what is stated.
+    /// Noise of each kind of reading is half to twice the described one.
     OtherNoise,
     /// The model is slightly wrong everywhere.
     ModelError,
-    /// Noise has heavier tails than the normal distribution.
+    /// Noise has heavier tails than a normal distribution.
     HeavyTails,
     /// Cells are empty.
     Holes,
@@ -37,7 +37,7 @@ pub enum Circumstances {
 }
 
 impl Circumstances {
-    /// In a few words; empty where all is as stated.
+    /// Short description for tables; empty if nothing deviates.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -51,32 +51,33 @@ impl Circumstances {
     }
 }
 
-/// Noise over the stated one where it is not as stated.
+/// Range of the ratio of actual and described noise.
 const OTHER_NOISE: [f64; 2] = [0.5, 2.0];
-/// Mild model error, in stated standard deviations.
+/// Range of the root mean square of mild model error, in described standard deviations.
 const MODEL_ERROR: [f64; 2] = [1.0, 2.0];
-/// Degrees of freedom of Student's distribution with heavy tails.
+/// Degrees of freedom of Student's t distribution for heavy tails.
 const TAILS: f64 = 4.0;
-/// Error that the rows of a standstill share, in stated standard deviations.
+/// Error that the rows of a standstill share, in described standard deviations.
 const SHARED: f64 = 1.5;
 
-/// How one data set is measured.
+/// Parameters of the imperfections of one dataset.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Conditions {
-    /// Actual over stated noise.
+    /// Ratio of actual and described noise.
     pub noise: NoiseFactors,
-    /// Degrees of freedom of Student's distribution; none: normal.
+    /// Degrees of freedom of Student's t distribution; `None` for normal noise.
     pub tails: Option<f64>,
-    /// Root mean square of a smooth error in every channel, in stated standard deviations.
+    /// Root mean square of a smooth error in every channel, in described standard deviations.
     pub model_error: f64,
-    /// Error that rows of a standstill share, in stated standard deviations; 0: every row is one of its own.
+    /// Error that the rows of a standstill share, in described standard deviations; 0 if there is one row per
+    /// standstill.
     pub shared: f64,
     /// Whether cells are empty.
     pub holes: bool,
 }
 
 impl Conditions {
-    /// Draws conditions.
+    /// Draws the parameters at random.
     pub fn draw(circumstances: Circumstances, rng: &mut ChaCha8Rng) -> Self {
         let plain = Self::default();
         match circumstances {
@@ -104,12 +105,12 @@ impl Conditions {
         }
     }
 
-    /// Noise that tells as much as these conditions do: what is not noise counts as if it were. By it is decided what
-    /// can be seen.
-    pub(super) fn worth(&self) -> NoiseFactors {
+    /// Noise factors that include the other errors as if they were noise. They determine which effects count as
+    /// visible.
+    pub(super) fn equivalent_noise(&self) -> NoiseFactors {
         let mut variance = 1.0 + self.model_error.powi(2);
         if self.shared > 0.0 {
-            // The rows of a standstill are worth one whose noise is averaged and whose shared error is not.
+            // Averaging the rows of a standstill reduces their noise but not the error that they share.
             variance = REPEATS as f64 * self.shared.powi(2) + 1.0;
         }
         self.noise.times(variance.sqrt())

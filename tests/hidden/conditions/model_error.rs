@@ -1,4 +1,4 @@
-//! A model that is slightly wrong everywhere: a smooth error in every channel, unlike anything in the catalogue.
+//! Mild model error: a smooth error in every channel, unlike any effect of the catalogue.
 
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
@@ -8,14 +8,14 @@ use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::measurement::{Grid, Measurements};
 use tautline_core::robot::Robot;
 
-/// Waves of which a smooth error is the sum.
+/// Number of waves whose sum is the error.
 const WAVES: usize = 3;
-/// Waves across the range of the measured positions.
+/// Range of the number of waves across the measured positions.
 const FREQUENCY: [f64; 2] = [0.5, 1.2];
 
-/// Adds a smooth function of the position to every channel of lengths, tensions and laser, of `size` stated standard
-/// deviations on root mean square. It has nothing in it that effects of the catalogue express there: no constant, no
-/// slope and no curvature in length, tension, time or position.
+/// Adds a smooth function of the position, of root mean square `size` in described standard deviations, to every
+/// channel of lengths, tensions and laser. It is orthogonal to what effects of the catalogue express: it has no
+/// constant, no slope and no curvature in length, tension, time or position.
 pub fn add_model_error(truth: &Robot, data: &mut Measurements, size: f64, rng: &mut ChaCha8Rng) {
     let poses = data.truth.poses.clone();
     let states: Vec<_> = poses
@@ -35,7 +35,7 @@ pub fn add_model_error(truth: &Robot, data: &mut Measurements, size: f64, rng: &
         let mut add = |grid: &mut Grid, sd: f64| {
             let error = smooth(&places, &alike, &data.time_s, rng);
             for (row, error) in error.iter().enumerate() {
-                // At home the encoders were set to zero.
+                // At home the encoders are set to zero, so they have no error there.
                 if !grid.is_empty() && Some(row) != home {
                     grid.set(row, index, grid.get(row, index) + size * sd * error);
                 }
@@ -66,8 +66,8 @@ pub fn add_model_error(truth: &Robot, data: &mut Measurements, size: f64, rng: &
     }
 }
 
-/// A sum of waves over the places, less its projection on constant, position, time and what is `alike`, each with its
-/// square; of root mean square 1.
+/// A sum of waves over positions of root mean square 1, orthogonal to a constant and to position, time and the
+/// variables `alike`, each with its square.
 fn smooth(places: &[Vec3], alike: &[Vec<f64>], time_s: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
     let count = places.len();
     let infinite = Vec3::repeat(f64::INFINITY);

@@ -1,4 +1,4 @@
-//! Noise of the readings, written apart from the simulator's.
+//! Noise of the readings, implemented independently of the simulator.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -7,7 +7,7 @@ use tautline_core::geometry::{Pose, Twist};
 use tautline_core::measurement::{Grid, Measurements};
 use tautline_core::robot::{PerAxis, Robot};
 
-/// Actual over stated standard deviation, per kind of reading.
+/// Ratio of actual and described standard deviation for each kind of reading.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct NoiseFactors {
     /// Lengths.
@@ -33,7 +33,7 @@ impl Default for NoiseFactors {
 }
 
 impl NoiseFactors {
-    /// One value for each kind.
+    /// Calls `value` once for each kind of reading.
     pub fn each(mut value: impl FnMut() -> f64) -> Self {
         Self {
             length: value(),
@@ -46,7 +46,7 @@ impl NoiseFactors {
         }
     }
 
-    /// All of them times a factor.
+    /// Multiplies all ratios by a factor.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         let all = [
@@ -62,7 +62,7 @@ impl NoiseFactors {
         Self::each(|| factor * all.next().unwrap_or_default())
     }
 
-    /// The description with the noise that there is.
+    /// The description with the actual noise.
     #[must_use]
     pub fn of(self, stated: &Robot) -> Robot {
         let mut robot = stated.clone();
@@ -88,13 +88,14 @@ impl NoiseFactors {
     }
 }
 
-/// A normal random number.
+/// Normal random number (Box and Muller).
 pub fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
     let radius = (-2.0 * rng.random_range(f64::MIN_POSITIVE..1.0).ln()).sqrt();
     sd * radius * (std::f64::consts::TAU * rng.random_range(0.0..1.0)).cos()
 }
 
-/// Student's distribution of whole degrees of freedom, scaled to a standard deviation.
+/// Random number from Student's t distribution with an integer number of degrees of freedom, scaled to a standard
+/// deviation.
 fn student(rng: &mut ChaCha8Rng, freedom: f64, sd: f64) -> f64 {
     let squares: f64 = (0..freedom as usize)
         .map(|_| normal(rng, 1.0).powi(2))
@@ -102,7 +103,7 @@ fn student(rng: &mut ChaCha8Rng, freedom: f64, sd: f64) -> f64 {
     sd * normal(rng, 1.0) * ((freedom - 2.0) / squares).sqrt()
 }
 
-/// Adds the noise of `robot` to all readings, with the tails of Student's distribution where they have degrees of freedom.
+/// Adds the noise of `robot` to all readings, t distributed if `tails` has degrees of freedom.
 pub fn add_noise(robot: &Robot, data: &mut Measurements, tails: Option<f64>, rng: &mut ChaCha8Rng) {
     let mut draw = |sd: f64| match tails {
         None => normal(rng, sd),
@@ -117,7 +118,7 @@ pub fn add_noise(robot: &Robot, data: &mut Measurements, tails: Option<f64>, rng
                 }
             };
             let winch = &cable.winch;
-            // At home the encoders were set to zero.
+            // At home the encoders are set to zero, so they have no noise there.
             if Some(row) != home {
                 let sd = winch.length_sd_m / winch.cable_per_revolution_m();
                 add(&mut data.revolutions, sd);
@@ -163,7 +164,7 @@ mod tests {
     use rand::SeedableRng;
 
     #[test]
-    fn both_distributions_have_the_standard_deviation_asked_for_and_one_has_heavier_tails() {
+    fn both_distributions_have_the_given_standard_deviation_and_one_has_heavier_tails() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut of = |tails: Option<f64>| {
             let draws: Vec<f64> = (0..40_000)
@@ -177,8 +178,8 @@ mod tests {
             ((squares / draws.len() as f64).sqrt(), far)
         };
         let (sd, far) = of(None);
-        // Standard error of the standard deviation 0.007; more than 20 of 40,000 beyond four of them has a
-        // probability below 1e-9.
+        // The standard error of the standard deviation is 0.007. More than 20 of 40,000 values beyond four standard
+        // deviations have a probability below 1e-9.
         assert!((sd - 2.0).abs() < 0.04 && far < 20, "{sd} {far}");
         let (sd, far) = of(Some(6.0));
         assert!((sd - 2.0).abs() < 0.1 && far > 40, "{sd} {far}");

@@ -1,4 +1,4 @@
-//! Several rows read in one standstill: what is wrong in one of them is wrong in all.
+//! Several rows per standstill, which share part of their errors.
 
 use rand_chacha::ChaCha8Rng;
 use tautline_core::measurement::{Grid, Measurements};
@@ -6,12 +6,12 @@ use tautline_core::robot::Robot;
 
 use super::normal;
 
-/// Rows of one standstill.
+/// Number of rows per standstill.
 pub const REPEATS: usize = 4;
-/// Seconds between its rows.
+/// Seconds between the rows of a standstill.
 const SECONDS: f64 = 2.0;
 
-/// Every row but home [`REPEATS`] times, in groups of their own.
+/// Repeats every row except home [`REPEATS`] times, each in a group of its own.
 pub fn repeated(data: &Measurements) -> Measurements {
     let home = data.home_row();
     let times = |row: usize| if Some(row) == home { 1 } else { REPEATS };
@@ -30,7 +30,7 @@ pub fn repeated(data: &Measurements) -> Measurements {
     all
 }
 
-/// Adds an error of `size` stated standard deviations to every channel that all rows of a standstill share.
+/// Adds to every channel an error of `size` described standard deviations that all rows of a standstill share.
 pub fn add_shared_errors(robot: &Robot, data: &mut Measurements, size: f64, rng: &mut ChaCha8Rng) {
     let home = robot.home.and(data.home_row());
     for row in (0..data.len()).filter(|row| Some(*row) != home) {

@@ -68,7 +68,7 @@ fn lists_may_have_three_causes() {
 }
 
 #[test]
-fn the_common_scale_is_an_equal_scale_of_every_winch() {
+fn a_common_scale_equals_the_same_scale_of_every_winch() {
     let truths = [setting("winch_scale_common", &[], &[("scale", 0.003)])];
     let all = |last: f64| {
         let each: Vec<_> = (1..=8)
@@ -114,7 +114,7 @@ fn steps_may_be_a_pose_off_and_outliers_may_not() {
 }
 
 #[test]
-fn further_names_are_told_apart_from_the_right_one() {
+fn additional_wrong_names_are_counted() {
     let truths = [scale("cable-3")];
     let claims = [
         claim(Verdict::Named, &[scale("cable-3")]),
@@ -126,7 +126,7 @@ fn further_names_are_told_apart_from_the_right_one() {
 }
 
 #[test]
-fn a_right_name_of_one_effect_says_nothing_of_the_other() {
+fn a_correct_name_does_not_count_for_another_effect() {
     let truths = [scale("cable-3"), scale("cable-5")];
     let claims = [claim(Verdict::Named, &[scale("cable-3")])];
     assert_eq!(found(&truths, &claims), [Found::Named, Found::Missed]);

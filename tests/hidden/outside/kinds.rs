@@ -1,4 +1,4 @@
-//! The effects themselves.
+//! The individual effects outside the catalogue.
 
 use std::f64::consts::TAU;
 
@@ -167,7 +167,7 @@ fn has_forces(robot: &Robot) -> bool {
     robot.has_force_sensors()
 }
 
-/// A wave in time, per row.
+/// A wave over time, by row.
 fn waves(data: &Measurements, period_s: f64, phase: f64) -> Vec<f64> {
     let times = data.time_s.iter();
     times.map(|t| (TAU * t / period_s + phase).sin()).collect()
@@ -195,7 +195,7 @@ fn one_cable_tension(scene: &Scene, data: &mut Measurements, error: impl Fn(usiz
     );
 }
 
-/// Tension of a cable about its mean, in units of its standard deviation, per row.
+/// Standardised tension of a cable, by row.
 fn relative_loads(scene: &Scene, data: &Measurements, cable: usize) -> Vec<f64> {
     if !scene.truth.has_force_sensors() {
         return vec![0.0; data.len()];
@@ -250,7 +250,7 @@ fn guide_eyelet(scene: &Scene, size: f64, data: &mut Measurements) {
         .try_normalize(0.1)
         .unwrap_or_else(|| axis.cross(&Vec3::y()).normalize());
     let second = axis.cross(&first);
-    // In a plane the pulley never swivels; there the angle towards the platform turns instead.
+    // On a planar robot pulleys do not swivel, so the direction of the cable is used instead.
     let planar = scene.truth.platform.free.len() < 6;
     let angles: Vec<f64> = scene
         .states(data)
@@ -287,7 +287,7 @@ fn frame_sway(scene: &Scene, size: f64, data: &mut Measurements) {
     let shift: Vec<f64> = (data.time_s.iter().zip(&wave))
         .map(|(t, w)| size * w * t / last)
         .collect();
-    // Every second pulley: a frame that moves as a whole takes the platform along.
+    // Only every second pulley moves: if all did, the platform would simply move with them.
     add_length(scene, data, |row, cable| {
         let moves = f64::from(u8::from(cable % 2 == 0));
         let pull = states[row][cable].toward_exit;

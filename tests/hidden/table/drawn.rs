@@ -1,4 +1,4 @@
-//! What the draws gave: which effects can be seen on which robot.
+//! Table of drawn cases: which effects are visible on which robot.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,7 +8,7 @@ use anyhow::Result;
 use super::{effects_by_robot, kinds};
 use crate::hidden::{Drawn, Plan, Wanted};
 
-/// Per effect and robot: visible of drawn, and the largest noncentrality, the last where there are two.
+/// For each effect and robot the number of visible and of all draws, and the largest noncentrality.
 #[must_use]
 pub fn drawn_markdown(draws: &[(Plan, Result<Option<Drawn>>)]) -> String {
     let mut cells: BTreeMap<(&str, &str), (usize, usize, f64)> = BTreeMap::new();
@@ -33,7 +33,8 @@ pub fn drawn_markdown(draws: &[(Plan, Result<Option<Drawn>>)]) -> String {
         let cell = cells.entry((id, plan.robot)).or_default();
         cell.0 += usize::from(drawn.visible);
         cell.1 += 1;
-        // Of those outside the catalogue the second counts: what the nearest effect in it leaves.
+        // For effects outside the catalogue the second noncentrality counts, which the nearest effect of the catalogue
+        // leaves.
         let value = drawn.noncentralities.last().copied().unwrap_or(0.0);
         cell.2 = cell.2.max(value);
     }

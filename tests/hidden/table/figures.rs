@@ -1,25 +1,28 @@
-//! The figures of a study beside what is asked for.
+//! Figures of a study with their requirements.
 
 use std::fmt;
 
-use super::{found, is_found, is_honest, is_noticed, is_outside, typical};
+use super::{
+    found, has_finding_without_wrong_name, is_found, is_noticed_without_wrong_name, is_outside,
+    typical,
+};
 use crate::hidden::interval::{binomial_tail, clopper_pearson};
 use crate::hidden::judge::Found;
-use crate::hidden::{Circumstances, Outcome, Said, Stratum, Study, Sure, Wanted};
+use crate::hidden::{Circumstances, FindingRecord, Outcome, Stratum, Study, Sure, Wanted};
 
-/// Size of a 95 % interval in standard deviations.
+/// Half-width of a 95 % interval in standard deviations.
 pub(super) const NORMAL_95: f64 = 1.959_964;
-/// Held-out error over that of the true model that is asked for.
+/// Required held-out error relative to that of the true model.
 const HELD_OUT: f64 = 1.05;
 
-/// What is asked for.
+/// Required share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
     /// At least this share.
     AtLeast(f64),
     /// At most this share.
     AtMost(f64),
-    /// A share in between.
+    /// A share in this range.
     Within(f64, f64),
 }
 
@@ -33,21 +36,21 @@ impl fmt::Display for Target {
     }
 }
 
-/// A count beside what is asked for.
+/// A count with its requirement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// What is counted.
     pub what: &'static str,
-    /// How many.
+    /// The count.
     pub count: usize,
-    /// Of how many.
+    /// Total number.
     pub of: usize,
-    /// What is asked for.
+    /// Required share, if any.
     pub target: Option<Target>,
 }
 
 impl Figure {
-    /// Share.
+    /// Share of the total number.
     #[must_use]
     pub fn share(&self) -> f64 {
         self.count as f64 / self.of.max(1) as f64
@@ -59,7 +62,7 @@ impl Figure {
         clopper_pearson(self.count, self.of)
     }
 
-    /// Probability of a count at least as bad if the share were just what is asked for.
+    /// Probability of a count at least as bad if the true share just met the requirement.
     #[must_use]
     pub fn p_value(&self) -> f64 {
         let at_least = |p: f64| binomial_tail(self.of, self.of - self.count, 1.0 - p);
@@ -76,11 +79,11 @@ impl Figure {
 /// All figures of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figures {
-    /// One after the other; those about nothing have `of` 0.
+    /// The figures in order; those without cases have `of` 0.
     pub all: Vec<Figure>,
 }
 
-/// Counts the outcomes that `pick` takes and `count` accepts.
+/// Counts the outcomes for which `count` holds among those for which `pick` holds.
 fn figure(
     study: &Study,
     (what, target): (&'static str, Option<Target>),
@@ -97,12 +100,12 @@ fn figure(
 }
 
 impl Figures {
-    /// The figures of a study.
+    /// Computes the figures of a study.
     #[must_use]
     pub fn of(study: &Study) -> Self {
         let mut all = singles(study);
         all.extend(others(study));
-        all.extend(together(study));
+        all.extend(several_effects(study));
         all.extend(wrong_models(study));
         all.extend(numbers(study));
         Self { all }
@@ -117,12 +120,12 @@ fn not_visible(o: &Outcome) -> bool {
     !o.drawn.visible && matches!(o.plan.wanted, Wanted::One(..))
 }
 
-/// Named with confidence and wrong, the truth not named.
+/// Whether a wrong effect is named and a hidden one is not found.
 fn wrong(o: &Outcome) -> bool {
     !found(o) && !o.wrong_names.is_empty()
 }
 
-fn and_more(o: &Outcome) -> bool {
+fn right_with_wrong_name(o: &Outcome) -> bool {
     found(o) && !o.wrong_names.is_empty()
 }
 
@@ -151,7 +154,7 @@ fn singles(study: &Study) -> Vec<Figure> {
             "typical size: right, and a wrong name besides",
             None,
             typical,
-            &and_more,
+            &right_with_wrong_name,
         ),
         figure("just visible: named or listed", None, just_visible, &found),
         figure(
@@ -187,13 +190,13 @@ fn others(study: &Study) -> Vec<Figure> {
             "outside the catalogue: unknown or ambiguous",
             Target::AtLeast(0.9),
             is_outside,
-            is_honest,
+            has_finding_without_wrong_name,
         ),
         figure(
             "outside the catalogue: unknown, ambiguous or noisier than described",
             Target::AtLeast(0.9),
             is_outside,
-            is_noticed,
+            is_noticed_without_wrong_name,
         ),
         figure(
             "outside the catalogue: named with confidence",
@@ -216,7 +219,7 @@ fn others(study: &Study) -> Vec<Figure> {
     ]
 }
 
-/// Counts single effects of the outcomes that `pick` takes.
+/// Counts single effects among the outcomes for which `pick` holds.
 fn each_effect(
     study: &Study,
     (what, target): (&'static str, Target),
@@ -233,8 +236,8 @@ fn each_effect(
     }
 }
 
-/// Several effects at once, families, exchanged channels, one that dominates.
-fn together(study: &Study) -> Vec<Figure> {
+/// Figures for several effects at once, families, exchanged channels and dominating effects.
+fn several_effects(study: &Study) -> Vec<Figure> {
     let several = |o: &Outcome| o.plan.wanted == Wanted::Several;
     let separated = |o: &Outcome| o.plan.wanted == Wanted::Separated;
     let families = |o: &Outcome| o.plan.wanted == Wanted::Families;
@@ -245,7 +248,7 @@ fn together(study: &Study) -> Vec<Figure> {
     let wrong = |o: &Outcome| !o.wrong_names.is_empty();
     let first = |o: &Outcome| {
         let first = o.said.first();
-        let right = |said: &Said| said.candidates.first().is_some_and(|c| c.right);
+        let right = |said: &FindingRecord| said.candidates.first().is_some_and(|c| c.right);
         first.is_some_and(|said| said.sure == Sure::Named && right(said))
     };
     let least = Target::AtLeast;
@@ -309,7 +312,7 @@ fn together(study: &Study) -> Vec<Figure> {
     ]
 }
 
-/// Data that are not measured as the description says.
+/// Figures for data that deviate from the description.
 fn wrong_models(study: &Study) -> Vec<Figure> {
     let mild = |o: &Outcome| o.plan.circumstances == Circumstances::ModelError;
     let single = |o: &Outcome| o.plan.wanted == Wanted::Any;

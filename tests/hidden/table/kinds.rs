@@ -1,4 +1,4 @@
-//! One row for each kind of data set: what became of the hidden effects, what else was said, and the time it took.
+//! Table with a row for each kind of dataset: results for hidden effects, other findings, computing time.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use super::{Figure, is_found};
 use crate::hidden::judge::Found;
 use crate::hidden::{Circumstances, Outcome, Study, Wanted};
 
-/// What is hidden, in a few words.
+/// Short description of what is hidden.
 pub(super) fn name(wanted: Wanted) -> &'static str {
     match wanted {
         Wanted::Nothing => "nothing",
@@ -28,7 +28,7 @@ fn kind(outcome: &Outcome) -> (&'static str, Circumstances) {
     (name(outcome.plan.wanted), outcome.plan.circumstances)
 }
 
-/// The table; nothing if a study has one kind of data as they are stated, of which the figures say all.
+/// One row for each kind of dataset.
 pub(super) fn table(study: &Study) -> String {
     let mut kinds: BTreeMap<(&str, Circumstances), Vec<&Outcome>> = BTreeMap::new();
     for outcome in &study.outcomes {

@@ -1,4 +1,4 @@
-//! Whether stated probabilities are the frequencies with which they turn out right.
+//! Reliability of stated probabilities: whether they equal the observed frequencies.
 
 use std::fmt::Write as _;
 
@@ -10,13 +10,13 @@ use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, S
 use crate::hidden::Study;
 use crate::hidden::interval::clopper_pearson;
 
-/// Borders of the classes of stated probability: tenths, the last divided where causes are named.
+/// Class borders of stated probability: tenths, with a finer division where causes are named.
 const BORDERS: [f64; 13] = [
     0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0,
 ];
-/// A probability is never taken for more certain than this when it is scored.
+/// Lower bound of probabilities in the logarithmic score.
 const LEAST: f64 = 1e-6;
-/// Size of the diagram (pt), and what its texts are magnified by.
+/// Size of the diagram (pt), and scale of its texts.
 const SIZE: [f64; 2] = [360.0, 330.0];
 const SCALE: f64 = 0.8;
 
@@ -39,9 +39,9 @@ pub struct Class {
     pub borders: [f64; 2],
     /// Sum of the stated probabilities.
     pub stated: f64,
-    /// How many causes.
+    /// Number of causes.
     pub count: usize,
-    /// How many of them were hidden.
+    /// Number of causes that were hidden.
     pub right: usize,
 }
 
@@ -52,7 +52,7 @@ impl Class {
         self.stated / self.count.max(1) as f64
     }
 
-    /// Frequency with which they were right.
+    /// Share of the causes that were hidden.
     #[must_use]
     pub fn frequency(&self) -> f64 {
         self.right as f64 / self.count.max(1) as f64
@@ -71,7 +71,7 @@ impl Class {
     }
 }
 
-/// Every stated probability and whether its cause was hidden.
+/// All stated probabilities, and whether the cause was hidden.
 fn statements(study: &Study) -> impl Iterator<Item = (f64, bool)> + '_ {
     let outcomes = study.outcomes.iter();
     let candidates = outcomes.flat_map(|outcome| {
@@ -81,7 +81,7 @@ fn statements(study: &Study) -> impl Iterator<Item = (f64, bool)> + '_ {
     candidates.map(|candidate| (candidate.probability, candidate.right))
 }
 
-/// The classes of stated probability.
+/// Classes of stated probability.
 #[must_use]
 pub fn classes(study: &Study) -> Vec<Class> {
     let mut classes: Vec<Class> = BORDERS
@@ -104,7 +104,7 @@ pub fn classes(study: &Study) -> Vec<Class> {
     classes
 }
 
-/// Mean logarithmic score of the stated probabilities: -ln of what was given to what turned out to be so.
+/// Mean logarithmic score: negative log of the probability assigned to the truth.
 fn logarithmic_score(study: &Study) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for (probability, right) in statements(study) {
@@ -119,7 +119,7 @@ fn logarithmic_score(study: &Study) -> f64 {
     sum / f64::from(count.max(1))
 }
 
-/// The table; nothing where nothing was said.
+/// The reliability table; empty if there are no statements.
 pub(super) fn table(study: &Study) -> String {
     let classes = classes(study);
     let all: usize = classes.iter().map(|class| class.count).sum();
@@ -150,7 +150,7 @@ pub(super) fn table(study: &Study) -> String {
     text
 }
 
-/// The reliability diagram as an SVG file.
+/// Reliability diagram as an SVG file.
 #[must_use]
 pub fn diagram(study: &Study) -> String {
     let classes = classes(study);

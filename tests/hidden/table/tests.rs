@@ -4,8 +4,8 @@ use super::figures::Target;
 use super::*;
 use crate::hidden::{Case, Circumstances, Conditions, Drawn, ParameterError, Plan};
 
-fn said(text: &str) -> Said {
-    Said {
+fn said(text: &str) -> FindingRecord {
+    FindingRecord {
         text: text.to_owned(),
         sure: Sure::Named,
         gain: 45.0,
@@ -86,7 +86,7 @@ fn counted(figures: &Figures, what: &str) -> (usize, usize) {
 }
 
 #[test]
-fn figures_count_what_they_say() {
+fn outcomes_are_counted_correctly() {
     let figures = Figures::of(&study());
     let count = |what| counted(&figures, what);
     assert_eq!(count("typical size: named, or"), (1, 2));
@@ -99,7 +99,7 @@ fn figures_count_what_they_say() {
 }
 
 #[test]
-fn a_share_is_compared_with_what_is_asked_for() {
+fn a_share_is_compared_with_its_requirement() {
     let figure = |count, target| Figure {
         what: "",
         count,

@@ -1,5 +1,5 @@
-//! Tests of what residuals tell before any cause is named. Seeds are fixed; statistical tests state how
-//! improbable their failure would be for a correct program.
+//! Tests of the residual analysis that does not depend on any candidate cause. Seeds are fixed; each statistical test
+//! states how improbable a failure of a correct program would be.
 
 mod null;
 mod power;
@@ -14,7 +14,7 @@ use crate::measurement::Dataset;
 use crate::robot::presets::{self, Preset};
 use crate::simulation::{Simulated, SimulationOptions, simulate};
 
-/// A simulated run of a preset with hidden effects.
+/// Simulates a run of a preset with hidden effects.
 pub(super) fn run_with(
     name: &str,
     poses: usize,
@@ -51,7 +51,7 @@ pub(super) fn setting(effect: &str, targets: &[&str], parameters: &[(&str, f64)]
     }
 }
 
-/// A dataset with its solution.
+/// A dataset, its solution and the linearisation there.
 struct Fitted<'a> {
     problem: Problem<'a>,
     solution: Solution,
@@ -63,7 +63,7 @@ impl<'a> Fitted<'a> {
     fn new(dataset: &'a Dataset) -> Self {
         let problem = Problem::new(dataset).unwrap();
         let mut quiet = |_: &Progress| Control::Continue;
-        // To rounding: what is compared with dense algebra must not depend on when the solver stopped.
+        // Converge to rounding error, because the comparison with dense algebra must not depend on the stopping rule.
         let options = Options {
             negligible: 0.0,
             ..Options::default()

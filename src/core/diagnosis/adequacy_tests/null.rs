@@ -1,4 +1,5 @@
-//! Without a hidden effect and with the noise as described, nothing is found too often.
+//! False alarm rates: without a hidden effect and with the noise as described, no test rejects more often than its
+//! level.
 
 use super::super::NoiseStatement;
 use super::super::adequacy::adequacy;
@@ -8,37 +9,37 @@ use super::*;
 use crate::robot::{Inclinometer, PerAxis, Tracker};
 use std::collections::BTreeMap;
 
-/// Data sets per robot.
+/// Number of datasets per robot.
 const RUNS: u64 = 100;
-/// Standard deviations that a count may be away from its expectation: with less than 40 counts in this file, one
-/// fails with probability 40 times 3e-5, about 1e-3, had the seeds not been fixed.
+/// Largest deviation of a count from its expectation, in standard deviations. With fewer than 40 counts in this file,
+/// one of them would fail by chance with a probability of about 40 * 3e-5 = 1e-3 had the seeds not been fixed.
 const LIMIT: f64 = 4.2;
 
-/// Counts of probabilities below a level among answers that depend on each other within a run: the number of
-/// each run is one draw.
+/// Counts p-values below 0.05. Tests within one run depend on each other, so the count of each run is one independent
+/// draw.
 #[derive(Default)]
 struct Counts {
     per_run: Vec<f64>,
-    asked: f64,
+    tests_done: f64,
 }
 
 impl Counts {
     fn add(&mut self, p_values: impl Iterator<Item = f64>) {
-        let (mut small, mut asked) = (0.0, 0.0);
+        let (mut small, mut tests_done) = (0.0, 0.0);
         for p in p_values {
-            asked += 1.0;
+            tests_done += 1.0;
             small += f64::from(p < 0.05);
         }
         self.per_run.push(small);
-        self.asked += asked;
+        self.tests_done += tests_done;
     }
 
     fn check(&self, what: &str) {
         let runs = self.per_run.len() as f64;
         let mean = self.per_run.iter().sum::<f64>() / runs;
-        let expected = 0.05 * self.asked / runs;
+        let expected = 0.05 * self.tests_done / runs;
         let spread: f64 = self.per_run.iter().map(|c| (c - mean).powi(2)).sum();
-        // At least that of independent answers: few counts can agree by chance.
+        // Not below the variance of independent tests, because a few counts can agree by chance.
         let variance = (spread / (runs - 1.0)).max(0.95 * expected) / runs;
         let away = (mean - expected) / variance.sqrt();
         assert!(away.abs() < LIMIT, "{what}: {away} sd");
@@ -77,7 +78,7 @@ impl Tally {
         let noise = noise_statements(&fitted.space, &[], 0.05);
         self.false_noise += usize::from(!noise.is_empty());
         let known = noise_of_all(&fitted.space, &BTreeMap::new());
-        // Outside of the 95 % interval counts like a probability below 0.05.
+        // A 95 % interval that misses the true ratio of 1 counts like a p-value below 0.05.
         let outside = |n: NoiseStatement| match n.interval {
             [low, high] if low < 1.0 && 1.0 < high => 1.0,
             _ => 0.0,
@@ -99,7 +100,7 @@ impl Tally {
         self.dependences.check(&format!("{name}, dependences"));
         self.coverage
             .check(&format!("{name}, outside of the interval"));
-        // Bonferroni: 5 of 100 or less; more than 14 with probability 4e-4.
+        // Bonferroni correction: 5 false alarms are expected in 100 runs, more than 14 have a probability of 4e-4.
         assert!(self.false_alarms <= 14 && self.false_noise <= 14);
         let [squares, expected] = self.squares;
         let away = (squares - expected) / (2.0 * expected).sqrt();

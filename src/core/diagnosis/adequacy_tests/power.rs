@@ -1,4 +1,4 @@
-//! What is hidden in the data shows where it should.
+//! Hidden effects show in the readings and along the variables where they act.
 
 use super::super::noise::noise_statements;
 use super::*;
@@ -24,7 +24,7 @@ fn a_drift_of_the_laser_shows_along_time() {
     let run = run_with("mini", 60, 22, &[hidden]);
     let found = Fitted::new(&run.dataset).discrepancies(0.01);
     assert_eq!((found[0].quantity, found[0].cable), (Quantity::Laser, None));
-    // The simulated hall gets warmer all the time: temperature tells the time too.
+    // The simulated hall warms up steadily, so temperature is as good a predictor as time.
     let first = found[0].variable;
     assert!(
         matches!(first, Variable::Time | Variable::Temperature),
@@ -34,7 +34,7 @@ fn a_drift_of_the_laser_shows_along_time() {
 }
 
 #[test]
-fn noise_of_the_laser_is_told_from_structure() {
+fn noise_of_the_laser_is_distinguished_from_structure() {
     let mut run = run_with("mini", 60, 23, &[]);
     if let Some(laser) = &mut run.dataset.robot.laser {
         laser.sd_m /= 2.1;
@@ -50,7 +50,7 @@ fn noise_of_the_laser_is_told_from_structure() {
 }
 
 #[test]
-fn noise_of_one_force_sensor_is_told_from_the_others() {
+fn noise_of_one_force_sensor_is_distinguished_from_the_others() {
     let mut run = run_with("mini", 60, 24, &[]);
     for cable in &mut run.dataset.robot.cables {
         if let (Some(sensor), true) = (&mut cable.force_sensor, cable.name == "cable-5") {
@@ -69,7 +69,7 @@ fn noise_of_one_force_sensor_is_told_from_the_others() {
 }
 
 #[test]
-fn noise_that_is_smaller_than_described_is_told() {
+fn noise_smaller_than_described_is_reported() {
     let mut run = run_with("mini", 60, 25, &[]);
     for cable in &mut run.dataset.robot.cables {
         if let Some(sensor) = &mut cable.force_sensor {

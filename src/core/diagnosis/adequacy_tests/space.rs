@@ -1,4 +1,4 @@
-//! The residual space against dense linear algebra, and the variables against what is true.
+//! The residual space and the variables against dense linear algebra and the simulated truth.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,7 +6,7 @@ use super::super::discrepancy::smooth_functions;
 use super::*;
 use crate::estimation::{ObservationKind, RowKind};
 
-/// `M` written out.
+/// The residual projector `M` as a dense matrix.
 fn dense(linear: &Linearisation) -> DMatrix<f64> {
     let count = linear.rows.len();
     let mut m = DMatrix::identity(count, count);
@@ -24,7 +24,8 @@ fn close(a: &DMatrix<f64>, b: &DMatrix<f64>, tolerance: f64, what: &str) {
     assert!(off < tolerance, "{what}: {off:e}");
 }
 
-/// Every seventh row of every pose, home row and prior.
+/// Five classes that cut across poses, home rows and priors, by row number modulo 7; the rows with remainder 5 or 6
+/// have none.
 fn classes(count: usize) -> Vec<Option<usize>> {
     (0..count)
         .map(|row| Some(row % 7).filter(|k| *k < 5))
@@ -79,8 +80,8 @@ fn scores_and_signatures_are_those_of_the_dense_projector() {
     assert!((score.score - expected).amax() < 1e-12);
 }
 
-/// Noise of other size is the same problem with other standard deviations: `M'` is the projector on the range of
-/// `D M` and the residuals are `M'` times the old ones over `D`.
+/// Changing the noise is the same as weighting the problem anew: with `D` the diagonal matrix of the factors, `M'` is
+/// the projector on the range of `D M`, and the residuals are `M'` times the old ones divided by `D`.
 #[test]
 fn rescaling_solves_the_weighted_problem() {
     let run = run_with("planar", 9, 7, &[]);
@@ -109,7 +110,7 @@ fn rescaling_solves_the_weighted_problem() {
 }
 
 #[test]
-fn undetermined_parameters_do_no_harm() {
+fn undetermined_parameters_are_handled() {
     let run = run_with("mini", 7, 8, &[]);
     let fitted = Fitted::new(&run.dataset);
     let mut twice = fitted.linear.clone();
@@ -149,12 +150,12 @@ fn fitted_tensions_are_better_than_readings() {
             }
         }
     }
-    // Six of eight tensions follow from the balance: about a quarter of the variance is left.
+    // Equilibrium determines six of the eight tensions, so about a quarter of the variance remains.
     assert!(adjusted < 0.6 * read, "{adjusted} {read}");
 }
 
 #[test]
-fn a_dependence_keeps_what_it_asked() {
+fn dependence_tests_are_consistent() {
     let run = run_with("mini", 20, 11, &[]);
     let fitted = Fitted::new(&run.dataset);
     for test in discrepancy::dependence_tests(&fitted.space, &fitted.variables()) {
@@ -170,7 +171,7 @@ fn a_dependence_keeps_what_it_asked() {
 }
 
 #[test]
-fn variables_apply_where_they_mean_something() {
+fn variables_apply_only_to_suitable_readings() {
     let run = run_with("mini", 30, 10, &[]);
     let fitted = Fitted::new(&run.dataset);
     let variables = fitted.variables();
@@ -189,7 +190,7 @@ fn variables_apply_where_they_mean_something() {
     let revolutions = length(Variable::Revolutions).unwrap();
     let k = run.dataset.robot.cables[2].winch.cable_per_revolution_m();
     let from_home = |row: usize| paid[row] - paid[0] - k * revolutions[row];
-    // Elongation apart, the cable paid out is the change of length.
+    // Apart from elongation, the cable paid out equals the change of length.
     assert!((0..31).all(|row| from_home(row).abs() < 0.02));
 }
 

@@ -1,27 +1,30 @@
-//! Which faults planned poses would show, and which of them could be told apart, before anything is measured.
+//! Predicts before any measurement which faults a set of planned poses would reveal, and which of them could be told
+//! apart.
 //!
 //! Isolability (Gertler, Fault Detection and Diagnosis in Engineering Systems, 1998; Isermann, Fault-Diagnosis Systems,
-//! 2006) is a property of the poses and the sensors: with the linearisation of all candidates that the diagnosis uses, the
-//! score of a candidate `c` in data with a fault `a` of size `phi` is normal,
+//! 2006) is a property of the poses and the sensors. With the linearisation of all candidates that the diagnosis uses,
+//! the score of a candidate `c` in data with a fault `a` of size `phi` is normal,
 //!
 //! ```text
 //! b_c ~ N(-G_ca phi, G_cc)
 //! ```
 //!
-//! with the Gram matrix `G` of what the elimination of poses, tensions and geometry leaves of the columns; jointly for
-//! two candidates with the corresponding blocks. `lambda = phi^T G_aa phi` is the noncentrality: the chi-square that a
-//! model without the fault leaves of data without noise. The logarithm of the posterior odds of a candidate against no
-//! cause is the evidence of [`super::evidence`] with the candidate's prior, a function `L_c(b_c)` of its score alone, so that
+//! with the Gram matrix `G` of the columns after elimination of poses, tensions and geometry; the scores of two
+//! candidates are jointly normal with the corresponding blocks. `lambda = phi^T G_aa phi` is the noncentrality: the
+//! chi-square of a model without the fault for data without noise. The log posterior odds of a candidate against no
+//! cause follow from the evidence of [`super::evidence`] and the candidate's prior. They are a function `L_c(b_c)` of
+//! its score alone, so that
 //!
-//! - the **probability of detection** is `P(L_a >= ln 19)`: the odds at which the diagnosis names or lists something;
-//! - the **probability of confusion** with `c` is `P(max(L_a, L_c) >= ln 19 and L_a - L_c < ln 19)`: something is seen, but
-//!   `c` is not ruled out;
-//! - the **expected logarithm of the Bayes factor** of `a` over `c` is `E[ln p(y | a) - ln p(y | c)]`, for which
+//! - the **probability of detection** is `P(L_a >= ln 19)`, with the odds at which the diagnosis names or lists a
+//!   cause;
+//! - the **probability of confusion** with `c` is `P(max(L_a, L_c) >= ln 19 and L_a - L_c < ln 19)`: something is
+//!   detected, but `c` is not ruled out;
+//! - the **expected log Bayes factor** of `a` over `c` is `E[ln p(y | a) - ln p(y | c)]`, for which
 //!   `E[b^T W b] = m^T W m + tr(W G)` with the mean `m`.
 //!
-//! Noise is taken as described and other causes as absent. Probabilities are means over a low-discrepancy sequence of normal
-//! variables, of as many dimensions as the faults have parameters (Halton, Numerische Mathematik 2, 1960; Niederreiter,
-//! Random Number Generation and Quasi-Monte Carlo Methods, 1992).
+//! Noise is taken as described and other causes as absent. Probabilities are means over a low-discrepancy sequence of
+//! normal variables with as many dimensions as the faults have parameters (Halton, Numerische Mathematik 2, 1960;
+//! Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, 1992).
 
 mod odds;
 mod points;
@@ -31,61 +34,62 @@ mod tests;
 use nalgebra::{DMatrix, DVector};
 
 use super::DiagnosisOptions;
-use super::candidates::{Candidate, is_alike};
-use super::claims::SURE;
-use super::doctor::based;
+use super::candidates::{Candidate, is_same_effect_and_targets};
+use super::cause_posteriors::NAMING_PROBABILITY;
+use super::doctor::problem_at_fitted_poses;
 use super::fit::Fit;
-use super::gram::{Gram, Own};
+use super::gram::{CandidateScore, Gram};
 use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
 use super::report::Cause;
 use crate::effect::measurements_as_modelled;
 use crate::estimation::EstimationError;
 use crate::measurement::Dataset;
 use odds::Evidence;
-use points::{normal_points, root};
+use points::{covariance_root, normal_points};
 
-/// Points of the sequence for a fault alone, and for each pair.
+/// Number of points of the sequence for a single fault, and for a pair.
 const POINTS: [usize; 2] = [4096, 1024];
-/// Noncentrality that a candidate leaves of a fault from which it is ruled out: the logarithm of the odds is then above 100
-/// with a standard deviation of 14.
+/// Noncentrality that a candidate leaves unexplained above which it is ruled out without sampling: the log odds are
+/// then above 100, with a standard deviation of 14.
 const RULED_OUT: f64 = 200.0;
 
-/// A fault of typical size, and how well it would be seen.
+/// A fault of typical size, with its probability of detection.
 #[derive(Debug, Clone)]
 pub struct ExpectedFault {
-    /// The effect on its targets; events at a pose in the middle, waves of a period in the middle of those tried.
+    /// The effect on its targets. Events are at a pose in the middle, waves have a period in the middle of those tried.
     pub cause: Cause,
-    /// `lambda`: the chi-square that a model without it leaves of data without noise.
+    /// Noncentrality `lambda`: chi-square of a model without the fault for data without noise.
     pub noncentrality: f64,
-    /// Probability that it is named or listed.
+    /// Probability that the fault is named or listed.
     pub detection: f64,
 }
 
-/// How well a fault would be told from another.
+/// How well a fault can be told from another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExpectedPair {
-    /// Expected logarithm of the Bayes factor of the fault that is present over the other.
+    /// Expected log Bayes factor of the fault that is present over the other one.
     pub log_bayes_factor: f64,
-    /// Probability that something is seen, but the other is not ruled out.
+    /// Probability that something is detected but the other fault is not ruled out.
     pub confusion: f64,
 }
 
-/// What planned poses would show.
+/// Faults that planned poses would reveal.
 #[derive(Debug, Clone)]
 pub struct Isolability {
-    /// Every fault on which a reading depends.
+    /// All faults that affect a reading.
     pub faults: Vec<ExpectedFault>,
     pairs: Vec<ExpectedPair>,
 }
 
 impl Isolability {
-    /// How well the fault with the index `present` would be told from that with the index `other`.
+    /// How well the fault with index `present` can be told from that with index `other`.
     #[must_use]
     pub fn pair(&self, present: usize, other: usize) -> ExpectedPair {
         self.pairs[present * self.faults.len() + other]
     }
 
-    /// The faults with which one would be confused, by falling probability; from `least` on.
+    /// Indices of the faults that may be confused with one, with a probability of at least `least`, the most probable
+    /// first.
     #[must_use]
     pub fn rivals(&self, present: usize, least: f64) -> Vec<usize> {
         let confusion = |other: &usize| self.pair(present, *other).confusion;
@@ -96,8 +100,8 @@ impl Isolability {
     }
 }
 
-/// What the poses of a dataset would show; its readings are those expected there without noise, or any others: only where
-/// they were read, and at which poses, matters.
+/// Predicts what the poses of a dataset would reveal. The values of its readings do not matter, only which readings
+/// there are at which poses.
 ///
 /// # Errors
 /// If the readings cannot be used with the robot.
@@ -105,19 +109,19 @@ pub fn isolability(
     dataset: &Dataset,
     options: &DiagnosisOptions,
 ) -> Result<Isolability, EstimationError> {
-    let problem = based(dataset)?;
+    let problem = problem_at_fitted_poses(dataset)?;
     let fit = Fit::new(&problem, &[])?;
     let at = LinearFit::new(&fit, EXPECTED_PER_ALPHA * options.alpha, true);
     let mut gram = at.gram(&at.linear.described());
-    let asked: Vec<Asked> = representatives(gram.candidates)
+    let candidates: Vec<CandidateFault> = representatives(gram.candidates)
         .into_iter()
-        .map(|index| Asked::new(&gram, index))
+        .map(|index| CandidateFault::new(&gram, index))
         .collect();
-    Ok(Expected::new(&mut gram, asked).isolability())
+    Ok(ExpectedScores::new(&mut gram, candidates).isolability())
 }
 
-/// Logarithms of the posterior odds of single causes against none in the readings of a dataset, noise as described:
-/// what [`isolability`] predicts. Minus infinity for what no reading depends on.
+/// Log posterior odds of single causes against no cause in the readings of a dataset, with noise as described: the
+/// quantity that [`isolability`] predicts. Minus infinity for causes that affect no reading.
 ///
 /// # Errors
 /// If the readings cannot be used with the robot.
@@ -131,27 +135,28 @@ pub fn log_odds(
         robot: dataset.robot.clone(),
         measurements: measurements.into_owned(),
     };
-    let problem = based(&dataset)?;
+    let problem = problem_at_fitted_poses(&dataset)?;
     let fit = Fit::new(&problem, &[])?;
     let at = LinearFit::new(&fit, EXPECTED_PER_ALPHA * options.alpha, true);
     let gram = at.gram(&at.linear.described());
     let of = |cause: &Cause| {
-        let index = gram.candidates.iter().position(|c| c.is_of(cause));
+        let index = gram.candidates.iter().position(|c| c.represents(cause));
         index.map_or(f64::NEG_INFINITY, |index| {
-            let Own { score, information } = &gram.own[index];
+            let CandidateScore { score, information } = &gram.scores[index];
             Evidence::new(&gram.candidates[index], information).log_odds(score.as_slice())
         })
     };
     Ok(causes.iter().map(of).collect())
 }
 
-/// One candidate for each effect and its targets: of events that in the middle of the poses, of waves that in the middle of
-/// the periods. Values of each cable's own are no further fault.
+/// Selects one candidate for each effect and target: events in the middle of the poses, waves in the middle of the
+/// periods. Families are left out, because they are no additional faults.
 fn representatives(candidates: &[Candidate]) -> Vec<usize> {
     let mut found = Vec::new();
     let mut first = 0;
     for until in 1..=candidates.len() {
-        if until < candidates.len() && is_alike(&candidates[until].cause, &candidates[first].cause)
+        if until < candidates.len()
+            && is_same_effect_and_targets(&candidates[until].cause, &candidates[first].cause)
         {
             continue;
         }
@@ -164,22 +169,22 @@ fn representatives(candidates: &[Candidate]) -> Vec<usize> {
     found
 }
 
-/// A candidate that is asked about.
-struct Asked {
+/// A candidate fault.
+struct CandidateFault {
     cause: Cause,
     evidence: Evidence,
-    /// First of its columns among all.
+    /// Index of its first column in the catalogue.
     first: usize,
-    /// Its parameters at typical size.
+    /// Its coordinates at typical size.
     size: DVector<f64>,
 }
 
-impl Asked {
+impl CandidateFault {
     fn new(gram: &Gram<'_>, index: usize) -> Self {
         let candidate = &gram.candidates[index];
         let cause = candidate.typical();
         Self {
-            evidence: Evidence::new(candidate, &gram.own[index].information),
+            evidence: Evidence::new(candidate, &gram.scores[index].information),
             first: gram.first[index],
             size: DVector::from_vec(candidate.coordinates(&cause)),
             cause,
@@ -187,23 +192,23 @@ impl Asked {
     }
 }
 
-/// All that is asked about, with the Gram matrix of its columns.
-struct Expected {
-    asked: Vec<Asked>,
-    /// First column of each in `gram`.
+/// All candidate faults, with the Gram matrix of their columns.
+struct ExpectedScores {
+    candidates: Vec<CandidateFault>,
+    /// Index of the first column of each fault in `gram`.
     first: Vec<usize>,
     gram: DMatrix<f64>,
-    /// `G phi` for every fault: one column each.
+    /// Mean of all scores for each fault, one column per fault: `-G phi`.
     means: DMatrix<f64>,
-    /// Normal points by number of dimensions, for pairs.
+    /// Normal points for pairs, by number of dimensions.
     points: Vec<DMatrix<f64>>,
 }
 
-impl Expected {
-    fn new(gram: &mut Gram<'_>, asked: Vec<Asked>) -> Self {
+impl ExpectedScores {
+    fn new(gram: &mut Gram<'_>, candidates: Vec<CandidateFault>) -> Self {
         let mut columns = Vec::new();
         let mut first = Vec::new();
-        for one in &asked {
+        for one in &candidates {
             first.push(columns.len());
             columns.extend(one.first..one.first + one.size.len());
         }
@@ -215,18 +220,22 @@ impl Expected {
             }
         }
         let all = (&all + all.transpose()) * 0.5;
-        let mut means = DMatrix::zeros(columns.len(), asked.len());
-        for (index, one) in asked.iter().enumerate() {
+        let mut means = DMatrix::zeros(columns.len(), candidates.len());
+        for (index, one) in candidates.iter().enumerate() {
             let own = all.columns(first[index], one.size.len());
-            // Residuals are predictions less readings.
+            // Residuals are predictions minus readings.
             means.set_column(index, &(own * &one.size * -1.0));
         }
-        let most = asked.iter().map(|one| one.size.len()).max().unwrap_or(0);
+        let most = candidates
+            .iter()
+            .map(|one| one.size.len())
+            .max()
+            .unwrap_or(0);
         let points = (0..=2 * most)
             .map(|count| normal_points(count, POINTS[1]))
             .collect();
         Self {
-            asked,
+            candidates,
             first,
             gram: all,
             means,
@@ -235,13 +244,13 @@ impl Expected {
     }
 
     fn isolability(&self) -> Isolability {
-        let count = self.asked.len();
+        let count = self.candidates.len();
         let mut pairs = Vec::with_capacity(count * count);
         for present in 0..count {
             pairs.extend((0..count).map(|other| self.pair(present, other)));
         }
         let fault = |index: usize| ExpectedFault {
-            cause: self.asked[index].cause.clone(),
+            cause: self.candidates[index].cause.clone(),
             noncentrality: self.noncentrality(index),
             detection: self.detection(index),
         };
@@ -252,26 +261,26 @@ impl Expected {
     }
 
     fn block(&self, one: usize, other: usize) -> DMatrix<f64> {
-        let [a, b] = [one, other].map(|k| (self.first[k], self.asked[k].size.len()));
+        let [a, b] = [one, other].map(|k| (self.first[k], self.candidates[k].size.len()));
         self.gram.view((a.0, b.0), (a.1, b.1)).into_owned()
     }
 
-    /// Mean of the score of `of` where `present` is.
+    /// Mean of the score of `of` if `present` is the fault.
     fn mean(&self, present: usize, of: usize) -> DVector<f64> {
         let own = self.means.column(present);
-        own.rows(self.first[of], self.asked[of].size.len())
+        own.rows(self.first[of], self.candidates[of].size.len())
             .into_owned()
     }
 
     fn noncentrality(&self, index: usize) -> f64 {
-        -self.mean(index, index).dot(&self.asked[index].size)
+        -self.mean(index, index).dot(&self.candidates[index].size)
     }
 
     fn detection(&self, index: usize) -> f64 {
-        let points = normal_points(self.asked[index].size.len(), POINTS[0]);
-        let mut scores = root(&self.block(index, index)) * points;
+        let points = normal_points(self.candidates[index].size.len(), POINTS[0]);
+        let mut scores = covariance_root(&self.block(index, index)) * points;
         let mean = self.mean(index, index);
-        let evidence = &self.asked[index].evidence;
+        let evidence = &self.candidates[index].evidence;
         let seen = scores.column_iter_mut().filter_map(|mut score| {
             score += &mean;
             is_seen(evidence.log_odds(score.as_slice())).then_some(())
@@ -280,7 +289,7 @@ impl Expected {
     }
 
     fn pair(&self, present: usize, other: usize) -> ExpectedPair {
-        let [one, rival] = [present, other].map(|k| &self.asked[k].evidence);
+        let [one, rival] = [present, other].map(|k| &self.candidates[k].evidence);
         let [own, far] = [present, other].map(|k| self.mean(present, k));
         let (within, beside) = (self.block(present, present), self.block(other, other));
         ExpectedPair {
@@ -318,8 +327,8 @@ impl Expected {
         let mut mean = DVector::zeros(both);
         mean.rows_mut(0, count).copy_from(own);
         mean.rows_mut(count, far.len()).copy_from(far);
-        let mut scores = root(&covariance) * &self.points[both];
-        let [one, rival] = [present, other].map(|k| &self.asked[k].evidence);
+        let mut scores = covariance_root(&covariance) * &self.points[both];
+        let [one, rival] = [present, other].map(|k| &self.candidates[k].evidence);
         let confused = scores.column_iter_mut().filter_map(|mut score| {
             score += &mean;
             let (first, second) = score.as_slice().split_at(count);
@@ -329,7 +338,7 @@ impl Expected {
         confused.count() as f64 / POINTS[1] as f64
     }
 
-    /// Noncentrality that another candidate leaves of a fault.
+    /// Noncentrality of a fault that another candidate leaves unexplained.
     fn left_by(&self, present: usize, far: &DVector<f64>, beside: &DMatrix<f64>) -> f64 {
         let total = self.noncentrality(present);
         let explained = beside.clone().cholesky();
@@ -337,20 +346,20 @@ impl Expected {
     }
 }
 
-/// Logarithm of the odds at which something is said.
-fn sure() -> f64 {
-    (SURE / (1.0 - SURE)).ln()
+/// Log odds at which a cause is named or listed.
+fn log_naming_odds() -> f64 {
+    (NAMING_PROBABILITY / (1.0 - NAMING_PROBABILITY)).ln()
 }
 
-/// Whether something with this logarithm of its posterior odds against no cause is named or listed.
+/// Whether a cause with these log posterior odds against no cause is named or listed.
 #[must_use]
 pub fn is_seen(log_odds: f64) -> bool {
-    log_odds >= sure()
+    log_odds >= log_naming_odds()
 }
 
-/// Whether something is seen, but `other` is not ruled out against the fault that is `present`: both are logarithms of
+/// Whether something is detected, but `other` is not ruled out against the fault that is `present`. Both are log
 /// posterior odds against no cause.
 #[must_use]
 pub fn is_confused(present: f64, other: f64) -> bool {
-    is_seen(present.max(other)) && present - other < sure()
+    is_seen(present.max(other)) && present - other < log_naming_odds()
 }

@@ -1,5 +1,5 @@
-//! The posterior odds of one candidate against no cause as a function of its score: [`super::super::evidence`] with the
-//! matrices worked out beforehand.
+//! Posterior odds of one candidate against no cause as a function of its score: [`super::super::evidence`] with the
+//! matrices computed in advance.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -7,15 +7,15 @@ use crate::diagnosis::candidates::Candidate;
 use crate::diagnosis::exploration::log_sum;
 use crate::statistics::log_normal_cdf;
 
-/// The logarithm of the posterior odds of one candidate as a function of its score.
+/// Log posterior odds of one candidate as a function of its score.
 pub(super) struct Evidence {
     log_odds: f64,
     scales: Vec<Scale>,
     is_positive: bool,
 }
 
-/// The evidence at one scale of the prior, `1/2 |K b|^2 + constant`, with the covariance `F F^T` of the prior and
-/// `L L^T = 1 + F^T G F`: `K = L^-1 F^T`, and the constant is that of the determinant and the prior of the scale.
+/// Evidence at one scale of the prior: `1/2 |K b|^2 + constant`, where `K = L^-1 F^T`, `F F^T` is the prior covariance
+/// and `L L^T = 1 + F^T G F`. The constant has the determinant and the prior of the scale.
 struct Scale {
     root: DMatrix<f64>,
     constant: f64,
@@ -44,7 +44,7 @@ impl Evidence {
         }
     }
 
-    /// Over all scales.
+    /// Log posterior odds, summed over all scales.
     pub fn log_odds(&self, score: &[f64]) -> f64 {
         self.log_odds + log_sum(self.scales.iter().map(|scale| self.at(scale, score)))
     }
@@ -60,13 +60,14 @@ impl Evidence {
             value += 0.5 * sum * sum;
         }
         if self.is_positive {
-            // Mean over standard deviation of the parameter given the score.
+            // Mean of the parameter over its standard deviation, given the score.
             value += std::f64::consts::LN_2 + log_normal_cdf(-scale.root[(0, 0)] * score[0]);
         }
         value
     }
 
-    /// Expected evidence, the prior odds left out, at the scale that expects most: the score has this mean and covariance.
+    /// Expected log evidence, without the prior odds, for a score of given mean and covariance, at the scale for which
+    /// it is largest.
     pub fn expected(&self, mean: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
         let value = |scale: &Scale| {
             let spread = (&scale.root * covariance * scale.root.transpose()).trace();

@@ -1,4 +1,4 @@
-//! Predictions against whole fits and against the diagnosis.
+//! Predictions against nonlinear fits and against the diagnosis.
 
 use super::*;
 use crate::effect::{BoundEffect, Search};
@@ -22,9 +22,9 @@ fn exact(name: &str, causes: &[BoundEffect]) -> Dataset {
     simulate(&preset.robot, &options).unwrap().dataset
 }
 
-/// Chi-square of a whole fit without the fault to readings without noise: nothing of it is linear, and it knows neither
-/// conditions nor Gram matrix. Faults are so small that a model without them leaves 0.01: at their typical size some are
-/// not linear, as half a stiffness, which doubles the elongation.
+/// Compares with the chi-square of a nonlinear fit to data without noise, which uses neither conditions nor a Gram
+/// matrix. The faults are scaled to a noncentrality of 0.01, because some are nonlinear at typical size: half the
+/// stiffness doubles the elongation.
 #[test]
 fn noncentrality_is_the_chi_square_that_a_fit_without_the_fault_leaves() {
     const SMALL: f64 = 0.01;
@@ -43,7 +43,7 @@ fn noncentrality_is_the_chi_square_that_a_fit_without_the_fault_leaves() {
         {
             let mut bound = fault.cause.instances[0].clone();
             let parameters = bound.effect.parameters();
-            // What has no slope where it is nothing is linear in its square.
+            // Effects without a slope at zero are linear in the square of their parameter only.
             let is_direct = matches!(
                 bound.effect.search(),
                 Search::Direct | Search::FromPose(_) | Search::AtPose(_)
@@ -83,13 +83,13 @@ fn evidence_is_that_of_the_diagnosis() {
             .unwrap()
             .dataset
     };
-    let problem = based(&data).unwrap();
+    let problem = problem_at_fitted_poses(&data).unwrap();
     let fit = Fit::new(&problem, &[]).unwrap();
     let at = LinearFit::new(&fit, 0.8, true);
     let mut gram = at.gram(&at.linear.described());
     let none = System::extensible(&mut gram, &[]);
     for (index, candidate) in gram.candidates.iter().enumerate() {
-        let own = &gram.own[index];
+        let own = &gram.scores[index];
         let found = Evidence::new(candidate, &own.information).log_odds(own.score.as_slice());
         let (gain, _) = none.gain(&gram, index, f64::NEG_INFINITY).unwrap();
         let gain = gain + none.log_over_scales(&gram, index);
@@ -101,7 +101,7 @@ fn evidence_is_that_of_the_diagnosis() {
 }
 
 #[test]
-fn what_is_the_same_cannot_be_told_apart() {
+fn equal_faults_cannot_be_told_apart() {
     let options = DiagnosisOptions::default();
     let expected = isolability(&exact("mini", &[]), &options).unwrap();
     let all = &expected.faults;
@@ -111,13 +111,13 @@ fn what_is_the_same_cannot_be_told_apart() {
         assert_eq!(expected.pair(index, index).confusion, 0.0);
         assert!(expected.pair(index, index).log_bayes_factor.abs() < 1e-9);
     }
-    // The laser alone cannot tell its bias from an offset of its target, which is estimated.
+    // The laser cannot distinguish its bias from an offset of its target, which is estimated.
     let bias = all
         .iter()
         .find(|f| f.cause.effect().id() == "laser_bias")
         .unwrap();
     assert!(bias.detection < 0.01, "{bias:?}");
-    // Large faults of different winches are told apart, whatever else there is.
+    // Large faults of different winches can be told apart.
     let winches: Vec<usize> = (0..all.len())
         .filter(|k| all[*k].cause.effect().id() == "winch_scale")
         .collect();

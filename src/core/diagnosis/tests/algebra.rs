@@ -1,10 +1,10 @@
-//! Projections and angles against dense algebra.
+//! Projections and angles against dense linear algebra.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::super::space::{Space, cosine};
+use super::super::projector::{Projector, cosine};
 
 fn random(rows: usize, columns: usize, seed: u64) -> DMatrix<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -16,7 +16,7 @@ fn near(one: &DMatrix<f64>, other: &DMatrix<f64>, tolerance: f64) {
     assert!(off <= tolerance * (1.0 + other.amax()), "{off:e}");
 }
 
-/// The projection away from the columns, by their singular value decomposition.
+/// Projection orthogonal to the columns, by singular value decomposition.
 fn dense_projection(design: &DMatrix<f64>) -> DMatrix<f64> {
     let left = design.clone().svd(true, false);
     let largest = left.singular_values.max();
@@ -27,8 +27,8 @@ fn dense_projection(design: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::identity(design.nrows(), design.nrows()) - &basis * basis.transpose()
 }
 
-/// Columns of very different size, one of them twice and one zero: as parameters with units are, and as where the
-/// data leave one open.
+/// Columns of very different size, one of them duplicated and one zero, like parameters in different units of which
+/// some are undetermined.
 fn design() -> DMatrix<f64> {
     let mut design = random(30, 6, 1);
     for (k, scale) in [1.0, 1e4, 1e-4, 1.0, 1.0, 0.0].into_iter().enumerate() {
@@ -43,22 +43,26 @@ fn design() -> DMatrix<f64> {
 fn the_space_is_what_the_columns_leave() {
     let design = design();
     let residual = DVector::from_column_slice(random(30, 1, 2).as_slice());
-    let space = Space::new(&design, &residual);
-    assert_eq!(space.taken(), 4);
+    let projector = Projector::new(&design, &residual);
+    assert_eq!(projector.rank(), 4);
     let identity = DMatrix::identity(4, 4);
-    near(&space.basis().tr_mul(space.basis()), &identity, 1e-9);
-    near(&(&design * space.map()), space.basis(), 1e-12);
+    near(
+        &projector.basis().tr_mul(projector.basis()),
+        &identity,
+        1e-9,
+    );
+    near(&(&design * projector.map()), projector.basis(), 1e-12);
     let dense = dense_projection(&design);
     let columns = random(30, 3, 3);
-    near(&space.project(&columns), &(&dense * &columns), 1e-8);
+    near(&projector.project(&columns), &(&dense * &columns), 1e-8);
     let left = &dense * &residual;
-    assert!((&space.residual - left).amax() < 1e-8);
+    assert!((&projector.residual - left).amax() < 1e-8);
 }
 
 #[test]
 fn cosines_are_those_of_principal_angles() {
     let one = random(30, 3, 4);
-    // The same span in other columns, at another scale.
+    // The same span by other columns at another scale.
     let mixed = &one * random(3, 3, 5) * 1e3;
     assert!((cosine(&one, &mixed) - 1.0).abs() < 1e-9);
     let orthogonal = dense_projection(&one) * random(30, 2, 6);

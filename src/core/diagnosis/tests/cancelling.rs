@@ -1,4 +1,4 @@
-//! A diagnosis that is cancelled stops, and what it says fits together.
+//! A cancelled diagnosis stops at once, and its result is consistent.
 
 use super::super::{Diagnosis, DiagnosisOptions, diagnose};
 use super::{run_with, setting};
@@ -11,7 +11,7 @@ fn dataset() -> Dataset {
     run_with("mini", 40, 91, &[scale, bias]).dataset
 }
 
-/// Cancels at the call with this number; the diagnosis and the number of calls.
+/// Cancels at the call with this number. Returns the diagnosis and the number of calls.
 fn cancelled_at(dataset: &Dataset, call: usize) -> (Diagnosis, usize) {
     let mut calls = 0;
     let options = DiagnosisOptions::default();
@@ -32,14 +32,14 @@ fn calls_of(dataset: &Dataset) -> usize {
     calls
 }
 
-/// Some of the calls, from the first to the last.
+/// A few calls, from the first to the last.
 fn some_of(calls: usize) -> impl Iterator<Item = usize> {
     const COUNT: usize = 10;
     (0..COUNT).map(move |k| k * (calls - 1) / (COUNT - 1))
 }
 
 #[test]
-fn the_observer_is_not_asked_again() {
+fn a_cancelled_diagnosis_stops_calling_the_observer() {
     let dataset = dataset();
     let calls = calls_of(&dataset);
     for call in some_of(calls) {
@@ -49,7 +49,7 @@ fn the_observer_is_not_asked_again() {
     }
 }
 
-/// What is reported and the model that is returned name the same causes.
+/// The findings have the same causes as the returned model.
 #[test]
 fn findings_are_those_of_the_model() {
     let dataset = dataset();

@@ -1,16 +1,17 @@
-//! What is predicted for poses held out, against explicit fits without them.
+//! Predictions of held-out poses against explicit fits without those poses.
 
 use super::super::gain::{Prediction, quantity_of};
 use super::super::report::{Cause, Quantity};
-use super::{Fit, based, run_with, setting};
+use super::{Fit, problem_at_fitted_poses, run_with, setting};
 use crate::effect::EffectRequest;
 use crate::estimation::{Linearisation, Problem};
 use crate::measurement::Dataset;
 
-/// Sums of squares of the readings of one kind, and what noise alone gives.
+/// For each kind of reading the sum of squares and its expectation from noise alone.
 type Sums = Vec<(Quantity, f64, f64)>;
 
-/// The readings of each pose as a complete fit to all other poses predicts them: only its position is fitted to them.
+/// Predicts the readings of each pose from a full fit to all other poses. Only the pose itself is fitted to its
+/// readings.
 fn by_refits(problem: &Problem<'_>, causes: &[Cause]) -> Sums {
     let full = Fit::new(problem, causes).unwrap();
     let data = &problem.dataset.measurements;
@@ -55,14 +56,14 @@ fn compare(problem: &Problem<'_>, causes: &[Cause], tolerance: f64) {
     assert_eq!(compared, 3);
 }
 
-/// Within 1 % of the noise for the model as described.
+/// Tolerance 1 % of the noise for the model as described.
 #[test]
 fn residuals_of_poses_held_out_are_those_of_refits() {
     let run = run_with("mini", 16, 51, &[]);
     compare(&Problem::new(&run.dataset).unwrap(), &[], 0.01);
 }
 
-/// Within 2 % of the noise with a cause in the model.
+/// Tolerance 2 % of the noise with a cause in the model.
 #[test]
 fn with_a_cause_in_the_model_too() {
     let hidden = setting("winch_scale", &["cable-3"], &[("scale", 0.02)]);
@@ -74,7 +75,7 @@ fn with_a_cause_in_the_model_too() {
     compare(&Problem::new(&run.dataset).unwrap(), &[cause], 0.02);
 }
 
-/// What a cause gains: of the right size, the interval around it, at every pose but those at which it acts alone.
+/// The gain of a cause has the right size and interval, and excludes the pose at which an event acts alone.
 #[test]
 fn a_cause_gains_on_poses_held_out() {
     let hidden = setting(
@@ -84,7 +85,7 @@ fn a_cause_gains_on_poses_held_out() {
     );
     let scale = setting("winch_scale", &["cable-1"], &[("scale", 0.02)]);
     let run = run_with("mini", 30, 53, &[hidden, scale]);
-    let base = based(&run.dataset);
+    let base = problem_at_fitted_poses(&run.dataset);
     let cause = |text: &str| Cause {
         instances: EffectRequest::parse(text).bind(&run.dataset.robot).unwrap(),
     };
@@ -102,7 +103,7 @@ fn a_cause_gains_on_poses_held_out() {
     let [low, high] = position.interval_m;
     assert!(low <= position.rms_m && position.rms_m <= high);
     assert!(position.rms_m <= position.largest_m && position.largest_m < 0.02);
-    // The same model gains nothing.
+    // A model gains nothing over itself.
     let nothing = two.gain_over(&two);
     assert_eq!(
         (nothing.before, nothing.interval),

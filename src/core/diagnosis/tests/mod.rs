@@ -1,5 +1,5 @@
-//! Tests of the doctor: its score tests, its algebra, what it names and what it makes of odd inputs. Seeds are fixed; where
-//! noise decides, the probability of a false failure, had they not been, is said.
+//! Tests of the diagnosis: its algebra, its search, the names it finds and its behaviour with unusual input. Seeds are
+//! fixed. Where noise decides, the test states the probability of a false failure with random seeds.
 
 mod algebra;
 mod cancelling;
@@ -9,7 +9,7 @@ mod noise;
 mod odd_inputs;
 mod separation;
 mod sets;
-mod structure;
+mod unmodelled_errors;
 mod unread_tensions;
 
 use super::adequacy_tests::{run_of, run_with, setting};
@@ -18,8 +18,8 @@ use super::{Diagnosis, DiagnosisOptions, Finding, diagnose};
 use crate::estimation::{Control, Problem};
 use crate::measurement::Dataset;
 
-/// The problem of a dataset with what effects depend on taken at the fitted poses, as the doctor poses it.
-fn based(dataset: &Dataset) -> Problem<'_> {
+/// The problem whose effects are evaluated at the fitted poses, as in the diagnosis.
+fn problem_at_fitted_poses(dataset: &Dataset) -> Problem<'_> {
     let problem = Problem::new(dataset).unwrap();
     let first = Fit::new(&problem, &[]).unwrap();
     problem.at_poses_of(&first.solution)
@@ -30,7 +30,7 @@ fn diagnosed(dataset: &Dataset) -> Diagnosis {
     diagnose(dataset, &options, &mut |_| Control::Continue).unwrap()
 }
 
-/// Effect and cables of a finding, its alternatives after it.
+/// Effect and cables of a finding and then of its alternatives.
 fn names(finding: &Finding) -> Vec<(&'static str, Vec<usize>)> {
     let others = finding.alternatives.iter().map(|other| &other.cause);
     let causes = std::iter::once(&finding.cause).chain(others);
@@ -39,7 +39,7 @@ fn names(finding: &Finding) -> Vec<(&'static str, Vec<usize>)> {
         .collect()
 }
 
-/// Effect and cables of every finding.
+/// Effect and cables of each finding.
 fn found(diagnosis: &Diagnosis) -> Vec<(&'static str, Vec<usize>)> {
     let findings = diagnosis.findings.iter();
     findings.map(|finding| names(finding).remove(0)).collect()

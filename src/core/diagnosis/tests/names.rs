@@ -1,5 +1,5 @@
-//! What is hidden is named. Sizes are such that noise hides none: a false failure by noise alone is below 1e-3 for each
-//! test, had the seeds not been fixed.
+//! Hidden effects are named. They are so large that the probability of a false failure is below 1e-3 for each test with
+//! random seeds.
 
 use super::super::Verdict;
 use super::{diagnosed, found, names, run_with, setting};
@@ -31,7 +31,7 @@ fn an_exchange_hides_no_second_effect() {
 }
 
 #[test]
-fn values_of_its_own_on_every_cable_are_one_finding() {
+fn different_values_on_all_cables_are_one_finding() {
     let scales = [0.02, -0.015, 0.018, -0.02, 0.014, 0.021, -0.017, 0.016];
     let effects: Vec<_> = scales
         .iter()
@@ -55,7 +55,7 @@ fn values_of_its_own_on_every_cable_are_one_finding() {
 }
 
 #[test]
-fn values_of_their_own_on_two_cables_are_two_findings() {
+fn different_values_on_two_cables_are_two_findings() {
     let one = setting("winch_scale", &["cable-2"], &[("scale", 0.02)]);
     let other = setting("winch_scale", &["cable-7"], &[("scale", -0.02)]);
     let run = run_with("mini", 40, 64, &[one, other]);
@@ -65,7 +65,7 @@ fn values_of_their_own_on_two_cables_are_two_findings() {
 }
 
 #[test]
-fn a_value_that_cables_share_is_one_finding() {
+fn a_value_common_to_several_cables_is_one_finding() {
     let cables = ["cable-2", "cable-4", "cable-7"];
     let shared = setting("winch_scale", &cables, &[("scale", 0.02)]);
     let run = run_with("mini", 60, 65, &[shared]);
@@ -92,9 +92,9 @@ fn two_effects_are_both_named() {
     assert!(diagnosis.extended.adequate);
 }
 
-/// At the default level, a finding in 30 clean data sets has a probability below 0.3, three or more below 0.004.
+/// At the default level the probability of a finding in 30 clean datasets is below 0.3, of three or more below 0.004.
 #[test]
-fn clean_data_are_silent() {
+fn clean_data_have_no_findings() {
     let alarms: Vec<_> = (0..30)
         .map(|seed| found(&diagnosed(&run_with("mini", 20, 700 + seed, &[]).dataset)))
         .filter(|names| !names.is_empty())
@@ -102,7 +102,8 @@ fn clean_data_are_silent() {
     assert!(alarms.len() < 3, "{alarms:?}");
 }
 
-/// A step of an anchor along its cable looks like a slip of the cable: both are said, however strong the step is.
+/// A step of an anchor along its cable looks like a slip of the cable, so both must be listed however large the step
+/// is.
 #[test]
 fn a_strong_step_along_a_cable_is_not_named_a_slip() {
     let shift = setting(
@@ -122,7 +123,7 @@ fn a_strong_step_along_a_cable_is_not_named_a_slip() {
     assert!(diagnosis.findings[0].evidence.delta_chi2 > 1000.0);
 }
 
-/// Readings of one standstill share what is wrong in them: as independent ones they would be full of errors.
+/// Rows of one standstill share part of their errors. Taken as independent they would seem full of errors.
 #[test]
 fn rows_of_a_standstill_count_once() {
     let mut dataset = run_with("mini", 41, 65, &[]).dataset;

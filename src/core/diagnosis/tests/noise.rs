@@ -1,12 +1,11 @@
-//! Noise that is larger than given makes chance look like causes: none may be named.
+//! Noise larger than described produces chance patterns, none of which may be named.
 
 use super::{diagnosed, found, run_with};
 use crate::diagnosis::{Quantity, Verdict};
 
-/// Of 12 data sets none has a named cause. A correct program names one with a probability of about alpha, 0.01, each:
-/// the test allows one.
+/// A correct program names a cause in each of the 12 datasets with a probability of about 0.01, so that one is allowed.
 #[test]
-fn loud_noise_is_no_cause() {
+fn excess_noise_is_not_named_as_a_cause() {
     let mut named = 0;
     let mut stated = 0;
     for name in ["mini", "hall", "planar", "suspended"] {
@@ -25,13 +24,13 @@ fn loud_noise_is_no_cause() {
         }
     }
     assert!(named <= 1, "{named}");
-    // Each statement covers the truth with a probability of 0.95, and is made almost surely.
+    // Each statement covers the truth with probability 0.95, and statements are made almost surely.
     assert!(stated >= 8, "{stated}");
 }
 
-/// A cause stays one when the noise is larger than given.
+/// A cause is still found if the noise is larger than described.
 #[test]
-fn a_cause_is_found_in_loud_noise() {
+fn a_cause_is_found_in_excess_noise() {
     let setting = super::setting("winch_scale", &["cable-2"], &[("scale", 0.008)]);
     let mut run = run_with("mini", 41, 1, std::slice::from_ref(&setting));
     for cable in &mut run.dataset.robot.cables {
@@ -40,7 +39,7 @@ fn a_cause_is_found_in_loud_noise() {
     let diagnosis = diagnosed(&run.dataset);
     assert_eq!(found(&diagnosis)[0], ("winch_scale", vec![1]));
     assert_eq!(diagnosis.findings[0].verdict, Verdict::Named);
-    // What may follow is the noise itself.
+    // Further findings may only be the noise itself.
     let rest = &diagnosis.findings[1..];
     assert!(rest.iter().all(|f| f.verdict == Verdict::Unknown));
     assert_eq!(diagnosis.noise[0].quantity, Quantity::Length);

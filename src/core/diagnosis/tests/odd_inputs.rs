@@ -1,5 +1,4 @@
-//! Odd inputs: the doctor answers with a diagnosis or with an error in words, never with a panic, and nothing in the
-//! answer is nonsense.
+//! Unusual input: the diagnosis returns a consistent result or an error message, and never panics.
 
 use super::super::{Diagnosis, DiagnosisOptions, diagnose};
 use super::{diagnosed, run_of, run_with, setting};
@@ -8,7 +7,7 @@ use crate::estimation::{Control, EstimationError, Problem};
 use crate::measurement::{Dataset, Grid};
 use crate::robot::{PerAxis, presets};
 
-/// Insists that a diagnosis makes sense as a whole.
+/// Checks that a diagnosis is consistent.
 fn check(diagnosis: &Diagnosis) {
     let is_probability = |p: f64| (0.0..=1.0).contains(&p);
     assert!(!diagnosis.cancelled);
@@ -35,7 +34,7 @@ fn check(diagnosis: &Diagnosis) {
     }
 }
 
-/// Diagnoses data in which nothing is hidden: a finding has a probability below 0.01.
+/// Checks the diagnosis of data without hidden effects, which have a finding with a probability below 0.01.
 fn check_clean(dataset: &Dataset) {
     let diagnosis = diagnosed(dataset);
     check(&diagnosis);
@@ -72,9 +71,9 @@ fn without_laser() {
     check_clean(&dataset);
 }
 
-/// What no instrument could show is not listed as invisible; what these poses do not show is.
+/// Effects are listed as invisible if these poses do not reveal them, but not if the robot has no instrument for them.
 #[test]
-fn the_invisible_is_what_instruments_could_show() {
+fn only_effects_of_present_instruments_are_listed_as_invisible() {
     let mut dataset = clean("mini", 25);
     let ids = |dataset: &Dataset| -> Vec<_> {
         let invisible = diagnosed(dataset).invisible;
@@ -87,7 +86,7 @@ fn the_invisible_is_what_instruments_could_show() {
     assert!(with_all.contains(&"laser_bias"), "{with_all:?}");
     dataset.measurements.laser_m.clear();
     dataset.measurements.force_n = Grid::default();
-    // Without limits no tensions are estimated either.
+    // Without tension limits, tensions are not estimated either.
     dataset.robot.limits = None;
     let without = ids(&dataset);
     let prefixes = ["laser", "target", "force", "payload", "pulley_friction"];
@@ -179,7 +178,7 @@ fn on_cable_3(scale: f64) -> EffectSetting {
     setting("winch_scale", &["cable-3"], &[("scale", scale)])
 }
 
-/// A model that names what is there is adequate; what it names is not found again, whatever is found besides.
+/// An effect that the model already has is not found again.
 #[test]
 fn a_held_effect_in_the_model() {
     let mut dataset = run_with("mini", 30, 85, &[on_cable_3(0.02)]).dataset;
@@ -189,7 +188,7 @@ fn a_held_effect_in_the_model() {
     check(&diagnosed(&dataset));
 }
 
-/// Nothing is known beforehand, so that the data leave directions open.
+/// Without prior knowledge the data leave directions undetermined.
 #[test]
 fn an_undetermined_robot() {
     let mut dataset = clean("mini", 12);
@@ -202,11 +201,11 @@ fn an_undetermined_robot() {
     check(&diagnosed(&dataset));
 }
 
-/// Everything is known beforehand: only the poses are left to fit.
+/// With exact prior knowledge only the poses remain to be fitted.
 #[test]
 fn a_robot_that_is_known_exactly() {
     let mut preset = presets::find("mini").unwrap();
-    // Without limits no tensions are estimated.
+    // Without tension limits, tensions are not estimated.
     preset.robot.limits = None;
     for cable in &mut preset.robot.cables {
         cable.pulley.entry_point_sd_m = PerAxis::known(0.0);

@@ -1,8 +1,8 @@
-//! What would separate causes.
+//! Measurements that tell causes apart.
 
 use super::super::report::Cause;
 use super::super::separation::separation;
-use super::{Fit, based, run_with, setting};
+use super::{Fit, problem_at_fitted_poses, run_with, setting};
 use crate::effect::{BoundEffect, EffectRequest};
 use crate::robot::Robot;
 
@@ -11,23 +11,23 @@ fn cause(robot: &Robot, request: &str) -> Cause {
     Cause { instances }
 }
 
-/// The last pose only: a slip of the cable and a wrong reading are the same until another pose is measured.
+/// An event at the last pose: a slip of the cable and a wrong reading are the same until another pose is measured.
 #[test]
-fn one_pose_tells_a_slip_from_a_wrong_reading() {
+fn one_pose_distinguishes_a_slip_from_a_wrong_reading() {
     let hidden = setting(
         "cable_slip",
         &["cable-2"],
         &[("step", 0.02), ("pose", 20.0)],
     );
     let run = run_with("mini", 20, 95, &[hidden]);
-    let base = based(&run.dataset);
+    let base = problem_at_fitted_poses(&run.dataset);
     let [slip, reading] = [
         "cable_slip:cable-2:pose=20",
         "encoder_outlier:cable-2:pose=20",
     ]
     .map(|request| Fit::new(&base, &[cause(&run.dataset.robot, request)]).unwrap());
-    let apart = (slip.solution.chi2 - reading.solution.chi2).abs();
-    assert!(apart < 1.0, "{apart}");
+    let separate = (slip.solution.chi2 - reading.solution.chi2).abs();
+    assert!(separate < 1.0, "{separate}");
     let found = separation(&slip, &reading).unwrap();
     assert_eq!(found.poses.len(), 5);
     assert!(found.expected_delta_chi2 > 100.0);
@@ -37,12 +37,12 @@ fn one_pose_tells_a_slip_from_a_wrong_reading() {
     assert_eq!(found.advice, expected);
 }
 
-/// What is the same under two names is not separated by any pose.
+/// No pose can tell apart two names for the same model.
 #[test]
-fn nothing_is_promised_where_no_pose_separates() {
+fn no_poses_are_proposed_if_none_would_help() {
     let hidden = setting("winch_scale_common", &[], &[("scale", 0.01)]);
     let run = run_with("mini", 20, 96, &[hidden]);
-    let base = based(&run.dataset);
+    let base = problem_at_fitted_poses(&run.dataset);
     let common = cause(&run.dataset.robot, "winch_scale_common");
     let each = cause(&run.dataset.robot, "winch_scale:cable-1");
     let same = Cause {
@@ -55,7 +55,7 @@ fn nothing_is_promised_where_no_pose_separates() {
     let found = separation(&one, &other).unwrap();
     assert!(found.poses.is_empty());
     assert_eq!(found.expected_delta_chi2, 0.0);
-    let expected = "No poses of this workspace tell these causes apart, but a check does: \
+    let expected = "No poses of this workspace tell these causes separate, but a check does: \
         Measure one distance between two poses of the platform with a steel tape. \
         Pay out a few metres of cable and compare what the controller counts with a steel tape.";
     assert_eq!(found.advice, expected);

@@ -1,10 +1,11 @@
-//! What acts by the tension is found without force sensors, too, where mass and limits of the tensions are stated.
+//! Effects that act through tensions are also found without force sensors, if the mass and the tension limits are
+//! described.
 
 use super::*;
 use crate::effect::EffectSetting;
 use crate::measurement::Grid;
 
-/// A run whose forces nobody reads.
+/// A run without force readings.
 fn unread(name: &str, seed: u64, effects: &[EffectSetting]) -> Dataset {
     let mut dataset = run_with(name, 40, seed, effects).dataset;
     for cable in &mut dataset.robot.cables {
@@ -28,9 +29,9 @@ fn stretch_and_sag_are_seen_without_force_sensors() {
     }
 }
 
-/// At the default level, a finding in ten clean data sets has a probability below 0.1, two or more below 0.005.
+/// At the default level the probability of a finding in ten clean datasets is below 0.1, of two or more below 0.005.
 #[test]
-fn clean_data_without_force_sensors_are_silent() {
+fn clean_data_without_force_sensors_have_no_findings() {
     let runs = (0..10).map(|seed| (["mini", "suspended"][seed as usize % 2], 900 + seed));
     let alarms: Vec<_> = runs
         .map(|(name, seed)| found(&diagnosed(&unread(name, seed, &[]))))
@@ -40,7 +41,7 @@ fn clean_data_without_force_sensors_are_silent() {
 }
 
 #[test]
-fn sensors_that_are_not_there_have_no_errors() {
+fn missing_sensors_have_no_faults() {
     let dataset = unread("mini", 45, &[]);
     let diagnosis = diagnosed(&dataset);
     let asked: Vec<&str> = diagnosis

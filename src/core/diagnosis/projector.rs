@@ -1,37 +1,37 @@
-//! What is left of the readings once everything that is estimated anyway has been fitted.
+//! Projection of the readings orthogonal to all parameters that are estimated in any case.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Part of the largest eigenvalue, of the information in its own scale, below which a direction counts as
+/// Eigenvalues of the scaled information below this share of the largest one count as zero: their directions are
 /// undetermined.
 const SINGULAR: f64 = 1e-12;
 
-/// The space orthogonal to the columns of a design.
+/// Projector onto the space orthogonal to the columns of a design.
 #[derive(Debug, Clone)]
-pub(super) struct Space {
+pub(super) struct Projector {
     /// Orthonormal basis `V` of the columns.
     basis: DMatrix<f64>,
-    /// `design * map = V`.
+    /// Matrix for which `design * map = V`.
     map: DMatrix<f64>,
-    /// Residual without what the columns could still explain.
+    /// Projected residual.
     pub residual: DVector<f64>,
 }
 
-impl Space {
-    /// The space left by `design` (rows x parameters), with the residual of its rows.
+impl Projector {
+    /// The projector for `design` (rows x parameters), with the residual of its rows.
     pub fn new(design: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
         let map = orthonormal_map(design);
-        let mut space = Self {
+        let mut projector = Self {
             basis: design * &map,
             map,
             residual: residual.clone(),
         };
-        space.residual -= &space.basis * space.basis.tr_mul(residual);
-        space
+        projector.residual -= &projector.basis * projector.basis.tr_mul(residual);
+        projector
     }
 
-    /// Number of dimensions taken away.
-    pub fn taken(&self) -> usize {
+    /// Rank of the design.
+    pub fn rank(&self) -> usize {
         self.basis.ncols()
     }
 
@@ -40,7 +40,7 @@ impl Space {
         &self.basis
     }
 
-    /// Step of the parameters from coordinates in the basis.
+    /// Parameter changes for coordinates in the basis.
     pub fn map(&self) -> &DMatrix<f64> {
         &self.map
     }
@@ -51,8 +51,8 @@ impl Space {
     }
 }
 
-/// Matrix that makes the columns of `design` orthonormal, by the eigenvectors of its scaled normal matrix: a
-/// Cholesky factor fails where the data leave a parameter open.
+/// Matrix that orthonormalises the columns of `design`, from the eigenvectors of its scaled normal matrix. A Cholesky
+/// factorisation would fail where the data leave a parameter undetermined.
 fn orthonormal_map(design: &DMatrix<f64>) -> DMatrix<f64> {
     if design.is_empty() {
         return DMatrix::zeros(design.ncols(), 0);
@@ -74,7 +74,7 @@ fn orthonormal_map(design: &DMatrix<f64>) -> DMatrix<f64> {
     })
 }
 
-/// Largest cosine of the angle between the spans of two sets of projected columns.
+/// Cosine of the smallest angle between the spans of two sets of projected columns.
 pub(super) fn cosine(one: &DMatrix<f64>, other: &DMatrix<f64>) -> f64 {
     let (one, other) = (one * orthonormal_map(one), other * orthonormal_map(other));
     if one.is_empty() || other.is_empty() {

@@ -1,37 +1,40 @@
-//! Which sets of one linearisation are worth a complete fit, and what it changes for the others.
+//! Selects the sets of one linearisation that deserve a full nonlinear fit, and corrects the others by what those fits
+//! show.
 //!
-//! A linear comparison of sets is exact near the fit where it is made. The larger a cause, the more the evidence of another
-//! in its place changes with a complete fit. What it changes for one set, it is taken to change for those most like it.
+//! The linear comparison of sets is exact near the fit at which it is made. The larger a cause, the more a full fit
+//! changes the evidence of a set in which another cause replaces it. The change found for one set is applied to the
+//! sets most similar to it.
 
 use super::evidence::Member;
-use super::inference::{Ranked, is_same};
+use super::inference::{RankedSet, is_same_set};
 use super::linear_fit::LinearFit;
 use super::report::Cause;
 
-/// Most sets that are fitted completely, and how far below the best.
-const MOST_FITS: usize = 8;
-const NEAR: f64 = 5.0;
-/// How far below the best the likeliest set without one of its causes may be.
-pub(super) const RIVAL: f64 = 18.0;
+/// Maximum number of full fits, and how far below the best a set may be to get one.
+const MAX_FITS: usize = 8;
+const FIT_WITHIN: f64 = 5.0;
+/// Log posterior below the best down to which the most probable set without one of its causes is still fitted.
+pub(super) const RIVAL_WITHIN: f64 = 18.0;
 
-/// A set with its evidence, linear and from its own fit.
-struct Compared {
+/// A set with its evidence from the linear comparison and from its own fit.
+struct ComparedSet {
     members: Vec<Member>,
     causes: Vec<Cause>,
-    /// Logarithm of the evidence and the prior, from the linear comparison.
+    /// Log evidence and prior from the linear comparison.
     linear: f64,
-    /// What the complete fit adds; minus infinity where that is impossible.
+    /// What the full fit adds to it; minus infinity if the fit is impossible, `None` if there was none.
     change: Option<f64>,
 }
 
-/// The sets of one linearisation.
-pub(super) struct Comparison {
-    sets: Vec<Compared>,
+/// The sets of one linearisation that are compared.
+pub(super) struct SetComparison {
+    sets: Vec<ComparedSet>,
     fits: usize,
 }
 
-impl Comparison {
-    /// The ranking found at a fit, with sets whose evidence is known from their own fits, the last that of this one.
+impl SetComparison {
+    /// Compares the ranking found at a fit. `known` has sets whose evidence at their own fits is known, the present one
+    /// last.
     pub fn new(
         at: &LinearFit<'_, '_>,
         ranking: Vec<(Vec<Member>, f64)>,
@@ -39,7 +42,7 @@ impl Comparison {
     ) -> Self {
         let candidates = &at.catalogue.candidates;
         let own = |causes: &[Cause]| {
-            let mut same = known.iter().rev().filter(|(k, _)| is_same(k, causes));
+            let mut same = known.iter().rev().filter(|(k, _)| is_same_set(k, causes));
             same.next().map(|(_, value)| *value)
         };
         let here = |members: &[Member]| {
@@ -58,7 +61,7 @@ impl Comparison {
         let sets = ranking.into_iter().map(|(members, linear)| {
             let causes: Vec<Cause> = members.iter().map(|m| candidates[m.0].placed()).collect();
             let linear = linear + offset;
-            Compared {
+            ComparedSet {
                 change: own(&causes).map(|own| own - linear),
                 members,
                 causes,
@@ -84,20 +87,20 @@ impl Comparison {
         values.iter().all(|value| *value <= values[place])
     }
 
-    /// The next set to be fitted: the likeliest, or the likeliest without one of the causes of the likeliest, with whatever else
-    /// or with another in its place.
+    /// Selects the next set to fit: the most probable one, then for each cause of the best set the most probable set
+    /// without it, and the most probable one with another cause in its place.
     pub fn next(&self) -> Option<usize> {
-        if self.fits == MOST_FITS {
+        if self.fits == MAX_FITS {
             return None;
         }
         let values = self.values();
         let best = (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b]))?;
-        let open = |k: &usize| self.sets[*k].change.is_none();
+        let unfitted = |k: &usize| self.sets[*k].change.is_none();
         let likeliest = |of: &dyn Fn(&usize) -> bool| {
             let places = (0..values.len()).filter(|k| of(k));
             places.max_by(|a, b| values[*a].total_cmp(&values[*b]))
         };
-        let near = likeliest(&open).filter(|k| values[*k] >= values[best] - NEAR);
+        let near = likeliest(&unfitted).filter(|k| values[*k] >= values[best] - FIT_WITHIN);
         if near.is_some() {
             return near;
         }
@@ -109,21 +112,24 @@ impl Comparison {
                 let mut others = members.iter().filter(|m| m.0 != member.0);
                 lacks(k) && others.all(|m| has(*k, m))
             };
-            let without = likeliest(&lacks).filter(|k| values[*k] >= values[best] - RIVAL);
-            without.into_iter().chain(likeliest(&exchanged)).find(open)
+            let without = likeliest(&lacks).filter(|k| values[*k] >= values[best] - RIVAL_WITHIN);
+            without
+                .into_iter()
+                .chain(likeliest(&exchanged))
+                .find(unfitted)
         })
     }
 
-    /// Notes the evidence of a set at its own fit; minus infinity where that is impossible.
-    pub fn fitted(&mut self, place: usize, own: f64) {
+    /// Records the evidence of a set at its own fit; minus infinity if it is impossible.
+    pub fn record_fit(&mut self, place: usize, own: f64) {
         let set = &mut self.sets[place];
         set.change = Some(own - set.linear);
         self.fits += 1;
     }
 
-    /// Leaves out all sets with these causes, which a fit has shown to be impossible together.
+    /// Rules out all sets that contain these causes, which a fit has shown to be impossible together.
     pub fn exclude(&mut self, causes: &[usize]) {
-        let has = |set: &Compared, cause: &usize| set.members.iter().any(|m| m.0 == *cause);
+        let has = |set: &ComparedSet, cause: &usize| set.members.iter().any(|m| m.0 == *cause);
         for set in &mut self.sets {
             if causes.iter().all(|cause| has(set, cause)) {
                 set.change = Some(f64::NEG_INFINITY);
@@ -132,12 +138,12 @@ impl Comparison {
         self.fits -= 1;
     }
 
-    /// The sets, the likeliest first.
-    pub fn ranking(self) -> Vec<Ranked> {
+    /// The sets in order of decreasing probability.
+    pub fn ranking(self) -> Vec<RankedSet> {
         let values = self.values();
         let sets = self.sets.into_iter().zip(values);
-        let mut ranking: Vec<Ranked> = sets
-            .map(|(set, log_posterior)| Ranked {
+        let mut ranking: Vec<RankedSet> = sets
+            .map(|(set, log_posterior)| RankedSet {
                 causes: set.causes,
                 log_posterior,
             })
@@ -147,13 +153,13 @@ impl Comparison {
     }
 
     fn values(&self) -> Vec<f64> {
-        let value = |set: &Compared| set.linear + set.change.unwrap_or_else(|| self.change(set));
+        let value = |set: &ComparedSet| set.linear + set.change.unwrap_or_else(|| self.change(set));
         self.sets.iter().map(value).collect()
     }
 
-    /// What complete fits change for the sets most like one, on average.
-    fn change(&self, set: &Compared) -> f64 {
-        let lacks = |one: &Compared, other: &Compared| {
+    /// Mean change by full fits of the most similar sets.
+    fn change(&self, set: &ComparedSet) -> f64 {
+        let lacks = |one: &ComparedSet, other: &ComparedSet| {
             let all = |m: &&Member| other.members.iter().all(|o| o.0 != m.0);
             one.members.iter().filter(all).count()
         };
@@ -175,8 +181,8 @@ impl Comparison {
 mod tests {
     use super::*;
 
-    fn set(members: &[usize], linear: f64) -> Compared {
-        Compared {
+    fn set(members: &[usize], linear: f64) -> ComparedSet {
+        ComparedSet {
             members: members.iter().map(|index| (*index, 0)).collect(),
             causes: Vec::new(),
             linear,
@@ -184,11 +190,11 @@ mod tests {
         }
     }
 
-    /// At 1 and 2, of which a fit shows that 3 in the place of both is worse by 10 than its linear value: so it is with 4
-    /// beside it, and the set that is like the present one is preferred.
+    /// A fit shows that 3 in place of both 1 and 2 is worse by 10 than its linear value. The set that also contains 4
+    /// is lowered by as much, and the set similar to the present one is fitted instead.
     #[test]
-    fn what_a_fit_changes_it_changes_for_sets_like_it() {
-        let mut compared = Comparison {
+    fn a_fit_also_corrects_similar_sets() {
+        let mut compared = SetComparison {
             sets: vec![
                 set(&[1, 2], 0.0),
                 set(&[3], 2.0),
@@ -199,37 +205,37 @@ mod tests {
         };
         compared.sets[0].change = Some(0.0);
         assert_eq!(compared.next(), Some(1));
-        compared.fitted(1, -8.0);
+        compared.record_fit(1, -8.0);
         assert!(!compared.is_best(1) && compared.is_best(0));
-        // The third set was above all others and is now below what is worth a fit.
+        // The third set was above all others and is now too low for a fit.
         assert_eq!(compared.values(), [0.0, -8.0, -9.0, -1.0]);
         assert_eq!(compared.next(), Some(3));
-        compared.fitted(3, -2.0);
-        // Of the sets without cause 1 the likeliest is known, so nothing is left to fit.
+        compared.record_fit(3, -2.0);
+        // The most probable set without cause 1 has been fitted already.
         assert_eq!(compared.next(), None);
     }
 
-    /// 3 in the place of 1 seems much worse, and so it stays in the ranking only because a linear comparison may be off: it is
-    /// fitted after the likeliest set without 1, and turns out to be nearly as good.
+    /// Replacing 1 by 3 looks much worse in the linear comparison, which may be wrong. The set is fitted after the most
+    /// probable one without 1 and turns out to be nearly as good.
     #[test]
-    fn what_may_stand_in_the_place_of_a_strong_cause_is_fitted() {
-        let mut compared = Comparison {
+    fn a_set_with_a_strong_cause_replaced_is_fitted() {
+        let mut compared = SetComparison {
             sets: vec![set(&[1, 2], 0.0), set(&[4], -9.0), set(&[3, 2], -200.0)],
             fits: 0,
         };
         compared.sets[0].change = Some(0.0);
         assert_eq!(compared.next(), Some(1));
-        compared.fitted(1, -9.0);
+        compared.record_fit(1, -9.0);
         assert_eq!(compared.next(), Some(2));
-        compared.fitted(2, -1.0);
+        compared.record_fit(2, -1.0);
         assert_eq!(compared.values(), [0.0, -9.0, -1.0]);
     }
 
-    /// 1 and 2 are impossible together, and so are they with 3 beside them; another set is fitted instead, and that fit is not
-    /// counted.
+    /// 1 and 2 are impossible together, and so they are with 3 added. The fit that showed it does not count against the
+    /// maximum, and another set is fitted instead.
     #[test]
-    fn sets_with_causes_that_are_impossible_together_are_left_out() {
-        let mut compared = Comparison {
+    fn sets_with_jointly_impossible_causes_are_ruled_out() {
+        let mut compared = SetComparison {
             sets: vec![
                 set(&[1, 2], 0.0),
                 set(&[1, 2, 3], -1.0),
@@ -238,22 +244,22 @@ mod tests {
             fits: 0,
         };
         assert_eq!(compared.next(), Some(0));
-        compared.fitted(0, f64::NEG_INFINITY);
+        compared.record_fit(0, f64::NEG_INFINITY);
         compared.exclude(&[1, 2]);
         assert_eq!(compared.fits, 0);
         assert_eq!(compared.next(), Some(2));
     }
 
-    /// A set that is far below the best is fitted if it is the likeliest without one of the causes.
+    /// A set far below the best is fitted if it is the most probable one without one of the causes.
     #[test]
     fn the_likeliest_set_without_each_cause_is_fitted() {
-        let mut compared = Comparison {
+        let mut compared = SetComparison {
             sets: vec![set(&[1, 2], 0.0), set(&[3, 2], -8.0), set(&[4], -24.0)],
             fits: 0,
         };
         compared.sets[0].change = Some(0.0);
         assert_eq!(compared.next(), Some(1));
-        compared.fitted(1, -1.0);
+        compared.record_fit(1, -1.0);
         assert_eq!(compared.next(), None, "{:?}", compared.values());
         assert_eq!(
             compared.ranking()[1].log_posterior.to_bits(),

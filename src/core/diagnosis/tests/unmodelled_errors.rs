@@ -1,17 +1,17 @@
-//! Errors without a name: their evidence against dense algebra, and that they are found where they are.
+//! Unmodelled errors: their evidence against dense linear algebra, and whether they are found.
 
 use nalgebra::DMatrix;
 
-use super::super::families::field;
-use super::super::inference::at_fit;
+use super::super::error_functions::field;
+use super::super::inference::inference_at_fit;
 use super::super::linear_fit::LinearFit;
 use super::super::reading_errors::ReadingErrors;
-use super::super::remainder::Remainder;
+use super::super::unmodelled_errors::UnmodelledErrors;
 use super::super::{DiagnosisOptions, Quantity, Verdict};
-use super::{Fit, based, diagnosed, run_with};
+use super::{Fit, diagnosed, problem_at_fitted_poses, run_with};
 use crate::measurement::Dataset;
 
-/// Clean data of a robot with an error in the lengths of its third cable: a wave along time, of some standard deviations.
+/// Clean data with a wave over time in the lengths of the third cable.
 fn with_wave(size_m: f64) -> Dataset {
     let mut dataset = run_with("mini", 41, 5, &[]).dataset;
     let data = &mut dataset.measurements;
@@ -29,12 +29,12 @@ fn with_wave(size_m: f64) -> Dataset {
 #[test]
 fn score_and_information_of_reading_errors_are_those_of_their_columns() {
     let dataset = run_with("planar", 12, 3, &[]).dataset;
-    let problem = based(&dataset);
+    let problem = problem_at_fitted_poses(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
     let at = LinearFit::new(&fit, 0.8, false);
     let linear = &at.linear;
-    let base = linear.base(
-        &linear.louder(1.7),
+    let base = linear.reduced(
+        &linear.with_variance_factor(1.7),
         &DMatrix::zeros(linear.conditions.count, 0),
     );
     let poses = linear.conditions.poses;
@@ -45,10 +45,10 @@ fn score_and_information_of_reading_errors_are_those_of_their_columns() {
         let (score, information) = ReadingErrors::new(&base, &classes).of(&functions);
         let mut columns = DMatrix::zeros(linear.conditions.count, 3);
         for class in &classes {
-            columns += linear.conditions.of_class(*class, &functions);
+            columns += linear.conditions.project_class(*class, &functions);
         }
         base.noise.whiten(&mut columns);
-        let left = &columns - base.taken.tr_mul(&(&base.taken * &columns));
+        let left = &columns - base.eliminated.tr_mul(&(&base.eliminated * &columns));
         let expected = columns.tr_mul(&left);
         assert!((information - &expected).amax() < 1e-9 * expected.amax());
         let expected = columns.tr_mul(&base.residual);
@@ -73,7 +73,7 @@ fn a_field_has_the_covariance_of_its_kernel() {
 
 /// The probability that noise hides a wave of ten standard deviations is below 1e-9.
 #[test]
-fn a_wave_in_one_channel_is_unknown_there_and_gets_no_name() {
+fn a_wave_in_one_channel_is_reported_as_unknown() {
     let dataset = with_wave(2e-3);
     let found = diagnosed(&dataset).findings;
     assert_eq!(found.len(), 1, "{found:?}");
@@ -86,14 +86,14 @@ fn a_wave_in_one_channel_is_unknown_there_and_gets_no_name() {
     );
 }
 
-/// Clean data have odds of 100 to 1 for an error without a name in less than one of 200 data sets.
+/// Fewer than one in 200 clean datasets have odds of 100 to 1 for an unmodelled error.
 #[test]
-fn clean_data_have_no_error_without_a_name() {
+fn clean_data_have_no_unmodelled_error() {
     let dataset = run_with("mini", 41, 5, &[]).dataset;
-    let problem = based(&dataset);
+    let problem = problem_at_fitted_poses(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
-    let inference = at_fit(fit, &DiagnosisOptions::default(), Vec::new(), &[]);
-    assert!(Remainder::new(&inference).left.is_empty());
+    let inference = inference_at_fit(fit, &DiagnosisOptions::default(), Vec::new(), &[]);
+    assert!(UnmodelledErrors::new(&inference).remaining.is_empty());
     assert!(
         inference
             .linear

@@ -1,38 +1,39 @@
-//! The way to a fit that explains most, where chi-square is far from what noise makes.
+//! Stepwise nonlinear fits for data whose chi-square is far above its degrees of freedom.
 
 use std::collections::HashMap;
 
 use super::candidates::Candidate;
 use super::evidence::Member;
-use super::exploration::{MOST_EXTENDED, UNEXPLAINED, Visibility, visibility};
+use super::exploration::{MAX_EXTENDED, UNEXPLAINED_CHI2, Visibility, visibility};
 use super::fit::Fit;
-use super::inference::{causes_of, is_possible};
+use super::inference::{causes_of, is_physically_possible};
 use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
 use super::progress::Reporter;
-use super::search::{Search, Set, Visited};
+use super::search::{CandidateSet, EvaluatedSet, Search};
 use super::{DiagnosisOptions, Stage};
 use crate::estimation::EstimationError;
 
-/// Chi-square per degree of freedom from which it is far.
-const DOMINATED: f64 = 5.0;
-/// Sets that are fitted at each step: the best, and the best of each kind with one cause more.
-const MOST_CONTINUED: usize = 5;
-const MOST_EXTENSIONS: usize = 8;
+/// Chi-square per degree of freedom above which sets are compared by full fits rather than in the linearised problem.
+const FAR_FROM_NOISE: f64 = 5.0;
+/// Number of sets that are fitted in each step: the best ones, and the best of each kind that has one cause more.
+const MAX_BEST_SETS: usize = 5;
+const MAX_KINDS: usize = 8;
 
-/// The best sets, and the best with so many causes, one for each effect on one cable, on all and on each.
-fn diverse(
+/// The best sets, and for variety the best set with `count` causes of each kind. The kind is that of the last cause:
+/// its effect, and whether it acts on one cable, on all alike or on each with its own value.
+fn diverse_sets(
     candidates: &[Candidate],
-    visited: &HashMap<Set, Visited>,
+    evaluated: &HashMap<CandidateSet, EvaluatedSet>,
     count: usize,
 ) -> Vec<Vec<Member>> {
-    let mut all: Vec<&Visited> = visited.values().collect();
+    let mut all: Vec<&EvaluatedSet> = evaluated.values().collect();
     all.sort_by(|a, b| {
         let order = b.log_posterior.total_cmp(&a.log_posterior);
         order.then_with(|| a.members.cmp(&b.members))
     });
     let mut found: Vec<Vec<Member>> = all
         .iter()
-        .take(MOST_CONTINUED)
+        .take(MAX_BEST_SETS)
         .map(|v| v.members.clone())
         .collect();
     let kind = |members: &[Member]| {
@@ -46,19 +47,20 @@ fn diverse(
         })
     };
     let mut kinds = Vec::new();
-    for visited in all.iter().filter(|v| v.members.len() == count) {
-        let own = kind(&visited.members);
-        if kinds.len() < MOST_EXTENSIONS && !kinds.contains(&own) {
+    for evaluated in all.iter().filter(|v| v.members.len() == count) {
+        let own = kind(&evaluated.members);
+        if kinds.len() < MAX_KINDS && !kinds.contains(&own) {
             kinds.push(own);
-            found.push(visited.members.clone());
+            found.push(evaluated.members.clone());
         }
     }
     found
 }
 
-/// Takes in what explains most of chi-square where that is far from what noise makes: there all is nonlinear, so that
-/// each kind of cause is worth a fit, and the noise is as large as what is left.
-pub(super) fn approach<'a>(
+/// Adds the causes that explain most of chi-square, one per step, as long as chi-square is far above its degrees of
+/// freedom. The linear comparison is useless there, so one cause of each kind is fitted, with noise of the size of the
+/// residuals.
+pub(super) fn initial_fit<'a>(
     from: Fit<'a>,
     seen: &mut Option<Vec<Visibility>>,
     options: &DiagnosisOptions,
@@ -70,24 +72,28 @@ pub(super) fn approach<'a>(
     let mut fit = from;
     for _ in 0..options.most_findings {
         let left = fit.solution.chi2 / fit.solution.degrees_of_freedom;
-        if left < DOMINATED || !left.is_finite() || !report.stage(Stage::Refits, fit.causes.len()) {
+        if left < FAR_FROM_NOISE
+            || !left.is_finite()
+            || !report.stage(Stage::Refits, fit.causes.len())
+        {
             break;
         }
         let at = LinearFit::new(&fit, expected, true);
-        let hyper = at.linear.louder(left);
+        let hyper = at.linear.with_variance_factor(left);
         let mut gram = at.gram(&hyper);
         seen.get_or_insert_with(|| visibility(&at.gram(&at.linear.described())));
         let candidates = &at.catalogue.candidates;
         let mut search = Search::new(&mut gram, options.most_findings);
         search.settle(&at.present);
         let findings = at.present.len();
-        search.run(MOST_EXTENDED / 2, &mut || {
+        search.run(MAX_EXTENDED / 2, &mut || {
             report.stage(Stage::Scores, findings)
         });
-        search.drop_from_all();
-        let visited = search.visited;
+        search.prune_from_all();
+        let evaluated = search.evaluated;
         let price = (at.linear.conditions.count as f64).ln();
-        // Noise of the size of what is left, a price for each parameter (Schwarz 1978) and the prior of the set.
+        // Log-likelihood with the noise scaled to the residuals, with the BIC penalty for parameters (Schwarz 1978) and
+        // the prior of the set.
         let score = |fit: &Fit<'_>, members: &[Member]| {
             let freedom = fit.solution.degrees_of_freedom.max(1.0);
             let likelihood = freedom * (fit.solution.chi2 / freedom).max(1.0).ln();
@@ -95,18 +101,18 @@ pub(super) fn approach<'a>(
             odds - 0.5 * (likelihood + price * fit.parameters() as f64)
         };
         let mut best: Option<(f64, Fit<'a>)> = None;
-        for members in diverse(candidates, &visited, findings + 1) {
+        for members in diverse_sets(candidates, &evaluated, findings + 1) {
             if same_members(&members, &at.present) || report.cancelled {
                 continue;
             }
             let causes = causes_of(&at, &mut gram, &members);
-            let refit = if left < UNEXPLAINED {
+            let refit = if left < UNEXPLAINED_CHI2 {
                 Fit::new(&problem, &causes)?
             } else {
-                Fit::to_the_end(&problem, &causes)?
+                Fit::without_early_stop(&problem, &causes)?
             };
             let value = score(&refit, &members);
-            if is_possible(&refit) && best.as_ref().is_none_or(|b| value > b.0) {
+            if is_physically_possible(&refit) && best.as_ref().is_none_or(|b| value > b.0) {
                 best = Some((value, refit));
             }
         }

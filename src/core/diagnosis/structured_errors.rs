@@ -1,80 +1,82 @@
-//! Errors without a name: functions of one or two variables in the readings of one kind, of one cable or of all alike.
+//! Unmodelled errors: functions of one or two variables in the readings of one kind, of one cable or of all alike.
 //!
-//! The error of a target's readings is `sum_k c_k phi_k(u)` with independent normal `c_k` of one size, in standard
-//! deviations of the readings as described; [`super::families`] has the functions. With `b` the score and `K` the
-//! information of the functions, the evidence over none is `1/2 b^T (K + 1/s^2)^-1 b - 1/2 log det(1 + s^2 K)`: thousands of
-//! functions are looked at with the noise that there is, and the best compared exactly, the noise estimated anew. The odds
-//! for an error are those of all functions and sizes together.
+//! The error of a target's readings is `sum_k c_k phi_k(u)`, where the `c_k` are independent normal variables of one
+//! size in standard deviations of the readings as described. The functions are in [`super::error_functions`]. With the
+//! score `b` and the information `K` of the functions, the log evidence relative to no error is
+//! `1/2 b^T (K + 1/s^2)^-1 b - 1/2 log det(1 + s^2 K)`. Thousands of functions are scored with the present noise; the
+//! best are compared exactly, with the noise estimated again. The odds of an error are those of all functions and sizes
+//! together.
 //!
-//! [`Structures::beside`] asks what is left beside all causes. What an effect of the catalogue expresses is taken out of
-//! the functions there, so that a cause too small to be found does not show. [`Structures::instead`] asks what explains the
-//! readings without some of the causes; there the functions are whole.
+//! [`ErrorSearch::beside`] looks for errors beside all causes. The part of the functions that effects of the catalogue
+//! express is removed there, so that a cause too small to be found is not reported as an error.
+//! [`ErrorSearch::instead`] looks for errors that explain the readings without some of the causes; there the functions
+//! are complete.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::Quantity;
-use super::conditions::joined;
+use super::conditions::concatenate_columns;
+use super::error_functions::{ErrorForm, ErrorTarget, FunctionFamily};
 use super::exploration::log_sum;
-use super::families::{Family, Form, Target};
-use super::hyperparameters::{Base, Hyperparameters, Linear};
+use super::hyperparameters::{Hyperparameters, LinearProblem, ReducedProblem};
 use super::reading_errors::ReadingErrors;
 use super::reading_id::ReadingId;
 use super::variables::Variables;
 use crate::estimation::Linearisation;
 
-/// Expected number of errors without a name: real machines have more of them than of faults.
-const EXPECTED: f64 = 2.0;
-/// Sizes of the functions, in standard deviations of a reading.
+/// Prior expectation of the number of unmodelled errors; real machines have more of them than faults.
+const EXPECTED_ERRORS: f64 = 2.0;
+/// Prior sizes of the functions, in standard deviations of a reading.
 const SIZES: [f64; 8] = [0.5, 1.0, 2.0, 4.0, 16.0, 64.0, 256.0, 1024.0];
-/// Readings that the prior of a variance is worth.
+/// Weight of the variance prior in numbers of readings.
 const VARIANCE_PRIOR: f64 = 8.0;
-/// Least share of the squares of a target's readings that any function is taken to leave where targets are compared.
-const LEAST_LEFT: f64 = 0.25;
-/// How many of the best are compared exactly, and logarithm of the odds of all together from which they are.
-const COMPARED: usize = 5;
-const ASKED: f64 = -2.0;
+/// Lower bound of the share of squared residuals that an error leaves, used when targets are compared.
+const MIN_SHARE_LEFT: f64 = 0.25;
+/// Number of the best errors that are compared exactly, and log odds of all together from which they are.
+const MAX_COMPARED: usize = 5;
+const COMPARE_ABOVE: f64 = -2.0;
 
-/// An error of some form.
+/// An error of a given form in some readings.
 #[derive(Debug, Clone)]
-pub(super) struct Structure {
-    /// The readings; no cable where it is that of all alike.
+pub(super) struct StructuredError {
+    /// The readings; no cable if all cables have the error alike.
     pub id: ReadingId,
-    pub form: Form,
-    /// Logarithm of its posterior odds.
+    pub form: ErrorForm,
+    /// Log posterior odds.
     pub log_odds: f64,
-    /// Logarithm of its prior probability.
+    /// Log prior probability.
     pub log_prior: f64,
-    /// Its columns in conditions, of prior variance 1.
+    /// Columns as conditions, with prior variance 1.
     pub columns: DMatrix<f64>,
 }
 
-/// A family with the size that suits.
+/// A family of functions with its best size.
 #[derive(Debug, Clone, Copy)]
-struct Scored {
+struct ScoredFamily {
     target: usize,
     family: usize,
     size: f64,
     log_odds: f64,
 }
 
-/// What was looked at with the noise that there is.
-struct Ranked {
-    /// The best family of each target, the best first.
-    best: Vec<Scored>,
-    /// Logarithm of the odds that there is any error.
+/// Families scored with the present noise.
+struct RankedFamilies {
+    /// The best family of each target, in order of decreasing odds.
+    best: Vec<ScoredFamily>,
+    /// Log odds that there is any error.
     log_odds: f64,
 }
 
-/// All errors that are looked for.
-pub(super) struct Structures<'l> {
-    linear: &'l Linear,
-    targets: Vec<Target>,
+/// The families of functions for all possible targets.
+pub(super) struct ErrorSearch<'l> {
+    linear: &'l LinearProblem,
+    targets: Vec<ErrorTarget>,
 }
 
-impl<'l> Structures<'l> {
-    /// The targets of a problem linearised.
+impl<'l> ErrorSearch<'l> {
+    /// Builds all targets of a linearised problem.
     pub fn new(
-        linear: &'l Linear,
+        linear: &'l LinearProblem,
         linearisation: &Linearisation,
         variables: &Variables<'_>,
     ) -> Self {
@@ -90,12 +92,12 @@ impl<'l> Structures<'l> {
             }
         }
         let rows: Vec<usize> = linearisation.poses.iter().map(|pose| pose.row).collect();
-        let mut targets: Vec<Target> = sets
+        let mut targets: Vec<ErrorTarget> = sets
             .into_iter()
             .filter(|(id, classes)| id.cable.is_some() || classes.len() != 1 || is_single(id))
-            .filter_map(|(id, classes)| Target::new(id, classes, &rows, linear, variables))
+            .filter_map(|(id, classes)| ErrorTarget::new(id, classes, &rows, linear, variables))
             .collect();
-        let each = (EXPECTED / targets.len().max(1) as f64).ln();
+        let each = (EXPECTED_ERRORS / targets.len().max(1) as f64).ln();
         for target in &mut targets {
             for family in &mut target.families {
                 family.log_prior += each;
@@ -104,22 +106,23 @@ impl<'l> Structures<'l> {
         Self { linear, targets }
     }
 
-    /// The clearest error beside causes with given columns, if the posterior odds that there is one are above `least`.
-    pub fn beside(&self, columns: &DMatrix<f64>, least: f64) -> Option<Structure> {
+    /// The most significant error beside causes with the given columns, if the posterior odds that there is one exceed
+    /// `least`.
+    pub fn find_beside(&self, columns: &DMatrix<f64>, least: f64) -> Option<StructuredError> {
         let amplitude = vec![0; self.linear.shapes.len()];
         let (none, at) = self.linear.with_amplitudes(&amplitude, columns);
-        let base = self.linear.base(&at, columns);
-        let ranked = self.ranked((&base, &at), |_| true, |family| &family.rest, true);
+        let base = self.linear.reduced(&at, columns);
+        let ranked = self.ranked((&base, &at), |_| true, |family| &family.unexpressed, true);
         let exact = ranked.best.into_iter().filter_map(|scored| {
-            let structure = self.columns(&scored, |family| &family.rest);
-            let with_columns = joined(&[columns, &structure]);
+            let structure = self.columns(&scored, |family| &family.unexpressed);
+            let with_columns = concatenate_columns(&[columns, &structure]);
             let with = self.linear.refined(&at, &with_columns).0;
             let all = ranked.log_odds - scored.log_odds + self.log_prior(&scored);
             if with - none + all < least {
                 return None;
             }
-            // A constant alone shows nothing: effects of the catalogue express it.
-            let constant = joined(&[columns, &structure.columns(0, 1).into_owned()]);
+            // A constant error alone is no evidence, because effects of the catalogue express it.
+            let constant = concatenate_columns(&[columns, &structure.columns(0, 1).into_owned()]);
             let without = self.linear.refined(&at, &constant).0;
             let log_odds = with - without.max(none) + all;
             (log_odds >= least).then(|| self.structure(&scored, log_odds, structure))
@@ -127,37 +130,45 @@ impl<'l> Structures<'l> {
         exact.max_by(|a, b| a.log_odds.total_cmp(&b.log_odds))
     }
 
-    /// The error that explains most beside given columns, with some background; its odds are the logarithm of the
-    /// evidence with it and its prior.
-    pub fn instead(
+    /// The error that explains most beside the given columns, with a given background. Its `log_odds` are the log
+    /// evidence with the error plus its log prior.
+    pub fn find_in_place(
         &self,
         columns: &DMatrix<f64>,
         amplitude: &[usize],
-        is_asked: impl Fn(&ReadingId) -> bool,
-    ) -> Option<Structure> {
+        is_eligible: impl Fn(&ReadingId) -> bool,
+    ) -> Option<StructuredError> {
         let (_, at) = self.linear.with_amplitudes(amplitude, columns);
-        let base = self.linear.base(&at, columns);
-        let ranked = self.ranked((&base, &at), is_asked, |family| &family.whole, false);
+        let base = self.linear.reduced(&at, columns);
+        let ranked = self.ranked((&base, &at), is_eligible, |family| &family.functions, false);
         let exact = ranked.best.into_iter().map(|scored| {
-            let structure = self.columns(&scored, |family| &family.whole);
-            let with = self.linear.refined(&at, &joined(&[columns, &structure])).0;
+            let structure = self.columns(&scored, |family| &family.functions);
+            let with = self
+                .linear
+                .refined(&at, &concatenate_columns(&[columns, &structure]))
+                .0;
             let all = ranked.log_odds - scored.log_odds + self.log_prior(&scored);
             self.structure(&scored, with + all, structure)
         });
         exact.max_by(|a, b| a.log_odds.total_cmp(&b.log_odds))
     }
 
-    fn family(&self, scored: &Scored) -> &Family {
+    fn family(&self, scored: &ScoredFamily) -> &FunctionFamily {
         &self.targets[scored.target].families[scored.family]
     }
 
-    /// Logarithm of the prior probability of a family with one of the sizes.
-    fn log_prior(&self, scored: &Scored) -> f64 {
+    /// Log prior probability of a family at one of the sizes.
+    fn log_prior(&self, scored: &ScoredFamily) -> f64 {
         self.family(scored).log_prior - (SIZES.len() as f64).ln()
     }
 
-    fn structure(&self, scored: &Scored, log_odds: f64, columns: DMatrix<f64>) -> Structure {
-        Structure {
+    fn structure(
+        &self,
+        scored: &ScoredFamily,
+        log_odds: f64,
+        columns: DMatrix<f64>,
+    ) -> StructuredError {
+        StructuredError {
             id: self.targets[scored.target].id,
             form: self.family(scored).form,
             log_odds,
@@ -166,55 +177,56 @@ impl<'l> Structures<'l> {
         }
     }
 
-    /// A constant and the functions of a family in conditions.
+    /// A constant and the functions of a family as conditions.
     fn columns(
         &self,
-        scored: &Scored,
-        functions: impl Fn(&Family) -> &DMatrix<f64>,
+        scored: &ScoredFamily,
+        functions: impl Fn(&FunctionFamily) -> &DMatrix<f64>,
     ) -> DMatrix<f64> {
         let target = &self.targets[scored.target];
         let functions = with_constant(functions(self.family(scored)), &target.poses);
         let mut columns = DMatrix::zeros(self.linear.conditions.count, functions.ncols());
         for class in &target.classes {
-            columns += self.linear.conditions.of_class(*class, &functions) * scored.size;
+            columns += self.linear.conditions.project_class(*class, &functions) * scored.size;
         }
         columns
     }
 
-    /// The families of the targets that are asked about, each with its best size; `beyond` what a constant alone
-    /// explains, or with it.
+    /// Scores the families of the eligible targets and keeps the best of each target. With `beyond`, only what exceeds
+    /// the explanation by a constant alone counts.
     fn ranked(
         &self,
-        (base, at): (&Base<'_>, &Hyperparameters),
-        is_asked: impl Fn(&ReadingId) -> bool,
-        functions: impl Fn(&Family) -> &DMatrix<f64>,
+        (base, at): (&ReducedProblem<'_>, &Hyperparameters),
+        is_eligible: impl Fn(&ReadingId) -> bool,
+        functions: impl Fn(&FunctionFamily) -> &DMatrix<f64>,
         beyond: bool,
-    ) -> Ranked {
-        let sums = base.noise.class_sums(&base.residual, &base.taken);
+    ) -> RankedFamilies {
+        let sums = base.noise.class_sums(&base.residual, &base.eliminated);
         let size_prior = -(SIZES.len() as f64).ln();
-        let mut best: Vec<Scored> = Vec::new();
+        let mut best: Vec<ScoredFamily> = Vec::new();
         let mut all: Vec<f64> = Vec::new();
         for (number, target) in self.targets.iter().enumerate() {
-            if !is_asked(&target.id) {
+            if !is_eligible(&target.id) {
                 continue;
             }
             let errors = ReadingErrors::new(base, &target.classes);
             let squares = target.classes.iter().map(|k| sums[*k][0] / at.variance[*k]);
             let squares = squares.sum::<f64>() + VARIANCE_PRIOR;
             let freedom = target.classes.iter().map(|k| sums[*k][1]).sum::<f64>() + VARIANCE_PRIOR;
-            let mut own: Option<(f64, Scored)> = None;
+            let mut own: Option<(f64, ScoredFamily)> = None;
             for (index, family) in target.families.iter().enumerate() {
                 let functions = with_constant(functions(family), &target.poses);
                 for (size, gain, price) in evidence(&errors, &functions, beyond) {
-                    // The noise is estimated anew: the logarithm of what is left, not what is gained, counts.
+                    // The noise will be estimated again, so the logarithm of the remaining squares counts, not the
+                    // gain.
                     let left = (1.0 - gain / squares).max(f64::MIN_POSITIVE);
                     let of = |left: f64| {
                         -0.5 * (freedom * left.ln() + price) + family.log_prior + size_prior
                     };
-                    let (value, log_odds) = (of(left), of(left.max(LEAST_LEFT)));
+                    let (value, log_odds) = (of(left), of(left.max(MIN_SHARE_LEFT)));
                     all.push(log_odds);
                     if own.is_none_or(|(best, _)| value > best) {
-                        let scored = Scored {
+                        let scored = ScoredFamily {
                             target: number,
                             family: index,
                             size,
@@ -228,12 +240,16 @@ impl<'l> Structures<'l> {
         }
         best.sort_by(|a, b| b.log_odds.total_cmp(&a.log_odds));
         let log_odds = log_sum(all.into_iter());
-        best.truncate(if log_odds > ASKED { COMPARED } else { 0 });
-        Ranked { best, log_odds }
+        best.truncate(if log_odds > COMPARE_ABOVE {
+            MAX_COMPARED
+        } else {
+            0
+        });
+        RankedFamilies { best, log_odds }
     }
 }
 
-/// Whether there is one reading of the kind only.
+/// Whether the robot has only one reading of the kind at a pose.
 fn is_single(id: &ReadingId) -> bool {
     !matches!(
         id.quantity,
@@ -241,7 +257,7 @@ fn is_single(id: &ReadingId) -> bool {
     )
 }
 
-/// A constant on some poses before functions.
+/// Prepends a constant at some poses to functions.
 fn with_constant(functions: &DMatrix<f64>, poses: &[usize]) -> DMatrix<f64> {
     let mut all = functions.clone().insert_column(0, 0.0);
     for pose in poses {
@@ -250,8 +266,8 @@ fn with_constant(functions: &DMatrix<f64>, poses: &[usize]) -> DMatrix<f64> {
     all
 }
 
-/// For each size the chi-square that functions explain, `beyond` what the first of them does or with it, and the
-/// logarithm of the determinant that they cost.
+/// Chi-square explained by functions, with the log determinant that penalises it, for each size; with `beyond`, the
+/// contributions of the first function alone are subtracted.
 fn evidence(
     errors: &ReadingErrors,
     functions: &DMatrix<f64>,

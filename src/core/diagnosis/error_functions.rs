@@ -1,53 +1,54 @@
-//! The functions that errors without a name are made of.
+//! Functions that model an unmodelled error of the readings.
 
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Quantity;
-use super::background::{Circumstances, beside, spread};
+use super::background::{ScaledVariables, at_all_poses, orthogonal_component};
 use super::discrepancy::smooth_functions;
-use super::hyperparameters::Linear;
+use super::hyperparameters::LinearProblem;
 use super::reading_id::ReadingId;
 use super::variables::Variables;
 use crate::measurement::Variable;
 use crate::robot::Robot;
 
-/// Most functions of one variable.
-const TERMS: usize = 5;
-/// Most waves over the range of a variable, and steps of the frequency for each.
-const MOST_WAVES: f64 = 64.0;
-const STEPS_PER_WAVE: f64 = 2.5;
-/// Fewest waves: less than that is a smooth function.
-const FEWEST_WAVES: f64 = 1.5;
-/// Variables along which waves are looked for.
-const ALONG: [Variable; 3] = [Variable::Revolutions, Variable::Time, Variable::Distance];
-/// Correlation lengths of fields, over the range of their variables from -1 to 1, and most points that carry one.
-const LENGTHS: [f64; 2] = [0.5, 1.2];
-const MOST_POINTS: usize = 40;
-/// What makes the covariance of a field regular.
+/// Maximum number of functions of one variable.
+const MAX_FUNCTIONS: usize = 5;
+/// Maximum number of waves over the range of a variable, and number of frequencies per wave.
+const MAX_WAVES: f64 = 64.0;
+const FREQUENCIES_PER_WAVE: f64 = 2.5;
+/// Minimum number of waves over the range; anything slower is covered by the smooth functions.
+const MIN_WAVES: f64 = 1.5;
+/// Variables along which periodic errors are looked for.
+const WAVE_VARIABLES: [Variable; 3] = [Variable::Revolutions, Variable::Time, Variable::Distance];
+/// Correlation lengths of Gaussian fields, whose variables are scaled to the interval from -1 to 1, and maximum number
+/// of inducing points.
+const CORRELATION_LENGTHS: [f64; 2] = [0.5, 1.2];
+const MAX_INDUCING_POINTS: usize = 40;
+/// Added to the diagonal to keep the covariance of a field positive definite.
 const NUGGET: f64 = 1e-6;
-/// Fewest readings in which an error of some form is looked for.
-const FEWEST_READINGS: usize = 8;
+/// Minimum number of readings for fitting an error.
+const MIN_READINGS: usize = 8;
 
-/// How an error depends on what.
+/// Functional form of an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Form {
-    /// Smooth in one variable.
+pub(super) enum ErrorForm {
+    /// Smooth function of one variable.
     Smooth(Variable),
-    /// Periodic in one variable, with the period in its unit.
+    /// Periodic function of one variable, with the period in its unit.
     Wave(Variable, f64),
-    /// Smooth in the tension of another cable.
+    /// Smooth function of the tension of another cable.
     Crosstalk(usize),
-    /// A Gaussian field over the position, with the correlation length.
+    /// Gaussian field over the position, with its correlation length.
     Position(f64),
-    /// The same over the orientation.
+    /// Gaussian field over the orientation, with its correlation length.
     Orientation(f64),
 }
 
-impl Form {
-    /// What is said of the error, after "have an error that".
-    pub fn words(self, robot: &Robot) -> String {
+impl ErrorForm {
+    /// Wording of the error in a sentence, after "have an error that".
+    pub fn description(self, robot: &Robot) -> String {
         match self {
             Self::Smooth(variable) => format!("depends on the {}", variable.name()),
             Self::Wave(Variable::Time, period) => format!("repeats every {period:.0} s"),
@@ -66,35 +67,36 @@ impl Form {
     }
 }
 
-/// The readings of one kind and cable, or of all cables.
-pub(super) struct Target {
+/// Readings that may share an error: of one kind and cable, or of one kind and all cables alike.
+pub(super) struct ErrorTarget {
     pub id: ReadingId,
     pub classes: Vec<usize>,
-    /// Poses that have such a reading.
+    /// Poses at which there is such a reading.
     pub poses: Vec<usize>,
-    pub families: Vec<Family>,
+    pub families: Vec<FunctionFamily>,
 }
 
-/// The functions of a form for a target.
-pub(super) struct Family {
-    pub form: Form,
-    /// One row per pose of the problem: the functions, and what is left of them without what effects express.
-    pub whole: DMatrix<f64>,
-    pub rest: DMatrix<f64>,
+/// The functions of one form for given readings.
+pub(super) struct FunctionFamily {
+    pub form: ErrorForm,
+    /// The functions, one row per pose of the problem, and their part that no effect of the catalogue expresses.
+    pub functions: DMatrix<f64>,
+    pub unexpressed: DMatrix<f64>,
     pub log_prior: f64,
 }
 
-impl Target {
-    /// The target with all its families; nothing where there are too few readings. Families share a prior of 1.
+impl ErrorTarget {
+    /// Builds all function families for some readings, with log priors that sum to a probability of 1; `None` if there
+    /// are too few readings.
     pub fn new(
         id: ReadingId,
         classes: Vec<usize>,
         rows: &[usize],
-        linear: &Linear,
+        linear: &LinearProblem,
         variables: &Variables<'_>,
     ) -> Option<Self> {
         let poses = linear.conditions.poses_of(classes[0]);
-        if poses.len() < FEWEST_READINGS {
+        if poses.len() < MIN_READINGS {
             return None;
         }
         let own: Vec<usize> = poses.iter().map(|pose| rows[*pose]).collect();
@@ -104,7 +106,7 @@ impl Target {
             values.iter().all(|v| v.is_finite()).then_some(values)
         };
         let values = |variable: Variable| of(id.cable, variable);
-        let circumstances = Circumstances::new(&id, &own, variables);
+        let scaled_variables = ScaledVariables::new(&id, &own, variables);
         let mut target = Self {
             id,
             classes,
@@ -113,24 +115,29 @@ impl Target {
         };
         for variable in Variable::ALL {
             if let Some(values) = values(variable) {
-                let most = TERMS.min(values.len() / 4);
+                let most = MAX_FUNCTIONS.min(values.len() / 4);
                 let functions = smooth_functions(&values, variable, most);
-                let expressed = circumstances.expressed(variable);
-                target.push(Form::Smooth(variable), functions, 1, (&expressed, linear));
+                let expressed = scaled_variables.expressed(variable);
+                target.push(
+                    ErrorForm::Smooth(variable),
+                    functions,
+                    1,
+                    (&expressed, linear),
+                );
             }
         }
-        for variable in ALONG {
+        for variable in WAVE_VARIABLES {
             let Some(values) = values(variable) else {
                 continue;
             };
             let periods = periods(variable, &values);
-            let expressed = circumstances.expressed(variable);
+            let expressed = scaled_variables.expressed(variable);
             for period in &periods {
                 let functions = DMatrix::from_fn(values.len(), 2, |row, k| {
                     let angle = TAU * values[row] / period;
                     if k == 0 { angle.sin() } else { angle.cos() }
                 });
-                let form = Form::Wave(variable, *period);
+                let form = ErrorForm::Wave(variable, *period);
                 target.push(form, functions, periods.len(), (&expressed, linear));
             }
         }
@@ -138,25 +145,30 @@ impl Target {
             for cable in (0..linear.cables()).filter(|cable| Some(*cable) != id.cable) {
                 if let Some(values) = of(Some(cable), Variable::Tension) {
                     let functions = smooth_functions(&values, Variable::Tension, 2);
-                    target.push(Form::Crosstalk(cable), functions, 1, (&[], linear));
+                    target.push(ErrorForm::Crosstalk(cable), functions, 1, (&[], linear));
                 }
             }
         }
-        for length in LENGTHS {
+        for length in CORRELATION_LENGTHS {
             let over = |variable: fn(usize) -> Variable| {
-                let known = (0..3).filter_map(|k| values(variable(k)).map(centred));
-                let expressed = (0..3).flat_map(|k| circumstances.expressed(variable(k)));
+                let known = (0..3).filter_map(|k| values(variable(k)).map(scaled));
+                let expressed = (0..3).flat_map(|k| scaled_variables.expressed(variable(k)));
                 (
                     field(&known.collect::<Vec<_>>(), length),
                     expressed.collect::<Vec<_>>(),
                 )
             };
             if let (Some(functions), expressed) = over(Variable::Position) {
-                target.push(Form::Position(length), functions, 1, (&expressed, linear));
+                target.push(
+                    ErrorForm::Position(length),
+                    functions,
+                    1,
+                    (&expressed, linear),
+                );
             }
             if let (Some(functions), expressed) = over(Variable::Rotation) {
                 target.push(
-                    Form::Orientation(length),
+                    ErrorForm::Orientation(length),
                     functions,
                     1,
                     (&expressed, linear),
@@ -167,8 +179,8 @@ impl Target {
         let waves = target
             .families
             .iter()
-            .filter(|f| matches!(f.form, Form::Wave(..)));
-        let forms = forms - waves.count() as f64 + ALONG.len() as f64;
+            .filter(|f| matches!(f.form, ErrorForm::Wave(..)));
+        let forms = forms - waves.count() as f64 + WAVE_VARIABLES.len() as f64;
         for family in &mut target.families {
             family.log_prior -= forms.ln();
         }
@@ -177,38 +189,38 @@ impl Target {
 
     fn push(
         &mut self,
-        form: Form,
+        form: ErrorForm,
         functions: DMatrix<f64>,
         places: usize,
-        (expressed, linear): (&[DVector<f64>], &Linear),
+        (expressed, linear): (&[DVector<f64>], &LinearProblem),
     ) {
         let mut basis: Vec<DVector<f64>> = Vec::new();
         for function in expressed {
-            basis.extend(beside(&basis, function));
+            basis.extend(orthogonal_component(&basis, function));
         }
-        let mut rest: Vec<DVector<f64>> = Vec::new();
+        let mut unexpressed: Vec<DVector<f64>> = Vec::new();
         for function in functions.column_iter() {
             let function = function.into_owned();
-            let Some(new) = beside(&basis, &function) else {
+            let Some(new) = orthogonal_component(&basis, &function) else {
                 continue;
             };
-            rest.push(&new * new.dot(&function));
+            unexpressed.push(&new * new.dot(&function));
         }
-        let rest = if rest.is_empty() {
+        let unexpressed = if unexpressed.is_empty() {
             DMatrix::zeros(functions.nrows(), 0)
         } else {
-            DMatrix::from_columns(&rest)
+            DMatrix::from_columns(&unexpressed)
         };
-        self.families.push(Family {
+        self.families.push(FunctionFamily {
             form,
-            whole: spread(&functions, &self.poses, linear.conditions.poses),
-            rest: spread(&rest, &self.poses, linear.conditions.poses),
+            functions: at_all_poses(&functions, &self.poses, linear.conditions.poses),
+            unexpressed: at_all_poses(&unexpressed, &self.poses, linear.conditions.poses),
             log_prior: -(places as f64).ln(),
         });
     }
 }
 
-fn centred(values: Vec<f64>) -> Vec<f64> {
+fn scaled(values: Vec<f64>) -> Vec<f64> {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let scaled = values
@@ -217,23 +229,27 @@ fn centred(values: Vec<f64>) -> Vec<f64> {
     scaled.collect()
 }
 
-/// Periods of waves, so close that none between is missed. Times are evenly spaced, so that twice their distance is the
-/// shortest period that shows.
+/// Periods at which a wave is tried, with frequencies spaced closely enough that no wave falls between two. Times are
+/// evenly spaced, so that the shortest resolvable period is twice the spacing.
 fn periods(variable: Variable, values: &[f64]) -> Vec<f64> {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let each = if variable == Variable::Time { 0.5 } else { 1.5 };
-    let waves = MOST_WAVES.min(each * values.len() as f64);
-    let steps = (FEWEST_WAVES * STEPS_PER_WAVE) as usize..=(waves * STEPS_PER_WAVE) as usize;
-    let period = |step: usize| (high - low) * STEPS_PER_WAVE / step as f64;
+    let waves = MAX_WAVES.min(each * values.len() as f64);
+    let steps =
+        (MIN_WAVES * FREQUENCIES_PER_WAVE) as usize..=(waves * FREQUENCIES_PER_WAVE) as usize;
+    let period = |step: usize| (high - low) * FREQUENCIES_PER_WAVE / step as f64;
     steps.map(period).collect()
 }
 
-/// A Gaussian field of variance 1 over some variables, one row per value: `K_xz L^-T` with the covariances `K_xz` to some
-/// of the values and `L L^T` among these. Nothing without variables.
+/// A Gaussian field of variance 1 over some variables, one row per value: `K_xz L^-T` with the covariances `K_xz`
+/// between all values and the inducing points, and `L L^T` the covariance of the inducing points. `None` without
+/// variables.
 pub(super) fn field(variables: &[Vec<f64>], length: f64) -> Option<DMatrix<f64>> {
     let count = variables.first()?.len();
-    let points: Vec<usize> = (0..count).step_by(count.div_ceil(MOST_POINTS)).collect();
+    let points: Vec<usize> = (0..count)
+        .step_by(count.div_ceil(MAX_INDUCING_POINTS))
+        .collect();
     let covariance = |a: usize, b: usize| {
         let squares = variables.iter().map(|v| (v[a] - v[b]).powi(2));
         (-0.5 * squares.sum::<f64>() / (length * length)).exp()

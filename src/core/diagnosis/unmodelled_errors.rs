@@ -1,97 +1,102 @@
-//! What the causes leave, and what could explain the readings in their place: errors without a name.
+//! Unmodelled errors that remain beside the causes or explain the readings better than them.
 
 use nalgebra::DMatrix;
 
-use super::conditions::joined;
+use super::conditions::concatenate_columns;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::inference::Inference;
 use super::reading_id::ReadingId;
 use super::report::{Cause, Discrepancy, Evidence, Finding, Quantity, Verdict};
-use super::structure::{Structure, Structures};
+use super::structured_errors::{ErrorSearch, StructuredError};
 use super::variables::Variables;
 use crate::effect::unknown::{FIRST, FUNCTIONS, READING, SCALE};
 use crate::effect::{BiasedReading, BoundEffect, UNKNOWN};
 use crate::estimation::Linearisation;
 use crate::robot::Robot;
 
-/// Most errors without a name that are reported.
-const MOST: usize = 3;
-/// Logarithm of the posterior odds from which one is.
-const SAID: f64 = 5.0;
-/// Logarithm of the odds of a rival up to which it does not matter.
-const NO_RIVAL: f64 = -6.0;
-/// Logarithm of the odds that an error without a name is there beside a cause, up to which the cause is likelier.
-const DOUBTED: f64 = 3.0;
-/// Shares of what an error without a name explains from which a cause with no more parameters is preferred, and from which
-/// the error has nothing over it.
+/// Maximum number of unmodelled errors that are reported.
+const MAX_REPORTED: usize = 3;
+/// Log posterior odds from which an unmodelled error is reported.
+const REPORTED_LOG_ODDS: f64 = 5.0;
+/// Log odds of a rival below which it is ignored.
+const NEGLIGIBLE_LOG_ODDS: f64 = -6.0;
+/// Log odds that an unmodelled error exists beside a cause below which the cause is more probable.
+const CAUSE_LIKELIER: f64 = 3.0;
+/// A cause with no more parameters than an unmodelled error is preferred if it explains at least `NEARLY_ALL` of what
+/// the error explains. From the share `EVERYTHING` on, the error has no advantage at all.
 const NEARLY_ALL: f64 = 0.9;
-const ALL: f64 = 0.98;
-/// Logarithm of the odds from which such an error is possible all the same, and those that are said of it.
-const OPEN: f64 = 6.0;
-const OPEN_ODDS: f64 = 2.2;
+const EVERYTHING: f64 = 0.98;
+/// If the log odds of the error exceed `UNDECIDED_ABOVE` all the same, the question is remaining open with the log odds
+/// `UNDECIDED_LOG_ODDS`.
+const UNDECIDED_ABOVE: f64 = 6.0;
+const UNDECIDED_LOG_ODDS: f64 = 2.2;
 
-/// An error without a name.
+/// An error of some readings that no effect of the catalogue explains.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Nameless {
+pub(super) struct UnmodelledError {
     pub id: ReadingId,
-    /// How it looks, after "have an error that".
+    /// Its wording in a sentence, after "have an error that".
     form: String,
-    /// Logarithm of its posterior odds.
+    /// Log posterior odds.
     pub log_odds: f64,
 }
 
-/// What causes leave, and what else could explain the readings.
+/// Unmodelled errors beside and in place of the causes of a fit.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Remainder {
-    /// The clearest first.
-    pub left: Vec<Nameless>,
-    /// For each cause what could explain the readings in its place, with the logarithm of its odds over the cause.
-    pub rivals: Vec<Option<Nameless>>,
+pub(super) struct UnmodelledErrors {
+    /// Errors beside the causes, the most significant first.
+    pub remaining: Vec<UnmodelledError>,
+    /// For each cause the error that could replace it, with its log odds over the cause.
+    pub rivals: Vec<Option<UnmodelledError>>,
 }
 
-impl Remainder {
+impl UnmodelledErrors {
     pub fn new(inference: &Inference<'_>) -> Self {
         let fit = &inference.fit;
         let linear = &inference.linear;
         let robot = &fit.problem.dataset.robot;
         let linearisation = Linearisation::new(&fit.problem, &fit.solution);
         let variables = Variables::new(&fit.problem, &fit.solution, &linearisation);
-        let structures = Structures::new(linear, &linearisation, &variables);
-        let mut left: Vec<Structure> = Vec::new();
+        let search = ErrorSearch::new(linear, &linearisation, &variables);
+        let mut remaining: Vec<StructuredError> = Vec::new();
         let mut columns = inference.columns.clone();
-        while left.len() < MOST {
-            let Some(found) = structures.beside(&columns, SAID) else {
+        while remaining.len() < MAX_REPORTED {
+            let Some(found) = search.find_beside(&columns, REPORTED_LOG_ODDS) else {
                 break;
             };
-            columns = joined(&[&columns, &found.columns]);
-            left.push(found);
+            columns = concatenate_columns(&[&columns, &found.columns]);
+            remaining.push(found);
         }
         let mut rivals = vec![None; fit.causes.len()];
-        for set in contested(&fit.causes) {
-            let Some(rival) = rival(inference, &structures, &left, &set) else {
+        for set in replaceable_sets(&fit.causes) {
+            let Some(rival) = best_rival(inference, &search, &remaining, &set) else {
                 continue;
             };
             for index in set {
-                let known: &mut Option<Nameless> = &mut rivals[index];
+                let known: &mut Option<UnmodelledError> = &mut rivals[index];
                 if known.as_ref().is_none_or(|k| rival.log_odds > k.log_odds) {
                     *known = Some(rival.clone());
                 }
             }
         }
-        // What the first leaves of one error, a period between two that are tried, is no second one.
-        let mut said: Vec<Nameless> = Vec::new();
-        for structure in &left {
-            if said.iter().all(|known| known.id != structure.id) {
-                said.push(Nameless::of_structure(structure, robot));
+        // A second error in the same readings is often the rest of the first one, whose period falls between two that
+        // are tried.
+        let mut reported: Vec<UnmodelledError> = Vec::new();
+        for structure in &remaining {
+            if reported.iter().all(|known| known.id != structure.id) {
+                reported.push(UnmodelledError::from_structured_error(structure, robot));
             }
         }
-        Self { left: said, rivals }
+        Self {
+            remaining: reported,
+            rivals,
+        }
     }
 }
 
-/// The sets of causes for which one error without a name could stand: each, and all of the same cables.
-fn contested(causes: &[Cause]) -> Vec<Vec<usize>> {
+/// Sets of causes that one unmodelled error could replace: each cause alone, and all causes on the same cables.
+fn replaceable_sets(causes: &[Cause]) -> Vec<Vec<usize>> {
     let mut sets: Vec<Vec<usize>> = (0..causes.len()).map(|k| vec![k]).collect();
     for (index, cause) in causes.iter().enumerate() {
         let same = |k: &usize| causes[*k].cables() == cause.cables();
@@ -103,88 +108,90 @@ fn contested(causes: &[Cause]) -> Vec<Vec<usize>> {
     sets
 }
 
-/// The likeliest error without a name in the place of some causes, with the logarithm of its odds over them.
-fn rival(
+/// The most probable unmodelled error in place of some causes, with its log odds over them.
+fn best_rival(
     inference: &Inference<'_>,
-    structures: &Structures<'_>,
-    left: &[Structure],
+    search: &ErrorSearch<'_>,
+    remaining: &[StructuredError],
     set: &[usize],
-) -> Option<Nameless> {
+) -> Option<UnmodelledError> {
     let linear = &inference.linear;
     let causes = &inference.fit.causes;
     let cables: Vec<usize> = set.iter().flat_map(|k| causes[*k].cables()).collect();
-    let is_asked =
+    let is_eligible =
         |id: &ReadingId| cables.is_empty() || id.cable.is_none_or(|cable| cables.contains(&cable));
     let beside = |columns: &DMatrix<f64>, is_meant: &dyn Fn(&ReadingId) -> bool| {
-        let meant = left.iter().filter(|s| is_meant(&s.id));
-        meant.fold(columns.clone(), |all, s| joined(&[&all, &s.columns]))
+        let meant = remaining.iter().filter(|s| is_meant(&s.id));
+        meant.fold(columns.clone(), |all, s| {
+            concatenate_columns(&[&all, &s.columns])
+        })
     };
-    let elsewhere = |id: &ReadingId| !is_asked(id);
+    let elsewhere = |id: &ReadingId| !is_eligible(id);
     let others = beside(&inference.columns_without(set), &elsewhere);
-    // Where an error without a name is looked for there is no background, which would stand for it.
-    let mut amplitude = inference.at.amplitude.clone();
+    // The background of these readings is removed, since it would compete with the error.
+    let mut amplitude = inference.hyper.amplitude.clone();
     for (amplitude, shape) in amplitude.iter_mut().zip(&linear.shapes) {
-        if is_asked(&linear.conditions.classes[shape.class]) {
+        if is_eligible(&linear.conditions.classes[shape.class]) {
             *amplitude = 0;
         }
     }
-    let found = structures.instead(&others, &amplitude, is_asked)?;
-    // The causes may leave an error without a name on the same readings, or a background.
+    let found = search.find_in_place(&others, &amplitude, is_eligible)?;
+    // The causes may leave an unmodelled error or a background in the same readings.
     let named = beside(&inference.columns, &elsewhere);
-    let whole = beside(&named, &is_asked);
-    let price: f64 = left
+    let whole = beside(&named, &is_eligible);
+    let penalty: f64 = remaining
         .iter()
-        .filter(|s| is_asked(&s.id))
+        .filter(|s| is_eligible(&s.id))
         .map(|s| s.log_prior)
         .sum();
     let values = [
         linear.with_amplitudes(&amplitude, &named).0,
-        linear.with_amplitudes(&inference.at.amplitude, &named).0,
-        linear.with_amplitudes(&amplitude, &whole).0 + price,
+        linear.with_amplitudes(&inference.hyper.amplitude, &named).0,
+        linear.with_amplitudes(&amplitude, &whole).0 + penalty,
     ];
     let own = values.into_iter().fold(f64::NEG_INFINITY, f64::max) + inference.log_prior(set);
     let log_odds = found.log_odds - own;
-    // What both explain is compared in the noise that the error without a name leaves.
-    let with_rival = joined(&[&others, &found.columns]);
+    // Chi-squares are compared with the noise estimated for the unmodelled error.
+    let with_rival = concatenate_columns(&[&others, &found.columns]);
     let noise = linear.with_amplitudes(&amplitude, &with_rival).1;
-    let left = |columns: &DMatrix<f64>| linear.base(&noise, columns).chi2;
-    let none = left(&others);
-    let share = (none - left(&named)) / (none - left(&with_rival)).max(f64::MIN_POSITIVE);
+    let chi2 = |columns: &DMatrix<f64>| linear.reduced(&noise, columns).chi2;
+    let none = chi2(&others);
+    let share = (none - chi2(&named)) / (none - chi2(&with_rival)).max(f64::MIN_POSITIVE);
     let has_no_more = inference.parameters_of(set) <= found.columns.ncols();
-    // What a cause explains with no more parameters is not taken from it. If its rival explains more, and is far likelier,
-    // which of both it is stays open.
+    // A cause with no more parameters keeps what it explains. If the rival explains clearly more and is far more
+    // probable, both are listed.
     let log_odds = match has_no_more && share >= NEARLY_ALL {
-        true if share < ALL && log_odds > OPEN => OPEN_ODDS,
+        true if share < EVERYTHING && log_odds > UNDECIDED_ABOVE => UNDECIDED_LOG_ODDS,
         true => return None,
         false => log_odds,
     };
-    if log_odds <= NO_RIVAL {
+    if log_odds <= NEGLIGIBLE_LOG_ODDS {
         return None;
     }
-    // What an error without a name has in common with the causes, its constant above all, is no reason to doubt them: of
-    // its form something must be left beside them, too.
+    // What an unmodelled error has in common with the causes, its constant above all, is no evidence against them. Part
+    // of the error must also remain beside them.
     let log_odds = if set.len() > 1 {
         log_odds
     } else {
-        let more = structures.instead(&named, &amplitude, is_asked)?;
-        log_odds.min(more.log_odds - values[0].max(values[1]) - DOUBTED)
+        let more = search.find_in_place(&named, &amplitude, is_eligible)?;
+        log_odds.min(more.log_odds - values[0].max(values[1]) - CAUSE_LIKELIER)
     };
-    (log_odds > NO_RIVAL).then(|| Nameless {
+    (log_odds > NEGLIGIBLE_LOG_ODDS).then(|| UnmodelledError {
         log_odds,
-        ..Nameless::of_structure(&found, &inference.fit.problem.dataset.robot)
+        ..UnmodelledError::from_structured_error(&found, &inference.fit.problem.dataset.robot)
     })
 }
 
-impl Nameless {
-    fn of_structure(structure: &Structure, robot: &Robot) -> Self {
+impl UnmodelledError {
+    fn from_structured_error(structure: &StructuredError, robot: &Robot) -> Self {
         Self {
             id: structure.id,
-            form: structure.form.words(robot),
+            form: structure.form.description(robot),
             log_odds: structure.log_odds,
         }
     }
 
-    /// Scatter of readings that is not noise alone.
+    /// Excess scatter of some readings without a recognisable pattern.
     pub fn of(id: ReadingId) -> Self {
         Self {
             id,
@@ -193,8 +200,8 @@ impl Nameless {
         }
     }
 
-    /// What a test of the residuals found.
-    pub fn of_discrepancy(discrepancy: &Discrepancy) -> Self {
+    /// An error found by a test of the residuals.
+    pub fn from_discrepancy(discrepancy: &Discrepancy) -> Self {
         Self {
             id: ReadingId {
                 quantity: discrepancy.quantity,
@@ -206,12 +213,12 @@ impl Nameless {
         }
     }
 
-    /// Its posterior probability.
+    /// Posterior probability.
     pub fn probability(&self) -> f64 {
         1.0 / (1.0 + (-self.log_odds).exp())
     }
 
-    /// The cause that stands for it.
+    /// The cause that represents the error in reports.
     pub fn cause(&self, cables: usize) -> Cause {
         let reading = match self.id.quantity {
             Quantity::Length => Some(BiasedReading::Length),
@@ -238,7 +245,7 @@ impl Nameless {
         }
     }
 
-    /// What is said of it.
+    /// The finding that reports the error.
     pub fn finding(&self, fit: &Fit<'_>) -> Finding {
         let robot = &fit.problem.dataset.robot;
         let name = self.id.quantity.name();
