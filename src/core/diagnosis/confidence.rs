@@ -6,7 +6,9 @@ use super::cause_posteriors::{CausePosterior, MAX_IMITATION_RATE, NAMING_PROBABI
 use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
 use super::gain::Prediction;
-use super::inference::{Inference, inference_at_fit, is_same_cause};
+use super::inference::{
+    Inference, has_possible_values, inference_at_fit, is_physically_possible, is_same_cause,
+};
 use super::reading_id::ReadingId;
 use super::report::{
     Adequacy, Alternative, Cause, Discrepancy, Finding, FoundParameter, NoiseStatement, Verdict,
@@ -104,8 +106,25 @@ pub(super) fn reject_replaceable_causes<'a>(
             };
             return Ok((confirmed, unmodelled));
         }
-        let fit = Fit::new(problem, &causes)?;
+        let fit = fit_of_possible(problem, causes, &mut posteriors)?;
         inference = inference_at_fit(fit, options, Vec::new(), &inference.linear.start);
+    }
+}
+
+/// Fits some of the causes of another fit without the rest, and without those whose values are then physically impossible.
+fn fit_of_possible<'a>(
+    problem: &Problem<'a>,
+    mut causes: Vec<Cause>,
+    posteriors: &mut Vec<CausePosterior>,
+) -> Result<Fit<'a>, EstimationError> {
+    loop {
+        let fit = Fit::new(problem, &causes)?;
+        let impossible = fit.causes.iter().position(|c| !has_possible_values(c));
+        let Some(impossible) = impossible else {
+            return Ok(fit);
+        };
+        causes.remove(impossible);
+        posteriors.remove(impossible);
     }
 }
 
@@ -135,6 +154,9 @@ pub(super) fn readmit_likely_causes<'a>(
         let mut causes = confirmed.inference.fit.causes.clone();
         causes.push(cause);
         let fit = Fit::new(problem, &causes)?;
+        if !is_physically_possible(&fit) {
+            continue;
+        }
         let with = inference_at_fit(fit, options, Vec::new(), &confirmed.inference.linear.start);
         let mut remaining = UnmodelledErrors::new(&with);
         if errors(&with, &remaining).len() >= before.len() {
@@ -196,14 +218,14 @@ pub(super) fn confirm_causes<'a>(
     let is_ordered = confirmed.windows(2).all(|pair| pair[0].0 >= pair[1].0);
     // The cause that explains most comes first.
     confirmed.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let (causes, posteriors): (Vec<_>, Vec<_>) = confirmed
+    let (causes, mut posteriors): (Vec<_>, Vec<_>) = confirmed
         .into_iter()
         .map(|(_, cause, posterior)| (cause, posterior))
         .unzip();
     let inference = if is_complete && is_ordered {
         inference
     } else {
-        let fit = Fit::new(problem, &causes)?;
+        let fit = fit_of_possible(problem, causes, &mut posteriors)?;
         inference_at_fit(fit, options, Vec::new(), &inference.linear.start)
     };
     Ok(ConfirmedCauses {

@@ -185,15 +185,19 @@ impl Inference<'_> {
 
 /// Whether all parameter values of a fit are physically possible.
 pub(super) fn is_physically_possible(fit: &Fit<'_>) -> bool {
-    let bounds = fit.causes.iter().flat_map(|cause| &cause.instances);
+    fit.solution.chi2.is_finite() && fit.causes.iter().all(has_possible_values)
+}
+
+/// Whether all parameter values of a cause are physically possible.
+pub(super) fn has_possible_values(cause: &Cause) -> bool {
+    let bounds = cause.instances.iter();
     let mut values = bounds.flat_map(|b| b.values.iter().zip(b.effect.parameters()));
-    fit.solution.chi2.is_finite()
-        && values.all(|(value, p)| {
-            let [_, largest] = p.typical_sizes();
-            let sized = p.discrete
-                || (value - p.neutral).abs() < IMPOSSIBLE_FACTOR * largest.max(p.prior_sd);
-            sized && *value >= p.bounds[0] && *value <= p.bounds[1]
-        })
+    values.all(|(value, p)| {
+        let [_, largest] = p.typical_sizes();
+        let sized =
+            p.discrete || (value - p.neutral).abs() < IMPOSSIBLE_FACTOR * largest.max(p.prior_sd);
+        sized && *value >= p.bounds[0] && *value <= p.bounds[1]
+    })
 }
 
 /// The causes of some members, with the values estimated in the linear problem.

@@ -158,9 +158,7 @@ fn controller(
         ControllerKind::Simulated => {
             let text = match present.is_demo {
                 true => "The robot of the demonstration: its hidden fault is in what it reads.",
-                false => {
-                    "A robot that moves as its description says. Its readings are simulated."
-                }
+                false => "A robot that moves as its description says. Its readings are simulated.",
             };
             wrapped(ui, text);
         }
