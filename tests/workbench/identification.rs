@@ -145,7 +145,7 @@ fn readings_are_checked_before_identification() {
     let measured = Measured::mini(20, &[]);
     let mut harness = measured.opened();
     harness.get_by_label_contains("Readings complete: 20 poses");
-    harness.get_by_label_contains("Readings plausible: Lengths change");
+    harness.get_by_label_contains("Readings plausible: Changes of length");
     press(&mut harness, "Check geometry and faults");
     harness.get_by_label_contains("Geometry determined: The readings determine all");
     harness.get_by_label_contains("Faults visible: At typical size these poses show");

@@ -129,7 +129,7 @@ fn a_half_written_adjustment_is_settled_when_the_operator_arms_again() {
             holds: ControllerValues::Old,
             old: Vec::new(),
             problem: None,
-            advice: "The controller holds its old values: look for the cause, then write again."
+            advice: "The controller holds its old values: find the cause, then write again."
                 .into(),
         },
     );

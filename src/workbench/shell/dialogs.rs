@@ -119,7 +119,7 @@ fn parts(ui: &mut Ui, choice: &mut ReportChoice) {
             Some(Entered::Value(mm)) if mm > 0.0 => choice.tolerance_m = Some(1e-3 * mm),
             Some(Entered::Value(_) | Entered::Wrong(_)) | None => {}
         }
-        muted(ui, "Without a tolerance, conformity is not decided.");
+        muted(ui, "Without one, no verdict is given.");
     });
     section(ui, "Sections");
     Grid::new("parts of the report")
