@@ -129,8 +129,7 @@ fn a_half_written_adjustment_is_settled_when_the_operator_arms_again() {
             holds: ControllerValues::Old,
             old: Vec::new(),
             problem: None,
-            advice: "The controller holds its old values: find the cause, then write again."
-                .into(),
+            advice: "The controller holds its old values: find the cause, then write again.".into(),
         },
     );
     bench.wait("the old values", |state| told(state, &settled.1));
