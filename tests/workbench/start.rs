@@ -5,6 +5,7 @@ use egui_kittest::kittest::Queryable;
 use tautline_workbench::model::command::ViewCommand;
 use tautline_workbench::model::messages::Severity;
 use tautline_workbench::model::phase::Screen;
+use tautline_workflow::samples;
 
 use crate::measured::give;
 use crate::support::{settle, type_into, workbench};
@@ -40,4 +41,23 @@ fn arrow_keys_choose_in_the_command_palette() {
     settle(&mut harness);
     assert_eq!(harness.state().state.model.screen, Screen::Import);
     assert!(harness.state().state.model.dialogs.palette.is_none());
+}
+
+#[test]
+fn sample_sessions_stand_below_their_heading() {
+    let mut harness = workbench();
+    settle(&mut harness);
+    let heading = harness.get_by_label("Sample sessions").rect().min.x;
+    let samples = samples::find(&samples::places());
+    assert!(samples.len() > 3);
+    for sample in samples {
+        let title = harness.get_by_label(&sample.title).rect().min.x;
+        assert!((title - heading).abs() < 1.0, "{}: {title}", sample.title);
+        let shows = harness.get_all_by_label(&sample.shows);
+        let column: Vec<f32> = shows.map(|shows| shows.rect().min.x).collect();
+        assert!(
+            column.iter().all(|x| (x - column[0]).abs() < 1.0),
+            "{column:?}"
+        );
+    }
 }

@@ -222,16 +222,15 @@ fn sample_sessions(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
         let galley = ui
             .painter()
             .layout_no_wrap(title.to_owned(), font, theme::of(ui).text);
-        galley.size().x + 2.0 * ui.spacing().button_padding.x
+        galley.size().x
     };
     // What they show stands in a column, unless that would leave no room for it.
     let widest = found.iter().map(|sample| width(&sample.title));
     let column = widest.fold(0.0, f32::max).min(0.5 * ui.available_width());
-    let outdent = ui.spacing().button_padding.x;
     for sample in found.iter() {
         ui.horizontal(|ui| {
             // Names stand below the heading, without the margin of a button.
-            ui.add_space(-outdent);
+            ui.spacing_mut().button_padding.x = 0.0;
             let left = ui.cursor().min.x + ui.spacing().item_spacing.x;
             if link(ui, &sample.title, true) {
                 outbox.send(FileCommand::Open(sample.session.clone()));
