@@ -55,7 +55,7 @@ fn no_poses_are_proposed_if_none_would_help() {
     let found = separation(&one, &other).unwrap();
     assert!(found.poses.is_empty());
     assert_eq!(found.expected_delta_chi2, 0.0);
-    let expected = "No poses of this workspace tell these causes separate, but a check does: \
+    let expected = "No poses of this workspace tell these causes apart, but a check does: \
         Measure one distance between two poses of the platform with a steel tape. \
         Pay out a few metres of cable and compare what the controller counts with a steel tape.";
     assert_eq!(found.advice, expected);
