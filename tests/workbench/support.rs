@@ -13,8 +13,11 @@ use tautline_workbench::shell::App;
 
 static STARTED: AtomicUsize = AtomicUsize::new(0);
 
-/// How a workbench of a test starts: with a folder of its own, so that nobody's preferences are touched.
+/// How a workbench of a test starts: with a folder of its own, so that nobody's preferences are touched, where the sample
+/// sessions are.
 pub fn options() -> Options {
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    std::env::set_current_dir(repository).expect("the repository is there");
     let number = STARTED.fetch_add(1, Ordering::Relaxed);
     let name = format!("workbench-{}-{number}", std::process::id());
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
