@@ -19,6 +19,9 @@ const SCALE_RATIO: f64 = 4.0;
 /// Prior standard deviation of a size over the largest typical size, at scale 1.
 const RELATIVE_SD: f64 = 0.5;
 
+/// Ratio of their periods from which two waves are different causes. Closer ones may be the same wave, estimated twice.
+const DISTINCT_PERIODS: f64 = 1.1;
+
 /// How the effect of a generator depends on the pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum PoseWeights {
@@ -109,9 +112,12 @@ impl Candidate {
             // A single cable may deviate from a value that all cables share.
             let is_more =
                 self.is_common() != other.is_common() && !self.is_family() && !other.is_family();
-            return overlap
-                && !is_more
-                && (self.place.is_nan() || !self.is_event() || self.place == other.place);
+            let is_same_place = if self.is_event() {
+                self.place == other.place
+            } else {
+                self.place.is_nan() || is_same_period(self.place, other.place)
+            };
+            return overlap && !is_more && is_same_place;
         }
         is_same_kind(self.effect(), other.effect()) && (self.is_family() || other.is_family())
     }
@@ -230,6 +236,11 @@ pub(super) fn is_same_effect_and_targets(one: &Cause, other: &Cause) -> bool {
         instances.map(|b| (b.cables.clone(), b.targeted)).collect()
     };
     std::ptr::eq(one.effect(), other.effect()) && targets(one) == targets(other)
+}
+
+/// Whether two waves of these periods may be the same.
+pub(super) fn is_same_period(one: f64, other: f64) -> bool {
+    (one / other).max(other / one) < DISTINCT_PERIODS
 }
 
 /// Offset from the neutral value at which a parameter is differentiated. It is not zero for parameters on which nothing

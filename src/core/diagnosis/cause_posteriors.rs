@@ -1,14 +1,12 @@
 //! Posterior probabilities of the causes of the most probable set, and of what replaces them in other sets.
 
-use super::candidates::{is_same_effect_and_targets, is_same_kind};
+use super::candidates::{is_same_effect_and_targets, is_same_kind, is_same_period};
 use super::inference::RankedSet;
 use super::report::{Alternative, Cause};
 use crate::effect::Search;
 
 /// Posterior probability from which a cause is named, or several together are listed.
 pub(super) const NAMING_PROBABILITY: f64 = 0.95;
-/// Upper bound of the share of names that are imitations by errors outside the catalogue.
-pub(super) const MAX_IMITATION_RATE: f64 = 0.03;
 /// Maximum number of alternatives listed with a cause.
 const MAX_ALTERNATIVES: usize = 2;
 /// Smallest probability of an alternative that is listed.
@@ -19,7 +17,7 @@ const MIN_POSSIBLE_PROBABILITY: f64 = 0.05;
 /// the readings, and where an unmodelled error remains, which explains what such a cause would explain. Of 103 and 93
 /// such causes in simulated data, half of them with effects outside the catalogue or a slightly wrong model, 4 and 0
 /// were present.
-const ODDS_AGAINST_UNCONFIRMED: f64 = 5.0;
+const ODDS_AGAINST_UNCONFIRMED: f64 = 4.0;
 const ODDS_AGAINST_SUPERSEDED: f64 = 20.0;
 
 /// Posterior of one cause of the most probable set.
@@ -80,14 +78,15 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
     let mut beside: Vec<Alternative> = Vec::new();
     for set in ranking {
         let share = weight(set) / total;
+        let causes = with_matching_waves(&set.causes, &first.causes);
         let is_spare = |cause: &&Cause| first.causes.iter().all(|own| !covers(cause, own));
-        let mut spare: Vec<&Cause> = set.causes.iter().filter(is_spare).collect();
+        let mut spare: Vec<&Cause> = causes.iter().filter(is_spare).collect();
         for cause in &spare {
             add_probability(&mut beside, cause, share);
         }
         let mut missing: Vec<usize> = Vec::new();
         for (place, own) in first.causes.iter().enumerate() {
-            if is_covered_by(&set.causes, own) {
+            if is_covered_by(&causes, own) {
                 probability[place] += share;
             } else {
                 missing.push(place);
@@ -129,7 +128,7 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
                 .peekable();
             supported.peek().is_some() && supported.all(|of| !is_same_effect_and_targets(cause, of))
         };
-        let wider = set.causes.iter().find(is_wider);
+        let wider = causes.iter().find(is_wider);
         for place in missing {
             let instead = (!spare.is_empty()).then(|| spare.remove(0)).or(wider);
             if let Some(instead) = instead {
@@ -152,7 +151,7 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
                 sum += alternative.probability;
                 continue;
             }
-            if sum * (1.0 - MAX_IMITATION_RATE) >= NAMING_PROBABILITY
+            if sum >= NAMING_PROBABILITY
                 || kept.len() == MAX_ALTERNATIVES
                 || alternative.probability < MIN_LISTED_PROBABILITY
             {
@@ -178,6 +177,28 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
     beside.retain(|a| a.probability >= MIN_POSSIBLE_PROBABILITY && !listed(&a.cause));
     beside.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     (posteriors, beside)
+}
+
+/// A set in which each wave that is in another set with another period only has the period that it has there. Readings
+/// at few poses often leave several periods possible, but it is the same wave.
+fn with_matching_waves(set: &[Cause], other: &[Cause]) -> Vec<Cause> {
+    let is_wave = |cause: &&Cause| {
+        matches!(
+            cause.effect().search(),
+            Search::Wave {
+                period: Some(_),
+                ..
+            }
+        )
+    };
+    let has = |all: &[Cause], cause: &Cause| all.iter().any(|c| covers(c, cause));
+    let mut unmatched = other.iter().filter(is_wave).filter(|c| !has(set, c));
+    let matched = |cause: &Cause| {
+        let is_unmatched = is_wave(&cause) && !has(other, cause);
+        let instead = is_unmatched.then(|| unmatched.next()).flatten();
+        instead.unwrap_or(cause).clone()
+    };
+    set.iter().map(matched).collect()
 }
 
 fn add_probability(all: &mut Vec<Alternative>, cause: &Cause, probability: f64) {
@@ -216,7 +237,7 @@ fn is_family_member(cause: &Cause, family: &Cause) -> bool {
 }
 
 /// Whether one cause covers another, apart from parameter values: on the same cables or more, with an event at the same
-/// reading or a step at most one pose away.
+/// reading, a step at most one pose away or a wave of about the same period.
 fn covers(one: &Cause, other: &Cause) -> bool {
     let whole = |one: &Cause, other: &Cause| {
         one.cables().is_empty() && other.instances.len() == one.instances[0].cables.len()
@@ -232,6 +253,9 @@ fn covers(one: &Cause, other: &Cause) -> bool {
     let near = match one.effect().search() {
         Search::AtPose(k) => place(one, k) == place(other, k),
         Search::FromPose(k) => (place(one, k) - place(other, k)).abs() <= 1.0,
+        Search::Wave {
+            period: Some(k), ..
+        } => is_same_period(place(one, k), place(other, k)),
         _ => true,
     };
     let (a, b) = (one.cables(), other.cables());
@@ -302,6 +326,24 @@ mod tests {
         };
         let (posteriors, beside) = cause_posteriors(&[impossible]);
         assert!(posteriors.is_empty() && beside.is_empty());
+    }
+
+    #[test]
+    fn a_wave_with_another_period_is_no_other_cause() {
+        let wave = |period: f64| {
+            let mut cause = on("laser_cyclic", &[]);
+            cause.instances[0].values[1] = period;
+            cause
+        };
+        let sets = vec![
+            (vec![wave(0.2), wave(0.05)], 0.5),
+            (vec![wave(0.3), wave(0.05)], 0.3),
+            (vec![wave(0.2)], 0.2),
+        ];
+        let (posteriors, beside) = cause_posteriors(&ranked(sets));
+        assert!((posteriors[0].probability - 1.0).abs() < 1e-12);
+        assert!((posteriors[1].probability - 0.8).abs() < 1e-12);
+        assert!(beside.is_empty(), "{beside:?}");
     }
 
     #[test]

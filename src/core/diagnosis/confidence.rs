@@ -2,7 +2,7 @@
 
 use super::adequacy::adequacy;
 use super::candidates::{log_rarity, size_parameter};
-use super::cause_posteriors::{CausePosterior, MAX_IMITATION_RATE, NAMING_PROBABILITY};
+use super::cause_posteriors::{CausePosterior, NAMING_PROBABILITY};
 use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
 use super::gain::Prediction;
@@ -33,9 +33,11 @@ const READINGS_SHARE: f64 = 0.2;
 /// Log odds for a cause against an error outside the catalogue that looks exactly like it.
 const LOOKS_THE_SAME: f64 = 4.5;
 /// Probability that an error outside the catalogue imitates a cause that explains a chi-square of 1, which falls with
-/// the square root of the chi-square explained, and probability that none of the causes of a list is present. Both were
-/// counted on simulated development data, some with a slightly wrong model or an effect outside the catalogue.
+/// the square root of the chi-square explained, its upper bound, and the probability that none of the causes of a list
+/// is present. They were counted on simulated development data, some with a slightly wrong model or an effect outside
+/// the catalogue.
 const IMITATION_RATE: f64 = 0.5;
+const MAX_IMITATION_RATE: f64 = 0.02;
 const NONE_PRESENT_RATE: f64 = 0.2;
 /// From this number on, events on one reading look like a pattern, unless each has at least the chi-square gain
 /// `LARGE_EVENT`.
@@ -310,17 +312,16 @@ pub(super) fn downgrade_doubtful_names(
 }
 
 /// Allows for errors outside the catalogue, which the evidence ignores, by lowering the probabilities of all findings.
-/// A name that falls below the naming threshold becomes a list.
+/// A name that falls below the naming threshold is no longer certain.
 pub(super) fn allow_for_imitations(findings: &mut [Finding]) {
     for finding in findings {
         if finding.verdict == Verdict::Named {
-            let explained = finding.evidence.delta_chi2;
-            if let Some(probability) = probability_of_name(finding.probability, explained) {
-                finding.probability = probability;
-                finding.alternatives.clear();
-                continue;
+            finding.probability *= 1.0 - imitation_rate(finding.evidence.delta_chi2);
+            finding.alternatives.clear();
+            if finding.probability < NAMING_PROBABILITY {
+                finding.verdict = Verdict::Ambiguous;
             }
-            finding.verdict = Verdict::Ambiguous;
+            continue;
         }
         finding.probability *= 1.0 - NONE_PRESENT_RATE;
         for alternative in &mut finding.alternatives {
@@ -329,15 +330,13 @@ pub(super) fn allow_for_imitations(findings: &mut [Finding]) {
     }
 }
 
-/// Probability of a named cause that explains a given chi-square; `None` if it is too low for a name.
+/// Share of names that are imitations by errors outside the catalogue, for causes that explain a given chi-square.
 ///
 /// An error outside the catalogue can pass for a cause if noise hides the difference of their shapes. If that
 /// difference is equally likely to be any fraction of what the cause explains, the share that noise hides is
 /// proportional to `1 / sqrt(chi-square explained)`.
-fn probability_of_name(probability: f64, explained: f64) -> Option<f64> {
-    let imitated = (IMITATION_RATE / explained.max(1.0).sqrt()).min(MAX_IMITATION_RATE);
-    let stated = probability * (1.0 - imitated);
-    (stated >= NAMING_PROBABILITY).then_some(stated)
+fn imitation_rate(explained: f64) -> f64 {
+    (IMITATION_RATE / explained.max(1.0).sqrt()).min(MAX_IMITATION_RATE)
 }
 
 /// Log prior rarity of the size of a cause, relative to the largest typical size, at the lower end of its confidence
@@ -403,13 +402,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_become_more_certain_with_the_chi_square_explained() {
-        let stated = |p, explained| probability_of_name(p, explained);
-        let expected = [(2500.0, 0.99), (100.0, 0.97), (10.0, 0.97), (0.0, 0.97)];
-        for (explained, probability) in expected {
-            assert!((stated(1.0, explained).unwrap() - probability).abs() < 1e-12);
+    fn causes_that_explain_more_are_imitated_less() {
+        let expected = [(2500.0, 0.01), (100.0, 0.02), (10.0, 0.02), (0.0, 0.02)];
+        for (explained, rate) in expected {
+            assert!((imitation_rate(explained) - rate).abs() < 1e-12);
         }
-        assert!(stated(0.96, 1e6).is_some());
-        assert_eq!(stated(0.96, 100.0), None);
     }
 }

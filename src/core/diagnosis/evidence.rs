@@ -73,7 +73,7 @@ impl System {
             .flat_map(|m| gram.first[m.0]..gram.first[m.0 + 1])
             .collect();
         let mut shared = DMatrix::zeros(extension.len(), width);
-        let mut among = DMatrix::zeros(width, width);
+        let among = gram.block(&own);
         let mut score = DVector::zeros(width);
         let mut at = 0;
         let mut log_prior = 0.0;
@@ -86,14 +86,11 @@ impl System {
             score
                 .rows_mut(at, count)
                 .copy_from(&gram.scores[*index].score);
-            for k in 0..count {
+            for k in (0..count).filter(|_| !extension.is_empty()) {
                 let row = gram.row(gram.first[*index] + k);
                 let by = &row[extension.clone()];
                 for (to, weight) in prior.row(k).iter().enumerate().filter(|w| *w.1 != 0.0) {
                     axpy(*weight, by, shared.column_mut(at + to).as_mut_slice());
-                }
-                for (to, column) in own.iter().enumerate() {
-                    among[(at + k, to)] = row[*column];
                 }
             }
             at += count;

@@ -16,7 +16,7 @@ use super::set_comparison::RIVAL_WITHIN;
 /// Maximum number of points at each fit.
 const MAX_POINTS: usize = 5;
 /// Maximum number of sets that each search extends.
-pub(super) const MAX_EXTENDED: usize = 40;
+pub(super) const MAX_EXTENDED: usize = 20;
 /// Chi-square per degree of freedom above which the described noise is no sensible point.
 pub(super) const UNEXPLAINED_CHI2: f64 = 100.0;
 /// Log posterior below the best down to which sets are kept.
@@ -200,16 +200,17 @@ fn ranked(
             continue;
         }
         let mut evaluated = points[place].evaluated[&set].clone();
-        if value > least - SETTLED_WITHIN {
+        if value > least - SETTLED_WITHIN && evaluated.over_scales.is_none() {
             // Members still have the scales that suited the smaller set to which they were added.
             evaluated = settled(&mut points[place].gram, &evaluated.members);
+            points[place].evaluated.insert(set, evaluated.clone());
         }
         let all = points.iter_mut().enumerate().map(|(k, point)| {
             let own = if k == place {
                 evaluated.log_posterior
             } else {
                 System::new(&mut point.gram, &evaluated.members).log_posterior
-                    + evaluated.over_scales
+                    + evaluated.over_scales.unwrap_or(0.0)
             };
             point.log_evidence_of_none + own
         });

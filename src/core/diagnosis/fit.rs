@@ -28,14 +28,6 @@ impl<'a> Fit<'a> {
         Self::with_early_stop((bound, PATIENCE), base, causes)
     }
 
-    /// Fits without early stopping, for causes that are still far from explaining the readings and may need many steps.
-    pub fn without_early_stop(
-        base: &Problem<'a>,
-        causes: &[Cause],
-    ) -> Result<Self, EstimationError> {
-        Self::with_early_stop((f64::INFINITY, usize::MAX), base, causes)
-    }
-
     /// Fits, but stops if chi-square is not below a bound after so many steps.
     pub fn with_early_stop(
         (bound, patience): (f64, usize),

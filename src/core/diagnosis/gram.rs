@@ -13,6 +13,9 @@ use super::candidates::{Candidate, Column, PoseWeights};
 use super::catalogue::Catalogue;
 use super::hyperparameters::{LinearProblem, ReducedProblem};
 
+/// Number of unknown rows above which only the products among the columns asked for are computed.
+const MANY_ROWS: usize = 24;
+
 /// Score and information of one candidate alone.
 #[derive(Debug, Clone)]
 pub(super) struct CandidateScore {
@@ -179,6 +182,25 @@ impl<'l> Gram<'l> {
         let row = Rc::new(self.cross(&left));
         self.rows.insert(column, Rc::clone(&row));
         row
+    }
+
+    /// Products of some columns with each other.
+    pub fn block(&mut self, columns: &[usize]) -> DMatrix<f64> {
+        let unknown = columns.iter().filter(|c| !self.rows.contains_key(c));
+        if unknown.count() <= MANY_ROWS {
+            let mut block = DMatrix::zeros(columns.len(), columns.len());
+            for (mut to, column) in block.column_iter_mut().zip(columns) {
+                let row = self.row(*column);
+                to.copy_from_slice(&columns.iter().map(|c| row[*c]).collect::<Vec<_>>());
+            }
+            return block;
+        }
+        let mut own = DMatrix::zeros(self.linear.conditions.count, columns.len());
+        for (mut to, column) in own.column_iter_mut().zip(columns) {
+            to.copy_from(&self.column(*column));
+        }
+        let eliminated = &self.base.eliminated * &own;
+        own.transpose() * &own - eliminated.transpose() * &eliminated
     }
 
     /// Products of all columns with whitened conditions.

@@ -8,7 +8,7 @@
 
 use nalgebra::DMatrix;
 
-use super::candidates::is_same_effect_and_targets;
+use super::candidates::{is_same_effect_and_targets, is_same_period};
 use super::catalogue::Catalogue;
 use super::conditions::concatenate_columns;
 use super::evidence::{Member, System};
@@ -25,6 +25,7 @@ use super::report::Cause;
 use super::search::collinear_members;
 use super::set_comparison::SetComparison;
 use super::{DiagnosisOptions, Stage};
+use crate::effect::Search;
 use crate::estimation::{EstimationError, Problem};
 
 /// Maximum number of linearisations.
@@ -273,7 +274,7 @@ pub(super) fn infer<'a>(
             } else {
                 f64::NEG_INFINITY
             };
-            compared.record_fit(place, value);
+            compared.record_fit(place, value, &refit.causes);
             if value == f64::NEG_INFINITY {
                 let alike = collinear_members(&mut gram, compared.members(place));
                 if alike.len() > 1 {
@@ -290,22 +291,18 @@ pub(super) fn infer<'a>(
             }
         }
         let ranking = compared.ranking();
-        let better = best.filter(|(_, fit)| {
-            let seen = tried.iter().any(|t| is_same_set(t, &fit.causes));
-            !seen && round < MAX_LINEARISATIONS
-        });
-        match better {
-            Some((_, next)) if !report.cancelled || fit.causes.is_empty() => {
+        let is_new = |next: &Fit<'_>| !tried.iter().any(|t| is_same_set(t, &next.causes));
+        let may_go_on = round < MAX_LINEARISATIONS && (!report.cancelled || fit.causes.is_empty());
+        match best {
+            Some((_, next)) if may_go_on && is_new(&next) => {
                 tried.push(next.causes.clone());
                 fit = next;
             }
-            _ => {
-                let merge_common_values =
-                    merge_common_values(&fit).filter(|_| round < MAX_LINEARISATIONS);
-                let merge_common_values = merge_common_values
-                    .map(|causes| Fit::new(&base, &causes))
-                    .transpose()?;
-                let better = merge_common_values.filter(|fit| {
+            best => {
+                let (own, last) = best.unwrap_or((own, fit));
+                let merged = merge_common_values(&last).filter(|_| round < MAX_LINEARISATIONS);
+                let merged = merged.map(|causes| Fit::new(&base, &causes)).transpose()?;
+                let better = merged.filter(|fit| {
                     let at = LinearFit::new(fit, expected, false).starting_at(&smallest_variances);
                     is_physically_possible(fit) && at.own_evidence().0 > own
                 });
@@ -313,7 +310,7 @@ pub(super) fn infer<'a>(
                     Some(next) => fit = next,
                     None => {
                         let inference =
-                            inference_at_fit(fit, options, ranking, &smallest_variances);
+                            inference_at_fit(last, options, ranking, &smallest_variances);
                         return Ok((base, inference, std::mem::take(visible)));
                     }
                 }
@@ -382,9 +379,15 @@ pub(super) fn is_same_set(one: &[Cause], other: &[Cause]) -> bool {
     one.len() == other.len() && one.iter().all(|cause| contains(other, cause))
 }
 
-/// Whether two causes have the same effect and targets, and events the same pose.
+/// Whether two causes have the same effect and targets, events the same pose, and waves about the same period.
 pub(super) fn is_same_cause(one: &Cause, other: &Cause) -> bool {
-    let pose = one.effect().pose_parameter();
+    let value = |cause: &Cause, k: usize| cause.instances[0].values[k];
     is_same_effect_and_targets(one, other)
-        && pose.is_none_or(|k| one.instances[0].values[k] == other.instances[0].values[k])
+        && match one.effect().search() {
+            Search::FromPose(k) | Search::AtPose(k) => value(one, k) == value(other, k),
+            Search::Wave {
+                period: Some(k), ..
+            } => is_same_period(value(one, k), value(other, k)),
+            _ => true,
+        }
 }

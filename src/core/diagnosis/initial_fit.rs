@@ -15,12 +15,15 @@ use crate::estimation::EstimationError;
 
 /// Chi-square per degree of freedom above which sets are compared by full fits rather than in the linearised problem.
 const FAR_FROM_NOISE: f64 = 5.0;
+/// Number of steps after which a fit is abandoned if it is still worse than the best one found. Readings far from the
+/// model need more steps than others.
+const PATIENCE_FAR_FROM_NOISE: usize = 25;
 /// Number of sets that are fitted in each step: the best ones, and the best of each kind that has one cause more.
 const MAX_BEST_SETS: usize = 5;
 const MAX_KINDS: usize = 8;
 
-/// The best sets, and for variety the best set with `count` causes of each kind. The kind is that of the last cause:
-/// its effect, and whether it acts on one cable, on all alike or on each with its own value.
+/// The best sets, and for variety the best set with `count` causes of each kind, smaller sets first. The kind is that of
+/// the last cause: its effect, and whether it acts on one cable, on all alike or on each with its own value.
 fn diverse_sets(
     candidates: &[Candidate],
     evaluated: &HashMap<CandidateSet, EvaluatedSet>,
@@ -54,12 +57,13 @@ fn diverse_sets(
             found.push(evaluated.members.clone());
         }
     }
+    found.sort_by_key(Vec::len);
     found
 }
 
-/// Adds the causes that explain most of chi-square, one per step, as long as chi-square is far above its degrees of
+/// Adds the causes that explain most of chi-square, in steps, as long as chi-square is far above its degrees of
 /// freedom. The linear comparison is useless there, so one cause of each kind is fitted, with noise of the size of the
-/// residuals.
+/// residuals. Larger sets are fitted only if no smaller one explains the readings.
 pub(super) fn initial_fit<'a>(
     from: Fit<'a>,
     seen: &mut Option<Vec<Visibility>>,
@@ -71,7 +75,7 @@ pub(super) fn initial_fit<'a>(
     problem.free_effects.clear();
     let mut fit = from;
     for _ in 0..options.most_findings {
-        let left = fit.solution.chi2 / fit.solution.degrees_of_freedom;
+        let left = chi2_per_freedom(&fit);
         if left < FAR_FROM_NOISE
             || !left.is_finite()
             || !report.stage(Stage::Refits, fit.causes.len())
@@ -105,11 +109,16 @@ pub(super) fn initial_fit<'a>(
             if same_members(&members, &at.present) || report.cancelled {
                 continue;
             }
+            let found = best.as_ref().map_or(&fit, |(_, better)| better);
+            if found.causes.len() < members.len() && chi2_per_freedom(found) < FAR_FROM_NOISE {
+                break;
+            }
             let causes = causes_of(&at, &mut gram, &members);
             let refit = if left < UNEXPLAINED_CHI2 {
                 Fit::new(&problem, &causes)?
             } else {
-                Fit::without_early_stop(&problem, &causes)?
+                let bound = found.solution.chi2;
+                Fit::with_early_stop((bound, PATIENCE_FAR_FROM_NOISE), &problem, &causes)?
             };
             let value = score(&refit, &members);
             if is_physically_possible(&refit) && best.as_ref().is_none_or(|b| value > b.0) {
@@ -123,6 +132,10 @@ pub(super) fn initial_fit<'a>(
         }
     }
     Ok(fit)
+}
+
+fn chi2_per_freedom(fit: &Fit<'_>) -> f64 {
+    fit.solution.chi2 / fit.solution.degrees_of_freedom
 }
 
 fn same_members(one: &[Member], other: &[Member]) -> bool {

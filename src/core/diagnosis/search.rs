@@ -36,8 +36,8 @@ pub(super) struct EvaluatedSet {
     pub members: Vec<Member>,
     /// Log evidence and prior.
     pub log_posterior: f64,
-    /// Part of `log_posterior` that comes from summing over the scales of the members; 0 if it was not computed.
-    pub over_scales: f64,
+    /// Part of `log_posterior` that comes from summing over the scales of the members; `None` if the set was not settled.
+    pub over_scales: Option<f64>,
 }
 
 /// The sets evaluated at given hyperparameters.
@@ -64,7 +64,7 @@ pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> EvaluatedSet {
     }
     EvaluatedSet {
         log_posterior: System::new(gram, &members).log_posterior + over_scales,
-        over_scales,
+        over_scales: Some(over_scales),
         members,
     }
 }
@@ -117,13 +117,13 @@ impl<'g, 'l> Search<'g, 'l> {
         let known = known.or_insert_with(|| EvaluatedSet {
             members: members.clone(),
             log_posterior: f64::NEG_INFINITY,
-            over_scales: 0.0,
+            over_scales: None,
         });
         if log_posterior > known.log_posterior {
             *known = EvaluatedSet {
                 members,
                 log_posterior,
-                over_scales: 0.0,
+                over_scales: None,
             };
         }
     }

@@ -120,10 +120,11 @@ impl SetComparison {
         })
     }
 
-    /// Records the evidence of a set at its own fit; minus infinity if it is impossible.
-    pub fn record_fit(&mut self, place: usize, own: f64) {
+    /// Records the evidence of a set at its own fit, minus infinity if it is impossible, and the causes as fitted there.
+    pub fn record_fit(&mut self, place: usize, own: f64, causes: &[Cause]) {
         let set = &mut self.sets[place];
         set.change = Some(own - set.linear);
+        set.causes = causes.to_vec();
         self.fits += 1;
     }
 
@@ -138,18 +139,25 @@ impl SetComparison {
         self.fits -= 1;
     }
 
-    /// The sets in order of decreasing probability.
+    /// The sets in order of decreasing probability. Of sets that became the same when they were fitted, such as waves
+    /// of different periods, the most probable one remains.
     pub fn ranking(self) -> Vec<RankedSet> {
         let values = self.values();
-        let sets = self.sets.into_iter().zip(values);
-        let mut ranking: Vec<RankedSet> = sets
-            .map(|(set, log_posterior)| RankedSet {
-                causes: set.causes,
-                log_posterior,
-            })
-            .collect();
-        ranking.sort_by(|a, b| b.log_posterior.total_cmp(&a.log_posterior));
-        ranking
+        let mut sets: Vec<(ComparedSet, f64)> = self.sets.into_iter().zip(values).collect();
+        sets.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let mut fitted: Vec<Vec<Cause>> = Vec::new();
+        sets.retain(|(set, _)| {
+            let is_known = fitted.iter().any(|f| is_same_set(f, &set.causes));
+            if set.change.is_some() && !is_known {
+                fitted.push(set.causes.clone());
+            }
+            set.change.is_none() || !is_known
+        });
+        let ranked = |(set, log_posterior): (ComparedSet, f64)| RankedSet {
+            causes: set.causes,
+            log_posterior,
+        };
+        sets.into_iter().map(ranked).collect()
     }
 
     fn values(&self) -> Vec<f64> {
@@ -205,12 +213,12 @@ mod tests {
         };
         compared.sets[0].change = Some(0.0);
         assert_eq!(compared.next(), Some(1));
-        compared.record_fit(1, -8.0);
+        compared.record_fit(1, -8.0, &[]);
         assert!(!compared.is_best(1) && compared.is_best(0));
         // The third set was above all others and is now too low for a fit.
         assert_eq!(compared.values(), [0.0, -8.0, -9.0, -1.0]);
         assert_eq!(compared.next(), Some(3));
-        compared.record_fit(3, -2.0);
+        compared.record_fit(3, -2.0, &[]);
         // The most probable set without cause 1 has been fitted already.
         assert_eq!(compared.next(), None);
     }
@@ -225,9 +233,9 @@ mod tests {
         };
         compared.sets[0].change = Some(0.0);
         assert_eq!(compared.next(), Some(1));
-        compared.record_fit(1, -9.0);
+        compared.record_fit(1, -9.0, &[]);
         assert_eq!(compared.next(), Some(2));
-        compared.record_fit(2, -1.0);
+        compared.record_fit(2, -1.0, &[]);
         assert_eq!(compared.values(), [0.0, -9.0, -1.0]);
     }
 
@@ -244,7 +252,7 @@ mod tests {
             fits: 0,
         };
         assert_eq!(compared.next(), Some(0));
-        compared.record_fit(0, f64::NEG_INFINITY);
+        compared.record_fit(0, f64::NEG_INFINITY, &[]);
         compared.exclude(&[1, 2]);
         assert_eq!(compared.fits, 0);
         assert_eq!(compared.next(), Some(2));
@@ -259,11 +267,36 @@ mod tests {
         };
         compared.sets[0].change = Some(0.0);
         assert_eq!(compared.next(), Some(1));
-        compared.record_fit(1, -1.0);
+        compared.record_fit(1, -1.0, &[]);
         assert_eq!(compared.next(), None, "{:?}", compared.values());
-        assert_eq!(
-            compared.ranking()[1].log_posterior.to_bits(),
-            (-1.0_f64).to_bits()
-        );
+        assert_eq!(compared.values()[1].to_bits(), (-1.0_f64).to_bits());
+    }
+
+    /// The fit of the second set ends at the period of the first one, so they are the same set.
+    #[test]
+    fn sets_that_are_the_same_when_fitted_count_once() {
+        let wave = |period: f64| {
+            let effect = crate::effect::find("laser_cyclic").unwrap();
+            let bound = crate::effect::BoundEffect {
+                effect,
+                cables: Vec::new(),
+                targeted: false,
+                values: vec![1e-3, period, 0.0],
+            };
+            Cause {
+                instances: vec![bound],
+            }
+        };
+        let mut compared = SetComparison {
+            sets: vec![set(&[1], 0.0), set(&[2], -1.0), set(&[3], -2.0)],
+            fits: 0,
+        };
+        compared.record_fit(0, 0.0, &[wave(0.2)]);
+        compared.record_fit(1, 0.5, &[wave(0.201)]);
+        compared.sets[2].causes = vec![wave(0.2)];
+        let ranking = compared.ranking();
+        let values: Vec<f64> = ranking.iter().map(|r| r.log_posterior).collect();
+        assert_eq!(values.len(), 2, "{values:?}");
+        assert_eq!(values[0].to_bits(), 0.5_f64.to_bits());
     }
 }

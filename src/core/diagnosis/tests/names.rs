@@ -55,6 +55,23 @@ fn different_values_on_all_cables_are_one_finding() {
 }
 
 #[test]
+fn two_waves_of_different_periods_are_two_findings() {
+    let wave = |amplitude: f64, period: f64| {
+        let values = [("amplitude", amplitude), ("period", period), ("phase", 0.4)];
+        setting("laser_cyclic", &[], &values)
+    };
+    let run = run_with("mini", 80, 64, &[wave(0.006, 0.3), wave(0.004, 0.13)]);
+    let diagnosis = diagnosed(&run.dataset);
+    let wave = ("laser_cyclic", Vec::new());
+    assert_eq!(found(&diagnosis), [wave.clone(), wave]);
+    let findings = diagnosis.findings.iter();
+    let periods: Vec<f64> = findings.map(|f| f.parameters[1].value).collect();
+    for (period, truth) in periods.iter().zip([0.3, 0.13]) {
+        assert!((period / truth - 1.0).abs() < 0.02, "{periods:?}");
+    }
+}
+
+#[test]
 fn different_values_on_two_cables_are_two_findings() {
     let one = setting("winch_scale", &["cable-2"], &[("scale", 0.02)]);
     let other = setting("winch_scale", &["cable-7"], &[("scale", -0.02)]);

@@ -103,6 +103,21 @@ fn evidence_is_that_of_the_dense_covariance() {
     }
 }
 
+#[test]
+fn products_of_many_columns_are_those_of_their_rows() {
+    let dataset = run_with("planar", 12, 31, &causes()).dataset;
+    let problem = problem_at_fitted_poses(&dataset);
+    let fit = Fit::new(&problem, &[]).unwrap();
+    let at = LinearFit::new(&fit, 0.8, true);
+    let mut gram = at.gram(&at.linear.described());
+    let columns: Vec<usize> = (0..40)
+        .map(|k| 7 * k % gram.first[gram.candidates.len()])
+        .collect();
+    let block = gram.block(&columns);
+    let rows = DMatrix::from_fn(40, 40, |i, k| gram.row(columns[i])[columns[k]]);
+    assert!((&block - &rows).amax() < 1e-9 * rows.amax());
+}
+
 /// Enumerates all sets of up to three candidates, with optimised scales.
 fn enumerated(gram: &mut Gram<'_>) -> Vec<(Vec<usize>, f64)> {
     let all = gram.candidates;
