@@ -5,7 +5,7 @@ use tautline_core::effect::CATALOGUE;
 use super::{Channels, Circumstances, OUTSIDE, Plan, Stratum, Wanted, robots};
 
 /// Seed of the first dataset.
-const FIRST_SEED: u64 = 3_000_000;
+const FIRST_SEED: u64 = 4_000_000;
 /// One in this many datasets per effect and robot is just visible.
 const JUST_VISIBLE_EVERY: usize = 3;
 
@@ -143,7 +143,7 @@ pub const STUDIES: [(&str, &str); 13] = [
 ];
 
 /// First seed of the published table. Development must use other seeds.
-pub const TABLE_SEED: u64 = 80_000_000;
+pub const TABLE_SEED: u64 = 90_000_000;
 /// Distance between the first seeds of two studies of the table.
 const SEED_STRIDE: u64 = 100_000;
 /// Number of datasets in each study of the table.

@@ -117,8 +117,11 @@ pub fn by_chance(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<DrawnEffects> {
                 true => [largest, ATYPICAL_FACTOR * largest],
                 false => [smallest, largest],
             };
-            let size = log_uniform(range, rng);
-            effects.push(template.setting(size));
+            let effect = template.setting(log_uniform(range, rng));
+            // An effect on a sensor that the robot does not have cannot be estimated.
+            if noncentrality(setup, &effect, &[]).is_ok() {
+                effects.push(effect);
+            }
         }
         if setup.exact(&effects).is_ok() {
             let seen = each_noncentrality(setup, &effects);

@@ -1,11 +1,13 @@
 //! Decides which inferred causes are confirmed and with which probability they are stated.
 
+use super::DiagnosisOptions;
 use super::adequacy::adequacy;
 use super::candidates::{log_rarity, size_parameter};
 use super::cause_posteriors::{CausePosterior, NAMING_PROBABILITY};
 use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
 use super::gain::Prediction;
+use super::heavy_tails::shares_of_heavy_tails;
 use super::inference::{
     Inference, has_possible_values, inference_at_fit, is_physically_possible, is_same_cause,
 };
@@ -16,7 +18,6 @@ use super::report::{
 use super::residual_space::ResidualSpace;
 use super::unmodelled_errors::{UnmodelledError, UnmodelledErrors};
 use super::variables::Variables;
-use super::{DiagnosisOptions, Quantity};
 use crate::effect::Search;
 use crate::estimation::{EstimationError, Linearisation, Problem};
 
@@ -39,10 +40,6 @@ const LOOKS_THE_SAME: f64 = 4.5;
 const IMITATION_RATE: f64 = 0.5;
 const MAX_IMITATION_RATE: f64 = 0.02;
 const NONE_PRESENT_RATE: f64 = 0.2;
-/// From this number on, events on one reading look like a pattern, unless each has at least the chi-square gain
-/// `LARGE_EVENT`.
-const MANY_EVENTS: usize = 2;
-const LARGE_EVENT: f64 = 60.0;
 
 /// Confirmed causes with their posteriors, and other possible causes.
 pub(super) struct ConfirmedCauses<'a> {
@@ -243,24 +240,15 @@ pub(super) fn downgrade_doubtful_names(
     findings: &mut [Finding],
     inference: &Inference<'_>,
     (rivals, remaining): (&[Option<UnmodelledError>], &[UnmodelledError]),
-    scatter: &[(ReadingId, f64)],
+    (scatter, space): (&[(ReadingId, f64)], &ResidualSpace),
 ) {
     let cables = inference.fit.problem.dataset.robot.cable_count();
-    let many = |finding: &Finding, all: &[Finding]| {
-        let small = |f: &&Finding| {
-            let at_pose = matches!(f.cause.effect().search(), Search::AtPose(_));
-            at_pose
-                && f.evidence.delta_chi2 < LARGE_EVENT
-                && f.cause.cables() == finding.cause.cables()
-        };
-        small(&finding) && all.iter().filter(small).count() >= MANY_EVENTS
-    };
-    let events: Vec<bool> = findings.iter().map(|f| many(f, findings)).collect();
     // An improbable rival does not make a near-certain name ambiguous.
     let matters = |share: f64| 1.0 - share < NAMING_PROBABILITY;
     // Exchanged channels come first in the findings and have no rivals.
     let first = findings.len() - rivals.len();
-    for (index, (finding, is_event)) in findings.iter_mut().zip(events).enumerate() {
+    let tails = shares_of_heavy_tails(findings, first, inference, space);
+    for (index, (finding, tails)) in findings.iter_mut().zip(tails).enumerate() {
         let own = finding.cause.cables();
         let own_index = index.checked_sub(first);
         let rival = own_index.and_then(|k| rivals[k].as_ref());
@@ -281,24 +269,15 @@ pub(super) fn downgrade_doubtful_names(
         });
         // It is undecided which of them explains what they share.
         let open = scattered.map(|(id, _)| UnmodelledError::of(*id));
-        let open = open.or_else(|| beside.cloned()).or_else(|| {
-            is_event.then(|| {
-                UnmodelledError::of(ReadingId {
-                    quantity: Quantity::Length,
-                    cable: own.first().copied(),
-                    component: None,
-                })
-            })
-        });
+        let open = open.or_else(|| beside.cloned()).map(|other| (other, 0.5));
         // A size beyond that of real machines suggests another error that looks the same.
         let odds = (log_rarity_of(finding) - LOOKS_THE_SAME).exp();
-        let share = odds / (1.0 + odds);
-        let oversized = || {
+        let share = tails.max(odds / (1.0 + odds));
+        let imitated = || {
             let id = inference.most_affected_class(own_index.filter(|_| matters(share))?)?;
             Some((UnmodelledError::of(id), share))
         };
-        let Some((other, share)) = rival.or(open.map(|other| (other, 0.5))).or_else(oversized)
-        else {
+        let Some((other, share)) = rival.or(open).or_else(imitated) else {
             continue;
         };
         finding.verdict = Verdict::Ambiguous;

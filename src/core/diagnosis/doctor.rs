@@ -122,7 +122,7 @@ fn examine(
             &mut findings,
             &inference,
             (&unmodelled.rivals, &remaining_errors),
-            &scatter,
+            (&scatter, &space),
         );
         allow_for_imitations(&mut findings);
         findings.extend(remaining_errors.iter().map(|s| s.finding(fit)));

@@ -12,7 +12,7 @@ use super::candidates::{is_same_effect_and_targets, is_same_period};
 use super::catalogue::Catalogue;
 use super::conditions::concatenate_columns;
 use super::evidence::{Member, System};
-use super::exploration::{Visibility, explore};
+use super::exploration::{Visibility, explore, log_sum};
 use super::fit::Fit;
 use super::gram::Gram;
 use super::grouping::merge_common_values;
@@ -95,6 +95,17 @@ impl Inference<'_> {
             candidate.log_odds + candidate.scales[scale].1 + sign
         };
         causes.iter().map(of).sum()
+    }
+
+    /// Log prior odds of a cause with one parameter, times the prior density of a value of it (in SI units).
+    pub fn log_prior_density(&self, cause: usize, value: f64) -> f64 {
+        let (index, _) = self.present[cause];
+        let candidate = &self.catalogue.candidates[index];
+        let density = |(scale, log_weight): &(f64, f64)| {
+            let sd = candidate.prior[(0, 0)] * scale;
+            log_weight - 0.5 * ((value / sd).powi(2) + std::f64::consts::TAU.ln()) - sd.ln()
+        };
+        candidate.log_odds + log_sum(candidate.scales.iter().map(density))
     }
 
     /// Share of a cause's effect on the readings, with all else estimated, that is in readings of one kind and cable,

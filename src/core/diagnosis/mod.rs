@@ -26,6 +26,7 @@ mod fit;
 mod gain;
 mod gram;
 mod grouping;
+mod heavy_tails;
 mod hyperparameters;
 mod inference;
 mod initial_fit;
