@@ -110,11 +110,7 @@ fn a_pulley_moved_by_a_centimetre_changes_the_picture_there_and_only_there() {
 fn nothing_is_between_the_row_of_buttons_and_the_picture() {
     for theme in [ThemePreference::Dark, ThemePreference::Light] {
         let renderer = GlowTestRenderer::new().expect("a picture");
-        let mut harness = Harness::builder()
-            .with_size(vec2(1280.0, 800.0))
-            .with_max_steps(60)
-            .renderer(renderer.clone())
-            .build_eframe(|creation| App::new(creation, options()));
+        let mut harness = harness(&renderer, 1.0);
         harness.ctx.set_theme(theme);
         open(&mut harness, session_of("mini", 3), false);
         let image = renderer.picture(&harness).expect("a picture");
@@ -188,7 +184,8 @@ fn check_cables(picture: &Picture<'_>, image: &RgbaImage, theme: Theme) -> usize
     found.len()
 }
 
-fn harness(renderer: &GlowTestRenderer, scale: f32) -> Harness<'static, App> {
+/// The workbench, with pictures of what it draws.
+pub fn harness(renderer: &GlowTestRenderer, scale: f32) -> Harness<'static, App> {
     Harness::builder()
         .with_size(vec2(1280.0, 800.0))
         .with_pixels_per_point(scale)

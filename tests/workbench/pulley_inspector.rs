@@ -215,11 +215,7 @@ fn a_small_window_shows_the_inspector_alone() {
 fn pictures(theme: ThemePreference, part: &str) -> [RgbaImage; 2] {
     [0.0, 5e-3].map(|moved_m| {
         let renderer = GlowTestRenderer::new().expect("a picture");
-        let mut harness = Harness::builder()
-            .with_size(vec2(1280.0, 800.0))
-            .with_max_steps(60)
-            .renderer(renderer.clone())
-            .build_eframe(|creation| App::new(creation, options()));
+        let mut harness = crate::gl::harness(&renderer, 1.0);
         harness.ctx.set_theme(theme);
         open(&mut harness, with_moved_pulley(moved_m), true);
         give(&mut harness, ViewCommand::Inspect(Some(2)));

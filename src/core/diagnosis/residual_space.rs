@@ -304,6 +304,9 @@ impl RowGroup {
 
 /// Orthonormal basis of the range of `C`, transposed; `C C^T` must be a projector.
 pub(super) fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
+    if c.is_empty() {
+        return DMatrix::zeros(0, c.nrows());
+    }
     let eigen = SymmetricEigen::new(c.tr_mul(c));
     let kept: Vec<usize> = (0..eigen.eigenvalues.len())
         .filter(|k| eigen.eigenvalues[*k] > HALF)

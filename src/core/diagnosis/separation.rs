@@ -193,7 +193,7 @@ fn advice(needed: usize, checks: &[&str]) -> String {
     let poses = format!("Measure the platform {often}: there these causes differ most.");
     match checks {
         [] => poses,
-        _ => format!("{poses} Or check without: {}", checks.join(" ")),
+        _ => format!("{poses} Or check, without measuring: {}", checks.join(" ")),
     }
 }
 

@@ -10,7 +10,7 @@ use super::reading_id::ReadingId;
 use super::report::{Cause, Discrepancy, Evidence, Finding, Quantity, Verdict};
 use super::structured_errors::{ErrorSearch, StructuredError};
 use super::variables::Variables;
-use crate::effect::unknown::{FIRST, FUNCTIONS, READING, SCALE};
+use crate::effect::unknown::{ADVICE, FIRST, FUNCTIONS, READING, SCALE};
 use crate::effect::{BiasedReading, BoundEffect, UNKNOWN};
 use crate::estimation::Linearisation;
 use crate::robot::Robot;
@@ -259,7 +259,7 @@ impl UnmodelledError {
             cause: self.cause(robot.cable_count()),
             probability: self.probability(),
             sentence: format!("The {what} have an error that {}; no known cause explains it.", self.form),
-            advice: "Look at the plot of this error; measure poses between those where it is large and small.".to_owned(),
+            advice: ADVICE.to_owned(),
             alternatives: Vec::new(),
             parameters: Vec::new(),
             evidence: Evidence {

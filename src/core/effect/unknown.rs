@@ -223,6 +223,10 @@ fn spread(found: &FoundEffect<'_>, form: &Form) -> f64 {
     most - least
 }
 
+/// What to do about an error that no effect explains.
+pub(crate) const ADVICE: &str =
+    "Plot this error, and measure more poses between those where it is large and small.";
+
 /// Indices of the parameters.
 pub(crate) const READING: usize = 0;
 const SHAPE: usize = 1;
@@ -306,8 +310,7 @@ fn cause(found: &FoundEffect<'_>) -> String {
 }
 
 fn workshop(_found: &FoundEffect<'_>) -> String {
-    "Look at the plot of this error; measure poses between those where it is large and small."
-        .to_owned()
+    ADVICE.to_owned()
 }
 
 fn change_cable(parameters: &[Dual], at: &CableContext, ports: &mut CablePorts) {

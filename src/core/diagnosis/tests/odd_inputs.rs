@@ -145,6 +145,25 @@ fn no_tension_was_read_at_some_poses() {
     check_clean(&dataset);
 }
 
+/// Poses with fewer readings than unknowns, or none.
+#[test]
+fn few_cells_or_none_were_read_at_some_poses() {
+    for name in ["mini", "planar"] {
+        let mut dataset = clean(name, 40);
+        let data = &mut dataset.measurements;
+        for (left, row) in (5..12).enumerate() {
+            for cable in 0..data.revolutions.columns() {
+                data.force_n.set(row, cable, f64::NAN);
+                if cable >= left {
+                    data.revolutions.set(row, cable, f64::NAN);
+                }
+            }
+            data.laser_m[row] = f64::NAN;
+        }
+        check_clean(&dataset);
+    }
+}
+
 #[test]
 fn without_time_temperature_and_commanded_poses() {
     let mut dataset = clean("mini", 25);

@@ -32,7 +32,7 @@ fn one_pose_distinguishes_a_slip_from_a_wrong_reading() {
     assert_eq!(found.poses.len(), 5);
     assert!(found.expected_delta_chi2 > 100.0);
     let expected = "Measure the platform once, at the first of the poses listed: there these causes differ most. \
-        Or check without: Go back to the first pose half-way and at the end, and compare the readings. \
+        Or check, without measuring: Go back to the first pose half-way and at the end, and compare the readings. \
         Go to that pose again and compare the readings.";
     assert_eq!(found.advice, expected);
 }

@@ -1,27 +1,27 @@
-//! Which columns of the table are seen: where not all have room, those that name the row stay and the others are leafed
-//! through, so that none is ever cut.
+//! The visible columns of the table. If not all have room, those that name the row stay and the others are paged through,
+//! so that none is ever cut.
 
 use std::ops::Range;
 
 use super::rows::Head;
 
-/// Least width of a column of names (points).
+/// Smallest width of a column of names (points).
 const LEAST: f32 = 72.0;
 
-/// The columns that are seen.
+/// The visible columns.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Seen {
+pub struct VisibleColumns {
     /// Those that name the row, with their widths (points).
     pub names: Vec<f32>,
-    /// The others, by their places.
+    /// Indices of the others.
     pub others: Range<usize>,
     /// Whether there are more to the left and to the right.
     pub more: [bool; 2],
 }
 
-impl Seen {
-    /// The columns of a table so wide (points), with this space after each: the first `names` and others, beginning with
-    /// `from` of them unless that would leave room unused.
+impl VisibleColumns {
+    /// The visible columns of a table of a given width, with `space` after each (points): the first `names`, and the others
+    /// from the one with index `from` on, or from an earlier one if that would leave room unused.
     pub fn of(heads: &[Head], names: usize, from: usize, (width, space): (f32, f32)) -> Self {
         let (naming, others) = heads.split_at(names.min(heads.len()));
         let widest = others.iter().map(|head| head.width).fold(0.0, f32::max);
@@ -50,7 +50,7 @@ impl Seen {
         }
     }
 
-    /// Places of all that are seen.
+    /// Indices of all visible columns.
     pub fn places(&self) -> impl Iterator<Item = usize> + Clone + use<> {
         (0..self.names.len()).chain(self.others.clone())
     }
@@ -63,8 +63,8 @@ mod tests {
 
     const SPACE: f32 = 8.0;
 
-    /// Width of what is seen (points).
-    fn width(seen: &Seen, heads: &[Head]) -> f32 {
+    /// Width of the visible columns (points).
+    fn width(seen: &VisibleColumns, heads: &[Head]) -> f32 {
         let others = heads[seen.others.clone()].iter().map(|head| head.width);
         let widths: Vec<f32> = seen.names.iter().copied().chain(others).collect();
         widths.iter().sum::<f32>() + SPACE * (widths.len() - 1) as f32
@@ -78,7 +78,7 @@ mod tests {
                 let mut reached = std::collections::BTreeSet::new();
                 let mut from = 0;
                 loop {
-                    let seen = Seen::of(heads, names, from, (room, SPACE));
+                    let seen = VisibleColumns::of(heads, names, from, (room, SPACE));
                     assert!(
                         width(&seen, heads) <= room,
                         "{listed:?} in {room}: {seen:?}"
@@ -96,9 +96,9 @@ mod tests {
     }
 
     #[test]
-    fn where_all_have_room_all_are_seen_from_the_first_on() {
+    fn all_columns_are_visible_if_they_have_room() {
         let heads = Listed::Readings.heads();
-        let seen = Seen::of(heads, 2, 7, (2000.0, SPACE));
+        let seen = VisibleColumns::of(heads, 2, 7, (2000.0, SPACE));
         assert_eq!(seen.places().count(), heads.len());
         assert_eq!(seen.more, [false, false]);
     }

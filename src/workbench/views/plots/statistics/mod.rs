@@ -17,7 +17,7 @@ use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Memo, Selection};
 use crate::theme::{self, GRID};
 use crate::widgets::{icon_button, icon_only, muted};
-use columns::Seen;
+use columns::VisibleColumns;
 use rows::{Head, Listed, Of, Order, Row, arranged, rows_of, text};
 
 /// Width (points) below which the buttons have icons alone.
@@ -58,7 +58,7 @@ pub fn show(
     let bar = ui.spacing().scroll.allocated_width();
     let room = (ui.available_width() - bar, ui.spacing().item_spacing.x);
     let from = &mut state.from[of.listed as usize];
-    let seen = Seen::of(heads, of.listed.names(), *from, room);
+    let seen = VisibleColumns::of(heads, of.listed.names(), *from, room);
     let is_narrow = ui.available_width() < NARROW;
     ui.horizontal(|ui| {
         listed(ui, &mut state.listed);
@@ -89,7 +89,7 @@ pub fn show(
 }
 
 /// Buttons to the columns that have no room.
-fn leaf(ui: &mut Ui, seen: &Seen, names: usize, from: &mut usize) {
+fn leaf(ui: &mut Ui, seen: &VisibleColumns, names: usize, from: &mut usize) {
     let first = seen.others.start - names;
     let [left, right] = seen.more;
     if !(left || right) {
@@ -128,7 +128,7 @@ fn number_of(shown: usize, all: usize) -> String {
 
 fn table(
     ui: &mut Ui,
-    (heads, seen): (&[Head], &Seen),
+    (heads, seen): (&[Head], &VisibleColumns),
     (rows, shown): (&[Row], &[usize]),
     order: &mut Option<Order>,
     (selection, hovered): (Selection, &mut Selection),
