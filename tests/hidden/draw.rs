@@ -14,7 +14,7 @@ use super::{Case, Channels, Hidden, OUTSIDE, Plan, Setup, Stratum, Wanted, outsi
 /// Maximum number of failed draws, for example of effects that break the robot, before a plan is given up.
 const MAX_DRAWS: usize = 30;
 /// Noncentrality below which no reading depends on an effect.
-const NEGLIGIBLE: f64 = 1e-3;
+pub(super) const NEGLIGIBLE: f64 = 1e-3;
 /// Range of noncentralities of effects outside the catalogue.
 const OUTSIDE_SIZES: [f64; 2] = [60.0, 400.0];
 

@@ -5,6 +5,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use tautline_core::effect::{CATALOGUE, Effect, EffectSetting};
 
+use super::draw::NEGLIGIBLE;
 use super::setup::Setup;
 use super::template::{Template, log_uniform};
 use super::visibility::{VISIBLE, chi2_of_nearest_other, noncentrality};
@@ -118,8 +119,8 @@ pub fn by_chance(setup: &Setup, rng: &mut ChaCha8Rng) -> Result<DrawnEffects> {
                 false => [smallest, largest],
             };
             let effect = template.setting(log_uniform(range, rng));
-            // An effect on a sensor that the robot does not have cannot be estimated.
-            if noncentrality(setup, &effect, &[]).is_ok() {
+            // An effect without a reading that depends on it cannot be estimated.
+            if noncentrality(setup, &effect, &[]).is_ok_and(|seen| seen >= NEGLIGIBLE) {
                 effects.push(effect);
             }
         }
