@@ -446,8 +446,8 @@ fn linearise_with(fit: &Fit<'_>, bounds: &[BoundEffect]) -> Linearisation {
     Linearisation::new(&problem, &solution)
 }
 
-/// Periods at which a wave is tried: from twice the mean spacing of the values, or the shortest typical period if that
-/// is longer, to their range. Frequencies are spaced closely enough that no wave falls between two of them.
+/// Periods at which a wave is tried: from the shortest typical one to the longest, but at most the range of the values.
+/// Frequencies are spaced closely enough that no wave falls between two of them.
 fn periods(typical: [f64; 2], values: &[f64]) -> Vec<f64> {
     let finite = || values.iter().copied().filter(|v| v.is_finite());
     let range = finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min);

@@ -179,8 +179,8 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
     (posteriors, beside)
 }
 
-/// A set in which each wave that is in another set with another period only has the period that it has there. Readings
-/// at few poses often leave several periods possible, but it is the same wave.
+/// A set with its waves matched to those of another set: a wave that the other has at another period only takes that
+/// period. Readings at few poses often leave several periods possible, but it is the same wave.
 fn with_matching_waves(set: &[Cause], other: &[Cause]) -> Vec<Cause> {
     let is_wave = |cause: &&Cause| {
         matches!(

@@ -258,7 +258,10 @@ impl UnmodelledError {
             verdict: Verdict::Unknown,
             cause: self.cause(robot.cable_count()),
             probability: self.probability(),
-            sentence: format!("The {what} have an error that {}; no known cause explains it.", self.form),
+            sentence: format!(
+                "The {what} have an error that {}; no known cause explains it.",
+                self.form
+            ),
             advice: ADVICE.to_owned(),
             alternatives: Vec::new(),
             parameters: Vec::new(),
