@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::conditions::Conditions;
+use super::conditions::{Conditions, concatenate_columns};
 use super::reading_id::ReadingId;
 use super::variables::Variables;
 use crate::estimation::Linearisation;
@@ -45,13 +45,17 @@ impl Group {
 pub(super) struct Shape {
     pub class: usize,
     pub group: Group,
-    /// The functions that no effect of the catalogue expresses, as conditions; their joint root mean square is 1.
-    pub columns: DMatrix<f64>,
-    /// The same functions by pose, one row per pose.
+    /// The functions that no effect of the catalogue expresses, one row per pose; their joint root mean square is 1.
     pub functions: DMatrix<f64>,
-    /// Constant and linear functions of the same size, as conditions. A smooth error contains them too, but they are no
-    /// evidence of one.
+    /// Constant and linear functions of the same size. A smooth error contains them too, but they are no evidence of one.
     pub low_order: DMatrix<f64>,
+}
+
+impl Shape {
+    /// All functions, one row per pose.
+    pub fn all_functions(&self) -> DMatrix<f64> {
+        concatenate_columns(&[&self.functions, &self.low_order])
+    }
 }
 
 /// Builds the functions of every class and group, skipping those with too few readings. The shapes of one class are
@@ -67,17 +71,14 @@ pub(super) fn shapes(
         let rows: Vec<usize> = poses.iter().map(|pose| linear.poses[*pose].row).collect();
         let scaled_variables = ScaledVariables::new(id, &rows, variables);
         for group in Group::ALL {
-            let Some([low_order, columns]) = scaled_variables.of_group(group) else {
+            let Some([low_order, functions]) = scaled_variables.of_group(group) else {
                 continue;
             };
-            let functions = at_all_poses(&columns, &poses, conditions.poses);
-            let low_order = at_all_poses(&low_order, &poses, conditions.poses);
             shapes.push(Shape {
                 class,
                 group,
-                columns: conditions.project_class(class, &functions),
-                functions,
-                low_order: conditions.project_class(class, &low_order),
+                functions: at_all_poses(&functions, &poses, conditions.poses),
+                low_order: at_all_poses(&low_order, &poses, conditions.poses),
             });
         }
     }

@@ -67,6 +67,11 @@ impl Candidate {
         self.cause.effect()
     }
 
+    /// Generator of each column.
+    pub fn generators(&self) -> Vec<usize> {
+        self.columns.iter().map(|c| c.generator).collect()
+    }
+
     pub fn is_event(&self) -> bool {
         self.effect().pose_parameter().is_some()
     }

@@ -423,11 +423,12 @@ impl Builder<'_> {
             first = until;
         }
         // Candidates that affect no reading cannot be tested.
+        let is_read: Vec<bool> = generators
+            .column_iter()
+            .map(|column| column.norm_squared() > 0.0)
+            .collect();
         let mut candidates = self.candidates;
-        candidates.retain(|candidate| {
-            let mut columns = candidate.columns.iter();
-            columns.any(|c| generators.column(c.generator).norm_squared() > 0.0)
-        });
+        candidates.retain(|candidate| candidate.columns.iter().any(|c| is_read[c.generator]));
         Catalogue {
             candidates,
             generators,

@@ -19,7 +19,7 @@ use super::residual_space::ResidualSpace;
 use super::unmodelled_errors::{UnmodelledError, UnmodelledErrors};
 use super::variables::Variables;
 use crate::effect::Search;
-use crate::estimation::{EstimationError, Linearisation, Problem};
+use crate::estimation::{EstimationError, Problem};
 
 /// Probability from which an unconfirmed cause counts as likely.
 const LIKELY: f64 = 0.5;
@@ -106,7 +106,7 @@ pub(super) fn reject_replaceable_causes<'a>(
             return Ok((confirmed, unmodelled));
         }
         let fit = fit_of_possible(problem, causes, &mut posteriors)?;
-        inference = inference_at_fit(fit, options, Vec::new(), &inference.linear.start);
+        inference = inference_at_fit(fit, options, Vec::new(), Some(&inference.hyper.variance));
     }
 }
 
@@ -156,7 +156,12 @@ pub(super) fn readmit_likely_causes<'a>(
         if !is_physically_possible(&fit) {
             continue;
         }
-        let with = inference_at_fit(fit, options, Vec::new(), &confirmed.inference.linear.start);
+        let with = inference_at_fit(
+            fit,
+            options,
+            Vec::new(),
+            Some(&confirmed.inference.hyper.variance),
+        );
         let mut remaining = UnmodelledErrors::new(&with);
         if errors(&with, &remaining).len() >= before.len() {
             continue;
@@ -225,7 +230,7 @@ pub(super) fn confirm_causes<'a>(
         inference
     } else {
         let fit = fit_of_possible(problem, causes, &mut posteriors)?;
-        inference_at_fit(fit, options, Vec::new(), &inference.linear.start)
+        inference_at_fit(fit, options, Vec::new(), Some(&inference.hyper.variance))
     };
     Ok(ConfirmedCauses {
         inference,
@@ -368,7 +373,7 @@ pub(super) fn excess_chi2(
 pub(super) fn assess_fit(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>, ResidualSpace) {
     // Half of the false alarm probability is allotted to the tests of the residuals, half to the causes.
     let level = alpha / 2.0;
-    let linear = Linearisation::new(&fit.problem, &fit.solution);
+    let linear = fit.linearisation();
     let space = ResidualSpace::new(&linear);
     let variables = Variables::new(&fit.problem, &fit.solution, &linear);
     let tests = dependence_tests(&space, &variables);

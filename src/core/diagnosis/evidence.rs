@@ -5,7 +5,9 @@
 //! parameter that cannot be negative has a normal prior truncated at zero, which adds the logarithm of twice the
 //! posterior probability that it is positive. The size prior is a mixture of several scales.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use std::ops::{Range, RangeInclusive};
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::candidates::Candidate;
 use super::catalogue::log_joint_odds_ratio;
@@ -32,8 +34,10 @@ pub(super) struct System {
     pub log_posterior: f64,
     /// Estimated coordinates, member after member.
     pub estimate: DVector<f64>,
-    /// Covariance of the estimate.
-    pub covariance: DMatrix<f64>,
+    /// The estimate times -1 in units of the prior, the matrix `1 + G` that gave it, and the factor of the prior.
+    solution: DVector<f64>,
+    matrix: Cholesky<f64, Dyn>,
+    factor: DMatrix<f64>,
 }
 
 fn scaled_prior(candidate: &Candidate, scale: usize) -> DMatrix<f64> {
@@ -47,9 +51,13 @@ impl System {
         Self::with_columns(gram, members, all)
     }
 
-    /// Prepares a set that one given candidate may extend.
-    pub fn extensible_by(gram: &mut Gram<'_>, members: &[Member], candidate: usize) -> Self {
-        let own = gram.first[candidate]..gram.first[candidate + 1];
+    /// Prepares a set that candidates of a range may extend.
+    pub fn extensible_by(
+        gram: &mut Gram<'_>,
+        members: &[Member],
+        candidates: RangeInclusive<usize>,
+    ) -> Self {
+        let own = gram.first[*candidates.start()]..gram.first[candidates.end() + 1];
         Self::with_columns(gram, members, own)
     }
 
@@ -58,11 +66,7 @@ impl System {
         Self::with_columns(gram, members, 0..0)
     }
 
-    fn with_columns(
-        gram: &mut Gram<'_>,
-        members: &[Member],
-        extension: std::ops::Range<usize>,
-    ) -> Self {
+    fn with_columns(gram: &mut Gram<'_>, members: &[Member], extension: Range<usize>) -> Self {
         let width: usize = members
             .iter()
             .map(|m| gram.candidates[m.0].columns.len())
@@ -72,7 +76,6 @@ impl System {
             .iter()
             .flat_map(|m| gram.first[m.0]..gram.first[m.0 + 1])
             .collect();
-        let mut shared = DMatrix::zeros(extension.len(), width);
         let among = gram.block(&own);
         let mut score = DVector::zeros(width);
         let mut at = 0;
@@ -86,13 +89,6 @@ impl System {
             score
                 .rows_mut(at, count)
                 .copy_from(&gram.scores[*index].score);
-            for k in (0..count).filter(|_| !extension.is_empty()) {
-                let row = gram.row(gram.first[*index] + k);
-                let by = &row[extension.clone()];
-                for (to, weight) in prior.row(k).iter().enumerate().filter(|w| *w.1 != 0.0) {
-                    axpy(*weight, by, shared.column_mut(at + to).as_mut_slice());
-                }
-            }
             at += count;
         }
         let score = factor.tr_mul(&score);
@@ -107,6 +103,7 @@ impl System {
         cholesky.l_dirty().solve_lower_triangular_mut(&mut half);
         let mut eliminated = DVector::zeros(extension.len());
         let mut explained = DVector::zeros(extension.len());
+        let mut shared = gram.products(extension.clone(), &own) * &factor;
         if !extension.is_empty() {
             divide_by_factor(&mut shared, cholesky.l_dirty());
             for (column, score) in shared.column_iter().zip(half.iter()) {
@@ -120,8 +117,7 @@ impl System {
             log_prior += joint_odds_bonus(gram, &members[..place], *index);
         }
         let log_determinant = 2.0 * cholesky.l_dirty().diagonal().map(f64::ln).sum();
-        let estimate = &factor * cholesky.solve(&-&score);
-        let covariance = &factor * cholesky.solve(&factor.transpose());
+        let solution = cholesky.solve(&score);
         let mut system = Self {
             members: members.to_vec(),
             shared,
@@ -129,11 +125,48 @@ impl System {
             explained,
             offset: extension.start,
             log_posterior: 0.5 * (half.norm_squared() - log_determinant) + log_prior,
-            estimate,
-            covariance,
+            estimate: -(&factor * &solution),
+            solution,
+            matrix: cholesky,
+            factor,
         };
         system.log_posterior += system.log_sign_probability(gram.candidates);
         system
+    }
+
+    /// Covariance of the estimate.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        &self.factor * self.matrix.solve(&self.factor.transpose())
+    }
+
+    /// A block on the diagonal of `(1 + G)^-1`.
+    fn inverse(&self, range: Range<usize>) -> DMatrix<f64> {
+        let mut unit = DMatrix::zeros(self.solution.len(), range.len());
+        unit.view_mut((range.start, 0), (range.len(), range.len()))
+            .fill_with_identity();
+        self.matrix.solve_mut(&mut unit);
+        unit.rows(range.start, range.len()).into_owned()
+    }
+
+    /// The best scale of a member with the others as they are, and the log ratio of the evidence summed over its scales
+    /// and that at the best one.
+    pub fn best_scale_of(&self, gram: &Gram<'_>, place: usize) -> Option<(usize, f64)> {
+        let (index, scale) = self.members[place];
+        let candidate = &gram.candidates[index];
+        let range = self.parameters(gram.candidates).swap_remove(place);
+        // The inverse of the block is the matrix of the member conditional on the others.
+        let own = self.inverse(range.clone()).cholesky()?.inverse();
+        let size = candidate.scales[scale].0;
+        let score = &own * self.solution.rows_range(range) / size;
+        let identity = DMatrix::identity(own.nrows(), own.nrows());
+        let own = CandidateScore {
+            score,
+            information: (own - identity) / (size * size),
+        };
+        let values = own.at_scales(candidate);
+        let best = values.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let sum = log_sum(values.iter().map(|(value, _)| *value));
+        Some((best.1, sum - best.0))
     }
 
     /// Contribution of the sign constraints to the log evidence.
@@ -142,7 +175,8 @@ impl System {
         let mut sum = 0.0;
         for (index, _) in &self.members {
             if candidates[*index].is_positive {
-                sum += log_positive(self.estimate[at], self.covariance[(at, at)]);
+                let variance = self.inverse(at..at + 1)[0] * self.factor[(at, at)].powi(2);
+                sum += log_positive(self.estimate[at], variance);
             }
             at += candidates[*index].columns.len();
         }
@@ -150,7 +184,7 @@ impl System {
     }
 
     /// Range of the parameters of each member.
-    pub fn parameters(&self, candidates: &[Candidate]) -> Vec<std::ops::Range<usize>> {
+    pub fn parameters(&self, candidates: &[Candidate]) -> Vec<Range<usize>> {
         let mut at = 0;
         let range = |(index, _): &Member| {
             let first = at;
@@ -180,6 +214,11 @@ impl System {
         let log_odds = self.log_odds(gram, index);
         if candidate.columns.len() == 1 {
             let (score, information) = self.conditional_single_column(gram, index);
+            // No scale and no sign constraint raises the evidence above half of the chi-square gain by more than this.
+            let most = 0.5 * score * score + information * (log_odds + std::f64::consts::LN_2);
+            if most < information * least {
+                return None;
+            }
             let value = |scale| {
                 (
                     single_column_evidence(candidate, scale, score, information),
@@ -195,25 +234,6 @@ impl System {
         best_scale(candidate, &own, least).map(|(value, scale)| (value + log_odds, scale))
     }
 
-    /// Log ratio of the evidence of an additional candidate summed over its scales and that at its best scale.
-    pub fn log_over_scales(&self, gram: &Gram<'_>, index: usize) -> f64 {
-        let candidate = &gram.candidates[index];
-        let scales = 0..candidate.scales.len();
-        let values: Vec<f64> = if candidate.columns.len() == 1 {
-            let (score, information) = self.conditional_single_column(gram, index);
-            scales
-                .map(|scale| single_column_evidence(candidate, scale, score, information))
-                .collect()
-        } else {
-            let own = self.conditional(gram, index).in_prior_units(candidate);
-            scales
-                .filter_map(|scale| Some(own.value(candidate, scale)?.1))
-                .collect()
-        };
-        let best = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        log_sum(values.into_iter()) - best
-    }
-
     /// Score and information of an additional candidate, conditional on estimating the members.
     fn conditional(&self, gram: &Gram<'_>, index: usize) -> CandidateScore {
         let own = &gram.scores[index];
@@ -226,24 +246,28 @@ impl System {
         }
     }
 
-    /// The same for a candidate with a single column.
+    /// The same for a candidate with a single column, in units of the prior at scale 1.
     fn conditional_single_column(&self, gram: &Gram<'_>, index: usize) -> (f64, f64) {
         let own = &gram.scores[index];
         let at = gram.first[index] - self.offset;
+        let sd = gram.candidates[index].prior[(0, 0)];
         let information = (own.information[(0, 0)] - self.eliminated[at]).max(0.0);
-        (own.score[0] - self.explained[at], information)
+        (
+            (own.score[0] - self.explained[at]) * sd,
+            information * sd * sd,
+        )
     }
 }
 
-/// Log evidence of a candidate with one column at one of its scales, including the prior of the scale.
+/// Log evidence of a candidate with one column at one of its scales, including the prior of the scale, for a score in
+/// units of the prior at scale 1.
 fn single_column_evidence(
     candidate: &Candidate,
     scale: usize,
     score: f64,
     information: f64,
 ) -> f64 {
-    let (size, weight) = candidate.scales[scale];
-    let sd = candidate.prior[(0, 0)] * size;
+    let (sd, weight) = candidate.scales[scale];
     let spread = 1.0 + information * sd * sd;
     let mut value = 0.5 * ((score * sd).powi(2) / spread - spread.ln()) + weight;
     if candidate.is_positive {
@@ -259,6 +283,25 @@ impl CandidateScore {
             score: candidate.prior.tr_mul(&self.score),
             information: candidate.prior.tr_mul(&self.information) * &candidate.prior,
         }
+    }
+
+    /// In units of the prior at scale 1: log evidence at each scale, including the prior of the scale.
+    fn at_scales(&self, candidate: &Candidate) -> Vec<(f64, usize)> {
+        let value = |scale: usize| {
+            if self.score.len() == 1 {
+                let information = self.information[(0, 0)].max(0.0);
+                return Some(single_column_evidence(
+                    candidate,
+                    scale,
+                    self.score[0],
+                    information,
+                ));
+            }
+            Some(self.value(candidate, scale)?.1)
+        };
+        (0..candidate.scales.len())
+            .filter_map(|scale| Some((value(scale)?, scale)))
+            .collect()
     }
 
     /// In units of the prior at scale 1: half of the chi-square gain at a scale, and the log evidence.

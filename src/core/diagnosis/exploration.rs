@@ -6,8 +6,8 @@ use super::Stage;
 use super::candidates::is_same_effect_and_targets;
 use super::evidence::{Member, System};
 use super::gram::Gram;
-use super::hyperparameters::Hyperparameters;
-use super::linear_fit::LinearFit;
+use super::hyperparameters::{Hyperparameters, Start};
+use super::linear_fit::{LinearFit, OwnEvidence};
 use super::progress::Reporter;
 use super::report::Cause;
 use super::search::{CandidateSet, EvaluatedSet, LINEARISATION_ERROR, Search, set_of, settled};
@@ -38,19 +38,34 @@ pub(super) struct Visibility {
 
 /// The search at one point of the hyperparameters.
 struct HyperparameterPoint<'l> {
+    hyper: Hyperparameters,
     gram: Gram<'l>,
     /// Log evidence without causes, including the prior of the point.
     log_evidence_of_none: f64,
     evaluated: HashMap<CandidateSet, EvaluatedSet>,
+    /// Log posteriors of sets found at other points, without the sum over scales.
+    log_posteriors: HashMap<Vec<Member>, f64>,
+}
+
+impl HyperparameterPoint<'_> {
+    /// Log posterior of a set, without the sum over scales.
+    fn log_posterior(&mut self, members: &[Member]) -> f64 {
+        if let Some(known) = self.log_posteriors.get(members) {
+            return *known;
+        }
+        let value = System::new(&mut self.gram, members).log_posterior;
+        self.log_posteriors.insert(members.to_vec(), value);
+        value
+    }
 }
 
 /// The sets explored at one fit.
-pub(super) struct Exploration {
+pub(super) struct Exploration<'l> {
     pub visibility: Vec<Visibility>,
     /// Members and log posterior of each set, best first.
     pub ranking: Vec<(Vec<Member>, f64)>,
-    /// Hyperparameters estimated for the best set.
-    pub hyper: Hyperparameters,
+    /// All candidates at the hyperparameters estimated for the best set.
+    pub gram: Gram<'l>,
 }
 
 pub(super) fn log_sum(values: impl Iterator<Item = f64>) -> f64 {
@@ -62,15 +77,20 @@ pub(super) fn log_sum(values: impl Iterator<Item = f64>) -> f64 {
     largest + values.iter().map(|v| (v - largest).exp()).sum::<f64>().ln()
 }
 
-/// Explores sets at a fit, starting with the hyperparameters `own`. At the first fit of a diagnosis, the search is also
-/// started with all families together.
-pub(super) fn explore(
-    at: &LinearFit<'_, '_>,
-    own: Hyperparameters,
+/// Explores sets at a fit whose own evidence is known. At the first fit of a diagnosis, the search is also started with
+/// all families together.
+pub(super) fn explore<'l>(
+    at: &'l LinearFit<'_, '_>,
+    own: OwnEvidence<'l>,
+    start: Start<'_>,
     (most, is_first): (usize, bool),
     report: &mut Reporter<'_, '_>,
-) -> Exploration {
+) -> Exploration<'l> {
     let described = at.linear.described();
+    let OwnEvidence {
+        hyper: own, gram, ..
+    } = own;
+    let mut own_gram = Some(gram);
     let mut pending = vec![own.clone()];
     let left = at.fit.solution.chi2 / at.fit.solution.degrees_of_freedom;
     // With the described noise far too small, every candidate would seem to be a cause.
@@ -79,9 +99,10 @@ pub(super) fn explore(
     }
     let mut points: Vec<HyperparameterPoint<'_>> = Vec::new();
     let mut best: Vec<Member> = at.present.clone();
-    let mut found = own;
+    let mut found = own.clone();
     while let Some(hyper) = pending.pop() {
-        let mut gram = at.gram(&hyper);
+        let known = own_gram.take_if(|_| hyper == own);
+        let mut gram = known.unwrap_or_else(|| at.gram(&hyper));
         let log_evidence_of_none = gram.base.log_evidence + hyper.log_prior;
         let mut search = Search::new(&mut gram, most);
         search.evaluate(&[]);
@@ -111,9 +132,11 @@ pub(super) fn explore(
         }
         let evaluated = search.evaluated;
         points.push(HyperparameterPoint {
+            hyper,
             gram,
             log_evidence_of_none,
             evaluated,
+            log_posteriors: HashMap::new(),
         });
         if !pending.is_empty() {
             continue;
@@ -125,19 +148,23 @@ pub(super) fn explore(
         let is_new = members != &best || points.len() <= 2 && members != &at.present;
         best.clone_from(members);
         if is_new && points.len() < MAX_POINTS && !report.cancelled {
-            let next = at.estimate(&best);
-            if next.is_far_from(&hyper) {
+            let next = at.estimate(start, &best).hyper;
+            let last = points.last().map(|point| &point.hyper);
+            if last.is_some_and(|last| next.is_far_from(last)) {
                 pending.push(next.clone());
             }
             found = next;
         }
     }
+    let visibility = points
+        .first()
+        .map_or_else(Vec::new, |point| visibility(&point.gram));
+    let ranking = ranked(&mut points, KEPT_WITHIN, &at.present);
+    let gram = points.into_iter().find(|point| point.hyper == found);
     Exploration {
-        visibility: points
-            .first()
-            .map_or_else(Vec::new, |point| visibility(&point.gram)),
-        ranking: ranked(&mut points, KEPT_WITHIN, &at.present),
-        hyper: found,
+        visibility,
+        ranking,
+        gram: gram.map_or_else(|| at.gram(&found), |point| point.gram),
     }
 }
 
@@ -209,8 +236,7 @@ fn ranked(
             let own = if k == place {
                 evaluated.log_posterior
             } else {
-                System::new(&mut point.gram, &evaluated.members).log_posterior
-                    + evaluated.over_scales.unwrap_or(0.0)
+                point.log_posterior(&evaluated.members) + evaluated.over_scales.unwrap_or(0.0)
             };
             point.log_evidence_of_none + own
         });

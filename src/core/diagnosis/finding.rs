@@ -9,7 +9,7 @@ use super::projector::{Projector, cosine};
 use super::report::{Alternative, Cause, Evidence, Finding, FoundParameter, Gain, Rival, Verdict};
 use super::separation::separation;
 use crate::effect::BoundEffect;
-use crate::estimation::{EstimationError, Linearisation, ParameterId};
+use crate::estimation::{EstimationError, ParameterId};
 use crate::robot::Robot;
 use crate::statistics::chi_square_survival;
 
@@ -161,11 +161,11 @@ fn distinct_texts(
 
 /// Compares the cause with its fitted alternatives; the cause comes first.
 fn ranking(without: &Fit<'_>, own: &Fit<'_>, index: usize, rivals: &[Fit<'_>]) -> Vec<Rival> {
-    let linear = Linearisation::new(&without.problem, &without.solution);
+    let linear = without.linearisation();
     let projector = Projector::new(&linear.design, &linear.residual);
     let rows = linear.rows.len() - without.parameters();
     let signature = |fit: &Fit<'_>, index: usize| -> DMatrix<f64> {
-        let linear = Linearisation::new(&fit.problem, &fit.solution);
+        let linear = fit.linearisation();
         let columns = linear.design.select_columns(&fit.parameters_of(index));
         let mut padded = DMatrix::zeros(projector.residual.len(), columns.ncols());
         padded.rows_mut(0, rows).copy_from(&columns.rows(0, rows));

@@ -1,8 +1,12 @@
 //! A fit of the model, extended by candidate causes.
 
+use std::cell::OnceCell;
+use std::rc::Rc;
+
 use super::report::Cause;
 use crate::estimation::{
-    Control, EstimationError, Options, ParameterId, Problem, Progress, Solution, solve,
+    Control, EstimationError, Linearisation, Options, ParameterId, Problem, Progress, Solution,
+    solve,
 };
 
 /// Number of steps after which a fit that is still worse than required is abandoned; successful fits need half as many.
@@ -17,6 +21,7 @@ pub(super) struct Fit<'a> {
     pub solution: Solution,
     /// The causes with their fitted values.
     pub causes: Vec<Cause>,
+    linearisation: OnceCell<Rc<Linearisation>>,
 }
 
 impl<'a> Fit<'a> {
@@ -68,7 +73,14 @@ impl<'a> Fit<'a> {
             problem,
             solution,
             causes,
+            linearisation: OnceCell::new(),
         })
+    }
+
+    /// The problem linearised at the solution.
+    pub fn linearisation(&self) -> Rc<Linearisation> {
+        let new = || Rc::new(Linearisation::new(&self.problem, &self.solution));
+        Rc::clone(self.linearisation.get_or_init(new))
     }
 
     /// Number of parameters of all causes.

@@ -5,7 +5,9 @@
 //! `z_j = (1 - V_j^T V_j)^-1 V_j^T r_j` (Cook and Weisberg 1982, linear at the solution). Only the pose of the platform
 //! is fitted to the held-out readings.
 
-use nalgebra::{DMatrix, DVector};
+use std::rc::Rc;
+
+use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -45,17 +47,17 @@ impl HeldOut {
 #[derive(Debug, Clone)]
 pub(super) struct Prediction {
     held_out: Vec<HeldOut>,
-    linear: Linearisation,
+    linear: Rc<Linearisation>,
     projector: Projector,
     /// Positions of the fitted poses by row (m).
-    positions: Vec<(usize, nalgebra::Vector3<f64>)>,
+    positions: Vec<(usize, Vector3<f64>)>,
     /// Rows at which an event of the model acts alone; no other pose could predict it.
     events: Vec<usize>,
 }
 
 impl Prediction {
     pub fn new(fit: &Fit<'_>) -> Self {
-        let linear = Linearisation::new(&fit.problem, &fit.solution);
+        let linear = fit.linearisation();
         let projector = Projector::new(&linear.design, &linear.residual);
         let held_out = (0..linear.poses.len())
             .map(|pose| hold_out(&linear, &projector, pose))
@@ -116,20 +118,21 @@ impl Prediction {
 
     /// Distance of the fitted positions from those of another fit.
     fn position_change(&self, before: &Self) -> PositionChange {
-        let distances = |shift: &dyn Fn(usize) -> nalgebra::Vector3<f64>| -> Vec<f64> {
-            let pairs = self.held_out.iter().enumerate();
-            pairs
-                .map(|(k, pose)| {
-                    let at = |all: &[(usize, nalgebra::Vector3<f64>)]| {
-                        let found = all.iter().find(|(row, _)| *row == pose.row);
-                        found.map_or_else(nalgebra::Vector3::zeros, |(_, p)| *p)
-                    };
-                    (at(&self.positions) - at(&before.positions) + shift(k)).norm()
-                })
+        let position = |all: &[(usize, Vector3<f64>)], row: usize| {
+            let found = all.iter().find(|(known, _)| *known == row);
+            found.map_or_else(Vector3::zeros, |(_, position)| *position)
+        };
+        let poses = self.held_out.iter().map(|pose| pose.row);
+        let differences =
+            poses.map(|row| position(&self.positions, row) - position(&before.positions, row));
+        let differences: Vec<Vector3<f64>> = differences.collect();
+        let distances = |shift: &dyn Fn(usize) -> Vector3<f64>| -> Vec<f64> {
+            let each = differences.iter().enumerate();
+            each.map(|(k, difference)| (difference + shift(k)).norm())
                 .collect()
         };
         let rms = |d: &[f64]| (d.iter().map(|d| d * d).sum::<f64>() / d.len().max(1) as f64).sqrt();
-        let all = distances(&|_| nalgebra::Vector3::zeros());
+        let all = distances(&|_| Vector3::zeros());
         // Jackknife: the same with each pose left out of both fits.
         let maps = (self.position_maps(), before.position_maps());
         let values: Vec<f64> = (0..self.held_out.len().min(before.held_out.len()))
@@ -151,7 +154,7 @@ impl Prediction {
     }
 
     /// Derivative of each fitted position with respect to coordinates in the basis.
-    fn position_maps(&self) -> Vec<nalgebra::Matrix3xX<f64>> {
+    fn position_maps(&self) -> Vec<Matrix3xX<f64>> {
         let map = self.projector.map();
         let of =
             |block: &crate::estimation::PoseBlock| block.pose_by_parameter.fixed_rows::<3>(0) * map;

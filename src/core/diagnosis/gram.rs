@@ -4,7 +4,8 @@
 //! `c^T P d`. The Gram matrix is never formed as a whole: a set needs only its own rows, each of which costs one
 //! product with the generators. Columns that act at one pose, or from one on, are sums of their generator over poses.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
+use std::ops::Range;
 use std::rc::Rc;
 
 use nalgebra::{DMatrix, DVector};
@@ -13,8 +14,8 @@ use super::candidates::{Candidate, Column, PoseWeights};
 use super::catalogue::Catalogue;
 use super::hyperparameters::{LinearProblem, ReducedProblem};
 
-/// Number of unknown rows above which only the products among the columns asked for are computed.
-const MANY_ROWS: usize = 24;
+/// Number of columns up to which their products with others are computed alone instead of with whole rows.
+const FEW_COLUMNS: usize = 24;
 
 /// Score and information of one candidate alone.
 #[derive(Debug, Clone)]
@@ -31,8 +32,9 @@ pub(super) struct Gram<'l> {
     pub base: ReducedProblem<'l>,
     linear: &'l LinearProblem,
     catalogue: &'l Catalogue,
-    /// Whitened generators (conditions x generators).
+    /// Whitened generators (conditions x generators), and `U^T` times them.
     generators: DMatrix<f64>,
+    eliminated: DMatrix<f64>,
     pub scores: Vec<CandidateScore>,
     /// Index of the first column of each candidate, and the number of columns at the end.
     pub first: Vec<usize>,
@@ -41,7 +43,9 @@ pub(super) struct Gram<'l> {
     local: HashMap<usize, usize>,
     /// Weights at each pose, for each column of a wave.
     waves: Vec<DVector<f64>>,
+    /// Known products of a column with all columns, and of pairs of columns, the smaller index first.
     rows: HashMap<usize, Rc<Vec<f64>>>,
+    pairs: HashMap<(usize, usize), f64>,
 }
 
 impl<'l> Gram<'l> {
@@ -78,9 +82,10 @@ impl<'l> Gram<'l> {
         let mut gram = Self {
             candidates: &catalogue.candidates,
             cables: linear.cables(),
-            base,
             linear,
             catalogue,
+            eliminated: &base.eliminated * &whitened,
+            base,
             generators: whitened,
             scores: Vec::new(),
             first,
@@ -88,31 +93,26 @@ impl<'l> Gram<'l> {
             local,
             waves,
             rows: HashMap::new(),
+            pairs: HashMap::new(),
         };
         gram.scores = gram.all_scores();
         gram
     }
 
     fn all_scores(&self) -> Vec<CandidateScore> {
-        let eliminated = &self.base.eliminated * &self.generators;
         let score = self.cross(&self.base.residual);
-        let whole =
-            self.generators.transpose() * &self.generators - eliminated.transpose() * &eliminated;
-        let mut events: HashMap<Vec<usize>, Vec<[DMatrix<f64>; 2]>> = HashMap::new();
+        let whole = self.generators.transpose() * &self.generators
+            - self.eliminated.transpose() * &self.eliminated;
+        let events = self.event_information();
         let mut own = Vec::with_capacity(self.candidates.len());
         for (index, candidate) in self.candidates.iter().enumerate() {
-            let columns = &candidate.columns;
-            let generators: Vec<usize> = columns.iter().map(|c| c.generator).collect();
-            let information = match columns[0].pose_weights {
+            let generators = candidate.generators();
+            let information = match candidate.columns[0].pose_weights {
                 PoseWeights::Everywhere => {
                     whole.select_rows(&generators).select_columns(&generators)
                 }
-                PoseWeights::At(pose) | PoseWeights::From(pose) => {
-                    let from = matches!(columns[0].pose_weights, PoseWeights::From(_));
-                    let known = events.entry(generators.clone());
-                    let known = known.or_insert_with(|| self.event_information(&generators));
-                    known[pose][usize::from(from)].clone()
-                }
+                PoseWeights::At(pose) => events[&generators][pose][0].clone(),
+                PoseWeights::From(pose) => events[&generators][pose][1].clone(),
                 PoseWeights::Wave { .. } => self.wave_information(index),
             };
             own.push(CandidateScore {
@@ -123,31 +123,39 @@ impl<'l> Gram<'l> {
         own
     }
 
-    /// Information of generators that act at each single pose, and from each pose on.
-    fn event_information(&self, generators: &[usize]) -> Vec<[DMatrix<f64>; 2]> {
-        let columns = self.generators.select_columns(generators);
-        let k = generators.len();
-        let mut sum = DMatrix::zeros(k, k);
-        let mut eliminated = DMatrix::zeros(self.base.eliminated.nrows(), k);
-        let blocks = &self.linear.conditions.blocks[..self.linear.conditions.poses];
-        let mut found: Vec<_> = blocks
-            .iter()
-            .rev()
-            .map(|block| {
-                let (first, count) = (block.conditions.start, block.conditions.len());
-                let own = columns.rows(first, count);
-                let square = own.tr_mul(&own);
-                let alone = self.base.eliminated.columns(first, count) * own;
-                sum += &square;
-                eliminated += &alone;
-                [
-                    square - alone.tr_mul(&alone),
-                    &sum - eliminated.tr_mul(&eliminated),
-                ]
-            })
-            .collect();
-        found.reverse();
-        found
+    /// Information of the generators of each event, for an event at each single pose and one from each pose on.
+    fn event_information(&self) -> HashMap<Vec<usize>, Vec<[DMatrix<f64>; 2]>> {
+        let events = self.candidates.iter().filter(|c| c.is_event());
+        let groups: BTreeSet<Vec<usize>> = events.map(Candidate::generators).collect();
+        let all: Vec<usize> = groups.iter().flatten().copied().collect();
+        let columns = self.generators.select_columns(&all);
+        let poses = self.linear.conditions.poses;
+        let mut found = vec![Vec::with_capacity(poses); groups.len()];
+        let empty = |group: &Vec<usize>| DMatrix::zeros(group.len(), group.len());
+        let mut sums: Vec<DMatrix<f64>> = groups.iter().map(empty).collect();
+        let mut eliminated = DMatrix::zeros(self.base.eliminated.nrows(), all.len());
+        for block in self.linear.conditions.blocks[..poses].iter().rev() {
+            let (first, count) = (block.conditions.start, block.conditions.len());
+            let own = columns.rows(first, count);
+            let alone = self.base.eliminated.columns(first, count) * own;
+            eliminated += &alone;
+            let mut start = 0;
+            for (sum, by_pose) in sums.iter_mut().zip(&mut found) {
+                let k = sum.nrows();
+                let square = own.columns(start, k).tr_mul(&own.columns(start, k));
+                *sum += &square;
+                let left = |square: &DMatrix<f64>, eliminated: &DMatrix<f64>| {
+                    let own = eliminated.columns(start, k);
+                    square - own.tr_mul(&own)
+                };
+                by_pose.push([left(&square, &alone), left(sum, &eliminated)]);
+                start += k;
+            }
+        }
+        for by_pose in &mut found {
+            by_pose.reverse();
+        }
+        groups.into_iter().zip(found).collect()
     }
 
     /// A whitened column. Whitening works pose by pose, so it commutes with weighting the poses.
@@ -157,6 +165,22 @@ impl<'l> Gram<'l> {
             &self.generators,
             &self.linear.conditions,
         )
+    }
+
+    /// `U^T` times the whitened values of a column.
+    fn eliminated_part(&self, column: usize, values: &DVector<f64>) -> DVector<f64> {
+        let column = &self.columns[column];
+        let first = |pose: usize| self.linear.conditions.blocks[pose].conditions.start;
+        let affected = match column.pose_weights {
+            PoseWeights::Everywhere => {
+                return self.eliminated.column(column.generator).into_owned();
+            }
+            PoseWeights::At(pose) => self.linear.conditions.blocks[pose].conditions.clone(),
+            PoseWeights::From(pose) => first(pose)..values.len(),
+            PoseWeights::Wave { .. } => 0..values.len(),
+        };
+        let (first, count) = (affected.start, affected.len());
+        self.base.eliminated.columns(first, count) * values.rows(first, count)
     }
 
     fn wave_information(&self, index: usize) -> DMatrix<f64> {
@@ -174,32 +198,74 @@ impl<'l> Gram<'l> {
             return Rc::clone(known);
         }
         let values = self.column(column);
-        let left = &values
-            - self
-                .base
-                .eliminated
-                .tr_mul(&(&self.base.eliminated * &values));
+        let eliminated = self.eliminated_part(column, &values);
+        let left = &values - self.base.eliminated.tr_mul(&eliminated);
         let row = Rc::new(self.cross(&left));
         self.rows.insert(column, Rc::clone(&row));
         row
     }
 
+    /// Products of a range of columns with some columns.
+    pub fn products(&mut self, range: Range<usize>, with: &[usize]) -> DMatrix<f64> {
+        if range.is_empty() {
+            return DMatrix::zeros(0, with.len());
+        }
+        let is_known = |column: &usize| self.rows.contains_key(column);
+        if range.len() <= FEW_COLUMNS && !with.iter().all(is_known) {
+            let all: Vec<usize> = with.iter().copied().chain(range.clone()).collect();
+            let block = self.block(&all);
+            return block
+                .view((with.len(), 0), (range.len(), with.len()))
+                .into_owned();
+        }
+        let mut products = DMatrix::zeros(range.len(), with.len());
+        for (mut to, column) in products.column_iter_mut().zip(with) {
+            to.copy_from_slice(&self.row(*column)[range.clone()]);
+        }
+        products
+    }
+
     /// Products of some columns with each other.
     pub fn block(&mut self, columns: &[usize]) -> DMatrix<f64> {
-        let unknown = columns.iter().filter(|c| !self.rows.contains_key(c));
-        if unknown.count() <= MANY_ROWS {
-            let mut block = DMatrix::zeros(columns.len(), columns.len());
-            for (mut to, column) in block.column_iter_mut().zip(columns) {
-                let row = self.row(*column);
-                to.copy_from_slice(&columns.iter().map(|c| row[*c]).collect::<Vec<_>>());
+        if columns.len() > FEW_COLUMNS {
+            return self.products_among(columns);
+        }
+        let known = |i: usize, k: usize| {
+            let (one, other) = (columns[i], columns[k]);
+            let row = self.rows.get(&one).map(|row| row[other]);
+            row.or_else(|| self.pairs.get(&(one.min(other), one.max(other))).copied())
+        };
+        let mut block = DMatrix::zeros(columns.len(), columns.len());
+        for i in 0..columns.len() {
+            for k in 0..=i {
+                let Some(value) = known(i, k) else {
+                    return self.remember(columns);
+                };
+                (block[(i, k)], block[(k, i)]) = (value, value);
             }
-            return block;
         }
+        block
+    }
+
+    fn remember(&mut self, columns: &[usize]) -> DMatrix<f64> {
+        let block = self.products_among(columns);
+        for (i, one) in columns.iter().enumerate() {
+            for (k, other) in columns[..=i].iter().enumerate() {
+                let pair = (*one.min(other), *one.max(other));
+                self.pairs.insert(pair, block[(i, k)]);
+            }
+        }
+        block
+    }
+
+    fn products_among(&self, columns: &[usize]) -> DMatrix<f64> {
         let mut own = DMatrix::zeros(self.linear.conditions.count, columns.len());
-        for (mut to, column) in own.column_iter_mut().zip(columns) {
-            to.copy_from(&self.column(*column));
+        let mut eliminated = DMatrix::zeros(self.eliminated.nrows(), columns.len());
+        for (k, column) in columns.iter().enumerate() {
+            let values = self.column(*column);
+            eliminated.set_column(k, &self.eliminated_part(*column, &values));
+            own.set_column(k, &values);
         }
-        let eliminated = &self.base.eliminated * &own;
         own.transpose() * &own - eliminated.transpose() * &eliminated
     }
 

@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::Quantity;
 use super::background::{Group, Shape};
@@ -64,9 +64,28 @@ pub(super) struct LinearProblem {
     /// Derivatives with respect to the parameters that are always estimated.
     pub fixed: DMatrix<f64>,
     pub shapes: Vec<Shape>,
-    /// Variance factors at which their estimation starts, without background. From louder noise than there is, the
-    /// estimation would not find a background; from quieter noise it would try one in every class.
-    pub start: Vec<f64>,
+}
+
+/// Variance factors at which their estimation starts; `None` for the noise as described. From louder noise than there
+/// is, the estimation would not find a background; from quieter noise it would try one in every class.
+pub(super) type Start<'s> = Option<&'s [f64]>;
+
+/// Estimated hyperparameters.
+pub(super) struct Estimate<'l> {
+    pub hyper: Hyperparameters,
+    /// Log posterior density there.
+    pub log_density: f64,
+    /// The problem reduced there.
+    pub base: ReducedProblem<'l>,
+}
+
+/// Where the estimation goes next.
+struct Step {
+    /// With all amplitudes that raise the density changed.
+    all: Hyperparameters,
+    /// With only that of the largest gain changed.
+    strongest: Hyperparameters,
+    is_small: bool,
 }
 
 /// The problem at given hyperparameters, with the background and the parameters that are always estimated eliminated.
@@ -159,36 +178,33 @@ impl LinearProblem {
     /// `further` columns whose parameters have prior variance 1.
     pub fn reduced(&self, at: &Hyperparameters, further: &DMatrix<f64>) -> ReducedProblem<'_> {
         let noise = self.conditions.noise(&at.variance);
-        let mut parts = vec![self.fixed.clone()];
-        for (shape, amplitude) in self.shapes.iter().zip(&at.amplitude) {
-            if *amplitude > 0 {
-                parts.push(&shape.columns * AMPLITUDES[*amplitude]);
-                parts.push(&shape.low_order * AMPLITUDES[*amplitude]);
-            }
-        }
-        parts.push(further.clone());
-        let mut z = concatenate_columns(&parts.iter().collect::<Vec<_>>());
-        let width = z.ncols();
-        noise.whiten(&mut z);
+        let present = self.shapes.iter().zip(&at.amplitude);
+        let present: Vec<(&Shape, f64)> = present
+            .filter(|(_, amplitude)| **amplitude > 0)
+            .map(|(shape, amplitude)| (shape, AMPLITUDES[*amplitude]))
+            .collect();
+        let mut others = concatenate_columns(&[&self.fixed, further]);
+        noise.whiten(&mut others);
         let whitened = self.whitened(&noise);
         let mut residual = whitened.clone();
         let mut log_determinant = noise.log_determinant;
         let fixed = self.fixed.ncols();
-        for mut column in z.columns_mut(0, fixed).column_iter_mut() {
+        for mut column in others.columns_mut(0, fixed).column_iter_mut() {
             let norm = column.norm();
             if norm > 0.0 {
                 column /= norm;
                 log_determinant += 2.0 * norm.ln();
             }
         }
-        let mut normal = z.transpose() * &z;
-        for k in 0..width {
+        let background = Background::new(&noise, &present);
+        let mut eliminated = background.below(&others);
+        let mut normal = background.normal_matrix(&eliminated, &others);
+        for k in 0..normal.nrows() {
             normal[(k, k)] += if k < fixed { RIDGE } else { 1.0 };
         }
-        let mut eliminated = z.transpose();
         if let Some(factor) = normal.cholesky() {
             log_determinant += 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
-            solve_lower(&factor.l_dirty().as_view(), &mut eliminated.as_view_mut());
+            divide_by_lower(factor.l_dirty(), &mut eliminated);
         }
         residual -= eliminated.tr_mul(&(&eliminated * &residual));
         // With priors the projection is not idempotent, so the square has to be `y^T P y`.
@@ -208,83 +224,97 @@ impl LinearProblem {
         y.column(0).into_owned()
     }
 
-    /// Estimates the hyperparameters of largest posterior density given further columns.
+    fn at_start(&self, start: Start<'_>, amplitude: Vec<usize>) -> Hyperparameters {
+        let described = || vec![1.0; self.conditions.classes.len()];
+        self.with_prior(start.map_or_else(described, <[f64]>::to_vec), amplitude)
+    }
+
+    fn estimate_at(&self, hyper: Hyperparameters, further: &DMatrix<f64>) -> Estimate<'_> {
+        let base = self.reduced(&hyper, further);
+        Estimate {
+            log_density: base.log_evidence + hyper.log_prior,
+            hyper,
+            base,
+        }
+    }
+
+    /// Estimates the hyperparameters of largest posterior density given further columns, starting without background.
     ///
     /// Readings of several cables may show the same error. If changing all amplitudes at once lowers the density, only
     /// the amplitude with the largest gain is changed.
-    pub fn estimate(&self, further: &DMatrix<f64>) -> Hyperparameters {
-        let mut at = self.with_prior(self.start.clone(), vec![0; self.shapes.len()]);
-        let mut best: Option<(f64, Hyperparameters, Hyperparameters)> = None;
-        for _ in 0..MAX_STEPS {
-            let base = self.reduced(&at, further);
-            let value = base.log_evidence + at.log_prior;
-            if let Some((least, _, instead)) = &mut best
-                && value < *least - TOLERATED_DECREASE
-            {
-                if *instead == at {
-                    break;
-                }
-                at = instead.clone();
-                continue;
-            }
-            let evidence = self.amplitude_evidence(&base, &at);
-            let amplitude = self.amplitudes(&evidence);
-            let gain = |k: &usize| evidence[*k][amplitude[*k]] - evidence[*k][at.amplitude[*k]];
-            let changed = (0..amplitude.len()).filter(|k| amplitude[*k] != at.amplitude[*k]);
-            let strongest = changed.max_by(|a, b| gain(a).total_cmp(&gain(b)));
-            let mut single = at.amplitude.clone();
-            if let Some(k) = strongest {
-                single[k] = amplitude[k];
-            }
-            let sums = base.noise.class_sums(&base.residual, &base.eliminated);
-            let variance = self.variances(&sums);
-            let change = at
-                .variance
-                .iter()
-                .zip(&variance)
-                .map(|(a, b)| (a / b).ln().abs());
-            let settled = change.fold(0.0, f64::max) < CONVERGED && strongest.is_none();
-            let instead = self.with_prior(variance.clone(), single);
-            best = Some((value, at, instead));
-            at = self.with_prior(variance, amplitude);
-            if settled {
+    pub fn estimate(&self, start: Start<'_>, further: &DMatrix<f64>) -> Estimate<'_> {
+        let start = self.at_start(start, vec![0; self.shapes.len()]);
+        let mut best = self.estimate_at(start, further);
+        let mut step = self.step(&best);
+        let mut next = step.all.clone();
+        for _ in 1..MAX_STEPS {
+            if step.is_small {
                 break;
             }
+            let reached = self.estimate_at(next, further);
+            if reached.log_density < best.log_density - TOLERATED_DECREASE {
+                if step.strongest == reached.hyper {
+                    break;
+                }
+                next = step.strongest.clone();
+                continue;
+            }
+            best = reached;
+            step = self.step(&best);
+            next = step.all.clone();
         }
-        best.map_or(at, |(_, best, _)| best)
+        best
     }
 
-    /// Estimates the variances for given amplitudes and further columns. Also returns the log posterior density there.
+    fn step(&self, from: &Estimate<'_>) -> Step {
+        let (at, base) = (&from.hyper, &from.base);
+        let evidence = self.amplitude_evidence(base, at);
+        let amplitude = self.amplitudes(&evidence);
+        let gain = |k: &usize| evidence[*k][amplitude[*k]] - evidence[*k][at.amplitude[*k]];
+        let changed = (0..amplitude.len()).filter(|k| amplitude[*k] != at.amplitude[*k]);
+        let strongest = changed.max_by(|a, b| gain(a).total_cmp(&gain(b)));
+        let mut single = at.amplitude.clone();
+        if let Some(k) = strongest {
+            single[k] = amplitude[k];
+        }
+        let variance = self.next_variances(base);
+        let change = at.variance.iter().zip(&variance);
+        let change = change.map(|(a, b)| (a / b).ln().abs()).fold(0.0, f64::max);
+        Step {
+            is_small: change < CONVERGED && strongest.is_none(),
+            strongest: self.with_prior(variance.clone(), single),
+            all: self.with_prior(variance, amplitude),
+        }
+    }
+
+    /// Estimates the variances for given amplitudes and further columns.
     pub fn with_amplitudes(
         &self,
+        start: Start<'_>,
         amplitude: &[usize],
         further: &DMatrix<f64>,
-    ) -> (f64, Hyperparameters) {
-        let start = self.with_prior(self.start.clone(), amplitude.to_vec());
+    ) -> Estimate<'_> {
+        let start = self.at_start(start, amplitude.to_vec());
         self.refined(&start, further)
     }
 
     /// The same, starting from hyperparameters whose amplitudes are kept.
-    pub fn refined(
-        &self,
-        from: &Hyperparameters,
-        further: &DMatrix<f64>,
-    ) -> (f64, Hyperparameters) {
-        let mut at = from.clone();
-        let mut value = f64::NEG_INFINITY;
-        for _ in 0..MAX_STEPS {
-            let base = self.reduced(&at, further);
-            let before = std::mem::replace(&mut value, base.log_evidence + at.log_prior);
-            if value - before < TOLERATED_DECREASE {
+    pub fn refined(&self, from: &Hyperparameters, further: &DMatrix<f64>) -> Estimate<'_> {
+        let mut reached = self.estimate_at(from.clone(), further);
+        for _ in 1..MAX_STEPS {
+            let variance = self.next_variances(&reached.base);
+            let next = self.with_prior(variance, from.amplitude.clone());
+            let before = reached.log_density;
+            reached = self.estimate_at(next, further);
+            if reached.log_density - before < TOLERATED_DECREASE {
                 break;
             }
-            let sums = base.noise.class_sums(&base.residual, &base.eliminated);
-            at = self.with_prior(self.variances(&sums), at.amplitude.clone());
         }
-        (value, at)
+        reached
     }
 
-    fn variances(&self, sums: &[[f64; 2]]) -> Vec<f64> {
+    fn next_variances(&self, base: &ReducedProblem<'_>) -> Vec<f64> {
+        let sums = base.noise.class_sums(&base.residual, &base.eliminated);
         let mut variance = vec![1.0; sums.len()];
         for (_, classes) in self.kinds() {
             let total = |k: usize| classes.iter().map(|class| sums[*class][k]).sum::<f64>();
@@ -356,31 +386,118 @@ impl LinearProblem {
     }
 }
 
-/// `b := L^-1 b` for a large triangular `L`. Recursive halving makes nearly all of the work products of matrices, which
-/// are fast.
-fn solve_lower(l: &DMatrixView<'_, f64>, b: &mut DMatrixViewMut<'_, f64>) {
-    const DIRECT: usize = 32;
-    let n = l.nrows();
-    if n <= DIRECT {
-        l.solve_lower_triangular_mut(b);
-        return;
+/// Background functions as whitened conditions. A function is its value at each pose times the whitened unit error of
+/// its class there, so their products need one row per pose instead of one per condition.
+struct Background {
+    parts: Vec<BackgroundPart>,
+    /// For each class with a background, the whitened unit error at each pose: index of the first condition, and values.
+    errors: BTreeMap<usize, Vec<(usize, DVector<f64>)>>,
+}
+
+/// The functions of one shape.
+struct BackgroundPart {
+    class: usize,
+    /// One column per pose.
+    functions: DMatrix<f64>,
+}
+
+impl Background {
+    /// The functions of some shapes, with their amplitudes.
+    fn new(noise: &Noise<'_>, shapes: &[(&Shape, f64)]) -> Self {
+        let part = |(shape, amplitude): &(&Shape, f64)| BackgroundPart {
+            class: shape.class,
+            functions: shape.all_functions().transpose() * *amplitude,
+        };
+        let classes = shapes.iter().map(|(shape, _)| shape.class);
+        Self {
+            parts: shapes.iter().map(part).collect(),
+            errors: classes
+                .map(|class| (class, noise.unit_errors(&[class])))
+                .collect(),
+        }
     }
-    let half = n / 2;
-    let columns = b.ncols();
-    let first = {
-        let mut upper = b.rows_mut(0, half);
-        let mut owned = upper.clone_owned();
-        solve_lower(&l.view((0, 0), (half, half)), &mut owned.as_view_mut());
-        upper.copy_from(&owned);
-        owned
+
+    /// `Z^T` for other columns followed by the background functions.
+    fn below(&self, others: &DMatrix<f64>) -> DMatrix<f64> {
+        let own: usize = self.parts.iter().map(|part| part.functions.nrows()).sum();
+        let mut rows = DMatrix::zeros(others.ncols() + own, others.nrows());
+        rows.rows_mut(0, others.ncols())
+            .copy_from(&others.transpose());
+        let mut start = others.ncols();
+        for part in &self.parts {
+            let count = part.functions.nrows();
+            let poses = self.errors[&part.class]
+                .iter()
+                .zip(part.functions.column_iter());
+            for ((first, error), values) in poses {
+                for (k, error) in error.iter().enumerate() {
+                    let mut to = rows.view_mut((start, first + k), (count, 1));
+                    to.copy_from(&values);
+                    to *= *error;
+                }
+            }
+            start += count;
+        }
+        rows
+    }
+
+    /// Lower triangle of `Z^T Z` for `Z^T` as returned by `below`.
+    fn normal_matrix(&self, rows: &DMatrix<f64>, others: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut normal = DMatrix::zeros(rows.nrows(), rows.nrows());
+        let with_others = rows * others;
+        normal
+            .columns_mut(0, others.ncols())
+            .copy_from(&with_others);
+        let mut column = others.ncols();
+        for (index, part) in self.parts.iter().enumerate() {
+            let mut row = column;
+            for other in &self.parts[index..] {
+                let mut weighted = part.functions.clone();
+                let poses = self.errors[&part.class]
+                    .iter()
+                    .zip(&self.errors[&other.class]);
+                for (mut values, ((_, one), (_, another))) in weighted.column_iter_mut().zip(poses)
+                {
+                    values *= one.dot(another);
+                }
+                let products = &other.functions * weighted.transpose();
+                normal
+                    .view_mut((row, column), products.shape())
+                    .copy_from(&products);
+                row += products.nrows();
+            }
+            column += part.functions.nrows();
+        }
+        normal
+    }
+}
+
+/// `b := L^-1 b` for a triangular `L` and many columns, as products of blocks that fit into the cache.
+fn divide_by_lower(l: &DMatrix<f64>, b: &mut DMatrix<f64>) {
+    const ROWS: usize = 96;
+    const COLUMNS: usize = 128;
+    let ranges = |all: usize, step: usize| {
+        let starts = (0..all).step_by(step);
+        starts.map(move |start| (start, step.min(all - start)))
     };
-    let mut lower = b.view_mut((half, 0), (n - half, columns)).clone_owned();
-    lower.gemm(-1.0, &l.view((half, 0), (n - half, half)), &first, 1.0);
-    solve_lower(
-        &l.view((half, half), (n - half, n - half)),
-        &mut lower.as_view_mut(),
-    );
-    b.view_mut((half, 0), (n - half, columns)).copy_from(&lower);
+    let inverses: Vec<DMatrix<f64>> = ranges(l.nrows(), ROWS)
+        .map(|(start, count)| {
+            let mut inverse = DMatrix::identity(count, count);
+            let own = l.view((start, start), (count, count));
+            own.solve_lower_triangular_mut(&mut inverse);
+            inverse
+        })
+        .collect();
+    for (first, columns) in ranges(b.ncols(), COLUMNS) {
+        let mut panel = b.columns_mut(first, columns);
+        for ((start, count), inverse) in ranges(l.nrows(), ROWS).zip(&inverses) {
+            let mut own = panel.rows(start, count).into_owned();
+            let known = panel.rows(0, start);
+            own.gemm(-1.0, &l.view((start, 0), (count, start)), &known, 1.0);
+            let mut to = panel.rows_mut(start, count);
+            to.gemm(1.0, inverse, &own, 0.0);
+        }
+    }
 }
 
 fn log_kind_prior(kind: usize) -> f64 {

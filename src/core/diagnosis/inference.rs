@@ -16,7 +16,7 @@ use super::exploration::{Visibility, explore, log_sum};
 use super::fit::Fit;
 use super::gram::Gram;
 use super::grouping::merge_common_values;
-use super::hyperparameters::{AMPLITUDES, Hyperparameters, LinearProblem, RIDGE};
+use super::hyperparameters::{AMPLITUDES, Hyperparameters, LinearProblem, RIDGE, Start};
 use super::initial_fit::initial_fit;
 use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
 use super::progress::Reporter;
@@ -179,11 +179,10 @@ impl Inference<'_> {
         let mut square = conditions.variances(&self.hyper.variance, &weights);
         let shapes = self.linear.shapes.iter().zip(&self.hyper.amplitude);
         for (shape, amplitude) in shapes.filter(|(_, amplitude)| **amplitude > 0) {
-            for functions in [&shape.columns, &shape.low_order] {
-                let along = functions.tr_mul(&weights) * AMPLITUDES[*amplitude];
-                for (square, along) in square.iter_mut().zip(along.column_iter()) {
-                    *square += along.norm_squared();
-                }
+            let columns = conditions.project_class(shape.class, &shape.all_functions());
+            let along = columns.tr_mul(&weights) * AMPLITUDES[*amplitude];
+            for (square, along) in square.iter_mut().zip(along.column_iter()) {
+                *square += along.norm_squared();
             }
         }
         let ratio = |k: usize| {
@@ -249,7 +248,7 @@ pub(super) fn infer<'a>(
     // Evidence of sets at their own fits.
     let mut fitted: Vec<(Vec<Cause>, f64)> = Vec::new();
     // Smallest variance factors found at any fit.
-    let mut smallest_variances: Vec<f64> = Vec::new();
+    let mut smallest_variances: Option<Vec<f64>> = None;
     for round in 1.. {
         if !fit.causes.is_empty() {
             let nearer = base.clone().with_contexts_of(&fit.solution);
@@ -259,16 +258,22 @@ pub(super) fn infer<'a>(
                 fitted.clear();
             }
         }
-        let at = LinearFit::new(&fit, expected, true).starting_at(&smallest_variances);
-        let (own, hyper) = at.own_evidence();
-        lower_variances(&mut smallest_variances, &hyper);
-        let at = at.starting_at(&smallest_variances);
-        let exploration = explore(&at, hyper, (options.most_findings, round == 1), report);
+        let at = LinearFit::new(&fit, expected, true);
+        let own_evidence = at.own_evidence(smallest_variances.as_deref());
+        let own = own_evidence.value;
+        lower_variances(&mut smallest_variances, &own_evidence.hyper);
+        let exploration = explore(
+            &at,
+            own_evidence,
+            smallest_variances.as_deref(),
+            (options.most_findings, round == 1),
+            report,
+        );
         let visible = seen.get_or_insert(exploration.visibility);
         report.stage(Stage::Refits, at.present.len());
         fitted.push((fit.causes.clone(), own));
         let mut compared = SetComparison::new(&at, exploration.ranking, &fitted);
-        let mut gram = at.gram(&exploration.hyper);
+        let mut gram = exploration.gram;
         let mut best: Option<(f64, Fit<'a>)> = None;
         while let Some(place) = compared.next() {
             if report.cancelled && best.is_some() {
@@ -277,11 +282,10 @@ pub(super) fn infer<'a>(
             let start = causes_of(&at, &mut gram, compared.members(place));
             let refit = Fit::new(&base, &start)?;
             let value = if is_physically_possible(&refit) {
-                let refit =
-                    LinearFit::new(&refit, expected, false).starting_at(&smallest_variances);
-                let (value, hyper) = refit.own_evidence();
-                lower_variances(&mut smallest_variances, &hyper);
-                value
+                let refit = LinearFit::new(&refit, expected, false);
+                let evidence = refit.own_evidence(smallest_variances.as_deref());
+                lower_variances(&mut smallest_variances, &evidence.hyper);
+                evidence.value
             } else {
                 f64::NEG_INFINITY
             };
@@ -314,14 +318,15 @@ pub(super) fn infer<'a>(
                 let merged = merge_common_values(&last).filter(|_| round < MAX_LINEARISATIONS);
                 let merged = merged.map(|causes| Fit::new(&base, &causes)).transpose()?;
                 let better = merged.filter(|fit| {
-                    let at = LinearFit::new(fit, expected, false).starting_at(&smallest_variances);
-                    is_physically_possible(fit) && at.own_evidence().0 > own
+                    let at = LinearFit::new(fit, expected, false);
+                    let evidence = at.own_evidence(smallest_variances.as_deref());
+                    is_physically_possible(fit) && evidence.value > own
                 });
                 match better {
                     Some(next) => fit = next,
                     None => {
-                        let inference =
-                            inference_at_fit(last, options, ranking, &smallest_variances);
+                        let start = smallest_variances.as_deref();
+                        let inference = inference_at_fit(last, options, ranking, start);
                         return Ok((base, inference, std::mem::take(visible)));
                     }
                 }
@@ -332,11 +337,9 @@ pub(super) fn infer<'a>(
 }
 
 /// Replaces each variance factor by the smaller of the two.
-fn lower_variances(smallest_variances: &mut Vec<f64>, at: &Hyperparameters) {
-    if smallest_variances.is_empty() {
-        smallest_variances.clone_from(&at.variance);
-    }
-    for (least, variance) in smallest_variances.iter_mut().zip(&at.variance) {
+fn lower_variances(smallest_variances: &mut Option<Vec<f64>>, at: &Hyperparameters) {
+    let smallest = smallest_variances.get_or_insert_with(|| at.variance.clone());
+    for (least, variance) in smallest.iter_mut().zip(&at.variance) {
         *least = least.min(*variance);
     }
 }
@@ -346,12 +349,11 @@ pub(super) fn inference_at_fit<'a>(
     fit: Fit<'a>,
     options: &DiagnosisOptions,
     mut ranking: Vec<RankedSet>,
-    start: &[f64],
+    start: Start<'_>,
 ) -> Inference<'a> {
     let expected = EXPECTED_PER_ALPHA * options.alpha;
-    let at = LinearFit::new(&fit, expected, false).starting_at(start);
-    let (_, hyper) = at.own_evidence();
-    let at = at.starting_at(&hyper.variance);
+    let at = LinearFit::new(&fit, expected, false);
+    let hyper = at.estimate(start, &at.present).hyper;
     let columns = at.columns(&at.present);
     // The linear comparison may rank the set of the fit slightly lower than another one.
     if let Some(own) = ranking

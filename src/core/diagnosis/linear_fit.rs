@@ -8,10 +8,10 @@ use super::conditions::{Conditions, concatenate_columns};
 use super::evidence::Member;
 use super::fit::Fit;
 use super::gram::Gram;
-use super::hyperparameters::{Hyperparameters, LinearProblem};
+use super::hyperparameters::{Estimate, Hyperparameters, LinearProblem, ReducedProblem, Start};
 use super::search::Search;
 use super::variables::Variables;
-use crate::estimation::{Linearisation, ParameterId};
+use crate::estimation::ParameterId;
 
 /// Prior expectation of the number of causes for each unit of the false alarm probability.
 pub(super) const EXPECTED_PER_ALPHA: f64 = 80.0;
@@ -27,9 +27,17 @@ pub(super) struct LinearFit<'f, 'a> {
     pub present: Vec<Member>,
 }
 
+/// Log evidence and prior of the causes of a fit.
+pub(super) struct OwnEvidence<'l> {
+    pub value: f64,
+    pub hyper: Hyperparameters,
+    /// All candidates at these hyperparameters.
+    pub gram: Gram<'l>,
+}
+
 impl<'f, 'a> LinearFit<'f, 'a> {
     pub fn new(fit: &'f Fit<'a>, expected: f64, include_all: bool) -> Self {
-        let linear = Linearisation::new(&fit.problem, &fit.solution);
+        let linear = fit.linearisation();
         let catalogue = Catalogue::new(fit, &linear, expected, include_all);
         let conditions = Conditions::new(&linear);
         let variables = Variables::new(&fit.problem, &fit.solution, &linear);
@@ -63,7 +71,6 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         Self {
             fit,
             linear: LinearProblem {
-                start: vec![1.0; conditions.classes.len()],
                 conditions,
                 residual,
                 fixed,
@@ -73,14 +80,6 @@ impl<'f, 'a> LinearFit<'f, 'a> {
             generators,
             present,
         }
-    }
-
-    /// Starts the estimation of the variance factors at given values instead of the described noise, if there are any.
-    pub fn starting_at(mut self, variance: &[f64]) -> Self {
-        if !variance.is_empty() {
-            self.linear.start.copy_from_slice(variance);
-        }
-        self
     }
 
     /// Columns of some members as conditions, in units of their prior.
@@ -102,27 +101,33 @@ impl<'f, 'a> LinearFit<'f, 'a> {
     }
 
     /// Estimates the hyperparameters for a set.
-    pub fn estimate(&self, members: &[Member]) -> Hyperparameters {
-        self.linear.estimate(&self.columns(members))
+    pub fn estimate(&self, start: Start<'_>, members: &[Member]) -> Estimate<'_> {
+        self.linear.estimate(start, &self.columns(members))
     }
 
     pub fn gram(&self, at: &Hyperparameters) -> Gram<'_> {
         let none = DMatrix::zeros(self.linear.conditions.count, 0);
-        Gram::new(
-            &self.linear,
-            self.linear.reduced(at, &none),
-            &self.catalogue,
-            &self.generators,
-        )
+        self.gram_of(self.linear.reduced(at, &none))
+    }
+
+    fn gram_of<'l>(&'l self, base: ReducedProblem<'l>) -> Gram<'l> {
+        Gram::new(&self.linear, base, &self.catalogue, &self.generators)
     }
 
     /// Log evidence and prior of the fit's own causes, with the hyperparameters estimated for them.
-    pub fn own_evidence(&self) -> (f64, Hyperparameters) {
-        let at = self.estimate(&self.present);
-        let mut gram = self.gram(&at);
-        let log_evidence_of_none = gram.base.log_evidence + at.log_prior;
-        let mut search = Search::new(&mut gram, self.present.len());
-        let value = search.settle(&self.present);
-        (log_evidence_of_none + value, at)
+    pub fn own_evidence(&self, start: Start<'_>) -> OwnEvidence<'_> {
+        let Estimate { hyper, base, .. } = self.estimate(start, &self.present);
+        let mut gram = if self.present.is_empty() {
+            self.gram_of(base)
+        } else {
+            self.gram(&hyper)
+        };
+        let log_evidence_of_none = gram.base.log_evidence + hyper.log_prior;
+        let value = Search::new(&mut gram, self.present.len()).settle(&self.present);
+        OwnEvidence {
+            value: log_evidence_of_none + value,
+            hyper,
+            gram,
+        }
     }
 }

@@ -38,7 +38,7 @@ impl ReadingErrors {
             row *= *square;
         }
         let eliminated = &self.eliminated * functions;
-        let information = functions.tr_mul(&weighted) - eliminated.tr_mul(&eliminated);
+        let information = functions.transpose() * weighted - eliminated.transpose() * &eliminated;
         (functions.tr_mul(&self.score), information)
     }
 }

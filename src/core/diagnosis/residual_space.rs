@@ -133,9 +133,9 @@ impl ResidualSpace {
     /// Adds `sum_j ||B_ab||^2 - 2 tr(V_a^T B_ab V_b)` with the blocks `B = Q Q^T` of the poses.
     fn add_local_information(&self, class_of: &[Option<usize>], information: &mut DMatrix<f64>) {
         for block in &self.blocks {
-            let alone = block.remainder.tr_mul(&block.remainder);
+            let alone = block.remainder.transpose() * &block.remainder;
             let fitted = self.fitted.columns(block.rows.start, block.rows.len());
-            let common = fitted.tr_mul(&fitted);
+            let common = fitted.transpose() * fitted;
             for (i, a) in block.rows.clone().enumerate() {
                 for (k, b) in block.rows.clone().enumerate() {
                     if let (Some(a), Some(b)) = (class_of[a], class_of[b]) {
@@ -336,5 +336,5 @@ fn row_basis(wide: &DMatrix<f64>) -> DMatrix<f64> {
     for (mut direction, k) in directions.column_iter_mut().zip(&kept) {
         direction /= eigen.eigenvalues[*k].sqrt();
     }
-    directions.tr_mul(&scaled)
+    directions.transpose() * scaled
 }

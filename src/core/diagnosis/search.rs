@@ -52,20 +52,23 @@ pub(super) struct Search<'g, 'l> {
 /// Evaluates a set exactly: the scale of each member is optimised again, and the evidence is summed over the scales of
 /// each member with the others at their best scale.
 pub(super) fn settled(gram: &mut Gram<'_>, members: &[Member]) -> EvaluatedSet {
-    let mut members = members.to_vec();
+    let mut system = System::new(gram, members);
     let mut over_scales = 0.0;
     for place in 0..members.len() {
-        let mut others = members.clone();
-        let (index, scale) = others.remove(place);
-        let system = System::extensible_by(gram, &others, index);
-        let best = system.gain(gram, index, f64::NEG_INFINITY);
-        members[place] = (index, best.map_or(scale, |b| b.1));
-        over_scales += system.log_over_scales(gram, index);
+        let Some((scale, over_own)) = system.best_scale_of(gram, place) else {
+            continue;
+        };
+        over_scales += over_own;
+        if scale != system.members[place].1 {
+            let mut members = system.members;
+            members[place].1 = scale;
+            system = System::new(gram, &members);
+        }
     }
     EvaluatedSet {
-        log_posterior: System::new(gram, &members).log_posterior + over_scales,
+        log_posterior: system.log_posterior + over_scales,
         over_scales: Some(over_scales),
-        members,
+        members: system.members,
     }
 }
 
@@ -89,7 +92,8 @@ pub(super) fn set_of(members: &[Member]) -> CandidateSet {
 pub(super) fn collinear_members(gram: &mut Gram<'_>, members: &[Member]) -> Vec<usize> {
     let each = members.iter().zip(leave_one_out(members));
     each.filter_map(|((index, _), others)| {
-        let left = System::extensible_by(gram, &others, *index).remaining_information(gram, *index);
+        let left = System::extensible_by(gram, &others, *index..=*index)
+            .remaining_information(gram, *index);
         (left < COLLINEAR).then_some(*index)
     })
     .collect()
@@ -338,8 +342,9 @@ impl<'g, 'l> Search<'g, 'l> {
             let mut fewer = members.to_vec();
             fewer.remove(place);
             while open.len() > 1 && fewer.len() < self.most {
+                let range = open[0]..=open[open.len() - 1];
+                let system = System::extensible_by(self.gram, &fewer, range);
                 let gains = open.iter().filter_map(|index| {
-                    let system = System::extensible_by(self.gram, &fewer, *index);
                     let (gain, scale) = system.gain(self.gram, *index, f64::NEG_INFINITY)?;
                     Some((gain, (*index, scale)))
                 });
@@ -387,8 +392,8 @@ impl<'g, 'l> Search<'g, 'l> {
             }
         }
         let system = System::new(self.gram, &members);
+        let mut covariance = system.covariance();
         let mut estimate = system.estimate;
-        let mut covariance = system.covariance;
         while members.len() > 1 {
             let mut at = 0;
             let mut least: Option<(f64, usize, std::ops::Range<usize>)> = None;

@@ -18,7 +18,7 @@ use super::Quantity;
 use super::conditions::concatenate_columns;
 use super::error_functions::{ErrorForm, ErrorTarget, FunctionFamily};
 use super::exploration::log_sum;
-use super::hyperparameters::{Hyperparameters, LinearProblem, ReducedProblem};
+use super::hyperparameters::{Estimate, LinearProblem};
 use super::reading_errors::ReadingErrors;
 use super::reading_id::ReadingId;
 use super::variables::Variables;
@@ -70,13 +70,16 @@ struct RankedFamilies {
 /// The families of functions for all possible targets.
 pub(super) struct ErrorSearch<'l> {
     linear: &'l LinearProblem,
+    /// Variance factors at which their estimation starts.
+    start: &'l [f64],
     targets: Vec<ErrorTarget>,
 }
 
 impl<'l> ErrorSearch<'l> {
-    /// Builds all targets of a linearised problem.
+    /// Builds all targets of a linearised problem. The estimation of variance factors starts at `start`.
     pub fn new(
         linear: &'l LinearProblem,
+        start: &'l [f64],
         linearisation: &Linearisation,
         variables: &Variables<'_>,
     ) -> Self {
@@ -103,28 +106,34 @@ impl<'l> ErrorSearch<'l> {
                 family.log_prior += each;
             }
         }
-        Self { linear, targets }
+        Self {
+            linear,
+            start,
+            targets,
+        }
     }
 
     /// The most significant error beside causes with the given columns, if the posterior odds that there is one exceed
     /// `least`.
     pub fn find_beside(&self, columns: &DMatrix<f64>, least: f64) -> Option<StructuredError> {
         let amplitude = vec![0; self.linear.shapes.len()];
-        let (none, at) = self.linear.with_amplitudes(&amplitude, columns);
-        let base = self.linear.reduced(&at, columns);
-        let ranked = self.ranked((&base, &at), |_| true, |family| &family.unexpressed, true);
+        let none = self
+            .linear
+            .with_amplitudes(Some(self.start), &amplitude, columns);
+        let ranked = self.ranked(&none, |_| true, |family| &family.unexpressed, true);
+        let log_density =
+            |columns: &DMatrix<f64>| self.linear.refined(&none.hyper, columns).log_density;
         let exact = ranked.best.into_iter().filter_map(|scored| {
             let structure = self.columns(&scored, |family| &family.unexpressed);
-            let with_columns = concatenate_columns(&[columns, &structure]);
-            let with = self.linear.refined(&at, &with_columns).0;
+            let with = log_density(&concatenate_columns(&[columns, &structure]));
             let all = ranked.log_odds - scored.log_odds + self.log_prior(&scored);
-            if with - none + all < least {
+            if with - none.log_density + all < least {
                 return None;
             }
             // A constant error alone is no evidence, because effects of the catalogue express it.
             let constant = concatenate_columns(&[columns, &structure.columns(0, 1).into_owned()]);
-            let without = self.linear.refined(&at, &constant).0;
-            let log_odds = with - without.max(none) + all;
+            let without = log_density(&constant);
+            let log_odds = with - without.max(none.log_density) + all;
             (log_odds >= least).then(|| self.structure(&scored, log_odds, structure))
         });
         exact.max_by(|a, b| a.log_odds.total_cmp(&b.log_odds))
@@ -138,15 +147,14 @@ impl<'l> ErrorSearch<'l> {
         amplitude: &[usize],
         is_eligible: impl Fn(&ReadingId) -> bool,
     ) -> Option<StructuredError> {
-        let (_, at) = self.linear.with_amplitudes(amplitude, columns);
-        let base = self.linear.reduced(&at, columns);
-        let ranked = self.ranked((&base, &at), is_eligible, |family| &family.functions, false);
+        let at = self
+            .linear
+            .with_amplitudes(Some(self.start), amplitude, columns);
+        let ranked = self.ranked(&at, is_eligible, |family| &family.functions, false);
         let exact = ranked.best.into_iter().map(|scored| {
             let structure = self.columns(&scored, |family| &family.functions);
-            let with = self
-                .linear
-                .refined(&at, &concatenate_columns(&[columns, &structure]))
-                .0;
+            let with_columns = concatenate_columns(&[columns, &structure]);
+            let with = self.linear.refined(&at.hyper, &with_columns).log_density;
             let all = ranked.log_odds - scored.log_odds + self.log_prior(&scored);
             self.structure(&scored, with + all, structure)
         });
@@ -196,11 +204,12 @@ impl<'l> ErrorSearch<'l> {
     /// the explanation by a constant alone counts.
     fn ranked(
         &self,
-        (base, at): (&ReducedProblem<'_>, &Hyperparameters),
+        at: &Estimate<'_>,
         is_eligible: impl Fn(&ReadingId) -> bool,
         functions: impl Fn(&FunctionFamily) -> &DMatrix<f64>,
         beyond: bool,
     ) -> RankedFamilies {
+        let (base, variance) = (&at.base, &at.hyper.variance);
         let sums = base.noise.class_sums(&base.residual, &base.eliminated);
         let size_prior = -(SIZES.len() as f64).ln();
         let mut best: Vec<ScoredFamily> = Vec::new();
@@ -210,7 +219,7 @@ impl<'l> ErrorSearch<'l> {
                 continue;
             }
             let errors = ReadingErrors::new(base, &target.classes);
-            let squares = target.classes.iter().map(|k| sums[*k][0] / at.variance[*k]);
+            let squares = target.classes.iter().map(|k| sums[*k][0] / variance[*k]);
             let squares = squares.sum::<f64>() + VARIANCE_PRIOR;
             let freedom = target.classes.iter().map(|k| sums[*k][1]).sum::<f64>() + VARIANCE_PRIOR;
             let mut own: Option<(f64, ScoredFamily)> = None;

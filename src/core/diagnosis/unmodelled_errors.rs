@@ -12,7 +12,6 @@ use super::structured_errors::{ErrorSearch, StructuredError};
 use super::variables::Variables;
 use crate::effect::unknown::{ADVICE, FIRST, FUNCTIONS, READING, SCALE};
 use crate::effect::{BiasedReading, BoundEffect, UNKNOWN};
-use crate::estimation::Linearisation;
 use crate::robot::Robot;
 
 /// Maximum number of unmodelled errors that are reported.
@@ -56,9 +55,14 @@ impl UnmodelledErrors {
         let fit = &inference.fit;
         let linear = &inference.linear;
         let robot = &fit.problem.dataset.robot;
-        let linearisation = Linearisation::new(&fit.problem, &fit.solution);
+        let linearisation = fit.linearisation();
         let variables = Variables::new(&fit.problem, &fit.solution, &linearisation);
-        let search = ErrorSearch::new(linear, &linearisation, &variables);
+        let search = ErrorSearch::new(
+            linear,
+            &inference.hyper.variance,
+            &linearisation,
+            &variables,
+        );
         let mut remaining: Vec<StructuredError> = Vec::new();
         let mut columns = inference.columns.clone();
         while remaining.len() < MAX_REPORTED {
@@ -144,16 +148,22 @@ fn best_rival(
         .filter(|s| is_eligible(&s.id))
         .map(|s| s.log_prior)
         .sum();
+    let start = Some(&*inference.hyper.variance);
+    let log_density = |amplitude: &[usize], columns: &DMatrix<f64>| {
+        linear
+            .with_amplitudes(start, amplitude, columns)
+            .log_density
+    };
     let values = [
-        linear.with_amplitudes(&amplitude, &named).0,
-        linear.with_amplitudes(&inference.hyper.amplitude, &named).0,
-        linear.with_amplitudes(&amplitude, &whole).0 + penalty,
+        log_density(&amplitude, &named),
+        log_density(&inference.hyper.amplitude, &named),
+        log_density(&amplitude, &whole) + penalty,
     ];
     let own = values.into_iter().fold(f64::NEG_INFINITY, f64::max) + inference.log_prior(set);
     let log_odds = found.log_odds - own;
     // Chi-squares are compared with the noise estimated for the unmodelled error.
     let with_rival = concatenate_columns(&[&others, &found.columns]);
-    let noise = linear.with_amplitudes(&amplitude, &with_rival).1;
+    let noise = linear.with_amplitudes(start, &amplitude, &with_rival).hyper;
     let chi2 = |columns: &DMatrix<f64>| linear.reduced(&noise, columns).chi2;
     let none = chi2(&others);
     let share = (none - chi2(&named)) / (none - chi2(&with_rival)).max(f64::MIN_POSITIVE);

@@ -91,8 +91,9 @@ fn evidence_is_that_of_the_diagnosis() {
     for (index, candidate) in gram.candidates.iter().enumerate() {
         let own = &gram.scores[index];
         let found = Evidence::new(candidate, &own.information).log_odds(own.score.as_slice());
-        let (gain, _) = none.gain(&gram, index, f64::NEG_INFINITY).unwrap();
-        let gain = gain + none.log_over_scales(&gram, index);
+        let (gain, scale) = none.gain(&gram, index, f64::NEG_INFINITY).unwrap();
+        let alone = System::new(&mut gram, &[(index, scale)]);
+        let gain = gain + alone.best_scale_of(&gram, 0).unwrap().1;
         assert!(
             (found - gain).abs() < 1e-6 * (1.0 + gain.abs()),
             "{candidate:?}: {found} {gain}"

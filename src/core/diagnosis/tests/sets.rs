@@ -259,7 +259,7 @@ fn standard_deviations_are_those_of_the_sandwich_estimator() {
     };
     let causes: Vec<Cause> = causes().iter().map(cause).collect();
     let fit = Fit::new(&problem, &causes).unwrap();
-    let mut inference = inference_at_fit(fit, &DiagnosisOptions::default(), Vec::new(), &[]);
+    let mut inference = inference_at_fit(fit, &DiagnosisOptions::default(), Vec::new(), None);
     inference.hyper = inference.linear.described();
     for ratio in inference.sd_ratios().iter().flatten() {
         // The tolerance is for the regularisation of the normal equations.

@@ -92,7 +92,7 @@ fn clean_data_have_no_unmodelled_error() {
     let dataset = run_with("mini", 41, 5, &[]).dataset;
     let problem = problem_at_fitted_poses(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
-    let inference = inference_at_fit(fit, &DiagnosisOptions::default(), Vec::new(), &[]);
+    let inference = inference_at_fit(fit, &DiagnosisOptions::default(), Vec::new(), None);
     assert!(UnmodelledErrors::new(&inference).remaining.is_empty());
     assert!(
         inference
