@@ -527,3 +527,21 @@ fn log_amplitude_prior(amplitude: usize, kind: usize, classes: usize) -> f64 {
     }
     .ln()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn division_in_blocks_is_that_of_the_whole_factor() {
+        let lower = DMatrix::from_fn(250, 250, |i, k| match i.cmp(&k) {
+            std::cmp::Ordering::Less => 0.0,
+            std::cmp::Ordering::Equal => 2.0 + (i % 7) as f64,
+            std::cmp::Ordering::Greater => ((3 * i + 5 * k) % 11) as f64 / 110.0,
+        });
+        let right = DMatrix::from_fn(250, 300, |i, k| ((i * k + i) % 13) as f64 - 6.0);
+        let mut found = right.clone();
+        divide_by_lower(&lower, &mut found);
+        assert!((lower * found - right).amax() < 1e-10);
+    }
+}

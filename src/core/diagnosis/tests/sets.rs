@@ -6,6 +6,7 @@ use super::super::candidates::PoseWeights;
 use super::super::conditions::concatenate_columns;
 use super::super::evidence::{Member, System};
 use super::super::gram::Gram;
+use super::super::hyperparameters::{AMPLITUDES, Hyperparameters};
 use super::super::inference::{inference_at_fit, is_same_cause};
 use super::super::linear_fit::LinearFit;
 use super::super::report::Cause;
@@ -53,6 +54,19 @@ fn evidence_is_that_of_the_dense_covariance() {
     for (k, variance) in with_variance_factor.variance.iter_mut().enumerate() {
         *variance = 0.5 + 0.3 * k as f64;
     }
+    let mut with_background = with_variance_factor.clone();
+    let shapes = with_background.amplitude.len();
+    with_background.amplitude[0] = 2;
+    with_background.amplitude[shapes - 1] = 4;
+    let background = |hyper: &Hyperparameters| {
+        let mut parts = vec![DMatrix::zeros(at.linear.conditions.count, 0)];
+        for (shape, amplitude) in at.linear.shapes.iter().zip(&hyper.amplitude) {
+            let conditions = &at.linear.conditions;
+            let columns = conditions.project_class(shape.class, &shape.all_functions());
+            parts.push(columns * AMPLITUDES[*amplitude]);
+        }
+        concatenate_columns(&parts.iter().collect::<Vec<_>>())
+    };
     let candidates = &at.catalogue.candidates;
     let find = |id: &str, pose_weights: fn(PoseWeights) -> bool| {
         let is = |c: &super::super::candidates::Candidate| {
@@ -76,7 +90,7 @@ fn evidence_is_that_of_the_dense_covariance() {
         ),
         (find("laser_cyclic", |_| true), 0),
     ];
-    for hyper in [&described, &with_variance_factor] {
+    for hyper in [&described, &with_variance_factor, &with_background] {
         let mut gram = at.gram(hyper);
         for count in 0..=members.len() {
             let set = &members[..count];
@@ -84,7 +98,8 @@ fn evidence_is_that_of_the_dense_covariance() {
             let prior: f64 = set.iter().map(odds).sum();
             let log_evidence_of_none = gram.base.log_evidence;
             let closed = log_evidence_of_none + System::new(&mut gram, set).log_posterior - prior;
-            let dense = dense_log_evidence(&at, &hyper.variance, &at.columns(set));
+            let columns = concatenate_columns(&[&at.columns(set), &background(hyper)]);
+            let dense = dense_log_evidence(&at, &hyper.variance, &columns);
             assert!(
                 (closed - dense).abs() < 1e-5 * dense.abs(),
                 "{closed} {dense}"
