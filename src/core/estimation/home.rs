@@ -71,7 +71,8 @@ impl HomeRow {
                 .map(|r| r * r)
                 .sum(),
         };
-        let mut gradients = Vec::new();
+        let rows = layout.rows - layout.cables;
+        let mut gradients = Vec::with_capacity(rows * parameters.len());
         for row in layout.cables..layout.rows {
             for parameter in parameters {
                 let slope = row_derivative(

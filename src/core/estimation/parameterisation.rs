@@ -142,11 +142,22 @@ impl Globals {
         effects.extend(problem.free_effects.iter().cloned());
         Self {
             entry_points: entry.collect(),
-            plane_offset_m: robot.laser.map_or(0.0, |l| l.target_plane.offset_m),
-            home: robot.home.map_or_else(Pose::identity, |home| home.pose()),
+            plane_offset_m: Self::nominal_plane_offset(problem),
+            home: Self::nominal_home(problem),
             home_tension_error_n: vec![0.0; robot.cable_count()],
             effects,
         }
+    }
+
+    /// The home pose as described.
+    pub(super) fn nominal_home(problem: &Problem<'_>) -> Pose {
+        let home = problem.dataset.robot.home;
+        home.map_or_else(Pose::identity, |home| home.pose())
+    }
+
+    fn nominal_plane_offset(problem: &Problem<'_>) -> f64 {
+        let laser = problem.dataset.robot.laser;
+        laser.map_or(0.0, |laser| laser.target_plane.offset_m)
     }
 
     /// Adds a step with one entry per parameter.
@@ -169,14 +180,14 @@ impl Globals {
 
     /// Deviation of the present value of each parameter from the centre of its prior.
     pub(super) fn deviations(&self, problem: &Problem<'_>, parameters: &[Parameter]) -> Vec<f64> {
-        let nominal = Self::nominal(problem);
+        let robot = &problem.dataset.robot;
         let held = problem.held_effects.len();
-        let home = self.home.difference(&nominal.home);
+        let home = self.home.difference(&Self::nominal_home(problem));
         let deviation = |parameter: &Parameter| match parameter.id {
             ParameterId::EntryPoint { cable, axis } => {
-                self.entry_points[cable][axis] - nominal.entry_points[cable][axis]
+                self.entry_points[cable][axis] - robot.cables[cable].pulley.entry_point_m[axis]
             }
-            ParameterId::PlaneOffset => self.plane_offset_m - nominal.plane_offset_m,
+            ParameterId::PlaneOffset => self.plane_offset_m - Self::nominal_plane_offset(problem),
             ParameterId::Home(coordinate) => home[coordinate.index()],
             ParameterId::HomeTension { cable } => self.home_tension_error_n[cable],
             // A free effect starts where the request puts it; its prior is centred at its neutral value.

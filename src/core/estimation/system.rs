@@ -26,7 +26,7 @@ impl Priors {
     /// Evaluates the priors at the present values.
     pub fn evaluate(problem: &Problem<'_>, globals: &Globals, parameters: &[Parameter]) -> Self {
         let deviations = globals.deviations(problem, parameters);
-        let home = Globals::nominal(problem).home;
+        let home = Globals::nominal_home(problem);
         let phi = globals
             .home
             .difference(&home)
@@ -34,7 +34,7 @@ impl Priors {
             .into_owned();
         let turn = rotation_vector_jacobian_inverse(&phi);
         let mut residuals = vec![0.0; parameters.len()];
-        let mut derivatives = Vec::new();
+        let mut derivatives = Vec::with_capacity(parameters.len());
         for (row, parameter) in parameters.iter().enumerate() {
             let is_home = matches!(parameter.id, ParameterId::Home(_));
             if let (Some(sd), false) = (parameter.prior_sd, is_home) {
@@ -207,14 +207,11 @@ impl System {
         for (row, residual) in home.gradients.chunks_exact(n.max(1)).zip(&home.residuals) {
             system.add_row(row, *residual);
         }
-        let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];
-        for (row, column, value) in &priors.derivatives {
-            rows[*row].push((*column, *value));
-        }
-        for (row, residual) in rows.iter().zip(&priors.residuals) {
-            for (i, a) in row {
-                system.gradient[*i] += a * residual;
-                for (k, b) in row {
+        // The derivatives of one prior are adjacent.
+        for row in priors.derivatives.chunk_by(|a, b| a.0 == b.0) {
+            for (prior, i, a) in row {
+                system.gradient[*i] += a * priors.residuals[*prior];
+                for (_, k, b) in row {
                     system.information[(*i, *k)] += a * b;
                 }
             }
@@ -244,27 +241,36 @@ impl System {
             .enumerate()
             .filter_map(|(q, column)| column.map(|column| (q, column)))
             .collect();
-        for (q, column) in &direct {
+        for (k, (q, column)) in direct.iter().enumerate() {
             self.gradient[*q] += gradient[*column];
-            for (p, other) in &direct {
-                self.information[(*p, *q)] += at(*column, *other);
+            for (p, other) in &direct[..k] {
+                let value = at(*column, *other);
+                self.information[(*p, *q)] += value;
+                self.information[(*q, *p)] += value;
             }
+            self.information[(*q, *q)] += at(*column, *column);
         }
+        // With the gradients `G` of the lengths, the information `V` of the lengths and `D` between them and the
+        // parameters, this adds `G (D + V G^T) + D^T G^T`.
         for (column, terms) in map.lengths.iter().zip(&home.length_gradients) {
-            for (q, slope) in terms {
-                self.gradient[*q] += slope * gradient[*column];
-                for (p, other) in &direct {
-                    let value = slope * at(*column, *other);
-                    self.information[(*p, *q)] += value;
-                    self.information[(*q, *p)] += value;
-                }
+            let mut own = DVector::zeros(map.direct.len());
+            for (p, other) in &direct {
+                own[*p] = at(*column, *other);
             }
+            let mut all = own.clone();
             for (other, more) in map.lengths.iter().zip(&home.length_gradients) {
                 let value = at(*column, *other);
+                for (p, slope) in more {
+                    all[*p] += value * slope;
+                }
+            }
+            for (q, slope) in terms {
+                self.gradient[*q] += slope * gradient[*column];
+                self.information.column_mut(*q).axpy(*slope, &all, 1.0);
+            }
+            for (p, _) in &direct {
                 for (q, slope) in terms {
-                    for (p, by) in more {
-                        self.information[(*p, *q)] += slope * value * by;
-                    }
+                    self.information[(*q, *p)] += own[*p] * slope;
                 }
             }
         }
