@@ -247,6 +247,7 @@ impl<'l> Gram<'l> {
         block
     }
 
+    /// Computes the products of some columns with each other and keeps them.
     fn remember(&mut self, columns: &[usize]) -> DMatrix<f64> {
         let block = self.products_among(columns);
         for (i, one) in columns.iter().enumerate() {

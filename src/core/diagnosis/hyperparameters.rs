@@ -85,6 +85,7 @@ struct Step {
     all: Hyperparameters,
     /// With only that of the largest gain changed.
     strongest: Hyperparameters,
+    /// Whether it changes so little that the estimation has converged.
     is_small: bool,
 }
 
@@ -266,6 +267,7 @@ impl LinearProblem {
         best
     }
 
+    /// The step from an estimate: variances from the residuals, amplitudes by their evidence.
     fn step(&self, from: &Estimate<'_>) -> Step {
         let (at, base) = (&from.hyper, &from.base);
         let evidence = self.amplitude_evidence(base, at);
@@ -313,6 +315,7 @@ impl LinearProblem {
         reached
     }
 
+    /// Variances from the residuals of a reduced problem.
     fn next_variances(&self, base: &ReducedProblem<'_>) -> Vec<f64> {
         let sums = base.noise.class_sums(&base.residual, &base.eliminated);
         let mut variance = vec![1.0; sums.len()];
