@@ -198,7 +198,7 @@ impl LinearProblem {
             }
         }
         let background = Background::new(&noise, &present);
-        let mut eliminated = background.below(&others);
+        let mut eliminated = background.rows_after(&others);
         let mut normal = background.normal_matrix(&eliminated, &others);
         for k in 0..normal.nrows() {
             normal[(k, k)] += if k < fixed { RIDGE } else { 1.0 };
@@ -421,7 +421,7 @@ impl Background {
     }
 
     /// `Z^T` for other columns followed by the background functions.
-    fn below(&self, others: &DMatrix<f64>) -> DMatrix<f64> {
+    fn rows_after(&self, others: &DMatrix<f64>) -> DMatrix<f64> {
         let own: usize = self.parts.iter().map(|part| part.functions.nrows()).sum();
         let mut rows = DMatrix::zeros(others.ncols() + own, others.nrows());
         rows.rows_mut(0, others.ncols())
@@ -444,7 +444,7 @@ impl Background {
         rows
     }
 
-    /// Lower triangle of `Z^T Z` for `Z^T` as returned by `below`.
+    /// Lower triangle of `Z^T Z` for `Z^T` as returned by `rows_after`.
     fn normal_matrix(&self, rows: &DMatrix<f64>, others: &DMatrix<f64>) -> DMatrix<f64> {
         let mut normal = DMatrix::zeros(rows.nrows(), rows.nrows());
         let with_others = rows * others;
