@@ -214,7 +214,7 @@ impl System {
         let log_odds = self.log_odds(gram, index);
         if candidate.columns.len() == 1 {
             let (score, information) = self.conditional_single_column(gram, index);
-            // No scale and no sign constraint raises the evidence above half of the chi-square gain by more than this.
+            // The evidence is at most half of the largest possible chi-square gain, plus log 2 from a sign constraint.
             let most = 0.5 * score * score + information * (log_odds + std::f64::consts::LN_2);
             if most < information * least {
                 return None;
@@ -345,7 +345,7 @@ fn best_scale(candidate: &Candidate, own: &CandidateScore, least: f64) -> Option
     if gain < STRONG_GAIN && probe + candidate.log_odds < least - MAX_DEFICIT {
         return None;
     }
-    let all = (0..candidate.scales.len()).filter_map(|k| Some((own.value(candidate, k)?.1, k)));
+    let all = own.at_scales(candidate).into_iter();
     all.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
