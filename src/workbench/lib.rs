@@ -1,5 +1,8 @@
 //! The Tautline program: the window.
 
+// Its items are public for the tests alone.
+#![allow(missing_docs)]
+
 mod commands;
 pub mod model;
 mod screens;

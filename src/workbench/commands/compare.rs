@@ -68,17 +68,15 @@ fn choose(model: &mut Model, side: Side, source: Source) {
     start(model, Some(side));
 }
 
-/// What has to be done to have one of the two.
-enum Job {
-    /// It is there already.
-    Done(Arc<Run>),
+/// How one side of a comparison is obtained.
+enum Preparation {
+    Ready(Arc<Run>),
     /// The open session, with the number of its inputs.
     Identify(Box<Session>, u64),
-    /// A file.
     Read(PathBuf),
 }
 
-impl Job {
+impl Preparation {
     fn of(
         source: &Source,
         before: Option<&Arc<Compared>>,
@@ -91,7 +89,7 @@ impl Job {
         match (source, open) {
             (Source::File(path), _) => Some(known.map_or_else(
                 || Self::Read(path.clone()),
-                |run| Self::Done(Arc::clone(run)),
+                |run| Self::Ready(Arc::clone(run)),
             )),
             (Source::Open, None) => None,
             (Source::Open, Some(open)) => {
@@ -99,7 +97,7 @@ impl Job {
                 let known = known.filter(|run| run.inputs == Some(inputs));
                 Some(known.map_or_else(
                     || Self::Identify(Box::new(open.session().clone()), inputs),
-                    |run| Self::Done(Arc::clone(run)),
+                    |run| Self::Ready(Arc::clone(run)),
                 ))
             }
         }
@@ -107,7 +105,7 @@ impl Job {
 
     fn run(self, side: Side, task: &TaskHandle) -> Result<Arc<Run>, String> {
         let (session, source, inputs) = match self {
-            Self::Done(run) => return Ok(run),
+            Self::Ready(run) => return Ok(run),
             Self::Identify(session, inputs) => (*session, Source::Open, Some(inputs)),
             Self::Read(path) => (read(&path)?, Source::File(path), None),
         };
@@ -147,7 +145,7 @@ fn start(model: &mut Model, chosen: Option<Side>) {
     let [Some(a), Some(b)] = Side::ALL.map(|side| {
         let source = comparison.source(side)?;
         let known = comparison.known().filter(|_| chosen != Some(side));
-        Job::of(source, known, model.open.as_ref())
+        Preparation::of(source, known, model.open.as_ref())
     }) else {
         return;
     };

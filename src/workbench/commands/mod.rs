@@ -21,7 +21,7 @@ use crate::model::autosave::AutosaveEvent;
 use crate::model::command::{Command, Outcome};
 use crate::model::{Model, OpenSession, UiRequest};
 
-/// Does what a command says.
+/// Performs a command.
 pub fn perform(model: &mut Model, command: Command) {
     match command {
         Command::File(command) => file::perform(model, command),
@@ -64,7 +64,7 @@ fn changed(
     identification::follow(model, before.as_ref(), &what);
 }
 
-/// Takes what the autosave has to tell.
+/// Handles an event of the autosave.
 pub fn autosaved(model: &mut Model, event: AutosaveEvent) {
     match event {
         AutosaveEvent::Measured(label) => robot::autosaved(model, label),

@@ -90,7 +90,7 @@ pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
     }
 }
 
-/// Says how far reading is, and whether it goes on.
+/// Shows the progress of reading; returns whether to continue.
 pub(super) fn watch(task: &TaskHandle) -> impl Fn(f64) -> bool + '_ {
     |part| {
         task.tell(Some(part as f32), "");

@@ -95,7 +95,7 @@ fn with_extension(path: PathBuf, format: ReportFormat) -> PathBuf {
     name.into()
 }
 
-/// The comparison on the screen, if that is what a report is wanted of.
+/// The comparison on the screen, if the report is about it.
 fn compared(model: &Model) -> Option<&Arc<Compared>> {
     let result = model.comparison.result()?;
     result

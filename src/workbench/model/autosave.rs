@@ -29,7 +29,7 @@ enum Job {
     Finish,
 }
 
-/// What the thread has to tell.
+/// Events of the thread.
 #[derive(Debug)]
 pub enum AutosaveEvent {
     /// The pose of this label is on disk.
@@ -78,7 +78,7 @@ pub struct Autosave {
 }
 
 impl Autosave {
-    /// Keeps in the recovery folder `folder`; `context` is woken when there is something to tell.
+    /// Keeps in the recovery folder `folder`; `context` is woken when an event arrives.
     #[must_use]
     pub fn new(folder: PathBuf, context: egui::Context) -> Self {
         let (jobs, received) = mpsc::channel();
@@ -162,13 +162,13 @@ impl Autosave {
         self.followed = Some(Followed::new(open, poses));
     }
 
-    /// Keeps a measured pose at once; [`AutosaveEvent::Measured`] tells when it is on disk.
+    /// Keeps a measured pose at once; [`AutosaveEvent::Measured`] reports that it is on disk.
     pub fn measured(&mut self, pose: MeasuredPose) {
         self.ahead.push(pose.label());
         self.send(Job::Measured(Box::new(pose)));
     }
 
-    /// [`AutosaveEvent::Kept`] tells when everything that was handed over is on disk.
+    /// [`AutosaveEvent::Kept`] reports that everything handed over is on disk.
     pub fn tell(&self) {
         self.send(Job::Tell);
     }

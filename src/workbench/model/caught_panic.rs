@@ -1,4 +1,4 @@
-//! Panics as values, so that the window can show them and go on.
+//! Panics as values: the window shows them and keeps running.
 
 use std::any::Any;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
@@ -8,14 +8,13 @@ use std::sync::{Mutex, Once, PoisonError};
 static LAST: Mutex<Option<String>> = Mutex::new(None);
 static HOOK: Once = Once::new();
 
-/// A panic that was caught.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CaughtPanic {
-    /// What it said, with the place in the program.
-    pub what: String,
+    /// Panic message with source location.
+    pub message: String,
 }
 
-/// Records the messages of panics, besides what is done about them anyway.
+/// Records the messages of panics, in addition to the usual hook.
 pub fn listen() {
     HOOK.call_once(|| {
         let usual = panic::take_hook();
@@ -32,13 +31,13 @@ pub fn listen() {
 /// The panic.
 pub fn guard<T>(work: impl FnOnce() -> T) -> Result<T, CaughtPanic> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|payload| CaughtPanic {
-        what: message(&*payload),
+        message: message(&*payload),
     })
 }
 
 fn message(payload: &(dyn Any + Send)) -> String {
-    let heard = LAST.lock().unwrap_or_else(PoisonError::into_inner).take();
-    heard.unwrap_or_else(|| {
+    let recorded = LAST.lock().unwrap_or_else(PoisonError::into_inner).take();
+    recorded.unwrap_or_else(|| {
         let text = payload
             .downcast_ref::<&str>()
             .map(|text| (*text).to_owned());
@@ -52,9 +51,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_panic_becomes_a_value_that_says_what_it_said() {
+    fn a_panic_becomes_a_value_with_its_message() {
         assert_eq!(guard(|| 3), Ok(3));
         let broken = guard(|| panic!("the cable tore")).expect_err("a caught_panic");
-        assert!(broken.what.contains("the cable tore"), "{}", broken.what);
+        assert!(
+            broken.message.contains("the cable tore"),
+            "{}",
+            broken.message
+        );
     }
 }

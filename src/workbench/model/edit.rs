@@ -170,15 +170,13 @@ struct Phase {
     poses: Option<Measurements>,
 }
 
-/// What an edit, or undoing it, came to.
+/// Revision of the inputs of results after an edit or its undoing.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Inputs {
-    /// The inputs of results are what they were.
-    Same,
-    /// They are new.
+pub enum InputRevision {
+    Unchanged,
     New,
-    /// They are those of this number again.
-    Again(u64),
+    /// The inputs are again those of this earlier number.
+    Restored(u64),
 }
 
 /// Edits that can be undone and redone.
@@ -195,7 +193,12 @@ const MOST: usize = 200;
 
 impl History {
     /// Does an edit and remembers what was before, with the number of its inputs; `None` if nothing changed.
-    pub fn perform(&mut self, edit: Edit, session: &mut Session, inputs: u64) -> Option<Inputs> {
+    pub fn perform(
+        &mut self,
+        edit: Edit,
+        session: &mut Session,
+        inputs: u64,
+    ) -> Option<InputRevision> {
         let is_import = matches!(edit, Edit::Import(..));
         if is_import && !session.measurements.is_empty() {
             return None;
@@ -218,16 +221,20 @@ impl History {
         }
         self.undo.push(step);
         self.edits += 1;
-        Some(if same { Inputs::Same } else { Inputs::New })
+        Some(if same {
+            InputRevision::Unchanged
+        } else {
+            InputRevision::New
+        })
     }
 
     /// Undoes the last edit and gives its name.
-    pub fn undo(&mut self, session: &mut Session, inputs: u64) -> Option<(String, Inputs)> {
+    pub fn undo(&mut self, session: &mut Session, inputs: u64) -> Option<(String, InputRevision)> {
         step(&mut self.undo, &mut self.redo, session, inputs)
     }
 
     /// Does the last undone edit again and gives its name.
-    pub fn redo(&mut self, session: &mut Session, inputs: u64) -> Option<(String, Inputs)> {
+    pub fn redo(&mut self, session: &mut Session, inputs: u64) -> Option<(String, InputRevision)> {
         step(&mut self.redo, &mut self.undo, session, inputs)
     }
 
@@ -270,7 +277,7 @@ fn step(
     to: &mut Vec<Phase>,
     session: &mut Session,
     inputs: u64,
-) -> Option<(String, Inputs)> {
+) -> Option<(String, InputRevision)> {
     let left = from.pop()?;
     let state = Editable::of(session);
     let same = left.state.has_inputs_of(session) && left.poses.is_none();
@@ -286,9 +293,9 @@ fn step(
     });
     left.state.restore(session);
     let inputs = match left.inputs {
-        _ if same => Inputs::Same,
-        Some(number) => Inputs::Again(number),
-        None => Inputs::New,
+        _ if same => InputRevision::Unchanged,
+        Some(number) => InputRevision::Restored(number),
+        None => InputRevision::New,
     };
     Some((left.name, inputs))
 }
@@ -390,13 +397,16 @@ mod tests {
         let mut history = History::default();
         assert_eq!(
             history.perform(import(), &mut session, 1),
-            Some(Inputs::New)
+            Some(InputRevision::New)
         );
         assert_eq!(session.measurements, *poses);
         assert!(history.perform(import(), &mut session, 2).is_none());
         assert!(history.is_import(false));
         let undone = history.undo(&mut session, 2).expect("a step");
-        assert_eq!(undone, ("import log.csv".into(), Inputs::Again(1)));
+        assert_eq!(
+            undone,
+            ("import log.csv".into(), InputRevision::Restored(1))
+        );
         assert!(session.measurements.is_empty() && history.is_import(true));
         history.redo(&mut session, 1).expect("a step");
         assert_eq!(session.measurements, *poses);
@@ -409,15 +419,26 @@ mod tests {
         let mut session = session();
         let mut history = History::default();
         let rename = history.perform(Edit::Rename("other".into()), &mut session, 7);
-        assert_eq!(rename, Some(Inputs::Same), "a name changes no result");
+        assert_eq!(
+            rename,
+            Some(InputRevision::Unchanged),
+            "a name changes no result"
+        );
         let add = Edit::AddEffects(vec![effect()], "add winch scale".into());
-        assert_eq!(history.perform(add, &mut session, 7), Some(Inputs::New));
+        assert_eq!(
+            history.perform(add, &mut session, 7),
+            Some(InputRevision::New)
+        );
         let undone = history.undo(&mut session, 8).map(|(_, inputs)| inputs);
-        assert_eq!(undone, Some(Inputs::Again(7)));
+        assert_eq!(undone, Some(InputRevision::Restored(7)));
         let redone = history.redo(&mut session, 7).map(|(_, inputs)| inputs);
-        assert_eq!(redone, Some(Inputs::Again(8)));
+        assert_eq!(redone, Some(InputRevision::Restored(8)));
         history.forget_inputs();
         let undone = history.undo(&mut session, 9).map(|(_, inputs)| inputs);
-        assert_eq!(undone, Some(Inputs::New), "something was measured since");
+        assert_eq!(
+            undone,
+            Some(InputRevision::New),
+            "something was measured since"
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! What the program has to say: the last line at the bottom, all of it in the log.
+//! Messages to the operator: the last one is in the status bar, all of them in the log.
 
 use tautline_session::Timestamp;
 

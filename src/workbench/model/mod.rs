@@ -98,7 +98,7 @@ impl Dialogs {
 pub struct Playback {
     /// Whether the measured poses are played one after the other.
     pub plays: bool,
-    /// Whether the robot is drawn where it is now while something goes on, whatever is selected.
+    /// Draws the moving robot at its present pose instead of the selected one.
     pub follows: bool,
 }
 
@@ -124,7 +124,7 @@ pub struct Model {
     pub inspected: Option<usize>,
     /// What is shown of the measured poses and of the robot in motion.
     pub playback: Playback,
-    /// Where the platform is now, while something goes on and the views follow it.
+    /// Present pose of the platform while the views follow it.
     pub live_platform: Option<LivePlatform>,
     /// What accompanies the identification.
     pub identification: IdentificationState,
@@ -235,7 +235,7 @@ impl Model {
         }
     }
 
-    /// What the controller holds beside what was identified; empty without an identification that is up to date.
+    /// Controller values beside identified ones; empty without a current identification.
     #[must_use]
     pub fn differences(&self) -> Vec<Difference> {
         let open = self.open.as_ref().filter(|open| open.fit_is_current());

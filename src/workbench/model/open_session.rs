@@ -9,7 +9,7 @@ use tautline_session::{
     LogEntry, MeasuredPose, Phase as LogPhase, ResultRecord, Session, VersionedFile as _,
 };
 
-use super::edit::{Edit, History, Inputs};
+use super::edit::{Edit, History, InputRevision};
 use tautline_workflow::clock;
 pub use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::identification::{Identification, IdentificationDocument};
@@ -194,7 +194,7 @@ impl OpenSession {
         &self.history
     }
 
-    /// Does an edit; says whether anything changed.
+    /// Performs an edit; returns whether anything changed.
     pub fn edit(&mut self, edit: Edit) -> bool {
         let is_import = matches!(edit, Edit::Import(..));
         let inputs = self.history.perform(edit, &mut self.session, self.inputs);
@@ -228,7 +228,7 @@ impl OpenSession {
         self.measured += 1;
         self.lasting += 1;
         self.history.forget_inputs();
-        self.touch(&Inputs::New);
+        self.touch(&InputRevision::New);
         Ok(())
     }
 
@@ -238,7 +238,7 @@ impl OpenSession {
         self.replaced += 1;
         self.lasting += 1;
         self.history.forget_inputs();
-        self.touch(&Inputs::New);
+        self.touch(&InputRevision::New);
     }
 
     /// Adds what cannot be undone and no result depends on, such as what was written to a controller.
@@ -266,12 +266,12 @@ impl OpenSession {
         self.lasting += 1;
     }
 
-    fn touch(&mut self, inputs: &Inputs) {
+    fn touch(&mut self, inputs: &InputRevision) {
         self.revision += 1;
         match inputs {
-            Inputs::Same => {}
-            Inputs::Again(number) => self.inputs = *number,
-            Inputs::New => {
+            InputRevision::Unchanged => {}
+            InputRevision::Restored(number) => self.inputs = *number,
+            InputRevision::New => {
                 self.inputs = NUMBERS.fetch_add(1, Ordering::Relaxed);
             }
         }
@@ -284,7 +284,7 @@ impl OpenSession {
         }
     }
 
-    /// What the tables of phases 1 and 2 tell; computed when it is first asked for.
+    /// Results of the tables of phases 1 and 2, computed on first use.
     #[must_use]
     pub fn calibration(&self) -> &Arc<Calibration> {
         self.calibration

@@ -34,7 +34,7 @@ pub struct Prepared {
     pub along: Vec<Along>,
 }
 
-/// What is to be prepared, and what it came to.
+/// Input and result of a preparation.
 #[derive(Debug, Clone)]
 pub struct Preparation {
     /// The last identification.

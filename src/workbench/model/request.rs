@@ -51,7 +51,7 @@ pub enum ConnectionRequest {
     Refuse(String),
     /// Fills in the folder of a recording.
     SetFolder(PathBuf),
-    /// Shows what the controller says of the symbols.
+    /// Shows the symbols as the controller describes them.
     ShowChecked(Result<Vec<SymbolCheck>, String>),
     /// Fills in names of symbols.
     UseSymbols(Box<SymbolMapping>),

@@ -64,7 +64,7 @@ impl TaskHandle {
         self.shared.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Whether a computation that asks goes on.
+    /// Whether the computation is to continue.
     #[must_use]
     pub fn control(&self) -> Control {
         if self.cancelled() {
@@ -96,7 +96,7 @@ pub struct Tasks {
 }
 
 impl Tasks {
-    /// No task yet; `context` is woken when one has something to tell.
+    /// No task yet; `context` is repainted at every progress message.
     #[must_use]
     pub fn new(context: egui::Context) -> Self {
         let (sender, receiver) = mpsc::channel();
@@ -152,7 +152,7 @@ impl Tasks {
                 Outcome::Panicked {
                     task: title,
                     caught_panic: CaughtPanic {
-                        what: "no thread could be started".into(),
+                        message: "no thread could be started".into(),
                     },
                 },
             ));

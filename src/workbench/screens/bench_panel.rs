@@ -98,7 +98,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Changes the tables, or tells what is wrong with the input.
+    /// Changes the tables, or reports an error of the input.
     pub fn edit_rows(
         &mut self,
         noun: &str,

@@ -24,27 +24,18 @@ use crate::theme::GRID;
 /// State of all panels between frames.
 #[derive(Debug, Default)]
 pub struct PanelStates {
-    /// What a small window shows.
+    /// Part that a small window shows.
     pub part: Part,
-    /// Of the start screen.
     pub start: start::PanelState,
-    /// Of the phase Measuring.
     pub measuring: measuring::PanelState,
-    /// Of the phase Adjustment.
     pub adjustment: adjustment::PanelState,
-    /// Of the phase Identification.
     pub identification: identification::PanelState,
-    /// Of phase 1.
     pub precalibration: precalibration::PanelState,
-    /// Of phase 2.
     pub modeling: modeling::PanelState,
-    /// Of the window that connects, while it is open.
+    /// Draft of the connection dialog; `None` while it is closed.
     pub connect: Option<Box<connect::Draft>>,
-    /// Of the comparison.
     pub compare: compare::PanelState,
-    /// Of the import.
     pub import: import::PanelState,
-    /// Of the choice of a sensor.
     pub which_sensor: which_sensor::PanelState,
 }
 

@@ -205,7 +205,7 @@ fn sliders(ui: &mut Ui, robot: &Robot, question: &mut Question) {
         });
 }
 
-/// An instrument that may be there, with what it is if it comes.
+/// An optional instrument with its default description.
 fn optional(
     ui: &mut Ui,
     name: &str,

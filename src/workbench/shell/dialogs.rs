@@ -1,4 +1,4 @@
-//! Questions that have to be answered before the program goes on.
+//! Modal dialogs: unsaved changes, writing, report.
 
 use std::collections::BTreeSet;
 
@@ -252,7 +252,7 @@ pub fn internal_error(ui: &mut Ui, model: &mut Model) {
             ui.label("and is offered for recovery at the next start.");
             ui.add_space(2.0 * GRID);
             muted(ui, "Please report this:");
-            ui.add(egui::Label::new(RichText::new(&caught_panic.what).small()).wrap().selectable(true));
+            ui.add(egui::Label::new(RichText::new(&caught_panic.message).small()).wrap().selectable(true));
             ui.add_space(2.0 * GRID);
             ui.horizontal(|ui| {
                 if primary(ui, "Quit", true).clicked() {
@@ -262,7 +262,7 @@ pub fn internal_error(ui: &mut Ui, model: &mut Model) {
                     model.caught_panic = None;
                 }
                 if ui.button("Copy the message").clicked() {
-                    ui.ctx().copy_text(caught_panic.what.clone());
+                    ui.ctx().copy_text(caught_panic.message.clone());
                 }
             });
         });

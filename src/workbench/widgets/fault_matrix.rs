@@ -192,7 +192,7 @@ fn number(ui: &Ui, rect: Rect, value: f64, palette: &Palette) {
     );
 }
 
-/// What the tooltip says at a place.
+/// Text of the tooltip of a cell.
 fn words(table: &IsolabilityTable, places: &Places, place: Pos2) -> Option<String> {
     let [row, column] = places.at(place);
     match (row, column) {

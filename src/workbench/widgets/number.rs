@@ -13,7 +13,7 @@ pub enum Entered {
     Value(f64),
     /// Nothing, in a field that may be empty.
     Nothing,
-    /// Something else; one sentence says what was found and what was expected.
+    /// Invalid input, with a sentence on what was found and expected.
     Wrong(String),
 }
 
@@ -22,7 +22,7 @@ pub enum Entered {
 pub struct Number<'a> {
     /// Its accessible name.
     pub name: &'a str,
-    /// What it holds; nothing where it is empty.
+    /// `None` if the field is empty.
     pub value: Option<f64>,
     /// Decimals that are shown.
     pub decimals: usize,

@@ -22,7 +22,7 @@ pub fn parts<P: Copy + PartialEq, const N: usize>(
     ui.add_space(2.0 * GRID);
 }
 
-/// Draws a row; says whether it was clicked.
+/// Draws a row; returns whether it was clicked.
 fn row(ui: &mut Ui, title: &str, standing: &PhaseStatus, selected: bool) -> bool {
     let palette = theme::of(ui);
     let size = Vec2::new(ui.available_width(), 8.0 * GRID);

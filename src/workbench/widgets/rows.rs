@@ -13,14 +13,13 @@ pub const COLUMNS: usize = 3;
 /// A row: one number for each column, in SI units; what is missing is `None`.
 pub type Numbers = [Option<f64>; COLUMNS];
 
-/// A column.
 #[derive(Debug, Clone, Copy)]
 pub struct RowField {
-    /// What it holds, such as "Length".
+    /// Quantity of the column, such as "Length".
     pub title: &'static str,
     /// Unit that the operator reads and types.
     pub unit: &'static str,
-    /// This many of that unit are one SI unit.
+    /// Display units per SI unit.
     pub per_si: f64,
     /// Decimals that are shown.
     pub decimals: usize,

@@ -41,7 +41,7 @@ pub fn tab_row<T: Copy + PartialEq>(ui: &mut Ui, more: &str, tabs: &[TabOf<T>], 
     });
 }
 
-/// Draws a tab; says whether it was chosen.
+/// Draws a tab; returns whether it was chosen.
 fn one<T: Copy + PartialEq>(ui: &mut Ui, tab: &TabOf<T>, chosen: &mut T) -> bool {
     let button = Button::selectable(*chosen == tab.value, tab.title);
     let response = ui.add_enabled(tab.missing.is_none(), button);

@@ -205,7 +205,7 @@ impl Galleys {
         }
     }
 
-    /// Breaks the text of the cell into lines, so that all of it is so wide.
+    /// Wraps the text of the cell to the width.
     fn wrap(&mut self, ui: &Ui, cell: &Cell, width: f32) {
         let excess = self.width() - width;
         if excess > 0.0 {

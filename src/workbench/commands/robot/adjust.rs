@@ -184,7 +184,7 @@ fn conclude(model: &mut Model, outcome: Outcome, text: &str) {
     }
 }
 
-/// What the session's own simulated controller holds, to go on with it another time.
+/// Values of the session's simulated controller, kept for the next connection.
 fn held(model: &Model) -> Option<Vec<NamedValue>> {
     let parameters = &model.link.parameters;
     (model.is_true_to_session() && !parameters.is_empty()).then(|| adjusting::held(parameters))

@@ -104,7 +104,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
             session_id,
         } => {
             model.link.connecting = false;
-            // The connection dialog has done what it was opened for.
+            // The connection dialog has served its purpose.
             model.request(UiRequest::Connection(ConnectionRequest::Connected));
             model.messages.info(format!("Connected: {identity}."));
             model.link.identity = identity;
@@ -152,7 +152,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
     }
 }
 
-/// Something was not done; the connection dialog says so, too.
+/// Reports a failure, also in the connection dialog.
 fn refused(model: &mut Model, text: &str) {
     let text = full_sentence(text);
     if std::mem::take(&mut model.link.connecting) {
@@ -171,7 +171,7 @@ fn lost(model: &mut Model, why: &str) {
     model.messages.error(text);
 }
 
-/// The connection is there again: what the controller holds may be something else.
+/// After a reconnection the controller may have other values.
 fn regained(model: &mut Model, parameters: Vec<ParameterInfo>) {
     let before = &model.link.parameters;
     let is_other = |now: &&ParameterInfo| {

@@ -203,7 +203,7 @@ pub(super) fn retry_save(model: &mut Model) {
     }
 }
 
-/// Where the platform is, while something goes on and the views follow it.
+/// Present pose of the platform while the views follow it.
 pub(super) fn follow_platform(model: &mut Model) {
     if !model.link.is_connected() {
         return;

@@ -35,7 +35,6 @@ use super::edit::Edit;
 use super::messages::Severity;
 use super::plot_preparation::Preparation;
 
-/// What is to be done.
 #[derive(Debug, Clone)]
 pub enum Command {
     /// Opening, saving, closing.
@@ -66,11 +65,11 @@ pub enum Command {
     Study(StudyCommand),
     /// Asks the tasks of this title to end.
     CancelTask(&'static str),
-    /// Tells the operator something, such as what is wrong with what was typed.
+    /// Shows a message, such as an error in a field.
     Notify(Severity, String),
 }
 
-/// What a task came to.
+/// Result of a task.
 #[derive(Debug)]
 pub enum Outcome {
     /// Of a task with files.

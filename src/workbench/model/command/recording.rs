@@ -30,7 +30,7 @@ pub enum RecordingCommand {
     Remove(usize),
     /// Begins with a robot, for files that wait for one.
     UseRobot(Box<Robot>),
-    /// Takes a recipe; the text says what changed, and whether it goes on changing, as by a slider.
+    /// Takes a recipe; the text names the change; the flag is set while a slider is dragged.
     Change(Box<Recipe>, String, bool),
     /// Takes up a suggestion, by its index.
     Apply(usize),

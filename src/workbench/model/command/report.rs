@@ -16,18 +16,17 @@ pub enum ReportCommand {
     SetPath(PathBuf),
     /// Does not save.
     Cancel,
-    /// Saves at a place; the end of its name says in which format.
+    /// Saves to a path; its extension is the format.
     Save(PathBuf),
 }
 
 /// A report that is to be saved.
 #[derive(Debug, Clone)]
 pub struct ReportDraft {
-    /// How.
     pub format: ReportFormat,
-    /// Where, as it is typed.
+    /// Path as typed.
     pub path: String,
-    /// What of it is wanted, and its head.
+    /// Sections and heading of the report.
     pub choice: ReportChoice,
     /// Pulleys whose coordinates the picture of the robot shows.
     pub pinned: BTreeSet<usize>,

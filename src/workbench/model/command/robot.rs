@@ -15,10 +15,10 @@ pub const PLANNING: &str = "Planning poses";
 /// Title of the task that computes what to expect of a plan.
 pub const EXPECTING: &str = "Predicting the accuracy of the plan";
 
-/// Concerns the robot: what to measure, its controller, what is written to it.
+/// Plan, controller and writing.
 #[derive(Debug, Clone)]
 pub enum RobotCommand {
-    /// Chooses so many poses to measure.
+    /// Plans this number of poses.
     Plan(usize),
     /// Computes what to expect of the plan that there is.
     Expect,
@@ -44,9 +44,9 @@ pub enum RobotCommand {
     Arm,
     /// Forbids motion and writing.
     Disarm,
-    /// Shows readings while nothing goes on, or no longer.
+    /// Switches readings on or off while the controller is idle.
     Watch(bool),
-    /// Lets the time of a simulated robot run so many times faster than real.
+    /// Sets the time lapse of a simulated robot.
     Speed(f64),
     /// Measures the planned poses that are not measured yet.
     Start,
@@ -58,7 +58,7 @@ pub enum RobotCommand {
     Skip,
     /// Measures a pose again.
     Repeat(i64),
-    /// Ends whatever is going on and stops the platform.
+    /// Ends the current operation and stops the platform.
     Stop,
     /// Tries again to save a measured pose that could not be saved.
     RetrySave,
@@ -68,7 +68,7 @@ pub enum RobotCommand {
     TakeCheck(Stage),
     /// Keeps the name of the operator, who is responsible for what is written.
     SetOperator(String),
-    /// Reads what the controller holds.
+    /// Reads the controller's values.
     ReadBack,
     /// Asks whether the identified values are to be written to the controller, and who writes them.
     Write,
@@ -93,9 +93,9 @@ pub enum RobotCommand {
 pub struct WriteDraft {
     /// Number of values.
     pub values: usize,
-    /// Who writes them.
+    /// Operator who writes them.
     pub operator: String,
-    /// What speaks against it.
+    /// Reasons not to write.
     pub doubts: Vec<Doubt>,
 }
 

@@ -36,7 +36,7 @@ pub enum Setup {
 /// What came of it.
 #[derive(Debug)]
 pub enum SetupOutcome {
-    /// What the controller says of the symbols, or one sentence.
+    /// The symbols as the controller describes them, or one sentence.
     Checked(Result<Vec<SymbolCheck>, String>),
     /// Names of symbols were read, or one sentence.
     Imported(Result<Box<SymbolMapping>, String>),

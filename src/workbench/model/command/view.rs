@@ -27,7 +27,7 @@ pub enum ViewCommand {
     Scrub(i64),
     /// Plays the measured poses one after the other, or stops.
     Play(bool),
-    /// Draws the robot where it is while something goes on, or at the selected pose.
+    /// Switches between the present and the selected pose while the robot moves.
     Follow(bool),
     /// Dark, light or as the system has it.
     Theme(ThemePreference),

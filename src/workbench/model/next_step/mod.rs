@@ -25,9 +25,9 @@ pub const KEYS: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key
 pub struct NextStep {
     /// How far the phase is.
     pub progress: Progress,
-    /// What is done, or goes on, as a sentence.
+    /// State of the phase in a sentence.
     pub done: String,
-    /// Part of what goes on that is done, from 0 to 1.
+    /// Completed share of the current operation, from 0 to 1.
     pub share: Option<f32>,
     /// The one thing to do next, if there is one.
     pub action: Option<Action>,
@@ -38,7 +38,7 @@ pub struct NextStep {
 /// Something to do, with a button that does it.
 #[derive(Debug, Clone)]
 pub struct Action {
-    /// What the button says.
+    /// Text of the button.
     pub title: String,
     /// What it does.
     pub commands: Vec<Command>,
@@ -77,7 +77,7 @@ impl NextStep {
         }
     }
 
-    /// Something goes on, and there is nothing to do but to wait or to stop it.
+    /// An operation runs; the only action is to stop it.
     fn wait(text: impl Into<String>, share: Option<f32>, then: impl Into<String>) -> Self {
         Self {
             progress: Progress::InProgress,

@@ -1,4 +1,4 @@
-//! The panel of the phase Adjustment: what the controller holds and what was identified, writing, verifying.
+//! Panel of the phase Adjustment: controller values beside identified ones, writing, verifying.
 
 mod checks;
 mod record;

@@ -9,7 +9,7 @@ use crate::model::command::Outbox;
 use crate::model::command::RobotCommand;
 use crate::widgets::{Verdict, muted, section, value, verdict};
 
-/// Draws the button, or what it has revealed.
+/// Draws the button, or the revealed faults.
 pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let Some(open) = &model.open else {
         return;

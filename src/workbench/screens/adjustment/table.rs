@@ -1,4 +1,4 @@
-//! What the controller holds beside what was identified, by pulley and effect.
+//! Controller values beside identified ones, by pulley and effect.
 
 use egui::Ui;
 use tautline_core::robot::Cable;

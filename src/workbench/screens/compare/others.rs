@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, compared: &Compared) {
     fits(ui, compared);
 }
 
-/// The cell that says whether a difference is more than noise.
+/// Cell of the significance of a difference.
 fn verdict(ui: &Ui, compared: &Comparison, test: Option<Test>) -> Cell {
     let palette = theme::of(ui);
     match test {

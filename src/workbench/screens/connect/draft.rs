@@ -51,7 +51,7 @@ pub struct Draft {
     pub folder: String,
     /// Its speed.
     pub speed: String,
-    /// Place of a controller that speaks ADS.
+    /// Address of an ADS controller.
     pub host: String,
     /// Its TCP port.
     pub port: String,
@@ -61,7 +61,7 @@ pub struct Draft {
     pub ams_port: String,
     /// Timeout (s).
     pub timeout: String,
-    /// Address of a controller that speaks OPC UA.
+    /// Address of an OPC UA controller.
     pub url: String,
     /// Its timeout (s).
     pub url_timeout: String,
@@ -78,7 +78,7 @@ pub struct Draft {
 }
 
 impl Draft {
-    /// The settings of a session; of what it does not have, those that were used last.
+    /// The settings of a session, completed by those used last.
     #[must_use]
     pub fn of(session: &Session, session_id: u64, reached: &LastConnection) -> Self {
         let connection = &session.connection;
@@ -149,7 +149,7 @@ impl Draft {
         }
     }
 
-    /// Takes names of one's own.
+    /// Takes custom names.
     pub fn use_symbols(&mut self, mapping: &SymbolMapping, robot: &Robot) {
         *self.names_mut() = Names::of(Some(mapping), mapping, robot);
     }

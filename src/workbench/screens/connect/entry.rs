@@ -151,7 +151,7 @@ pub fn read(mapping: &SymbolMapping, need: Need) -> (String, Option<f64>) {
     }
 }
 
-/// Writes name and scale of a need into a mapping; the error says what is missing.
+/// Writes name and scale of a need into a mapping; the error names what is missing.
 pub fn write(
     mapping: &mut SymbolMapping,
     need: Need,

@@ -7,7 +7,7 @@ use tautline_session::{LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
 use super::draft::port;
 use super::field::{labelled, line};
 use super::problems::{Field, Problems};
-use super::test_line::{Heard, TestLine};
+use super::test_line::{LaserTest, TestLine};
 use crate::theme::GRID;
 use crate::widgets::{Verdict, choice, muted, section, verdict};
 
@@ -288,8 +288,8 @@ impl LaserDraft {
             return;
         }
         let Some(test) = &self.test else { return };
-        let Heard { line, understood } = test.heard();
-        match line {
+        let LaserTest { last_line, parsed } = test.result();
+        match last_line {
             Some(line) => {
                 labelled(ui, "Last line", &line);
             }
@@ -297,9 +297,9 @@ impl LaserDraft {
                 muted(ui, "Nothing has arrived yet.");
             }
         }
-        match understood {
+        match parsed {
             Some(Ok(distance_m)) => {
-                let text = format!("Understood: {:.2} mm.", distance_m * 1e3);
+                let text = format!("Distance: {:.2} mm.", distance_m * 1e3);
                 verdict(ui, Verdict::Good, &text);
             }
             Some(Err(why)) => {

@@ -251,10 +251,15 @@ fn symbols(
     let robot = &present.robot;
     let kind = draft.kind;
     let names = draft.names_mut();
-    let was_own = names.own;
-    choice(ui, &mut names.own, false, "Names of the sample program");
-    choice(ui, &mut names.own, true, "Custom names");
-    if was_own && !names.own {
+    let was_custom = names.is_custom;
+    choice(
+        ui,
+        &mut names.is_custom,
+        false,
+        "Names of the sample program",
+    );
+    choice(ui, &mut names.is_custom, true, "Custom names");
+    if was_custom && !names.is_custom {
         names.rows = SymbolRows::of(&default_names(kind, robot), robot);
     }
     let mut unused = Problems::default();
@@ -297,7 +302,7 @@ fn symbols(
         );
     }
     let names = draft.names_mut();
-    names.rows.show(ui, names.own, problems);
+    names.rows.show(ui, names.is_custom, problems);
 }
 
 /// Why it cannot connect, and its buttons; whether it stays open.

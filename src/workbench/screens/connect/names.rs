@@ -6,32 +6,29 @@ use tautline_session::{ControllerKind, SymbolMapping};
 use super::problems::Problems;
 use super::symbols::SymbolRows;
 
-/// Names of symbols.
 #[derive(Debug)]
 pub struct Names {
-    /// Whether they are one's own.
-    pub own: bool,
-    /// The names.
+    /// Chosen by the operator instead of the defaults of the controller.
+    pub is_custom: bool,
     pub rows: SymbolRows,
 }
 
 impl Names {
-    /// Those of one's own, or else the usual ones.
+    /// The custom names, or else the defaults.
     #[must_use]
-    pub fn of(own: Option<&SymbolMapping>, default: &SymbolMapping, robot: &Robot) -> Self {
+    pub fn of(custom: Option<&SymbolMapping>, default: &SymbolMapping, robot: &Robot) -> Self {
         Self {
-            own: own.is_some(),
-            rows: SymbolRows::of(own.unwrap_or(default), robot),
+            is_custom: custom.is_some(),
+            rows: SymbolRows::of(custom.unwrap_or(default), robot),
         }
     }
 
-    /// The mapping; `None` where it is the usual one or wrong.
+    /// The mapping; `None` if it is the default or invalid.
     pub fn mapping(&self, robot: &Robot, problems: &mut Problems) -> Option<SymbolMapping> {
-        self.own.then(|| self.rows.mapping(robot, problems))?
+        self.is_custom.then(|| self.rows.mapping(robot, problems))?
     }
 }
 
-/// The usual names of a kind of controller.
 pub fn default_names(kind: ControllerKind, robot: &Robot) -> SymbolMapping {
     match kind {
         ControllerKind::OpcUa => SymbolMapping::default_nodes_for(robot),

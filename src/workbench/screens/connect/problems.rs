@@ -17,7 +17,7 @@ pub enum Field {
     AmsPort,
     /// Timeout.
     Timeout,
-    /// Address of a controller that speaks OPC UA.
+    /// Address of an OPC UA controller.
     Url,
     /// Its timeout.
     UrlTimeout,

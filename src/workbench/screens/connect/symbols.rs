@@ -26,7 +26,7 @@ struct Row {
     scale: String,
 }
 
-/// All rows, and what the controller says of them.
+/// All rows with the answers of the controller.
 #[derive(Debug, Clone)]
 pub struct SymbolRows {
     rows: Vec<Row>,
@@ -34,7 +34,7 @@ pub struct SymbolRows {
     base: SymbolMapping,
     /// Names of the cables.
     cables: Vec<String>,
-    /// What the controller says, or why it could not be asked.
+    /// Answer of the controller, or the reason why there is none.
     pub checked: Option<Result<Vec<SymbolCheck>, String>>,
 }
 
@@ -130,7 +130,7 @@ impl SymbolRows {
         all
     }
 
-    /// What the controller says of a row: the worst of its symbols.
+    /// Answer of the controller for a row: the worst of its symbols.
     fn found(&self, row: &Row) -> Option<&SymbolCheck> {
         let Some(Ok(checks)) = &self.checked else {
             return None;
@@ -142,7 +142,7 @@ impl SymbolRows {
         wrong.or(first)
     }
 
-    /// What the controller says in one sentence, once it was asked.
+    /// Answer of the controller in one sentence, if it was asked.
     #[must_use]
     pub fn summary(&self) -> Option<(Verdict, String)> {
         let checks = match self.checked.as_ref()? {
@@ -209,7 +209,7 @@ impl SymbolRows {
 }
 
 impl Row {
-    /// Symbol, scale and unit; in a window without columns the scale says what it is.
+    /// Symbol, scale and unit; in a window without columns the scale has a label.
     fn fields(&mut self, ui: &mut Ui, own: bool, is_titled: bool) {
         let name = format!("Symbol: {}", self.title);
         edit(ui, own, &name, &mut self.symbol, 208.0);
@@ -225,7 +225,7 @@ impl Row {
         muted(ui, &self.unit);
     }
 
-    /// What the controller says of it, or what is wrong with it.
+    /// Answer of the controller, or the error of the row.
     fn judged(&self, ui: &mut Ui, found: Option<&SymbolCheck>, problem: Option<&str>) {
         let found = found.map(|check| (check, self.symbol != check.name));
         state(ui, found, problem);
@@ -247,7 +247,7 @@ fn edit(ui: &mut Ui, enabled: bool, name: &str, text: &mut String, width: f32) {
     });
 }
 
-/// What is wrong with a row, or what the controller says of it, by name where it stands for several symbols.
+/// Error of a row or answer of the controller, by name if the row stands for several symbols.
 fn state(ui: &mut Ui, found: Option<(&SymbolCheck, bool)>, problem: Option<&str>) {
     let palette = theme::of(ui);
     let (icon, colour, text) = match (problem, found) {

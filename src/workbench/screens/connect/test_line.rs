@@ -1,4 +1,4 @@
-//! A laser that is tried: a thread of its own connects and listens until it is not wanted any more.
+//! Test of a laser: a thread connects and reads lines until the test is dropped.
 
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,52 +9,48 @@ use tautline_link::laser::LineLaser;
 use tautline_link::{LaserSource, SystemClock};
 use tautline_session::LineLaserSettings;
 
-/// Between two looks at what arrived.
-const LOOK: Duration = Duration::from_millis(150);
+/// Interval between two readings.
+const INTERVAL: Duration = Duration::from_millis(150);
 
-/// What arrived, and what is understood of it.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Heard {
-    /// The last line as it came.
-    pub line: Option<String>,
-    /// The distance (m), or why there is none.
-    pub understood: Option<Result<f64, String>>,
+pub struct LaserTest {
+    pub last_line: Option<String>,
+    /// The distance (m), or the reason why there is none.
+    pub parsed: Option<Result<f64, String>>,
 }
 
-/// A laser that is tried; it ends with this.
+/// Thread that tests a laser; dropping it ends the test.
 #[derive(Debug)]
 pub struct TestLine {
-    /// What it is tried with.
     pub settings: LineLaserSettings,
-    heard: Arc<Mutex<Heard>>,
+    result: Arc<Mutex<LaserTest>>,
     running: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl TestLine {
-    /// Begins to listen; `context` is woken by what is new.
+    /// Starts the test; `context` is repainted when the result changes.
     #[must_use]
     pub fn start(settings: LineLaserSettings, context: egui::Context) -> Self {
-        let heard = Arc::<Mutex<Heard>>::default();
+        let shared = Arc::<Mutex<LaserTest>>::default();
         let (end, ends) = mpsc::channel();
-        let (laser, shared) = (settings.clone(), Arc::clone(&heard));
+        let (laser, result) = (settings.clone(), Arc::clone(&shared));
         let thread = thread::Builder::new().name("laser test".into());
-        let started = thread.spawn(move || listen(laser, &shared, &ends, &context));
+        let started = thread.spawn(move || listen(laser, &result, &ends, &context));
         if let Err(error) = &started {
-            tell(&heard, |heard| {
-                heard.understood = Some(Err(error.to_string()));
+            update(&shared, |result| {
+                result.parsed = Some(Err(error.to_string()));
             });
         }
         Self {
             settings,
-            heard,
+            result: shared,
             running: started.ok().map(|thread| (end, thread)),
         }
     }
 
-    /// What arrived last.
     #[must_use]
-    pub fn heard(&self) -> Heard {
-        self.heard
+    pub fn result(&self) -> LaserTest {
+        self.result
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .clone()
@@ -72,34 +68,34 @@ impl Drop for TestLine {
     }
 }
 
-/// Changes what is told; whether that is new.
-fn tell(heard: &Mutex<Heard>, change: impl FnOnce(&mut Heard)) -> bool {
-    let mut heard = heard.lock().unwrap_or_else(PoisonError::into_inner);
-    let before = heard.clone();
-    change(&mut heard);
-    *heard != before
+/// Updates the shared result; returns whether it changed.
+fn update(result: &Mutex<LaserTest>, change: impl FnOnce(&mut LaserTest)) -> bool {
+    let mut result = result.lock().unwrap_or_else(PoisonError::into_inner);
+    let before = result.clone();
+    change(&mut result);
+    *result != before
 }
 
 fn listen(
     settings: LineLaserSettings,
-    heard: &Mutex<Heard>,
+    result: &Mutex<LaserTest>,
     ends: &Receiver<()>,
     context: &egui::Context,
 ) {
     let mut laser = LineLaser::new(settings, Arc::new(SystemClock::start()));
     loop {
-        let understood = match laser.connect() {
+        let parsed = match laser.connect() {
             Err(error) => Some(Err(error.to_string())),
             Ok(()) => match laser.distance_m() {
                 Some(distance_m) => Some(Ok(distance_m)),
                 None => laser.problem().map(Err),
             },
         };
-        let line = laser.line();
-        if tell(heard, |heard| *heard = Heard { line, understood }) {
+        let last_line = laser.line();
+        if update(result, |result| *result = LaserTest { last_line, parsed }) {
             context.request_repaint();
         }
-        if ends.recv_timeout(LOOK) != Err(RecvTimeoutError::Timeout) {
+        if ends.recv_timeout(INTERVAL) != Err(RecvTimeoutError::Timeout) {
             return;
         }
     }
@@ -115,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_arrives_is_told_as_it_came_and_as_it_is_understood() {
+    fn the_result_has_the_last_line_and_its_distance() {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let port = listener.local_addr().expect("an address").port();
         let server = thread::spawn(move || {
@@ -127,14 +123,14 @@ mod tests {
         let host = "127.0.0.1".to_owned();
         let settings = LineLaserSettings::new(LaserPort::Tcp { host, port });
         let test = TestLine::start(settings, egui::Context::default());
-        let expected = Heard {
-            line: Some("D: 512.5 mm".into()),
-            understood: Some(Ok(0.5125)),
+        let expected = LaserTest {
+            last_line: Some("D: 512.5 mm".into()),
+            parsed: Some(Ok(0.5125)),
         };
         let mut looks = 0;
-        while test.heard() != expected {
+        while test.result() != expected {
             looks += 1;
-            assert!(looks < 1500, "{:?}", test.heard());
+            assert!(looks < 1500, "{:?}", test.result());
             thread::sleep(Duration::from_millis(20));
         }
         drop(test);
