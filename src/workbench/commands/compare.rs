@@ -124,6 +124,7 @@ impl Job {
         });
         Ok(Arc::new(Run {
             fit: Arc::new(fit.map_err(named)?),
+            measured: session.measured(),
             name: session.name,
             source,
             inputs,
