@@ -112,8 +112,9 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
     let input = ReportInput {
         session: &session,
         fit: fit.as_ref(),
-        diagnosis: diagnosis.as_ref(),
         outdated: false,
+        diagnosis: diagnosis.as_ref(),
+        diagnosis_outdated: false,
         picture: picture.as_deref().ok(),
         choice: &arguments.choice(),
         now: clock::now(),

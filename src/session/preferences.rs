@@ -9,7 +9,7 @@ use tautline_core::robot::FieldError;
 use crate::error::{Loaded, WriteError, below, fail};
 use crate::json::{Migration, VersionedFile, read_versioned, write_versioned};
 use crate::plots::Plots;
-use crate::session::{AdsPlace, LaserSettings, OpcUaPlace, Timestamp};
+use crate::session::{AdsPlace, LaserSettings, OpcUaPlace, Session, Timestamp};
 
 /// Largest number of recent sessions.
 const MAX_RECENT: usize = 12;
@@ -107,9 +107,27 @@ pub struct RecentSession {
     pub name: String,
     /// Time when it was last open.
     pub when: Timestamp,
+    /// Name of its robot; absent in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
+    /// Time of its last measurement, if it had any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured: Option<Timestamp>,
 }
 
 impl RecentSession {
+    /// The entry of a session; `None` if its path is not valid Unicode.
+    #[must_use]
+    pub fn of(path: &Path, session: &Session, when: Timestamp) -> Option<Self> {
+        Some(Self {
+            path: absolute(path)?,
+            name: session.name.clone(),
+            when,
+            robot: Some(session.robot.name.clone()),
+            measured: session.measured(),
+        })
+    }
+
     /// Its file.
     #[must_use]
     pub fn path(&self) -> &Path {
@@ -217,14 +235,11 @@ impl Preferences {
         &self.recent
     }
 
-    /// Adds a session as the latest. A path that is not valid Unicode is not stored.
-    pub fn remember(&mut self, path: &Path, name: &str, when: Timestamp) {
-        self.forget(path);
-        if let Some(path) = absolute(path) {
-            let name = name.into();
-            self.recent.insert(0, RecentSession { path, name, when });
-            self.recent.truncate(MAX_RECENT);
-        }
+    /// Adds a session as the latest.
+    pub fn remember(&mut self, recent: RecentSession) {
+        self.recent.retain(|other| other.path != recent.path);
+        self.recent.insert(0, recent);
+        self.recent.truncate(MAX_RECENT);
     }
 
     /// Removes a session from the recent ones.
@@ -244,6 +259,7 @@ fn absolute(path: &Path) -> Option<String> {
 mod tests {
     use super::*;
     use crate::plots::{PlotArea, PlotShare};
+    use crate::session::tests::session;
 
     fn tabs(plots: &[&str]) -> PlotArea {
         PlotArea::Tabs {
@@ -254,6 +270,10 @@ mod tests {
 
     fn at(seconds: i64) -> Timestamp {
         Timestamp::from_unix_seconds(seconds)
+    }
+
+    fn entry(path: &Path, seconds: i64) -> RecentSession {
+        RecentSession::of(path, &session(), at(seconds)).expect("a path of letters")
     }
 
     #[test]
@@ -284,7 +304,7 @@ mod tests {
             operator: "B. Smith".into(),
             ..Preferences::default()
         };
-        preferences.remember(&folder.path().join("a.json"), "Monday", at(1));
+        preferences.remember(entry(&folder.path().join("a.json"), 1));
         preferences.save(&path).expect("written");
         let loaded = Preferences::load(&path);
         assert_eq!((loaded.value, loaded.notices), (preferences, Vec::new()));
@@ -335,14 +355,16 @@ mod tests {
     }
 
     #[test]
-    fn the_former_key_of_the_last_connection_is_read() {
+    fn a_file_of_an_earlier_version_is_read() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("preferences.json");
         let text = r#"{"format": "tautline-preferences", "version": 1,
-            "reached": {"place": {"host": "plc", "net_id": [5, 23, 9, 1, 1, 1]}}}"#;
+            "reached": {"place": {"host": "plc", "net_id": [5, 23, 9, 1, 1, 1]}},
+            "recent": [{"path": "/a.json", "name": "Monday", "when": "2018-07-23T09:05:00Z"}]}"#;
         std::fs::write(&path, text).expect("written");
         let loaded = Preferences::load(&path);
         assert_eq!(loaded.notices, Vec::<String>::new());
+        assert_eq!(loaded.value.recent()[0].robot, None);
         let place = loaded.value.last_connection.place.expect("a place");
         assert_eq!(place.host, "plc");
     }
@@ -366,11 +388,13 @@ mod tests {
         let path = |k: usize| folder.path().join(format!("{k}.json"));
         let mut preferences = Preferences::default();
         for k in 0..20 {
-            preferences.remember(&path(k), "x", at(k as i64));
+            preferences.remember(entry(&path(k), k as i64));
         }
-        preferences.remember(&path(15), "again", at(30));
+        preferences.remember(entry(&path(15), 30));
         std::fs::write(path(15), "").expect("written");
         let recent = preferences.recent();
+        assert_eq!(recent[0].robot.as_deref(), Some("two"));
+        assert_eq!(recent[0].measured, session().measured());
         assert_eq!(recent.len(), MAX_RECENT);
         assert_eq!(
             (recent[0].path(), recent[0].when),

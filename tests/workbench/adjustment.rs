@@ -138,4 +138,16 @@ fn writing_identified_values_improves_the_accuracy() {
             .expect("it is there");
         assert!((now.value - change.before).abs() < 1e-9, "{}", change.name);
     }
+    // Without a connection the table has the values that the session recorded.
+    bench.give(RobotCommand::Disconnect);
+    bench.wait("no controller", |state| !state.model.link.is_connected());
+    let differences = bench.state().model.differences();
+    for change in &written.changes {
+        let mut lines = differences.iter();
+        let line = lines.find(|line| line.name == change.name);
+        let recorded = line
+            .and_then(|line| line.controller)
+            .expect("it is recorded");
+        assert!((recorded - change.before).abs() < 1e-9, "{}", change.name);
+    }
 }

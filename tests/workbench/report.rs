@@ -3,7 +3,12 @@
 use egui::Role;
 use egui_kittest::kittest::Queryable;
 
-use crate::measured::{Measured, press};
+use tautline_core::effect::EffectSetting;
+use tautline_workbench::model::command::{IdentificationCommand, ReportCommand};
+use tautline_workbench::model::edit::Edit;
+use tautline_workflow::report::ReportFormat;
+
+use crate::measured::{Measured, give, press};
 use crate::support::type_into;
 
 #[test]
@@ -24,4 +29,34 @@ fn both_entries_of_the_menu_save_at_a_typed_path() {
         assert_eq!(shown, start.to_lowercase());
         assert!(harness.query_by_label("Save report").is_none(), "closed");
     }
+}
+
+/// A fault is found, added to the model and identified: the report leads with that model, and the dialog offers a diagnosis
+/// of it.
+#[test]
+fn the_dialog_brings_up_to_date_what_the_report_would_say_of_an_earlier_model() {
+    let measured = Measured::mini(25, &[("winch_scale", "cable-3", &[("scale", 0.02)])]);
+    let mut harness = measured.opened();
+    give(&mut harness, IdentificationCommand::Identify);
+    give(&mut harness, IdentificationCommand::Diagnose);
+    let scale = EffectSetting {
+        effect: "winch_scale".into(),
+        targets: vec!["cable-3".into()],
+        parameters: [("scale".into(), 0.0)].into(),
+    };
+    give(&mut harness, Edit::AddEffects(vec![scale], "add it".into()));
+    give(&mut harness, ReportCommand::AskSave(ReportFormat::Html));
+    let earlier = "The last diagnosis is of an earlier model or earlier data.";
+    harness.get_by_label(earlier);
+    let path = measured.beside("earlier.html");
+    give(&mut harness, ReportCommand::Save(path.clone()));
+    let html = std::fs::read_to_string(path).expect("the report");
+    assert!(html.contains("the model explains the readings of 26 poses."));
+    assert!(!html.contains("NOT explain"));
+    assert!(html.contains("Found by the diagnosis of "));
+
+    give(&mut harness, ReportCommand::AskSave(ReportFormat::Html));
+    press(&mut harness, "Diagnose now");
+    assert!(harness.query_by_label(earlier).is_none(), "up to date");
+    harness.get_by_label("Save report");
 }

@@ -2,7 +2,11 @@
 
 use egui::{Key, Role};
 use egui_kittest::kittest::Queryable;
-use tautline_workbench::model::command::ViewCommand;
+use tautline_core::robot::presets;
+use tautline_core::simulation::{SimulationOptions, simulate};
+use tautline_session::{Session, Timestamp, write_session};
+use tautline_validation::harness::words;
+use tautline_workbench::model::command::{FileCommand, ViewCommand};
 use tautline_workbench::model::messages::Severity;
 use tautline_workbench::model::phase::Screen;
 use tautline_workflow::samples;
@@ -60,4 +64,34 @@ fn sample_sessions_stand_below_their_heading() {
             "{column:?}"
         );
     }
+}
+
+#[test]
+fn sessions_of_one_robot_are_told_apart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let robot = presets::find("mini").expect("a preset").robot;
+    let mut harness = workbench();
+    for (day, name) in ["one.json", "two.json", "three.json"].iter().enumerate() {
+        let time = Timestamp::from_unix_seconds(1_532_336_700 + 86_400 * day as i64);
+        let mut session = Session::new("MINI", robot.clone(), time);
+        let data = simulate(&robot, &SimulationOptions::new(3, 1)).expect("measurements");
+        session.measurements = data.dataset.measurements;
+        let path = folder.path().join(name);
+        write_session(&path, &session).expect("written");
+        give(&mut harness, FileCommand::Open(path));
+        give(&mut harness, FileCommand::Close);
+    }
+    let said = words(&harness);
+    let facts = ["one.json", "two.json", "three.json"].map(|name| {
+        let mut lines = said.iter();
+        let line = lines.find(|line| line.ends_with(&format!(", mini, {name}")));
+        let line = line.unwrap_or_else(|| panic!("no {name} in {said:?}"));
+        line.split(", ").next().map(str::to_owned)
+    });
+    assert!(facts[0] != facts[1] && facts[1] != facts[2], "{facts:?}");
+    assert!(
+        facts[0]
+            .iter()
+            .all(|date| date.starts_with("measured 2018-07-"))
+    );
 }

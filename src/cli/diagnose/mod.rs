@@ -8,13 +8,14 @@ use std::sync::Arc;
 
 use crate::BadInput;
 use anyhow::Result;
-use tautline_core::diagnosis::DiagnosisOptions;
-use tautline_core::estimation::EstimationError;
+use tautline_core::estimation::{Control, EstimationError};
 use tautline_core::measurement::Dataset;
-use tautline_session::write_robot;
-use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
+use tautline_session::{Session, write_robot};
+use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
 use tautline_workflow::documents::diagnosis::Diagnosed;
-use tautline_workflow::identification::{extrapolation, identified};
+use tautline_workflow::identification::{
+    IdentificationError, extrapolation, identified, identify_session,
+};
 
 use crate::input;
 use crate::output::{JsonOutput, line};
@@ -22,12 +23,12 @@ use progress::ProgressLine;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Dataset folder
-    #[arg(value_name = "DATASET")]
-    dataset: PathBuf,
-    /// Probability of a false finding if the model is right
-    #[arg(long, value_name = "PROBABILITY", default_value_t = DiagnosisOptions::default().alpha)]
-    alpha: f64,
+    /// Session file or dataset folder
+    #[arg(value_name = "SESSION|DATASET")]
+    subject: PathBuf,
+    /// Probability of a false finding if the model is right; by default that of the session
+    #[arg(long, value_name = "PROBABILITY")]
+    alpha: Option<f64>,
     /// Time after which it ends with the best answer so far
     #[arg(long, value_name = "SECONDS", default_value_t = TIME_LIMIT_S)]
     time_limit: f64,
@@ -42,8 +43,9 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let alpha = arguments.alpha;
-    if !(alpha > 0.0 && alpha < 0.5) {
+    if let Some(alpha) = arguments.alpha
+        && !(alpha > 0.0 && alpha < 0.5)
+    {
         let message = format!("--alpha: found {alpha}, expected a number above 0 and below 0.5");
         return Err(BadInput::new(message));
     }
@@ -53,14 +55,29 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             format!("--time-limit: found {limit_s}, expected a number of seconds above 0");
         return Err(BadInput::new(message));
     }
-    let dataset = Arc::new(input::dataset(&arguments.dataset)?);
-    let diagnosed = diagnose_with_progress(dataset, (alpha, limit_s))
-        .map_err(|error| BadInput::new(format!("{}: {error}", arguments.dataset.display())))?;
+    let session = input::session(&arguments.subject)?;
+    let place = arguments.subject.display();
+    let alpha = arguments.alpha.unwrap_or(session.settings.diagnosis.alpha);
+    let diagnosed = model_to_diagnose(&session)
+        .and_then(|dataset| Ok(diagnose_with_progress(Arc::new(dataset), (alpha, limit_s))?))
+        .map_err(|error| BadInput::new(format!("{place}: {error}")))?;
     // A model that does not fit the readings may well need extrapolation: what counts is the extended one.
     match extrapolation(&diagnosed.dataset, &diagnosed.diagnosis.extended_solution) {
         Some(place) => Err(BadInput::new(place)),
         None => deliver(arguments, &diagnosed),
     }
+}
+
+/// Robot and measurements of a session; effects that were added to its model are identified first.
+fn model_to_diagnose(session: &Session) -> Result<Dataset, IdentificationError> {
+    if session.measurements.is_empty() {
+        return Err(IdentificationError::NoPoses);
+    }
+    if session.settings.identification.effects.is_empty() {
+        return Ok(session.dataset());
+    }
+    let identified = identify_session(session, &mut |_| Control::Continue)?;
+    Ok(dataset_to_diagnose(session, &identified))
 }
 
 /// Diagnoses at a probability of a false alarm and within a time (s), with a line on the terminal that says how far it is.

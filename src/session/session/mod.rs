@@ -4,6 +4,7 @@ mod adjustment;
 mod basis;
 mod check;
 mod connection;
+mod controller_values;
 mod document;
 mod laser_settings;
 mod log;
@@ -255,6 +256,15 @@ impl Session {
         &self.verifications
     }
 
+    /// Time when its poses were last measured or imported, if it has any.
+    #[must_use]
+    pub fn measured(&self) -> Option<Timestamp> {
+        let mut steps = self.log.iter().rev();
+        let last = steps.find(|step| step.phase == Phase::Poses);
+        let is_measured = !self.measurements.is_empty();
+        is_measured.then(|| last.map_or(self.created, |step| step.time))
+    }
+
     /// Steps of the operator, the oldest first.
     #[must_use]
     pub fn log(&self) -> &[LogEntry] {
@@ -290,12 +300,28 @@ impl Session {
         self.verifications.push(verification);
     }
 
-    /// Records the acceptance of the robot on the result of its last verification, if there is one.
-    pub fn accept(&mut self, acceptance: Acceptance) {
-        if let Some(last) = self.verifications.last_mut() {
-            self.modified = self.modified.max(acceptance.time);
-            last.accepted = Some(acceptance);
+    /// Records the acceptance of the robot with the values that its controller holds, on the result of the last
+    /// verification after an adjustment, if there is one.
+    pub fn accept(&mut self, operator: impl Into<String>, now: Timestamp) {
+        let values = Some(self.controller_fingerprint());
+        let mut runs = self.verifications.iter_mut().rev();
+        if let Some(last) = runs.find(|run| run.stage == Stage::After) {
+            self.modified = self.modified.max(now);
+            last.accepted = Some(Acceptance {
+                time: now,
+                operator: operator.into(),
+                values,
+            });
         }
+    }
+
+    /// The acceptance of the robot on the result of a run; it ends when the controller gets other values.
+    #[must_use]
+    pub fn acceptance<'a>(&self, run: &'a Verification) -> Option<&'a Acceptance> {
+        let accepted = run.accepted.as_ref()?;
+        let values = accepted.values.as_ref();
+        let holds = values.is_none_or(|values| *values == self.controller_fingerprint());
+        holds.then_some(accepted)
     }
 
     /// Adds a step of the operator; the log never changes afterwards.

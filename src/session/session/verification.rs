@@ -39,4 +39,8 @@ pub struct Acceptance {
     pub time: Timestamp,
     /// Operator.
     pub operator: String,
+    /// Fingerprint of the values that the controller held ([`super::Session::controller_fingerprint`]); absent in files of
+    /// earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub values: Option<String>,
 }

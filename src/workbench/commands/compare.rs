@@ -122,6 +122,7 @@ impl Preparation {
         });
         Ok(Arc::new(Run {
             fit: Arc::new(fit.map_err(named)?),
+            measured: session.measured(),
             name: session.name,
             source,
             inputs,

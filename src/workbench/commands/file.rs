@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use egui::ViewportCommand;
 use tautline_session::{
-    Import, Loaded, LogEntry, Phase as LogPhase, Session, find_unsaved_sessions, link_target,
-    write_session,
+    Import, Loaded, LogEntry, Phase as LogPhase, RecentSession, Session, find_unsaved_sessions,
+    link_target, write_session,
 };
 
 use super::file_tasks::pick;
@@ -324,10 +324,9 @@ fn saved(
     }
     model.messages.info(format!("Saved {}.", path.display()));
     if let Some(open) = model.open.as_mut().filter(|open| open.id() == identity) {
-        let (name, when) = (open.session().name.clone(), clock::now());
         open.saved_as(path.clone(), revision);
         model.session_lock.written(identity, &path);
-        model.change_preferences(|preferences| preferences.remember(&path, &name, when));
+        remember(model, &path);
     }
     go_on(model);
 }
@@ -379,18 +378,18 @@ fn open(model: &mut Model, opening: Opening) {
         is_recovered,
         is_new,
     } = opening;
-    let (name, first) = (session.name.clone(), first_phase(&session));
-    model.messages.info(format!("Opened {name}."));
-    if let Some(path) = &path {
-        let when = clock::now();
-        model.change_preferences(|preferences| preferences.remember(path, &name, when));
-    }
+    let first = first_phase(&session);
+    model.messages.info(format!("Opened {}.", session.name));
+    let file = path.clone();
     let open = if is_recovered {
         OpenSession::recovered
     } else {
         OpenSession::new
     };
     model.open = Some(open(session, path));
+    if let Some(path) = file {
+        remember(model, &path);
+    }
     model.selection = Default::default();
     model.inspected = None;
     model.screen = Screen::Phase(if is_new && first == Phase::Precalibration {
@@ -406,6 +405,15 @@ fn open(model: &mut Model, opening: Opening) {
     }
     super::identification::reopened(model);
     recording::opened(model);
+}
+
+/// Puts the open session at the top of the recent ones.
+fn remember(model: &mut Model, path: &Path) {
+    let open = model.open.as_ref();
+    let recent = open.and_then(|open| RecentSession::of(path, open.session(), clock::now()));
+    if let Some(recent) = recent {
+        model.change_preferences(|preferences| preferences.remember(recent));
+    }
 }
 
 /// Where to go on: at a measuring run that was interrupted, with what was measured, or at the beginning.

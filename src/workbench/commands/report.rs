@@ -128,8 +128,9 @@ fn save(model: &mut Model, path: PathBuf, choice: ReportChoice, pinned: BTreeSet
     let session = open.session().clone();
     let fit = open.fit().map(Arc::clone);
     let diagnosis = open.diagnosis().map(Arc::clone);
-    let is_current = (fit.is_none() || open.fit_is_current())
-        && (diagnosis.is_none() || open.diagnosis_is_current());
+    let outdated = fit.is_some() && !open.fit_is_current();
+    // What is not in memory is computed from the present data.
+    let diagnosis_outdated = diagnosis.is_some() && (outdated || !open.is_diagnosed());
     let report_picture = model.report_picture;
     write(model, "Writing the report", path, move |path| {
         let (fit, diagnosis) = completed(&session, (fit, diagnosis));
@@ -137,8 +138,9 @@ fn save(model: &mut Model, path: PathBuf, choice: ReportChoice, pinned: BTreeSet
         let input = ReportInput {
             session: &session,
             fit: fit.as_deref(),
+            outdated,
             diagnosis: diagnosis.as_deref(),
-            outdated: !is_current,
+            diagnosis_outdated,
             picture: picture.as_deref().ok(),
             choice: &choice,
             now: clock::now(),

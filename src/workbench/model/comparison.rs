@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use tautline_core::comparison::Comparison;
+use tautline_session::Timestamp;
 
 use tautline_workflow::comparison::{LEVEL, compare_identifications};
 use tautline_workflow::identification::Identification;
@@ -45,6 +46,8 @@ pub enum Source {
 pub struct Run {
     /// Its name.
     pub name: String,
+    /// Time of its last measurement.
+    pub measured: Option<Timestamp>,
     /// Where it comes from.
     pub source: Source,
     /// Its identification.

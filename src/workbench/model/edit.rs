@@ -4,12 +4,13 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use tautline_core::effect::{EffectSetting, find};
+use tautline_core::effect::EffectSetting;
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 use tautline_session::{
     Connection, LaserSettings, Method, PhaseData, PlannedPose, Session, Settings,
 };
+pub use tautline_workflow::identification::same_effect;
 
 /// One change of what the operator edits.
 #[derive(Debug, Clone)]
@@ -38,17 +39,6 @@ pub enum Edit {
     SetPhases(Box<PhaseData>, String),
     /// Takes poses of a foreign file into a session without poses; the text says which file, for the undo menu.
     Import(Arc<Measurements>, String),
-}
-
-/// Whether two settings are of the same effect on the same cables at the same pose, whatever its size.
-#[must_use]
-pub fn same_effect(one: &EffectSetting, other: &EffectSetting) -> bool {
-    let pose = |setting: &EffectSetting| {
-        let effect = find(&setting.effect)?;
-        let name = effect.parameters()[effect.pose_parameter()?].name;
-        setting.parameters.get(name).copied()
-    };
-    one.effect == other.effect && one.targets == other.targets && pose(one) == pose(other)
 }
 
 impl Edit {

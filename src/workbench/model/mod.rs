@@ -15,6 +15,7 @@ mod memory;
 pub mod messages;
 pub mod next_step;
 pub mod open_session;
+mod out_of_date;
 pub mod part;
 pub mod phase;
 pub mod phase_status;
@@ -31,6 +32,7 @@ use tautline_session::{Adjustment, Folders, Preferences, Session, UnsavedSession
 
 pub use memo::Memo;
 pub use open_session::OpenSession;
+pub(crate) use out_of_date::out_of_date;
 pub use request::{ConnectionRequest, UiRequest};
 pub use tautline_workflow::plot::Selection;
 
@@ -235,14 +237,18 @@ impl Model {
         }
     }
 
-    /// Controller values beside identified ones; empty without a current identification.
+    /// Values in the controller, or those that the session recorded while it is not connected, beside the identified ones;
+    /// empty without an identification that is up to date.
     #[must_use]
     pub fn differences(&self) -> Vec<Difference> {
         let open = self.open.as_ref().filter(|open| open.fit_is_current());
-        let fit = open.and_then(OpenSession::fit);
-        fit.map_or_else(Vec::new, |fit| {
-            plan_adjustment(&self.link.parameters, &fit.model, Some(&fit.solution))
-        })
+        let Some((open, fit)) = open.and_then(|open| Some((open, open.fit()?))) else {
+            return Vec::new();
+        };
+        match self.link.is_connected() {
+            true => plan_adjustment(&self.link.parameters, &fit.model, Some(&fit.solution)),
+            false => adjusting::recorded_differences(open.session(), fit),
+        }
     }
 
     /// Why nothing may move and nothing else may be written, if so: one sentence.

@@ -341,6 +341,14 @@ impl OpenSession {
             .is_some_and(|computed| computed.inputs == self.inputs)
     }
 
+    /// Whether the last diagnosis is of the model and the data of the last identification.
+    pub(crate) fn is_diagnosed(&self) -> bool {
+        let (Some(diagnosed), Some(fit)) = (self.diagnosis(), self.fit()) else {
+            return false;
+        };
+        self.diagnosis_is_current() && diagnosed.has_effects_of(fit)
+    }
+
     /// Whether the last diagnosis is of the present inputs.
     #[must_use]
     pub fn diagnosis_is_current(&self) -> bool {

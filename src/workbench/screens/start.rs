@@ -12,6 +12,7 @@ use crate::widgets::{icon_button, icon_only, muted, page, primary, section};
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::templates::Template;
 use tautline_workflow::wording::local_time::date_and_time;
+use tautline_workflow::wording::recent_facts;
 
 /// What the start screen remembers.
 #[derive(Debug, Default)]
@@ -177,10 +178,11 @@ fn recent(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     section(ui, "Recent sessions");
     for recent in model.preferences.recent() {
         let there = recent.exists();
+        let facts = recent_facts(recent);
         let hint = if there {
-            date_and_time(recent.when)
+            facts
         } else {
-            "the file no longer exists".into()
+            format!("{facts}: the file no longer exists")
         };
         ui.horizontal(|ui| {
             if link(ui, &recent.name, there) {

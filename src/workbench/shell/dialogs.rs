@@ -6,11 +6,12 @@ use egui::{Grid, Id, Modal, RichText, Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
 use super::State;
-use crate::model::Model;
 use crate::model::command::{
-    Answer, FileCommand, ReportCommand, ReportDraft, RobotCommand, WriteDraft,
+    Answer, DIAGNOSING, FileCommand, IDENTIFYING, Outbox, ReportCommand, ReportDraft, RobotCommand,
+    WriteDraft,
 };
 use crate::model::phase::Screen;
+use crate::model::{self, Model};
 use crate::theme::{self, GRID};
 use crate::widgets::{
     Entered, Number, Verdict, checkbox, heading, icon_button, muted, number, primary, section,
@@ -39,6 +40,9 @@ fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
     let modal = Modal::new(Id::unique("save report")).show(ui.ctx(), |ui| {
         ui.set_width(520.0_f32.min(ui.ctx().content_rect().width() - 12.0 * GRID));
         heading(ui, &format!("Save the report as {}", format.title()));
+        if state.model.screen != Screen::Compare {
+            out_of_date(ui, &state.model, &mut state.outbox);
+        }
         ui.horizontal(|ui| {
             let width = ui.available_width() - 120.0;
             let field = ui.add(TextEdit::singleline(&mut draft.path).desired_width(width));
@@ -77,6 +81,26 @@ fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
         false => BTreeSet::new(),
     };
     state.model.dialogs.report = Some(draft);
+}
+
+/// What is out of date, with buttons that compute it again.
+fn out_of_date(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    let mut computing = [IDENTIFYING, DIAGNOSING].into_iter();
+    if let Some(title) = computing.find(|title| model.tasks.runs(title)) {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            ui.label(format!("{title}…"));
+        });
+        return;
+    }
+    for part in model::out_of_date(model) {
+        verdict(ui, Verdict::Doubtful, part.sentence);
+        if let Some((name, command)) = part.remedy
+            && ui.button(name).clicked()
+        {
+            outbox.send(command);
+        }
+    }
 }
 
 /// The heading of a report.

@@ -5,6 +5,7 @@
 //! same old and new values.
 
 mod doubts;
+mod record;
 
 use tautline_link::ParameterInfo;
 use tautline_link::adjusting::{self, ControllerValues, Difference};
@@ -12,6 +13,7 @@ use tautline_session::{Adjustment, NamedValue, Outcome, Session, Stage, Timestam
 
 use crate::wording::count;
 pub use doubts::{Doubt, DoubtKind, doubts, finding, implausible, unanswered};
+pub use record::{Written, recorded_differences, verified_before_last_write, written};
 
 /// Purpose of writing values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,6 +4,7 @@
 
 mod adequacy;
 mod document;
+mod effects;
 mod model;
 mod pose_context;
 mod published;
@@ -28,6 +29,7 @@ use tautline_session::Session;
 
 pub use adequacy::FitVerdict;
 pub use document::{FittedEffect, FittedPose, IdentificationDocument, Rms};
+pub use effects::{effect_sizes, effects_title, same_effect};
 pub use model::{entry_point_sd, identified};
 pub use published::{PublishedIdentification, PublishedIdentificationError, identify_published};
 pub use pulley::{

@@ -1,11 +1,12 @@
 //! Input of reports.
 
 use tautline_core::comparison::Comparison;
+use tautline_core::effect::EffectSetting;
 use tautline_session::{Session, Timestamp};
 
 use super::choice::ReportChoice;
 use crate::documents::diagnosis::Diagnosed;
-use crate::identification::Identification;
+use crate::identification::{Identification, same_effect};
 
 /// Name and version of the program, as stated in reports.
 pub const PROGRAM: &str = concat!("Tautline ", env!("CARGO_PKG_VERSION"));
@@ -17,16 +18,36 @@ pub struct ReportInput<'a> {
     pub session: &'a Session,
     /// Its identification, if there is one.
     pub fit: Option<&'a Identification>,
+    /// Whether the data or the model were changed after the identification.
+    pub outdated: bool,
     /// Its diagnosis, if there is one.
     pub diagnosis: Option<&'a Diagnosed>,
-    /// Whether the session was changed after identification or diagnosis.
-    pub outdated: bool,
+    /// Whether the data or the model were changed after the diagnosis.
+    pub diagnosis_outdated: bool,
     /// A picture of the robot (PNG), if there is one.
     pub picture: Option<&'a [u8]>,
     /// The selected parts, and the heading.
     pub choice: &'a ReportChoice,
     /// Time of the report.
     pub now: Timestamp,
+}
+
+impl<'a> ReportInput<'a> {
+    /// The diagnosis of the model that was identified.
+    #[must_use]
+    pub fn current_diagnosis(&self) -> Option<&'a Diagnosed> {
+        self.diagnosis.filter(|_| !self.diagnosis_outdated)
+    }
+
+    /// Effects that were added to the model that was identified.
+    #[must_use]
+    pub fn added_effects(&self) -> Vec<EffectSetting> {
+        let described = &self.session.robot.effects;
+        let model = self.fit.map_or(&[][..], |fit| &fit.model.effects);
+        let is_described = |one: &EffectSetting| described.iter().any(|d| same_effect(d, one));
+        let added = model.iter().filter(|one| !is_described(one));
+        added.cloned().collect()
+    }
 }
 
 /// Input of the report of a comparison.

@@ -5,7 +5,9 @@ use hayro_syntax::object::{Dict, Object};
 use quick_xml::Reader;
 use quick_xml::events::Event;
 use tautline_core::diagnosis::Verdict;
+use tautline_core::effect::EffectSetting;
 use tautline_core::estimation::{Control, Method};
+use tautline_link::parameters::parameters_of;
 use tautline_session::{
     Adjustment, CheckKind, CheckPose, CheckRow, LogEntry, Outcome, Phase, Session, Stage,
     Timestamp, ValueChange, Verification,
@@ -16,7 +18,7 @@ use super::*;
 use crate::documents::diagnosis::Diagnosed;
 use crate::documents::diagnosis::samples::{dataset, diagnosed};
 use crate::documents::record;
-use crate::identification::{Identification, IdentificationRequest, identify};
+use crate::identification::{Identification, IdentificationRequest, identify, identify_session};
 
 /// A name that would be a program if it were taken as markup.
 const HOSTILE: &str = "<script>alert(1)</script> & \"cable\"";
@@ -103,6 +105,7 @@ impl Sample {
             fit: Some(&self.fit),
             diagnosis: Some(&self.diagnosis),
             outdated: false,
+            diagnosis_outdated: false,
             picture: None,
             choice: &self.choice,
             now: time(60),
@@ -389,6 +392,112 @@ fn a_comparison_has_a_report() {
     assert!(render_comparison(&input, ReportFormat::Pdf).is_ok());
 }
 
+/// The text of the leading sentences of the first section.
+fn leads(input: &ReportInput<'_>) -> Vec<String> {
+    let result = content::document(input).sections.swap_remove(0);
+    let lead = |block: Block| match block {
+        Block::Lead(text) => Some(text),
+        _ => None,
+    };
+    result.blocks.into_iter().filter_map(lead).collect()
+}
+
+/// A diagnosis found a winch scale, which was then added to the model and identified; its values were written, and the
+/// robot was verified and accepted.
+fn sample_with_a_fault_added() -> Sample {
+    let mut sample = sample(&[Verdict::Named]);
+    let document = sample.diagnosis.document();
+    let found = record(&sample.session, "Diagnosis", &document, time(5));
+    sample.session.add_result(found);
+    let scale = EffectSetting {
+        effect: "winch_scale".to_owned(),
+        targets: vec!["cable-3".to_owned()],
+        parameters: [("scale".to_owned(), 0.0)].into(),
+    };
+    sample.session.settings.identification.effects = vec![scale];
+    sample.fit = identify_session(&sample.session, &mut |_| Control::Continue).expect("a fit");
+    let values = parameters_of(&sample.fit.model).into_iter();
+    sample.session.add_adjustment(Adjustment {
+        time: time(40),
+        operator: "Ada".to_owned(),
+        controller: "simulated".to_owned(),
+        changes: values
+            .map(|parameter| ValueChange {
+                unit: parameter.unit.to_owned(),
+                before: 0.0,
+                after: parameter.value,
+                name: parameter.name,
+            })
+            .collect(),
+        outcome: Outcome::Written,
+        restores: false,
+    });
+    sample
+}
+
+#[test]
+fn the_report_leads_with_the_model_that_was_written() {
+    let mut sample = sample_with_a_fault_added();
+    assert!(!sample.diagnosis.has_effects_of(&sample.fit));
+    let earlier = |sample: &Sample| {
+        let input = ReportInput {
+            diagnosis_outdated: true,
+            ..sample.input()
+        };
+        let html = render_report(&input, ReportFormat::Html).expect("HTML");
+        (leads(&input), String::from_utf8(html).expect("text"))
+    };
+    let (lead, html) = earlier(&sample);
+    assert_eq!(
+        lead,
+        ["planar: the model explains the readings of 12 poses."]
+    );
+    for text in [
+        "Winch scale (cable-3): scale ",
+        "Found by the diagnosis of ",
+        "almost certainly (99.8 %)",
+        "was not diagnosed after the last change",
+        "These values were written to the controller by Ada on ",
+        "measured before the values were last written",
+    ] {
+        assert!(html.contains(text), "no {text:?}");
+    }
+    assert!(!html.contains("accepted"));
+    sample.session.add_verification(Verification {
+        time: time(50),
+        ..verification(Stage::After, 0.0006)
+    });
+    sample.session.accept("Ben", time(55));
+    let (_, html) = earlier(&sample);
+    assert!(html.contains("The robot was accepted by Ben on "));
+    assert!(!html.contains("measured before the values were last written"));
+    // Other values end the acceptance.
+    sample.session.exclude(7).expect("a measured pose");
+    sample.fit = identify_session(&sample.session, &mut |_| Control::Continue).expect("a fit");
+    let (_, html) = earlier(&sample);
+    assert!(
+        html.contains("The controller holds other values than these") && !html.contains("accepted")
+    );
+}
+
+#[test]
+fn a_report_without_a_fault_leads_with_the_diagnosis_and_an_outdated_one_says_so_first() {
+    let sample = sample(&[]);
+    let input = sample.input();
+    assert_eq!(
+        leads(&input),
+        ["planar: the model explains the readings of 13 poses."]
+    );
+    let outdated = ReportInput {
+        outdated: true,
+        diagnosis_outdated: true,
+        ..input
+    };
+    let lead = leads(&outdated);
+    assert!(lead[0].starts_with("The data or the model changed after this identification"));
+    assert_eq!(lead.len(), 2);
+}
+
 /// A session that is opened again has no results in memory, but knows that it was diagnosed.
 #[test]
 fn a_report_after_opening_again_has_what_was_found_before() {
@@ -422,6 +531,7 @@ fn a_session_without_measurements_has_a_report() {
         fit: None,
         diagnosis: None,
         outdated: false,
+        diagnosis_outdated: false,
         picture: None,
         choice: &ReportChoice::default(),
         now: time(1),

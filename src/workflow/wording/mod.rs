@@ -4,11 +4,13 @@ pub mod local_time;
 pub mod parameters;
 pub mod probability;
 mod recording;
+mod session;
 pub mod units;
 
 use tautline_core::diagnosis::Quantity;
 
 pub use recording::sampling_sentence;
+pub use session::{recent_facts, session_facts};
 
 /// `a, b and c`.
 pub fn list<S: AsRef<str>>(items: &[S]) -> String {

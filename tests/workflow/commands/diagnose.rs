@@ -213,6 +213,41 @@ fn a_diagnosis_ends_at_its_time_limit_and_says_so() {
     assert_eq!(diagnosis["complete"], false);
 }
 
+/// The sample session of a winch that pays out too much, with the effects that were added to its model.
+fn session(folder: &Folder, effects: &Value, poses: bool) -> String {
+    let sample = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../sessions/mini-winch-scale/session.json"
+    );
+    let text = std::fs::read_to_string(sample).expect("the sample session");
+    let mut session: Value = serde_json::from_str(&text).expect("JSON");
+    session["settings"]["identification"]["effects"] = effects.clone();
+    if !poses {
+        session["measurements"] = serde_json::json!({});
+    }
+    folder.write("session.json", &session.to_string())
+}
+
+#[test]
+fn a_session_is_diagnosed_with_the_effects_of_its_model() {
+    let folder = Folder::new();
+    let as_measured = session(&folder, &serde_json::json!([]), true);
+    let found = diagnose(&as_measured, &["--json", "-"]).json();
+    assert_eq!(found["findings"][0]["effect"], "winch_scale");
+    let scale = serde_json::json!([{"effect": "winch_scale", "targets": ["cable-3"]}]);
+    let extended = session(&folder, &scale, true);
+    let text = diagnose(&extended, &[]).stdout;
+    assert!(
+        text.contains("the model explains the readings of 41 poses."),
+        "{text}"
+    );
+    let empty = session(&folder, &scale, false);
+    let reasons = ["session.json", "there are no measured poses"];
+    tautline(&["diagnose", &empty]).refused(&reasons);
+    let table = folder.write("winch.csv", "cable,revolutions,length_m\ncable-1,1,0.1\n");
+    tautline(&["diagnose", &table]).refused(&["winch.csv"]);
+}
+
 #[test]
 fn the_level_is_a_probability() {
     let folder = Folder::new();

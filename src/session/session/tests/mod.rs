@@ -87,7 +87,7 @@ fn with_the_later_steps(mut session: Session) -> Session {
     session.add_verification(Verification {
         time: Timestamp::from_unix_seconds(1_532_336_860),
         title: "Circle".into(),
-        stage: Stage::Before,
+        stage: Stage::After,
         rows: vec![CheckRow {
             kind: CheckKind::Path,
             target: "circle".into(),
@@ -99,10 +99,7 @@ fn with_the_later_steps(mut session: Session) -> Session {
         }],
         accepted: None,
     });
-    session.accept(Acceptance {
-        time: Timestamp::from_unix_seconds(1_532_336_900),
-        operator: "Ada".into(),
-    });
+    session.accept("Ada", Timestamp::from_unix_seconds(1_532_336_900));
     session
 }
 
@@ -134,6 +131,42 @@ fn a_session_reads_back() {
         Some("tautline-identification")
     );
     assert_eq!(loaded.value.modified.to_string(), "2018-07-23T09:08:20Z");
+}
+
+#[test]
+fn an_acceptance_ends_when_the_controller_gets_other_values() {
+    let mut session = session();
+    let is_accepted = |session: &Session| session.acceptance(&session.verifications[0]).is_some();
+    assert!(is_accepted(&session), "nothing was written");
+    let adjustment = |minutes: i64, after: f64, outcome: Outcome| Adjustment {
+        time: Timestamp::from_unix_seconds(1_532_337_000 + 60 * minutes),
+        operator: "Ada".into(),
+        controller: "simulated".into(),
+        changes: vec![ValueChange {
+            name: "a.drum".into(),
+            unit: "m".into(),
+            before: 0.1,
+            after,
+        }],
+        outcome,
+        restores: false,
+    };
+    let mut written = session.clone();
+    written.add_adjustment(adjustment(0, 0.102, Outcome::Written));
+    assert_eq!(written.controller_values()["a.drum"], 0.102);
+    assert!(!is_accepted(&written));
+    written.add_adjustment(adjustment(1, 0.102, Outcome::RolledBack));
+    assert!(is_accepted(&written), "the accepted values again");
+    written.add_adjustment(adjustment(2, 0.102, Outcome::Unsettled("lost".into())));
+    assert!(!is_accepted(&written), "nobody knows");
+    // Earlier versions did not store what was accepted.
+    session.verifications[0]
+        .accepted
+        .as_mut()
+        .expect("accepted")
+        .values = None;
+    session.add_adjustment(adjustment(0, 0.102, Outcome::Written));
+    assert!(is_accepted(&session));
 }
 
 #[test]

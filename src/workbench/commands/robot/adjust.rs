@@ -2,9 +2,7 @@
 
 use tautline_link::adjusting::{Adjustment as Written, ControllerValues};
 use tautline_link::verifying::{circle, cube_poses, line};
-use tautline_session::{
-    Acceptance, CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, Verification,
-};
+use tautline_session::{CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, Verification};
 
 use crate::model::command::WriteDraft;
 use crate::model::link::{DriverCommand, ValuesToWrite};
@@ -52,11 +50,7 @@ pub(super) fn accept(model: &mut Model) {
     let Some(open) = &mut model.open else {
         return;
     };
-    let acceptance = Acceptance {
-        time: clock::now(),
-        operator: operator.clone(),
-    };
-    open.record(|session| session.accept(acceptance));
+    open.record(|session| session.accept(operator.as_str(), clock::now()));
     let text = match operator.as_str() {
         "" => "The robot was accepted.".to_owned(),
         name => format!("The robot was accepted by {name}."),

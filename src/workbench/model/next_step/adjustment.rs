@@ -29,7 +29,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     let differences = model.differences();
     let changes = differences.iter().filter(|one| one.is_writable_change());
     let changes = changes.count();
-    let checks = checklist(open, &differences, model.link.is_connected());
+    let checks = checklist(open, &differences);
     let next = checks.iter().find(|check| check.state == CheckState::Next);
     let Some(next) = next.map(|check| check.item) else {
         let action = Action::new(

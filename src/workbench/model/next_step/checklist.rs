@@ -1,10 +1,11 @@
 //! The checklist of phase 5: measure before, review, write, measure after, accept.
 
 use tautline_link::adjusting::Difference;
-use tautline_session::{Outcome, Session, Stage, Verification};
+use tautline_session::Stage;
 
 use crate::model::OpenSession;
 use crate::model::accuracy_figures::{Figure, figures};
+use tautline_workflow::adjusting;
 use tautline_workflow::wording::count;
 
 /// A line of the checklist.
@@ -71,17 +72,17 @@ pub struct Check {
     pub result: String,
 }
 
-/// The checklist of a session whose controller differs so from what was identified; `is_known`: the controller is there,
-/// so that its differences are known.
+/// The checklist of a session whose controller differs so from what was identified.
 #[must_use]
-pub fn checklist(open: &OpenSession, differences: &[Difference], is_known: bool) -> [Check; 5] {
+pub fn checklist(open: &OpenSession, differences: &[Difference]) -> [Check; 5] {
     let session = open.session();
     let changes = differences.iter().filter(|one| one.is_writable_change());
     let changes = changes.count();
     let is_old = open.fit().is_some() && !open.fit_is_current();
-    let written = is_written(session) && changes == 0 && !is_old;
-    let before = last(session, Stage::Before);
-    let after = after(session).filter(|_| written);
+    let written = adjusting::written(session, differences).filter(|_| !is_old);
+    let mut runs = session.verifications().iter();
+    let before = runs.rfind(|run| run.stage == Stage::Before);
+    let after = written.and_then(|written| written.verification);
     let main = figures(session)
         .ok()
         .and_then(|all| all.lines.into_iter().next());
@@ -90,13 +91,13 @@ pub fn checklist(open: &OpenSession, differences: &[Difference], is_known: bool)
         .and_then(Figure::gain)
         .filter(|_| after.is_some());
     let is_worse = gain.is_some_and(|gain| gain <= 0.0);
-    let accepted = after.and_then(|run| run.accepted.as_ref());
+    let accepted = written.and_then(|written| written.acceptance);
     let mm =
         |metres: Option<f64>| metres.map(|metres| format!("{:.2} mm on average", metres * 1e3));
     let is_done = [
         before.is_some(),
-        written,
-        written,
+        written.is_some(),
+        written.is_some(),
         after.is_some(),
         accepted.is_some(),
     ];
@@ -104,16 +105,10 @@ pub fn checklist(open: &OpenSession, differences: &[Difference], is_known: bool)
     let next = last_done.map_or(0, |last| last + 1);
     let results = [
         before.and_then(|_| mm(main.as_ref()?.before_m)),
-        (is_known && changes > 0).then(|| count(changes, "value") + " to write"),
-        written.then(|| {
-            let operator = session
-                .adjustments()
-                .last()
-                .map_or("", |last| &last.operator);
-            match operator {
-                "" => "written".to_owned(),
-                name => format!("by {name}"),
-            }
+        (changes > 0).then(|| count(changes, "value") + " to write"),
+        written.map(|written| match written.adjustment.operator.as_str() {
+            "" => "written".to_owned(),
+            name => format!("by {name}"),
         }),
         after.and_then(|_| {
             let text = mm(main.as_ref()?.after_m)?;
@@ -144,28 +139,10 @@ pub fn checklist(open: &OpenSession, differences: &[Difference], is_known: bool)
     })
 }
 
-/// Whether the last adjustment left the identified values in the controller.
-fn is_written(session: &Session) -> bool {
-    let last = session.adjustments().last();
-    last.is_some_and(|last| last.outcome == Outcome::Written && !last.restores)
-}
-
-/// The last verification of a stage.
-fn last(session: &Session, stage: Stage) -> Option<&Verification> {
-    let mut runs = session.verifications().iter().rev();
-    runs.find(|run| run.stage == stage)
-}
-
-/// The last verification with the values that were written last.
-fn after(session: &Session) -> Option<&Verification> {
-    let written = session.adjustments().last()?;
-    last(session, Stage::After).filter(|run| run.time >= written.time)
-}
-
 #[cfg(test)]
 mod tests {
     use tautline_core::robot::presets;
-    use tautline_session::{Acceptance, Adjustment, Timestamp};
+    use tautline_session::{Adjustment, Outcome, Session, Timestamp};
 
     use super::*;
     use crate::model::accuracy_figures::tests::run;
@@ -187,7 +164,7 @@ mod tests {
 
     fn states(session: &Session) -> [CheckState; 5] {
         let open = OpenSession::new(session.clone(), None);
-        checklist(&open, &[], true).map(|check| check.state)
+        checklist(&open, &[]).map(|check| check.state)
     }
 
     #[test]
@@ -212,17 +189,26 @@ mod tests {
         assert_eq!(states(&worse), [Done, Done, Done, Bad, Next]);
         session.add_verification(run(Stage::After, 3, 5e-4));
         assert_eq!(states(&session), [Done, Done, Done, Done, Next]);
-        session.accept(Acceptance {
-            time: at(4),
-            operator: "Ada".into(),
-        });
+        session.accept("Ada", at(4));
         assert_eq!(states(&session), [Done; 5]);
         let open = OpenSession::new(session.clone(), None);
-        let [before, _, wrote, after, accepted] = checklist(&open, &[], true);
+        let [before, _, wrote, after, accepted] = checklist(&open, &[]);
         assert_eq!(before.result, "2.00 mm on average");
         assert_eq!(wrote.result, "by Ada");
         assert_eq!(after.result, "0.50 mm on average (-75 %)");
         assert_eq!(accepted.result, "by Ada");
+        // Other identified values end the acceptance until they are the accepted ones again.
+        let other = Difference {
+            name: "home.x_m".into(),
+            unit: "m",
+            controller: Some(0.0),
+            identified: 1e-3,
+            difference: Some(1e-3),
+            sd: None,
+        };
+        let open = OpenSession::new(session.clone(), None);
+        let changed = checklist(&open, &[other]).map(|check| check.state);
+        assert_eq!(changed, [Done, Next, Later, Later, Later]);
         // Other values need another measurement.
         session.add_adjustment(written(5));
         assert_eq!(states(&session), [Done, Done, Done, Next, Later]);

@@ -16,10 +16,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, differences: &[Difference]) {
     ui.add_space(GRID);
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.5 * GRID;
-        for (number, check) in checklist(open, differences, model.link.is_connected())
-            .iter()
-            .enumerate()
-        {
+        for (number, check) in checklist(open, differences).iter().enumerate() {
             line(ui, number + 1, check);
         }
     });

@@ -25,8 +25,9 @@ use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::identification::FitVerdict;
 
-/// Identity and revision of the document, place of its fit, count of the parameters' changes.
-type Key = (u64, u64, Option<usize>, u64);
+/// Identity and revision of the session, address of its fit, whether the controller is connected, version of its
+/// parameters.
+type Key = (u64, u64, Option<usize>, bool, u64);
 
 /// State of the panel between frames.
 #[derive(Debug, Default)]
@@ -74,6 +75,7 @@ fn differences(model: &Model, panel: &mut PanelState) -> Arc<Vec<Difference>> {
         open.id(),
         open.revision(),
         open.fit().map(|fit| Arc::as_ptr(fit) as usize),
+        model.link.is_connected(),
         model.link.parameters_version,
     );
     let computed = || Arc::new(model.differences());
@@ -136,9 +138,15 @@ fn compare(
 ) {
     section(ui, "Controller and identified model");
     if !model.link.is_connected() {
+        let is_recorded = differences.iter().any(|line| line.controller.is_some());
         muted(
             ui,
-            "Connect the controller to compare its values with the identified ones.",
+            match is_recorded {
+                true => {
+                    "Controller: the values that this session recorded. Connect to read them again."
+                }
+                false => "Connect the controller to compare its values with the identified ones.",
+            },
         );
     }
     table::show(ui, model, panel, outbox, differences);

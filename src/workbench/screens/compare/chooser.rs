@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use egui::{Align, Button, Key, Label, Layout, RichText, Role, TextEdit, Ui, WidgetInfo, vec2};
 use egui_material_icons::icons;
+use tautline_session::{Session, Timestamp};
 
 use super::PanelState;
 use crate::model::Model;
@@ -14,6 +15,7 @@ use crate::theme::{self, GRID};
 use crate::widgets::{heading, icon_button};
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::samples::{self, Sample};
+use tautline_workflow::wording::{recent_facts, session_facts};
 
 /// Height of a row and width of the name before it (points).
 const ROW: f32 = 7.0 * GRID;
@@ -92,23 +94,33 @@ fn chosen(
         }
         outbox.send(CompareCommand::Clear(side));
     }
-    let known = match model.comparison.result() {
-        Some(Ok(compared)) => Some(&compared.runs[side as usize].name),
+    let run = match model.comparison.result() {
+        Some(Ok(compared)) => Some(&compared.runs[side as usize]),
         _ => None,
     };
     let open = model.open.as_ref().map(|open| open.session());
-    let (name, place) = match source {
-        Source::Open => (
-            known.or(open.map(|session| &session.name)).cloned(),
-            "the open session".to_owned(),
-        ),
-        Source::File(path) => (known.cloned(), path.display().to_string()),
-    };
-    if let Some(name) = name {
+    let known = run.map(|run| (&run.name, run.measured, &run.fit.dataset.robot.name));
+    let known = known.or(open.filter(|_| *source == Source::Open).map(identity));
+    if let Some((name, ..)) = known {
         ui.label(RichText::new(name).font(theme::strong(13.0)));
     }
+    let place = match source {
+        Source::Open => "the open session".to_owned(),
+        Source::File(path) => path.display().to_string(),
+    };
+    let place = match known {
+        Some((_, measured, robot)) => {
+            format!("{}, {place}", session_facts(measured, Some(robot), None))
+        }
+        None => place,
+    };
     let place = RichText::new(place).color(theme::of(ui).muted);
     ui.add(Label::new(place).truncate());
+}
+
+/// Name of a session, time of its last measurement, and its robot.
+fn identity(session: &Session) -> (&String, Option<Timestamp>, &String) {
+    (&session.name, session.measured(), &session.robot.name)
 }
 
 fn choose(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox: &mut Outbox) {
@@ -151,28 +163,29 @@ fn known(
     let samples = samples.get_or_insert_with(|| samples::find(&samples::places()));
     let recent = model.preferences.recent().iter();
     let recent = recent.filter(|recent| recent.exists());
-    let open = model
-        .open
-        .iter()
-        .map(|open| (open.session().name.clone(), "open", Source::Open));
+    let open = model.open.iter().map(|open| {
+        let (name, measured, robot) = identity(open.session());
+        let facts = session_facts(measured, Some(robot), open.path());
+        (name.clone(), format!("open, {facts}"), Source::Open)
+    });
     let recent = recent.map(|recent| {
         let source = Source::File(recent.path().to_owned());
-        (recent.name.clone(), "recent", source)
+        (recent.name.clone(), recent_facts(recent), source)
     });
     let samples = samples.iter().map(|sample| {
         let source = Source::File(sample.session.clone());
-        (sample.title.clone(), "sample", source)
+        (sample.title.clone(), "sample".to_owned(), source)
     });
     let all: Vec<_> = open.chain(recent).chain(samples).collect();
     if all.is_empty() {
         ui.label("Sessions appear here once they were saved or opened.");
     }
-    for (name, kind, source) in all {
+    for (name, facts, source) in all {
         let place = match &source {
             Source::File(path) => path.display().to_string(),
             Source::Open => String::new(),
         };
-        let button = Button::new(&name).shortcut_text(kind);
+        let button = Button::new(&name).shortcut_text(facts);
         if ui.add(button).on_hover_text(place).clicked() {
             outbox.send(CompareCommand::Choose(side, source));
             ui.close();

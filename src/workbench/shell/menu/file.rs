@@ -6,24 +6,26 @@ use super::super::state::State;
 use super::{CONTROL, CONTROL_SHIFT, Item, Menu, item, keys};
 use crate::model::command::{CompareCommand, FileCommand, RecordingCommand, ReportCommand};
 use crate::model::phase::Screen;
+use tautline_session::RecentSession;
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::templates::Template;
+use tautline_workflow::wording::recent_facts;
 
 /// Most sessions that the menu offers to open again.
 const RECENT: usize = 5;
 /// Sessions that are offered to be opened again.
 fn recent(state: &State) -> Vec<Item> {
-    let recent = state.model.preferences.recent().iter();
+    let recent = state.model.preferences.recent().iter().take(RECENT);
+    let is_alone = |name: &String| recent.clone().filter(|one| one.name == *name).count() == 1;
+    let title = |session: &RecentSession| match is_alone(&session.name) {
+        true => format!("Open recent: {}", session.name),
+        false => format!("Open recent: {} ({})", session.name, recent_facts(session)),
+    };
     recent
-        .take(RECENT)
+        .clone()
         .map(|session| {
-            item(
-                Menu::File,
-                format!("Open recent: {}", session.name),
-                None,
-                true,
-                FileCommand::Open(session.path().to_owned()),
-            )
+            let open = FileCommand::Open(session.path().to_owned());
+            item(Menu::File, title(session), None, true, open)
         })
         .collect()
 }

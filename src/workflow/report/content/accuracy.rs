@@ -4,6 +4,7 @@ use tautline_session::{CheckRow, Session, Stage};
 
 use super::{NONE, when};
 use crate::accuracy::{Accuracy, figures};
+use crate::adjusting::verified_before_last_write;
 use crate::report::document::{Section, Table};
 use crate::wording::units::mm;
 use crate::wording::units::quantity;
@@ -45,8 +46,12 @@ pub fn summary(session: &Session) -> Option<String> {
     } else {
         "no better".to_owned()
     };
+    let old = match verified_before_last_write(session) {
+        true => " The accuracy after it was measured before the values were last written.",
+        false => "",
+    };
     Some(format!(
-        "Mean position accuracy (ISO 9283): {} before the adjustment, {} after it, {change}.",
+        "Mean position accuracy (ISO 9283): {} before the adjustment, {} after it, {change}.{old}",
         quantity(before, "m"),
         quantity(after, "m")
     ))

@@ -4,6 +4,8 @@ use tautline_core::robot::Cable;
 use tautline_session::{Adjustment, Outcome, Session};
 
 use super::{number, signed, when};
+use crate::adjusting::{in_effect, recorded_differences, written};
+use crate::identification::Identification;
 use crate::report::document::{Section, Table};
 use crate::wording::parameters::{title, unit};
 use crate::wording::units::display_unit;
@@ -19,6 +21,43 @@ pub fn section(session: &Session) -> Option<Section> {
         section.table(changes(adjustment, &session.robot.cables));
     }
     Some(section)
+}
+
+/// Whether the identified values are in the controller, who wrote them, and who accepted the robot; `None` if nothing was
+/// written.
+pub fn state(session: &Session, fit: &Identification) -> Option<String> {
+    let last = in_effect(session)?;
+    let differences = recorded_differences(session, fit);
+    let Some(written) = written(session, &differences) else {
+        return Some(match last.outcome {
+            Outcome::Written if !last.restores => format!(
+                "The controller holds other values than these: those written on {}.",
+                when(last.time)
+            ),
+            _ => "The controller does not hold these values; see the adjustments.".to_owned(),
+        });
+    };
+    let mut text = format!(
+        "These values were written to the controller{} on {} and read back.",
+        by(&written.adjustment.operator),
+        when(written.adjustment.time)
+    );
+    if let Some(accepted) = written.acceptance {
+        text += &format!(
+            " The robot was accepted{} on {}.",
+            by(&accepted.operator),
+            when(accepted.time)
+        );
+    }
+    Some(text)
+}
+
+/// ` by Ada`; empty if the operator is not named.
+fn by(operator: &str) -> String {
+    match operator.trim() {
+        "" => String::new(),
+        name => format!(" by {name}"),
+    }
 }
 
 fn sentence(adjustment: &Adjustment) -> String {
@@ -37,13 +76,9 @@ fn sentence(adjustment: &Adjustment) -> String {
             format!("the controller may hold both old and new values: {reason}")
         }
     };
-    let who = if operator.trim().is_empty() {
-        String::new()
-    } else {
-        format!(" by {operator}")
-    };
     format!(
-        "Controller {controller}{who}: {}.",
+        "Controller {controller}{}: {}.",
+        by(operator),
         outcome.trim_end_matches('.')
     )
 }

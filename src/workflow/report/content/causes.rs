@@ -8,19 +8,29 @@ use crate::diagnosis::dependences::{figures, of_finding};
 use crate::documents::diagnosis::Diagnosed;
 use crate::documents::diagnosis::gain;
 use crate::report::document::{Block, Section, Table};
+use crate::report::input::ReportInput;
 use crate::report::plots;
 use crate::wording::probability::{certainty, odds_between, percent};
 use crate::wording::units::{self, significant, unit_of};
 use crate::wording::{count, list, odds, ratio, sentence};
 
-pub fn section(diagnosed: &Diagnosed) -> Section {
+pub fn section(input: &ReportInput<'_>, diagnosed: &Diagnosed) -> Section {
     let diagnosis = &diagnosed.diagnosis;
     let mut section = Section::new("Model diagnosis");
+    if input.diagnosis_outdated {
+        section.lead(
+            "This diagnosis was made before the last change of the data or the model: it describes the model as it was then.",
+        );
+    }
     for line in diagnosed.fit() {
         section.paragraph(line);
     }
     if diagnosis.findings.is_empty() {
-        section.paragraph("No cause was found.");
+        let is_extended = !input.diagnosis_outdated && !input.added_effects().is_empty();
+        section.paragraph(match is_extended {
+            true => "No cause was found besides the effects in the model.",
+            false => "No cause was found.",
+        });
     }
     let figures = figures(diagnosed);
     for (index, finding) in diagnosis.findings.iter().enumerate() {

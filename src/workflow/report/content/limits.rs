@@ -23,6 +23,9 @@ pub fn section(input: &ReportInput<'_>) -> Section {
     }
     match input.diagnosis {
         Some(diagnosed) => {
+            if input.diagnosis_outdated {
+                section.paragraph("The model was not diagnosed after its last change; the following is of the diagnosis before.");
+            }
             let hidden = diagnosed.hidden_effects();
             if !hidden.sized.is_empty() {
                 section.paragraph(HIDDEN);

@@ -47,9 +47,16 @@ pub fn document(input: &ReportInput<'_>) -> Document {
         ),
         (
             Part::Fit,
-            input.fit.map(|fit| fit::section(fit, input.diagnosis)),
+            input
+                .fit
+                .map(|fit| fit::section(fit, input.current_diagnosis())),
         ),
-        (Part::Causes, input.diagnosis.map(causes::section)),
+        (
+            Part::Causes,
+            input
+                .diagnosis
+                .map(|diagnosed| causes::section(input, diagnosed)),
+        ),
         (Part::Accuracy, accuracy::section(session)),
         (Part::Adjustments, adjustments::section(session)),
         (Part::Limits, Some(limits::section(input))),

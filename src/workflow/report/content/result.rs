@@ -1,15 +1,18 @@
 //! The first page: the result.
 
 use tautline_core::diagnosis::Diagnosis;
+use tautline_core::effect::EffectSetting;
 use tautline_core::estimation::Solution;
 use tautline_session::Session;
 
-use super::{accuracy, displacements};
-use crate::identification::Identification;
+use super::{accuracy, adjustments, displacements, when};
+use crate::documents::diagnosis::proposal;
+use crate::identification::{Identification, effect_sizes, effects_title};
 use crate::report::document::{Block, Section};
 use crate::report::input::ReportInput;
-use crate::wording::count;
+use crate::wording::probability::certainty;
 use crate::wording::units::quantity;
+use crate::wording::{self, count};
 
 /// Probability below which the model does not explain the data.
 const DOUBT: f64 = 0.01;
@@ -17,20 +20,14 @@ const DOUBT: f64 = 0.01;
 pub fn section(input: &ReportInput<'_>) -> Section {
     let mut section = Section::new("Result");
     if input.outdated {
-        section.lead("The session has changed since this was computed: identify again before you use the values.");
+        section.lead(
+            "The data or the model changed after this identification: identify again before you use the values.",
+        );
     }
     if input.fit.is_some_and(|fit| !fit.solution.converged()) {
         section.lead("The identification did NOT converge: do not rely on its values.");
     }
-    match (input.diagnosis, input.fit) {
-        (Some(diagnosed), _) => {
-            section.lead(diagnosed.headline());
-            let findings = diagnosed.diagnosis.findings.iter();
-            section.list(findings.map(|f| diagnosed.heading(f)).collect());
-        }
-        (None, Some(fit)) => section.lead(verdict(&fit.solution, input.session)),
-        (None, None) => section.lead(nothing(input.session)),
-    }
+    state(input, &mut section);
     if let Some(fit) = input.fit {
         section.paragraph(moved(fit));
         if let Some(tolerance_m) = input.choice.tolerance_m {
@@ -39,9 +36,9 @@ pub fn section(input: &ReportInput<'_>) -> Section {
         for deficiency in &fit.open {
             section.paragraph(format!("Open: {}.", deficiency.sentence));
         }
-    }
-    if let Some(text) = input.diagnosis.and_then(|d| largest_gain(&d.diagnosis)) {
-        section.paragraph(text);
+        if let Some(text) = adjustments::state(input.session, fit) {
+            section.paragraph(text);
+        }
     }
     if let Some(text) = accuracy::summary(input.session) {
         section.paragraph(text);
@@ -61,6 +58,65 @@ pub fn section(input: &ReportInput<'_>) -> Section {
     section
 }
 
+/// Whether the identified model explains the readings, its effects, and what is known to be missing from it.
+fn state(input: &ReportInput<'_>, section: &mut Section) {
+    let Some(fit) = input.fit else {
+        return section.lead(nothing(input.session));
+    };
+    let diagnosis = input.current_diagnosis();
+    section.lead(match diagnosis {
+        Some(diagnosed) => diagnosed.headline(),
+        None => verdict(&fit.solution, input.session),
+    });
+    if let Some(p_value) = fit.solution.p_value() {
+        section.paragraph(format!(
+            "Global test of the model: chi-square {:.1} for {:.0} degrees of freedom, {}.",
+            fit.solution.chi2,
+            fit.solution.degrees_of_freedom,
+            wording::p_value(p_value)
+        ));
+    }
+    if let Some(diagnosed) = diagnosis {
+        let findings = diagnosed.diagnosis.findings.iter();
+        section.list(findings.map(|f| diagnosed.heading(f)).collect());
+        if let Some(text) = largest_gain(&diagnosed.diagnosis) {
+            section.paragraph(text);
+        }
+    }
+    let effects = input.added_effects();
+    if !effects.is_empty() {
+        section.paragraph("Effects that were added to the model and identified with the pulleys:");
+        let groups = effects.chunk_by(|one, other| one.effect == other.effect);
+        section.list(
+            groups
+                .map(|group| added(input.session, fit, group))
+                .collect(),
+        );
+    }
+    if input.diagnosis.is_some() && diagnosis.is_none() {
+        section.paragraph(
+            "The model was not diagnosed after the last change: the diagnosis in this report is an earlier one.",
+        );
+    }
+}
+
+/// An effect of the model on all of its cables: its size, and the diagnosis that found it.
+fn added(session: &Session, fit: &Identification, effects: &[EffectSetting]) -> String {
+    let proposal = effects.first().and_then(|one| proposal(session, one));
+    let origin = proposal.map_or_else(String::new, |proposal| {
+        format!(
+            ". Found by the diagnosis of {}: {}",
+            when(proposal.time),
+            certainty(proposal.probability)
+        )
+    });
+    format!(
+        "{}: {}{origin}.",
+        effects_title(effects),
+        effect_sizes(fit, effects).join("; ")
+    )
+}
+
 fn nothing(session: &Session) -> String {
     match session.measurements.len() {
         0 => "No pose has been measured yet: this report describes the robot and the preparations."
@@ -72,14 +128,15 @@ fn nothing(session: &Session) -> String {
 /// Whether the model explains the readings, without a diagnosis.
 fn verdict(solution: &Solution, session: &Session) -> String {
     let name = &session.robot.name;
+    let poses = count(solution.poses.len(), "pose");
     match solution.p_value() {
         None => format!(
             "{name}: there are only just enough readings to identify the pulleys, so the model cannot be tested."
         ),
         Some(p) if p < DOUBT => format!(
-            "{name}: the model does NOT explain the readings. The standard deviations are not valid."
+            "{name}: the model does NOT explain the readings of {poses}. The standard deviations are not valid."
         ),
-        Some(_) => format!("{name}: the model explains the readings."),
+        Some(_) => format!("{name}: the model explains the readings of {poses}."),
     }
 }
 

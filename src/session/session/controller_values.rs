@@ -1,0 +1,49 @@
+//! The values that a controller holds, as far as the session recorded them.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use super::{Adjustment, Outcome, Session};
+use crate::fingerprint::Fingerprint;
+
+impl Session {
+    /// The values of the controller by name: as it was last read, and as the adjustments left it.
+    #[must_use]
+    pub fn controller_values(&self) -> BTreeMap<String, f64> {
+        let read = self.controller.iter();
+        let mut values: BTreeMap<String, f64> =
+            read.map(|held| (held.name.clone(), held.value)).collect();
+        for adjustment in &self.adjustments {
+            let is_new = holds_new(adjustment);
+            for change in adjustment.changes.iter() {
+                let value = is_new.map(|is_new| if is_new { change.after } else { change.before });
+                match value {
+                    Some(value) => values.insert(change.name.clone(), value),
+                    None => values.remove(&change.name),
+                };
+            }
+        }
+        values
+    }
+
+    /// Fingerprint of the values of the controller: 16 hexadecimal digits.
+    #[must_use]
+    pub fn controller_fingerprint(&self) -> String {
+        let values = serde_json::to_value(self.controller_values());
+        // Serialising fails only for keys that are not strings.
+        Fingerprint::new()
+            .and_value(&values.unwrap_or(Value::Null))
+            .to_hex()
+    }
+}
+
+/// Whether the controller held the new values of an adjustment after it; `None` if that is not known.
+fn holds_new(adjustment: &Adjustment) -> Option<bool> {
+    match adjustment.outcome {
+        Outcome::Written => Some(true),
+        Outcome::RolledBack => Some(adjustment.restores),
+        Outcome::Failed(_) => Some(false),
+        Outcome::Begun | Outcome::Unsettled(_) => None,
+    }
+}

@@ -1,0 +1,88 @@
+//! The effects of a model in words.
+
+use tautline_core::effect::{BoundEffect, EffectSetting, UNKNOWN, find};
+use tautline_core::estimation::ParameterId;
+
+use super::Identification;
+use crate::wording::list;
+use crate::wording::units::{significant, unit_of, with_sd};
+
+/// Whether two settings are of the same effect on the same cables at the same pose, whatever its size.
+#[must_use]
+pub fn same_effect(one: &EffectSetting, other: &EffectSetting) -> bool {
+    let pose = |setting: &EffectSetting| {
+        let effect = find(&setting.effect)?;
+        let name = effect.parameters()[effect.pose_parameter()?].name;
+        setting.parameters.get(name).copied()
+    };
+    one.effect == other.effect && one.targets == other.targets && pose(one) == pose(other)
+}
+
+/// Title of settings of one effect with their cables: `Winch scale (cable-1 and cable-3)`.
+#[must_use]
+pub fn effects_title(settings: &[EffectSetting]) -> String {
+    let id = settings
+        .first()
+        .map_or("", |setting| setting.effect.as_str());
+    let name = match find(id) {
+        _ if id == UNKNOWN.id() => "Unexplained pattern",
+        Some(effect) => effect.title(),
+        None => id,
+    };
+    let targets: Vec<String> = settings.iter().flat_map(|s| s.targets.clone()).collect();
+    if targets.is_empty() {
+        name.to_owned()
+    } else {
+        format!("{name} ({})", list(&targets))
+    }
+}
+
+/// The identified sizes of settings of one effect, `scale 0.31 ± 0.04 %`, each with its cable if there are several.
+#[must_use]
+pub fn effect_sizes(fit: &Identification, settings: &[EffectSetting]) -> Vec<String> {
+    let sized = settings.iter().map(|setting| match &setting.targets[..] {
+        targets if targets.is_empty() || settings.len() == 1 => size(fit, setting),
+        targets => format!("{}: {}", list(targets), size(fit, setting)),
+    });
+    sized.collect()
+}
+
+fn size(fit: &Identification, setting: &EffectSetting) -> String {
+    let robot = &fit.dataset.robot;
+    let effects = fit.solution.globals.effects.iter().enumerate();
+    let mut same = effects.filter(|(_, bound)| same_effect(&bound.setting(robot), setting));
+    let Some((index, bound)) = same.next_back() else {
+        return "acts at no pose of these data".to_owned();
+    };
+    if bound.effect.id() == UNKNOWN.id() {
+        return bound.cause(robot);
+    }
+    if bound.values.is_empty() {
+        return "as found; there is nothing to estimate".to_owned();
+    }
+    let values: Vec<_> = (0..bound.values.len())
+        .map(|k| value(fit, index, bound, k))
+        .collect();
+    values.join(", ")
+}
+
+fn value(fit: &Identification, index: usize, bound: &BoundEffect, which: usize) -> String {
+    let parameter = &bound.effect.parameters()[which];
+    let number = bound.values[which];
+    let is_it = |id: &ParameterId| match *id {
+        ParameterId::Effect { effect, parameter } => {
+            fit.held + effect == index && parameter == which
+        }
+        _ => false,
+    };
+    let place = fit.solution.parameters.iter().position(|p| is_it(&p.id));
+    let unit = unit_of(parameter.name, parameter.unit);
+    match place.map(|place| fit.solution.standard_deviation(place)) {
+        Some(sd) => format!(
+            "{} {}",
+            parameter.name,
+            with_sd(number, sd.unwrap_or(f64::NAN), unit)
+        ),
+        None => format!("{} {}", parameter.name, significant(number, 6)),
+    }
+}
