@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use egui::{Grid, Id, Modal, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Grid, RichText, Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
 use super::State;
@@ -13,8 +13,8 @@ use crate::model::command::{
 use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
 use crate::widgets::{
-    Entered, Number, Verdict, checkbox, heading, icon_button, muted, number, primary, section,
-    verdict,
+    Entered, Number, Verdict, checkbox, heading, icon_button, modal, muted, number, primary,
+    section, verdict,
 };
 use tautline_workflow::report::{Part, ReportChoice};
 use tautline_workflow::wording::count;
@@ -36,8 +36,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 /// Where is the report to be saved?
 fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
     let format = draft.format;
-    let modal = Modal::new(Id::unique("save report")).show(ui.ctx(), |ui| {
-        ui.set_width(520.0_f32.min(ui.ctx().content_rect().width() - 12.0 * GRID));
+    let ((), is_left) = modal(ui, ("save report", 520.0), |ui| {
         heading(ui, &format!("Save the report as {}", format.title()));
         ui.horizontal(|ui| {
             let width = ui.available_width() - 120.0;
@@ -68,7 +67,7 @@ fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
             }
         });
     });
-    if modal.should_close() {
+    if is_left {
         state.outbox.send(ReportCommand::Cancel);
     }
     let options = &state.views.robot_3d.options;
@@ -149,8 +148,7 @@ fn unsaved(ui: &mut Ui, state: &mut State) {
         .open
         .as_ref()
         .map_or_else(String::new, |open| open.session().name.clone());
-    let modal = Modal::new(Id::unique("unsaved changes")).show(ui.ctx(), |ui| {
-        ui.set_width(420.0);
+    let ((), is_left) = modal(ui, ("unsaved changes", 420.0), |ui| {
         heading(ui, "Save the changes?");
         ui.label(format!("{name} has changes that no file has yet."));
         ui.add_space(2.0 * GRID);
@@ -166,7 +164,7 @@ fn unsaved(ui: &mut Ui, state: &mut State) {
             }
         });
     });
-    if modal.should_close() {
+    if is_left {
         state.outbox.send(FileCommand::Answer(Answer::Cancel));
     }
 }
@@ -174,8 +172,7 @@ fn unsaved(ui: &mut Ui, state: &mut State) {
 /// Write the identified values, and in whose name?
 fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
     let mut answer = None;
-    let modal = Modal::new(Id::unique("write values")).show(ui.ctx(), |ui| {
-        ui.set_width(420.0);
+    let ((), is_left) = modal(ui, ("write values", 420.0), |ui| {
         heading(ui, "Write these values?");
         let controller = &state.model.link.identity;
         let values = count(draft.values, "value");
@@ -225,7 +222,7 @@ fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
             }
         });
     });
-    if modal.should_close() {
+    if is_left {
         answer = Some(None);
     }
     if let Some(answer) = answer {

@@ -13,6 +13,7 @@ mod save_as;
 mod sized;
 mod state;
 mod status;
+mod stop;
 mod top;
 
 pub use state::State;
@@ -63,6 +64,8 @@ impl App {
     /// and is shown by the next frame.
     fn frame(&mut self, ui: &mut egui::Ui, show: impl FnOnce(&mut egui::Ui, &mut State)) {
         let state = &mut self.state;
+        // Whatever the frame comes to: a robot may be moving during an internal error, too.
+        stop::show(ui, &mut state.model);
         if state.model.caught_panic.is_some() {
             dialogs::internal_error(ui, &mut state.model);
             return;

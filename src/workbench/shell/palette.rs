@@ -1,12 +1,12 @@
 //! The command palette: type a few letters, go up and down with the arrow keys, press Enter.
 
-use egui::{Key, Modal, ScrollArea, TextEdit, Ui};
+use egui::{Key, ScrollArea, TextEdit, Ui};
 
 use super::menu::{self, Item};
 use super::state::State;
 use super::top;
 use crate::model::command::ViewCommand;
-use crate::widgets::muted;
+use crate::widgets::{modal, muted};
 
 /// Draws the palette while it is open.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -19,8 +19,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         .collect();
     let mut chosen = None;
     let before = text.clone();
-    let modal = Modal::new(egui::Id::unique("command palette")).show(ui.ctx(), |ui| {
-        ui.set_width(480.0);
+    let ((), is_left) = modal(ui, ("command palette", 480.0), |ui| {
         let field = TextEdit::singleline(&mut text)
             .hint_text("Type a command")
             .desired_width(f32::INFINITY);
@@ -46,7 +45,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             }
         });
     });
-    let is_done = chosen.is_some() || modal.should_close();
+    let is_done = chosen.is_some() || is_left;
     if is_done {
         // The next time the first line is marked again.
         let id = egui::Id::unique("marked command");

@@ -23,6 +23,7 @@ pub use import::{ImportCommand, ImportOutcome};
 pub use plot::{Format, PlotCommand, PlotPicture};
 pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
 pub use report::{ReportCommand, ReportDraft};
+pub(crate) use robot::STOP;
 pub use robot::{EXPECTING, Export, PLANNING, PlanOutcome, PlanOutlook, RobotCommand, WriteDraft};
 pub use setup::{CHECKING, Setup, SetupOutcome};
 pub use study::{AskedRobot, SIMULATING, StudyCommand};

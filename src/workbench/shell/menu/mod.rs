@@ -7,7 +7,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::state::State;
 use crate::model::command::{
-    Command, DIAGNOSING, IDENTIFYING, IdentificationCommand, RobotCommand, Setup, ViewCommand,
+    Command, DIAGNOSING, IDENTIFYING, IdentificationCommand, RobotCommand, STOP, Setup, ViewCommand,
 };
 use crate::model::manual::Page;
 use crate::model::next_step;
@@ -73,9 +73,6 @@ pub struct Item {
 fn keys(modifiers: Modifiers, key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(modifiers, key))
 }
-
-/// The key that stops the robot. It is no letter and needs no other key, so that it works whatever has the focus.
-pub const STOP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::F12);
 
 const CONTROL: Modifiers = Modifiers::COMMAND;
 const CONTROL_SHIFT: Modifiers = Modifiers {
