@@ -385,6 +385,7 @@ fn a_connection_lost_while_writing_reports_what_the_controller_holds() {
         .clone();
     let mut reader = plant.client();
     bench.give(RobotCommand::Disconnect);
+    bench.give(FileCommand::Answer(Answer::Discard));
     bench.wait("the end", |state| !state.model.link.is_connected());
     tautline_link::Controller::connect(&mut reader).expect("connected");
     let now = tautline_link::Controller::read(&mut reader, &[held.name]).expect("a value");

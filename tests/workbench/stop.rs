@@ -118,10 +118,10 @@ const DIALOGS: [Dialog; 6] = [
         field: Some("Command"),
     },
     Dialog {
-        name: "save as",
+        name: "save",
         open: |bench| bench.give(FileCommand::AskSaveAs),
         shows: "Save the session as",
-        field: Some("Path of the session"),
+        field: Some("Path of the file"),
     },
     Dialog {
         name: "save report",
@@ -130,7 +130,7 @@ const DIALOGS: [Dialog; 6] = [
         field: Some("Title"),
     },
     Dialog {
-        name: "unsaved changes",
+        name: "leaving",
         open: |bench| bench.give(FileCommand::Close),
         shows: "Save the changes?",
         field: None,

@@ -9,6 +9,7 @@ use tautline_session::{Session, import};
 use super::file_tasks::pick;
 use crate::model::command::{COMPARING, CompareCommand, CompareOutcome};
 use crate::model::comparison::{Compared, Run, Side, Source};
+use crate::model::messages::Cause;
 use crate::model::phase::Screen;
 use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession};
@@ -142,6 +143,7 @@ fn read(path: &Path) -> Result<Session, String> {
 /// Compares as soon as both are chosen; `chosen` is read again even if it is known.
 fn start(model: &mut Model, chosen: Option<Side>) {
     model.tasks.cancel(COMPARING);
+    model.messages.resolve(Cause::Comparison);
     let comparison = &mut model.comparison;
     let number = comparison.begin();
     let [Some(a), Some(b)] = Side::ALL.map(|side| {
@@ -171,7 +173,7 @@ pub(super) fn receive(model: &mut Model, CompareOutcome { number, result }: Comp
         return;
     }
     if let Err(error) = &result {
-        model.messages.error(error.clone());
+        model.messages.failure(Cause::Comparison, error.clone());
     }
     model.comparison.take(result.map(Arc::from));
 }

@@ -7,6 +7,7 @@ use tautline_session::Loaded;
 use super::file_tasks::pick;
 use crate::model::command::{ImportCommand, ImportOutcome, Outcome};
 use crate::model::edit::Edit;
+use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, UiRequest};
 use tautline_workflow::precalibration::{Table, TableRows};
@@ -26,11 +27,13 @@ pub(super) fn perform(model: &mut Model, command: ImportCommand) {
 }
 
 fn read(model: &mut Model, table: Table, path: PathBuf) {
+    model.messages.resolve(Cause::Opening);
     let Some(open) = &model.open else {
         let name = path.display();
-        model.messages.error(format!(
+        let text = format!(
             "{name}: is a table, expected a session, a robot.json or a dataset folder to be opened first."
-        ));
+        );
+        model.messages.failure(Cause::Opening, text);
         return;
     };
     let robot = open.session().robot.clone();
@@ -46,7 +49,7 @@ pub(super) fn receive(model: &mut Model, ImportOutcome { path, result }: ImportO
             let name = path.file_name().unwrap_or(path.as_os_str());
             take(model, &name.to_string_lossy(), loaded);
         }
-        Err(error) => model.messages.error(error),
+        Err(error) => model.messages.failure(Cause::Opening, error),
     }
 }
 
@@ -59,7 +62,7 @@ pub(super) fn take(model: &mut Model, name: &str, loaded: Loaded<TableRows>) {
     let table = rows.table();
     if !rows.suit(open.session().robot.cable_count()) {
         let message = format!("{name}: the robot was changed while it was read, import it again.");
-        model.messages.error(message);
+        model.messages.failure(Cause::Opening, message);
         return;
     }
     for notice in loaded.notices {

@@ -8,6 +8,7 @@ use super::file_tasks::{pick, write};
 use crate::model::Model;
 use crate::model::command::{ReportCommand, ReportDraft};
 use crate::model::comparison::{Compared, Source};
+use crate::model::dialogs::SaveForm;
 use crate::model::phase::Screen;
 use tautline_workflow::clock;
 use tautline_workflow::report::{
@@ -21,18 +22,17 @@ pub(super) fn perform(model: &mut Model, command: ReportCommand) {
         ReportCommand::Browse(format) => browse(model, format),
         ReportCommand::SetPath(path) => {
             if let Some(draft) = &mut model.dialogs.report {
-                draft.path = path.display().to_string();
+                draft.form.path = path.display().to_string();
             }
         }
         ReportCommand::Cancel => model.dialogs.report = None,
         ReportCommand::Save(path) => {
-            let draft = model.dialogs.report.take();
-            let (path, choice, pinned) = match draft {
-                Some(draft) => (
-                    with_extension(path, draft.format),
-                    draft.choice,
-                    draft.pinned,
-                ),
+            let (path, choice, pinned) = match &mut model.dialogs.report {
+                Some(draft) => {
+                    let path = with_extension(path, draft.format);
+                    draft.form.begin(path.clone());
+                    (path, draft.choice.clone(), draft.pinned.clone())
+                }
                 None => (path, ReportChoice::of(&model.preferences), BTreeSet::new()),
             };
             model.change_preferences(|preferences| choice.save(preferences));
@@ -61,7 +61,7 @@ fn place(model: &Model, format: ReportFormat) -> Option<PathBuf> {
 fn ask(model: &mut Model, format: ReportFormat) {
     model.dialogs.report = place(model, format).map(|path| ReportDraft {
         format,
-        path: path.display().to_string(),
+        form: SaveForm::new(&path),
         choice: ReportChoice::of(&model.preferences),
         pinned: BTreeSet::new(),
     });

@@ -40,9 +40,9 @@ fn start(model: &mut Model, asked: AskedRobot, folder: PathBuf) {
             clock::now(),
             &observer,
         );
-        Outcome::Written(match written {
-            Ok(path) => Ok((path, None)),
-            Err(error) => Err(error.to_string()),
-        })
+        match written {
+            Ok(path) => Outcome::Written(path, Ok(None)),
+            Err(error) => Outcome::Written(folder, Err(error.to_string())),
+        }
     });
 }

@@ -4,7 +4,7 @@ use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Rangef, Ui};
 use egui_material_icons::icons;
 
 use super::sized::{Size, sized};
-use super::{State, alert, dialogs, log, menu, palette, rail, save_as, status, top};
+use super::{State, alert, dialogs, log, menu, palette, rail, save, status, top};
 use crate::model::command::ViewCommand;
 use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
@@ -105,7 +105,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     views::manual::show(ui, model, &mut views.manual, outbox);
     screens::connect::show(ui, model, &mut panels.connect, outbox);
     dialogs::show(ui, state);
-    save_as::show(ui, state);
+    save::show(ui, state);
 }
 
 /// Rail, 3D view, plots and the panel of the phase beside each other.

@@ -9,7 +9,7 @@ mod observed;
 mod palette;
 mod rail;
 mod requests;
-mod save_as;
+mod save;
 mod sized;
 mod state;
 mod status;
@@ -20,7 +20,7 @@ pub use state::State;
 
 use crate::model::command::{CompareCommand, FileCommand};
 use crate::model::phase::Screen;
-use crate::model::{OpenSession, Options, caught_panic};
+use crate::model::{Options, caught_panic};
 use crate::{commands, theme};
 
 /// The workbench as eframe runs it.
@@ -49,12 +49,12 @@ impl App {
 }
 
 impl App {
-    /// The window's own close button asks about unsaved changes, too.
+    /// The window's own close button asks about unsaved changes and an armed robot, too.
     fn ask_before_closing(&mut self, ctx: &egui::Context) {
         let State { model, outbox, .. } = &mut self.state;
-        let is_unsaved = model.open.as_ref().is_some_and(OpenSession::is_unsaved);
+        let is_asked = model.is_unsaved() || model.would_disarm();
         let has_panicked = model.caught_panic.is_some();
-        if is_unsaved && !has_panicked && ctx.input(|input| input.viewport().close_requested()) {
+        if is_asked && !has_panicked && ctx.input(|input| input.viewport().close_requested()) {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             outbox.send(FileCommand::Quit);
         }

@@ -20,7 +20,7 @@ pub use identification::{
     READINESS, Readiness,
 };
 pub use import::{ImportCommand, ImportOutcome};
-pub use plot::{Format, PlotCommand, PlotPicture};
+pub use plot::{Format, PlotCommand, PlotFile, PlotPicture};
 pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
 pub use report::{ReportCommand, ReportDraft};
 pub(crate) use robot::STOP;
@@ -33,7 +33,6 @@ use std::path::PathBuf;
 
 use super::caught_panic::CaughtPanic;
 use super::edit::Edit;
-use super::messages::Severity;
 use super::plot_preparation::Preparation;
 
 /// What is to be done.
@@ -67,8 +66,8 @@ pub enum Command {
     Study(StudyCommand),
     /// Asks the tasks of this title to end.
     CancelTask(&'static str),
-    /// Tells the operator something, such as what is wrong with what was typed.
-    Notify(Severity, String),
+    /// Says what is wrong with what was typed.
+    Refuse(String),
 }
 
 /// What a task came to.
@@ -93,7 +92,7 @@ pub enum Outcome {
     /// What to do with the file that was picked in a dialog; `None` if the dialog was cancelled or is not available.
     Picked(Option<Box<Command>>),
     /// A file was written, perhaps with a warning; or one sentence.
-    Written(Result<(PathBuf, Option<String>), String>),
+    Written(PathBuf, Result<Option<String>, String>),
     /// The task panicked.
     Panicked {
         /// Its title.

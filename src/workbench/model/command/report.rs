@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+use crate::model::dialogs::SaveForm;
 use tautline_workflow::report::{ReportChoice, ReportFormat};
 
 /// Saves the report of the session.
@@ -25,8 +26,8 @@ pub enum ReportCommand {
 pub struct ReportDraft {
     /// How.
     pub format: ReportFormat,
-    /// Where, as it is typed.
-    pub path: String,
+    /// Where.
+    pub form: SaveForm,
     /// What of it is wanted, and its head.
     pub choice: ReportChoice,
     /// Pulleys whose coordinates the picture of the robot shows.
