@@ -15,7 +15,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     };
     let items: Vec<Item> = menu::items(state)
         .into_iter()
-        .filter(|item| item.enabled && matches(&item.title, &text))
+        .filter(|item| item.enabled && matches(&item.name(), &text))
         .collect();
     let mut chosen = None;
     let before = text.clone();
@@ -87,7 +87,7 @@ fn marked(ui: &Ui, count: usize, is_other: bool) -> Marked {
 }
 
 fn line(ui: &mut Ui, item: &Item, is_marked: bool) -> egui::Response {
-    let mut button = egui::Button::selectable(is_marked, &item.title)
+    let mut button = egui::Button::selectable(is_marked, item.name())
         .min_size(egui::vec2(ui.available_width(), 24.0));
     if let Some(shortcut) = item.shortcut {
         button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));

@@ -67,7 +67,17 @@ pub fn show(ui: &mut Ui, state: &mut State, items: &[Item]) {
 fn lines(ui: &mut Ui, state: &mut State, (menu, items): (Menu, &[Item])) {
     let own: Vec<&Item> = items.iter().filter(|item| item.menu == menu).collect();
     let room = ui.ctx().content_rect().height() - 56.0;
-    let mut add = |ui: &mut Ui| own.iter().for_each(|item| line(ui, state, item));
+    let mut add = |ui: &mut Ui| {
+        for part in own.chunk_by(|a, b| a.group.is_some() && a.group == b.group) {
+            let mut part_of = |ui: &mut Ui| part.iter().for_each(|item| line(ui, state, item));
+            match part.first().and_then(|item| item.group) {
+                Some(group) => {
+                    ui.menu_button(group, part_of);
+                }
+                None => part_of(ui),
+            }
+        }
+    };
     if own.len() as f32 * LINE > room {
         egui::ScrollArea::vertical()
             .max_height(room)

@@ -17,13 +17,8 @@ fn recent(state: &State) -> Vec<Item> {
     recent
         .take(RECENT)
         .map(|session| {
-            item(
-                Menu::File,
-                format!("Open recent: {}", session.name),
-                None,
-                true,
-                FileCommand::Open(session.path().to_owned()),
-            )
+            let open = FileCommand::Open(session.path().to_owned());
+            item(Menu::File, &session.name, None, true, open).within("Open recent")
         })
         .collect()
 }
@@ -115,8 +110,8 @@ pub fn lines(state: &State) -> Vec<Item> {
         ),
     ]);
     let new = Template::ALL.map(|template| {
-        let title = format!("New robot: {}", template.title().to_lowercase());
-        item(Menu::File, title, None, true, FileCommand::New(template))
+        let new = FileCommand::New(template);
+        item(Menu::File, template.title(), None, true, new).within("New robot")
     });
     items.splice(3..3, new);
     items

@@ -60,6 +60,8 @@ impl Menu {
 pub struct Item {
     /// Where it is.
     pub menu: Menu,
+    /// The menu below this one in which it is, if any.
+    pub(crate) group: Option<&'static str>,
     /// What the operator reads.
     pub title: String,
     /// Its keys.
@@ -68,6 +70,23 @@ pub struct Item {
     pub enabled: bool,
     /// What it does.
     pub commands: Vec<Command>,
+}
+
+impl Item {
+    /// What it does, for those who do not see its menu.
+    pub(crate) fn name(&self) -> String {
+        match self.group {
+            Some(group) => format!("{group}: {}", self.title),
+            None => self.title.clone(),
+        }
+    }
+
+    fn within(self, group: &'static str) -> Self {
+        Self {
+            group: Some(group),
+            ..self
+        }
+    }
 }
 
 fn keys(modifiers: Modifiers, key: Key) -> Option<KeyboardShortcut> {
@@ -101,6 +120,7 @@ fn item(
 ) -> Item {
     Item {
         menu,
+        group: None,
         title: title.into(),
         shortcut,
         enabled,
@@ -223,6 +243,7 @@ fn next(state: &State) -> Option<Item> {
     let action = step.action.filter(|_| !is_asked)?;
     Some(Item {
         menu: Menu::Model,
+        group: None,
         title: format!("Next: {}", action.title),
         shortcut: Some(next_step::KEYS),
         enabled: true,
