@@ -11,9 +11,7 @@ use tautline_session::{
     write_dataset,
 };
 use tautline_validation::harness::words;
-use tautline_workbench::model::command::Command;
-use tautline_workbench::model::command::RobotCommand;
-use tautline_workbench::model::command::Setup;
+use tautline_workbench::model::command::{Answer, Command, FileCommand, RobotCommand, Setup};
 use tautline_workbench::model::link::Doing;
 use tautline_workbench::model::phase::Phase;
 use tautline_workbench::shell::State;

@@ -87,7 +87,7 @@ fn an_error_lies_over_the_window_until_it_was_read_and_moves_nothing() {
 
 #[test]
 fn an_error_goes_with_its_cause() {
-    let mut measured = Measured::mini(4, &[]);
+    let measured = Measured::mini(4, &[]);
     let mut harness = measured.opened();
     let wrong = Command::Refuse("found \"x\", expected a number.".into());
     give(&mut harness, wrong.clone());

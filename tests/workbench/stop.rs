@@ -18,6 +18,7 @@ use tautline_workbench::views::robot_3d::scene::Shown;
 use tautline_workflow::report::ReportFormat;
 
 use crate::demo::Bench;
+use crate::support::type_into;
 
 /// A few frames: while the robot moves there is always another one.
 fn step(bench: &mut Bench) {
@@ -110,7 +111,18 @@ struct Dialog {
     field: Option<&'static str>,
 }
 
-const DIALOGS: [Dialog; 6] = [
+const DIALOGS: [Dialog; 7] = [
+    Dialog {
+        name: "behind the file chooser",
+        open: |bench| {
+            let options = &mut bench.harness.state_mut().state.model.options;
+            options.no_desktop_dialogs = true;
+            bench.give(FileCommand::AskOpen);
+            bench.settle("the window");
+        },
+        shows: "Show Hidden",
+        field: None,
+    },
     Dialog {
         name: "command palette",
         open: |bench| bench.give(ViewCommand::Palette(true)),
@@ -218,6 +230,7 @@ fn every_dialog_is_drawn_in_one_place_and_has_a_test_of_stop() {
             "{file}"
         );
         let calls = text.split("modal(ui, (\"").skip(1);
+        let calls = calls.chain(text.split("backdrop(ui, \"").skip(1));
         names.extend(calls.filter_map(|call| Some(call.split_once('"')?.0.to_owned())));
     }
     let tested = DIALOGS.iter().map(|dialog| dialog.name.to_owned());

@@ -6,7 +6,7 @@ use egui::Role;
 use egui_kittest::kittest::Queryable;
 use tautline_session::Stage;
 use tautline_validation::harness::words;
-use tautline_workbench::model::command::CompareCommand;
+use tautline_workbench::model::command::{Answer, CompareCommand, FileCommand};
 
 use crate::demo::Bench;
 use crate::support::type_into;

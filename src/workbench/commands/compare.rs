@@ -6,9 +6,10 @@ use std::sync::Arc;
 use tautline_core::estimation::Progress;
 use tautline_session::{Session, import};
 
-use super::file_tasks::pick;
+use super::file_dialog::pick;
 use crate::model::command::{COMPARING, CompareCommand, CompareOutcome};
 use crate::model::comparison::{Compared, Run, Side, Source};
+use crate::model::file_choice::FileRequest;
 use crate::model::messages::Cause;
 use crate::model::phase::Screen;
 use crate::model::tasks::TaskHandle;
@@ -20,14 +21,12 @@ use tautline_workflow::identification::IdentificationError;
 pub(super) fn perform(model: &mut Model, command: CompareCommand) {
     match command {
         CompareCommand::Show => show(model),
-        CompareCommand::Ask(side) => pick(
-            model,
-            || {
-                let dialog = rfd::FileDialog::new().add_filter("Tautline", &["json"]);
-                dialog.pick_file()
-            },
-            move |path| CompareCommand::Choose(side, Source::File(path)),
-        ),
+        CompareCommand::Ask(side) => {
+            let request = FileRequest::file("Session to compare", &["json"]);
+            pick(model, request, move |path| {
+                CompareCommand::Choose(side, Source::File(path))
+            });
+        }
         CompareCommand::Choose(side, source) => choose(model, side, source),
         CompareCommand::Drop(path) => {
             let is_empty = |side: &Side| model.comparison.source(*side).is_none();

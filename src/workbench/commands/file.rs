@@ -8,10 +8,12 @@ use tautline_session::{
     write_session,
 };
 
-use super::file_tasks::{ask_save, pick, written};
+use super::file_dialog::pick;
+use super::file_tasks::{ask_save, written};
 use super::{recording, robot, tables};
 use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome};
 use crate::model::dialogs::{LeavingDraft, SaveContent, SaveForm};
+use crate::model::file_choice::FileRequest;
 use crate::model::link::DriverCommand;
 use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
@@ -29,13 +31,17 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
     match command {
         FileCommand::TryDemo => try_demo(model),
         FileCommand::New(template) => new_robot(model, template),
-        FileCommand::AskOpen => pick(model, || dialog().pick_file(), FileCommand::Open),
+        FileCommand::AskOpen => pick(model, FileRequest::file("Open", &[]), FileCommand::Open),
         FileCommand::AskSaveAs => ask_save_as(model),
-        FileCommand::BrowseSave => pick(
-            model,
-            || dialog().set_file_name("session.json").save_file(),
-            FileCommand::SetSavePath,
-        ),
+        FileCommand::BrowseSave => {
+            let target = model
+                .dialogs
+                .save
+                .as_ref()
+                .and_then(|draft| draft.form.target());
+            let request = FileRequest::new_file(&target.unwrap_or_default());
+            pick(model, request, FileCommand::SetSavePath);
+        }
         FileCommand::SetSavePath(path) => {
             if let Some(draft) = &mut model.dialogs.save {
                 draft.form = SaveForm::new(&path);
@@ -111,12 +117,6 @@ fn new_series(model: &mut Model) {
             is_new: false,
         })),
     );
-}
-
-fn dialog() -> rfd::FileDialog {
-    rfd::FileDialog::new()
-        .add_filter("Tautline", &["json", "csv"])
-        .add_filter("All files", &["*"])
 }
 
 /// Asks where to save; its own file is suggested.

@@ -1,22 +1,11 @@
-//! Picking, saving and writing files.
+//! Saving and writing files.
 
 use std::path::{Path, PathBuf};
 
-use crate::model::command::{Command, Outcome};
+use crate::model::command::Outcome;
 use crate::model::dialogs::{SaveContent, SaveDraft, SaveForm};
 use crate::model::messages::{Cause, Severity};
 use crate::model::{Model, OpenSession};
-
-/// Opens a file dialog on a thread of its own; with the file that was picked, `command` is done.
-pub fn pick<C: Into<Command>>(
-    model: &mut Model,
-    dialog: impl FnOnce() -> Option<PathBuf> + Send + 'static,
-    command: impl FnOnce(PathBuf) -> C + Send + 'static,
-) {
-    model.tasks.start("File dialog", move |_| {
-        Outcome::Picked(dialog().map(|path| Box::new(command(path).into())))
-    });
-}
 
 /// Where files are looked for and saved at first: the folder of the open session, or of the one that was open last.
 pub fn usual_folder(model: &Model) -> PathBuf {
@@ -27,7 +16,8 @@ pub fn usual_folder(model: &Model) -> PathBuf {
         .first()
         .map(|recent| recent.path());
     let folder = own.or(recent).and_then(Path::parent);
-    folder.map_or_else(PathBuf::new, Path::to_owned)
+    let present = || std::env::current_dir().unwrap_or_default();
+    folder.map_or_else(present, Path::to_owned)
 }
 
 /// Asks where to save, under this name unless another is typed.

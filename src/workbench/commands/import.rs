@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use tautline_session::Loaded;
 
-use super::file_tasks::pick;
+use super::file_dialog::pick;
 use crate::model::command::{ImportCommand, ImportOutcome, Outcome};
 use crate::model::edit::Edit;
+use crate::model::file_choice::FileRequest;
 use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, UiRequest};
@@ -14,14 +15,10 @@ use tautline_workflow::precalibration::{Table, TableRows};
 
 pub(super) fn perform(model: &mut Model, command: ImportCommand) {
     match command {
-        ImportCommand::Ask(table) => pick(
-            model,
-            move || {
-                let dialog = rfd::FileDialog::new().add_filter(table.file_name(), &["csv"]);
-                dialog.pick_file()
-            },
-            move |path| ImportCommand::Read(table, path),
-        ),
+        ImportCommand::Ask(table) => {
+            let request = FileRequest::file(table.file_name(), &["csv"]);
+            pick(model, request, move |path| ImportCommand::Read(table, path));
+        }
         ImportCommand::Read(table, path) => read(model, table, path),
     }
 }

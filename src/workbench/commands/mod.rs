@@ -2,6 +2,7 @@
 
 mod compare;
 mod file;
+mod file_dialog;
 mod file_tasks;
 mod identification;
 mod import;
@@ -99,9 +100,8 @@ pub fn receive(model: &mut Model, outcome: Outcome) {
         Outcome::Setup(outcome) => setup::receive(model, outcome),
         Outcome::Compare(outcome) => compare::receive(model, outcome),
         Outcome::Picked(Some(command)) => perform(model, *command),
-        Outcome::Picked(None) => model
-            .messages
-            .info("No file was chosen. If no dialog appeared, type the path instead."),
+        Outcome::Picked(None) => {}
+        Outcome::NoFileDialog(choice) => model.dialogs.chooser = Some(choice.into()),
         Outcome::Written(path, result) => {
             if let Ok(Some(warning)) = &result {
                 model.messages.warning(warning);

@@ -10,11 +10,13 @@ use tautline_import::{
 use tautline_session::{Loaded, Phase as LogPhase, Session, write_versioned};
 
 use super::file::begin;
-use super::file_tasks::{ask_save, pick, write};
+use super::file_dialog::pick;
+use super::file_tasks::{ask_save, write};
 use super::{changed, identification};
 use crate::model::command::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
 use crate::model::dialogs::SaveContent;
 use crate::model::edit::Edit;
+use crate::model::file_choice::FileRequest;
 use crate::model::importing::{Cut, OpenImport};
 use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
@@ -32,14 +34,10 @@ const ENDINGS: [&str; 15] = [
 pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
     match command {
         RecordingCommand::Show => model.screen = Screen::Import,
-        RecordingCommand::Ask => pick(
-            model,
-            || {
-                let dialog = rfd::FileDialog::new();
-                dialog.add_filter("Readings", &ENDINGS).pick_file()
-            },
-            RecordingCommand::Read,
-        ),
+        RecordingCommand::Ask => {
+            let request = FileRequest::file("Import", &ENDINGS);
+            pick(model, request, RecordingCommand::Read);
+        }
         RecordingCommand::Read(path) => read(model, path),
         RecordingCommand::UseRobot(robot) => {
             let name = robot.name.clone();
@@ -56,14 +54,10 @@ pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
                 open.shown = place;
             }
         }
-        RecordingCommand::AskRecipe => pick(
-            model,
-            || {
-                let dialog = rfd::FileDialog::new().add_filter("Recipe", &["json"]);
-                dialog.pick_file()
-            },
-            RecordingCommand::UseRecipe,
-        ),
+        RecordingCommand::AskRecipe => {
+            let request = FileRequest::file("Recipe", &["json"]);
+            pick(model, request, RecordingCommand::UseRecipe);
+        }
         RecordingCommand::UseRecipe(path) => model.tasks.start(READING, move |_| {
             let result = read_recipe(&path).map_err(|error| error.to_string());
             RecordingOutcome::Recipe(path, result).into()

@@ -5,10 +5,12 @@ use tautline_session::{
 };
 use tautline_workflow::controllers::check_symbols;
 
-use super::file_tasks::{ask_save, pick, write};
+use super::file_dialog::pick;
+use super::file_tasks::{ask_save, write};
 use crate::model::command::{CHECKING, RobotCommand, Setup, SetupOutcome};
 use crate::model::dialogs::SaveContent;
 use crate::model::edit::Edit;
+use crate::model::file_choice::FileRequest;
 use crate::model::messages::Severity;
 use crate::model::{ConnectionRequest, Model, UiRequest};
 
@@ -25,21 +27,17 @@ pub(super) fn perform(model: &mut Model, setup: Setup) {
         Setup::Open => ask(model, ConnectionRequest::Open),
         Setup::Close => ask(model, ConnectionRequest::Close),
         Setup::Save(settings) => save(model, settings),
-        Setup::PickRecording => pick(
-            model,
-            || rfd::FileDialog::new().pick_folder(),
-            |folder| RobotCommand::Setup(Setup::Recording(folder)),
-        ),
+        Setup::PickRecording => pick(model, FileRequest::folder("Recording"), |folder| {
+            RobotCommand::Setup(Setup::Recording(folder))
+        }),
         Setup::Recording(folder) => ask(model, ConnectionRequest::SetFolder(folder)),
         Setup::Check(what) => check(model, *what),
-        Setup::AskImport => pick(
-            model,
-            || {
-                let dialog = rfd::FileDialog::new().add_filter("Symbol names", &["json"]);
-                dialog.pick_file()
-            },
-            |path| RobotCommand::Setup(Setup::Import(path)),
-        ),
+        Setup::AskImport => {
+            let request = FileRequest::file("Names of symbols", &["json"]);
+            pick(model, request, |path| {
+                RobotCommand::Setup(Setup::Import(path))
+            });
+        }
         Setup::Import(path) => start(model, "Reading symbol names", move || {
             let read = read_versioned::<SymbolMapping>(&path);
             let read = read.map(|read| Box::new(read.value));

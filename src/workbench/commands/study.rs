@@ -5,15 +5,16 @@ use std::path::PathBuf;
 use tautline_study::simulated_question::simulate;
 use tautline_workflow::clock;
 
-use super::file_tasks::pick;
+use super::file_dialog::pick;
 use crate::model::Model;
 use crate::model::command::{AskedRobot, Outcome, SIMULATING, StudyCommand};
+use crate::model::file_choice::FileRequest;
 
 pub(super) fn perform(model: &mut Model, command: StudyCommand) {
     match command {
         StudyCommand::Browse(asked) => {
-            let dialog = || rfd::FileDialog::new().pick_folder();
-            pick(model, dialog, |folder| {
+            let request = FileRequest::folder("Folder of the study");
+            pick(model, request, |folder| {
                 StudyCommand::Simulate(asked, folder)
             });
         }

@@ -8,6 +8,7 @@ use super::command::{
     Command, Export, FileCommand, Leaving, PlotCommand, PlotFile, RecordingCommand, ReportDraft,
     RobotCommand, Setup, WriteDraft,
 };
+use super::file_choice::FileChooser;
 use super::manual;
 
 /// Dialogs above the screen.
@@ -17,6 +18,8 @@ pub struct Dialogs {
     pub(crate) leaving: Option<LeavingDraft>,
     /// The file that is to be saved, while its place is asked for.
     pub(crate) save: Option<SaveDraft>,
+    /// The window that asks for a file.
+    pub(crate) chooser: Option<FileChooser>,
     /// What was typed into the command palette, while it is open.
     pub palette: Option<String>,
     /// Values that are to be written, while that is to be confirmed.

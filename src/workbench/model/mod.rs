@@ -7,6 +7,7 @@ pub mod command;
 pub mod comparison;
 pub mod dialogs;
 pub mod edit;
+pub(crate) mod file_choice;
 pub mod fit_progress;
 pub mod importing;
 pub mod link;
@@ -65,6 +66,8 @@ pub struct Options {
     pub robot_speed: Option<f64>,
     /// Where to describe what the window shows, for programs that drive it from the outside.
     pub observed: Option<PathBuf>,
+    /// Whether files are chosen in a window of the program even where the desktop has dialogs for that.
+    pub no_desktop_dialogs: bool,
 }
 
 /// What is shown of the measured poses and of the robot in motion.

@@ -2,6 +2,7 @@
 
 mod alert;
 mod dialogs;
+mod file_chooser;
 mod frame;
 mod log;
 mod menu;

@@ -1,6 +1,6 @@
 //! Dialogs that everything else waits for; only Stop is drawn above them.
 
-use egui::{Id, Modal, Ui};
+use egui::{Frame, Id, Modal, Order, Ui};
 
 use crate::theme::GRID;
 
@@ -18,4 +18,11 @@ pub(crate) fn modal<T>(
     });
     let is_left = shown.should_close();
     (shown.inner, is_left)
+}
+
+/// Keeps the screen from the pointer and the keys while a window of a library is open above it.
+pub(crate) fn backdrop(ui: &Ui, name: &str) {
+    let area = Modal::default_area(Id::unique(name)).order(Order::Middle);
+    let behind = Modal::new(Id::unique(name)).area(area).frame(Frame::NONE);
+    behind.show(ui.ctx(), |_| ());
 }

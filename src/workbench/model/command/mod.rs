@@ -33,6 +33,7 @@ use std::path::PathBuf;
 
 use super::caught_panic::CaughtPanic;
 use super::edit::Edit;
+use super::file_choice::FileChoice;
 use super::plot_preparation::Preparation;
 
 /// What is to be done.
@@ -89,8 +90,10 @@ pub enum Outcome {
     Setup(SetupOutcome),
     /// Of comparing two sessions.
     Compare(CompareOutcome),
-    /// What to do with the file that was picked in a dialog; `None` if the dialog was cancelled or is not available.
+    /// What to do with the file that was picked in a dialog of the desktop; `None` if that was cancelled.
     Picked(Option<Box<Command>>),
+    /// The desktop has no dialog for a file that is asked for.
+    NoFileDialog(FileChoice),
     /// A file was written, perhaps with a warning; or one sentence.
     Written(PathBuf, Result<Option<String>, String>),
     /// The task panicked.
