@@ -6,6 +6,7 @@ use std::path::Path;
 use egui::{Key, Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_session::SymbolMapping;
+use tautline_validation::harness::words;
 use tautline_workbench::model::command::{
     Command, CompareCommand, Export, FileCommand, IdentificationCommand, ImportCommand,
     RecordingCommand, ReportCommand, RobotCommand, Setup,
@@ -103,7 +104,8 @@ fn a_plot_is_saved_by_one_dialog_that_has_the_focus() {
             bench.harness.key_press(key);
             bench.harness.step();
             bench.settle("a file");
-            assert!(!is_open(&bench));
+            let words = words(&bench.harness);
+            assert!(!is_open(&bench), "{format}, {key:?}: {words:?}");
             assert_eq!(path.is_file(), key == Key::Enter);
         }
     }

@@ -181,9 +181,7 @@ fn a_click_on_stop_reaches_the_robot_through_every_dialog_and_leaves_it_open() {
         step(&mut bench);
         let typed = "no such thing";
         if let Some(field) = dialog.field {
-            let field = bench.harness.get_by_role_and_label(Role::TextInput, field);
-            field.type_text(typed);
-            step(&mut bench);
+            type_into(&mut bench.harness, Role::TextInput, field, typed);
         }
         bench.harness.get_by_label("Stop the robot").click();
         step(&mut bench);

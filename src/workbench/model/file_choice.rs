@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::command::Command;
 
+/// Name of the window of the program that asks for a file.
+pub(crate) const WINDOW: &str = "file chooser";
+
 /// What is chosen.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Wanted {
@@ -73,7 +76,7 @@ impl FileRequest {
             Wanted::NewFile => egui_file::FileDialog::save_file(),
         };
         let mut window = window
-            .id(egui::Id::unique("file chooser"))
+            .id(egui::Id::unique(WINDOW))
             .title(self.title)
             .initial_path(self.folder.as_path())
             .default_filename(self.name.as_str())

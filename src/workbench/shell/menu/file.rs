@@ -18,7 +18,9 @@ fn recent(state: &State) -> Vec<Item> {
         .take(RECENT)
         .map(|session| {
             let open = FileCommand::Open(session.path().to_owned());
-            item(Menu::File, &session.name, None, true, open).within("Open recent")
+            let file = session.path().file_name().unwrap_or_default().display();
+            let title = format!("{} ({file})", session.name);
+            item(Menu::File, title, None, true, open).within("Open recent")
         })
         .collect()
 }

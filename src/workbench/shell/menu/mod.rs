@@ -236,6 +236,7 @@ fn next(state: &State) -> Option<Item> {
     let dialogs = &state.model.dialogs;
     let is_asked = dialogs.leaving.is_some()
         || dialogs.save.is_some()
+        || dialogs.chooser.is_some()
         || dialogs.writing.is_some()
         || dialogs.report.is_some()
         || state.panels.connect.is_some();
