@@ -70,12 +70,18 @@ fn replace(
     };
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).rand_bytes(LETTERS);
+    let mut options = fs::File::options();
+    options.write(true).create_new(true);
     // A temporary file is private by default, but this one becomes an ordinary file.
     #[cfg(unix)]
-    builder.permissions(permissions(path));
-    let mut writer = BufWriter::new(builder.tempfile_in(folder)?);
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode(path));
+    // Opened and written as a file of its own: errors of tempfile name the temporary file, which means nothing to the
+    // operator.
+    let file = builder.make_in(folder, |temporary| options.open(temporary))?;
+    let mut writer = BufWriter::new(file.as_file());
     fill(&mut writer)?;
-    let file = writer.into_inner().map_err(|error| error.into_error())?;
+    writer.flush()?;
+    drop(writer);
     file.as_file().sync_all()?;
     file.persist(path).map_err(|error| error.error)?;
     sync_folder(folder)?;
@@ -136,12 +142,9 @@ pub(crate) fn sync_folder(folder: &Path) -> std::io::Result<()> {
 
 /// Permissions of the file to be replaced, else those of any new file.
 #[cfg(unix)]
-fn permissions(path: &Path) -> fs::Permissions {
+fn mode(path: &Path) -> u32 {
     use std::os::unix::fs::PermissionsExt;
-    match fs::metadata(path) {
-        Ok(metadata) => metadata.permissions(),
-        Err(_) => fs::Permissions::from_mode(0o666),
-    }
+    fs::metadata(path).map_or(0o666, |metadata| metadata.permissions().mode())
 }
 
 #[cfg(test)]
@@ -182,6 +185,16 @@ mod tests {
         assert_eq!(reader.join().expect("a thread").expect("read"), "text");
         let kind = fs::symlink_metadata(&pipe).expect("there").file_type();
         assert!(kind.is_fifo());
+    }
+
+    #[test]
+    fn an_error_names_the_file_and_not_its_temporary_one() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("nowhere/table.csv");
+        let error = write_text(&path, "text").expect_err("no such folder");
+        let text = error.to_string();
+        assert!(text.starts_with(&path.display().to_string()), "{text}");
+        assert!(!text.contains(PREFIX), "{text}");
     }
 
     #[test]

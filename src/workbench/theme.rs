@@ -192,12 +192,18 @@ fn fonts() -> FontDefinitions {
             .font_data
             .insert(name.into(), Arc::new(FontData::from_static(bytes)));
     }
+    let mut icons = FontData::from_static(tautline_workflow::fonts::FILE_CHOOSER_ICONS);
+    // As egui_material_icons has it.
+    icons.tweak.y_offset_factor = 0.05;
+    fonts.font_data.insert("icons".into(), Arc::new(icons));
     for family in [FontFamily::Proportional, FontFamily::Monospace] {
-        fonts.families.insert(family, vec!["inter".into()]);
+        fonts
+            .families
+            .insert(family, vec!["inter".into(), "icons".into()]);
     }
     fonts.families.insert(
         FontFamily::Name(STRONG.into()),
-        vec!["inter-strong".into(), "inter".into()],
+        vec!["inter-strong".into(), "inter".into(), "icons".into()],
     );
     fonts
 }

@@ -12,7 +12,6 @@ use tautline_workbench::model::command::{
 use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::manual::Page;
-use tautline_workbench::model::messages::Severity;
 use tautline_workbench::model::part::Part;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::State;
@@ -235,13 +234,13 @@ fn demo(looks: &mut Looks) -> Result<()> {
         .stage
         .wait("a verification", |state| verified(state) == 2);
     looks.at("demo-verified")?;
-    looks.stage.give(Command::Notify(
-        Severity::Error,
+    looks.stage.give(Command::Refuse(
         "winch.csv, line 7: found \"x\", expected a number.".into(),
     ));
     looks.at("demo-error")?;
     looks.stage.give(ViewCommand::Dismiss);
     looks.stage.give(RobotCommand::Disconnect);
+    looks.stage.give(FileCommand::Answer(Answer::Discard));
     Ok(())
 }
 

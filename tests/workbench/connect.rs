@@ -11,9 +11,7 @@ use tautline_session::{
     write_dataset,
 };
 use tautline_validation::harness::words;
-use tautline_workbench::model::command::Command;
-use tautline_workbench::model::command::RobotCommand;
-use tautline_workbench::model::command::Setup;
+use tautline_workbench::model::command::{Answer, Command, FileCommand, RobotCommand, Setup};
 use tautline_workbench::model::link::Doing;
 use tautline_workbench::model::phase::Phase;
 use tautline_workbench::shell::State;
@@ -385,6 +383,7 @@ fn a_connection_lost_while_writing_reports_what_the_controller_holds() {
         .clone();
     let mut reader = plant.client();
     bench.give(RobotCommand::Disconnect);
+    bench.give(FileCommand::Answer(Answer::Discard));
     bench.wait("the end", |state| !state.model.link.is_connected());
     tautline_link::Controller::connect(&mut reader).expect("connected");
     let now = tautline_link::Controller::read(&mut reader, &[held.name]).expect("a value");

@@ -52,24 +52,56 @@ fn a_plan_that_is_partly_measured_is_not_done() {
     assert_eq!(status.line, "3 of 25 poses measured");
 }
 
+/// Where all buttons are.
+fn buttons(harness: &Harness<'_, App>) -> Vec<(String, egui::Rect)> {
+    let nodes = harness.root().children_recursive();
+    let buttons = nodes.filter(|node| node.accesskit_node().role() == egui::Role::Button);
+    buttons
+        .map(|node| {
+            (
+                node.accesskit_node().label().unwrap_or_default(),
+                node.rect(),
+            )
+        })
+        .collect()
+}
+
 #[test]
-fn an_error_stays_across_the_window_until_it_was_read() {
+fn an_error_lies_over_the_window_until_it_was_read_and_moves_nothing() {
     let mut harness = Measured::mini(4, &[]).opened();
-    harness
-        .state_mut()
-        .state
-        .model
-        .messages
-        .error("The file cannot be written: the disk is full.");
+    let before = buttons(&harness);
+    let text = "The file cannot be written: the disk is full.";
+    harness.state_mut().state.model.messages.error(text);
     harness.run_ok();
     assert!(is_said(&harness, "the disk is full"));
+    let with = buttons(&harness);
+    let moved = before.iter().filter(|button| !with.contains(button));
+    assert_eq!(moved.count(), 0, "{before:?} {with:?}");
     give(
         &mut harness,
         ViewCommand::Go(Screen::Phase(Phase::Measuring)),
     );
-    harness.get_by_label("Dismiss");
     press(&mut harness, "Dismiss");
     assert!(harness.query_by_label("Dismiss").is_none());
+}
+
+#[test]
+fn an_error_goes_with_its_cause() {
+    let measured = Measured::mini(4, &[]);
+    let mut harness = measured.opened();
+    let wrong = Command::Refuse("found \"x\", expected a number.".into());
+    give(&mut harness, wrong.clone());
+    harness.get_by_label("Dismiss");
+    give(&mut harness, Edit::Rename("A number".into()));
+    assert!(harness.query_by_label("Dismiss").is_none(), "it was typed");
+    give(&mut harness, FileCommand::Open("nowhere.json".into()));
+    harness.get_by_label("Dismiss");
+    give(&mut harness, Edit::Rename("Another name".into()));
+    harness.get_by_label("Dismiss");
+    let path = measured.beside("kept.json");
+    give(&mut harness, FileCommand::SaveAs(path.clone()));
+    give(&mut harness, FileCommand::Open(path));
+    assert!(harness.query_by_label("Dismiss").is_none(), "it was opened");
 }
 
 #[test]

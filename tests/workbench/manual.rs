@@ -68,7 +68,8 @@ fn a_session_is_opened_again_from_the_menu() {
     give(&mut harness, FileCommand::Close);
     assert!(harness.state().state.model.open.is_none());
     press(&mut harness, "File");
-    press(&mut harness, "Open recent: mini");
+    press(&mut harness, "Open recent");
+    press(&mut harness, "mini (kept.json)");
     let open = harness.state().state.model.open.as_ref();
     assert_eq!(open.and_then(|open| open.path()), Some(path.as_path()));
 }

@@ -124,8 +124,8 @@ fn what_is_visible_is_saved() {
         harness.get_by_label(format).click();
         harness.run_ok();
         let name = path.display().to_string();
-        type_into(&mut harness, Role::TextInput, "Plot file", &name);
-        harness.get_by_label("Save this plot").click();
+        type_into(&mut harness, Role::TextInput, "Path of the file", &name);
+        harness.get_by_label("Save").click();
         harness.step();
         settle(&mut harness);
         let text = std::fs::read_to_string(&path).expect("the file");

@@ -22,7 +22,7 @@ fn both_entries_of_the_menu_save_at_a_typed_path() {
         let path = measured.beside(&format!("own.{}", format.to_lowercase()));
         // The end of the name follows from the format.
         let typed = path.with_extension("").display().to_string();
-        type_into(&mut harness, Role::TextInput, "Path of the report", &typed);
+        type_into(&mut harness, Role::TextInput, "Path of the file", &typed);
         press(&mut harness, "Save report");
         let bytes = std::fs::read(&path).expect("the report");
         let shown = String::from_utf8_lossy(&bytes[..start.len()]).to_lowercase();

@@ -1,15 +1,24 @@
-//! Stop: one button at one place with a key of its own, and what is seen afterwards; the live scope before.
+//! Stop: one button at one place with a key of its own, above every dialog, and what is seen afterwards; the live scope
+//! before.
 
-use egui::{Key, Modifiers, Rect};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use egui::{Key, Modifiers, Rect, Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_workbench::model::Selection;
-use tautline_workbench::model::command::{IdentificationCommand, RobotCommand, ViewCommand};
+use tautline_workbench::model::command::{
+    FileCommand, IdentificationCommand, ReportCommand, RobotCommand, Setup, ViewCommand, WriteDraft,
+};
 use tautline_workbench::model::link::Doing;
 use tautline_workbench::model::phase::Phase;
 use tautline_workbench::shell::State;
 use tautline_workbench::views::robot_3d::scene::Shown;
+use tautline_workflow::report::ReportFormat;
 
 use crate::demo::Bench;
+use crate::support::type_into;
 
 /// A few frames: while the robot moves there is always another one.
 fn step(bench: &mut Bench) {
@@ -89,6 +98,141 @@ fn stop_has_one_place_and_a_key_and_shows_where_the_robot_is() {
     bench.press("Stop the robot");
     bench.wait("the end", ended);
     assert_eq!(shown(&mut bench), Shown::Stopped);
+}
+
+/// A dialog of the program.
+struct Dialog {
+    /// Its name in the source.
+    name: &'static str,
+    open: fn(&mut Bench),
+    /// Something that it shows.
+    shows: &'static str,
+    /// A field that is typed into.
+    field: Option<&'static str>,
+}
+
+const DIALOGS: [Dialog; 7] = [
+    Dialog {
+        name: "behind the file chooser",
+        open: |bench| {
+            let options = &mut bench.harness.state_mut().state.model.options;
+            options.no_desktop_dialogs = true;
+            bench.give(FileCommand::AskOpen);
+            bench.settle("the window");
+        },
+        shows: "Show Hidden",
+        field: None,
+    },
+    Dialog {
+        name: "command palette",
+        open: |bench| bench.give(ViewCommand::Palette(true)),
+        shows: "No matching commands",
+        field: Some("Command"),
+    },
+    Dialog {
+        name: "save",
+        open: |bench| bench.give(FileCommand::AskSaveAs),
+        shows: "Save the session as",
+        field: Some("Path of the file"),
+    },
+    Dialog {
+        name: "save report",
+        open: |bench| bench.give(ReportCommand::AskSave(ReportFormat::Html)),
+        shows: "Save the report as HTML",
+        field: Some("Title"),
+    },
+    Dialog {
+        name: "leaving",
+        open: |bench| bench.give(FileCommand::Close),
+        shows: "Save the changes?",
+        field: None,
+    },
+    Dialog {
+        name: "write values",
+        open: |bench| {
+            let draft = WriteDraft {
+                values: 3,
+                ..WriteDraft::default()
+            };
+            bench.harness.state_mut().state.model.dialogs.writing = Some(draft);
+        },
+        shows: "Write these values?",
+        field: Some("Operator"),
+    },
+    Dialog {
+        name: "connect",
+        open: |bench| bench.give(RobotCommand::Setup(Setup::Open)),
+        shows: "Connect to a controller",
+        field: None,
+    },
+];
+
+#[test]
+fn a_click_on_stop_reaches_the_robot_through_every_dialog_and_leaves_it_open() {
+    let mut bench = Bench::demo(3);
+    moving(&mut bench);
+    bench.give(RobotCommand::Speed(0.05));
+    for dialog in &DIALOGS {
+        let name = dialog.name;
+        bench.wait("motion", |state| {
+            state.model.link.live().doing == Doing::Moving
+        });
+        (dialog.open)(&mut bench);
+        step(&mut bench);
+        let typed = "no such thing";
+        if let Some(field) = dialog.field {
+            type_into(&mut bench.harness, Role::TextInput, field, typed);
+        }
+        bench.harness.get_by_label("Stop the robot").click();
+        step(&mut bench);
+        bench.wait(name, ended);
+        assert!(
+            bench.harness.query_by_label(dialog.shows).is_some(),
+            "{name}"
+        );
+        if let Some(field) = dialog.field {
+            let field = bench.harness.get_by_role_and_label(Role::TextInput, field);
+            let value = field.accesskit_node().value().unwrap_or_default();
+            assert!(value.contains(typed), "{name}: {value:?}");
+        }
+        bench.harness.key_press(Key::Escape);
+        step(&mut bench);
+        assert!(
+            bench.harness.query_by_label(dialog.shows).is_none(),
+            "{name}"
+        );
+        bench.press("Continue measuring");
+    }
+}
+
+/// All files below a folder.
+fn sources(folder: &Path) -> Vec<(String, String)> {
+    let entries = fs::read_dir(folder).expect("a folder").flatten();
+    let files = entries.flat_map(|entry| match entry.path() {
+        path if path.is_dir() => sources(&path),
+        path => {
+            let text = fs::read_to_string(&path).unwrap_or_default();
+            vec![(path.display().to_string(), text)]
+        }
+    });
+    files.collect()
+}
+
+#[test]
+fn every_dialog_is_drawn_in_one_place_and_has_a_test_of_stop() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../src/workbench");
+    let mut names = BTreeSet::new();
+    for (file, text) in sources(&root) {
+        assert!(
+            !text.contains("Modal::") || file.ends_with("modal.rs"),
+            "{file}"
+        );
+        let calls = text.split("modal(ui, (\"").skip(1);
+        let calls = calls.chain(text.split("backdrop(ui, \"").skip(1));
+        names.extend(calls.filter_map(|call| Some(call.split_once('"')?.0.to_owned())));
+    }
+    let tested = DIALOGS.iter().map(|dialog| dialog.name.to_owned());
+    assert_eq!(names, tested.collect());
 }
 
 #[test]

@@ -229,6 +229,7 @@ fn readings_that_are_sent_reach_the_scope() {
     let asked = plant.server.count(Kind::Read) - asked;
     assert!(asked < 50, "{asked} requests");
     bench.give(RobotCommand::Disconnect);
+    bench.give(FileCommand::Answer(Answer::Discard));
     bench.wait("the end", |state| !state.model.link.is_connected());
     assert_eq!(plant.server.subscriptions(), 0);
 }

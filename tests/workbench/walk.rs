@@ -6,7 +6,7 @@ use egui::Role;
 use egui_kittest::kittest::Queryable;
 use tautline_session::Stage;
 use tautline_validation::harness::words;
-use tautline_workbench::model::command::CompareCommand;
+use tautline_workbench::model::command::{Answer, CompareCommand, FileCommand};
 
 use crate::demo::Bench;
 use crate::support::type_into;
@@ -139,7 +139,8 @@ fn save_and_open_again(bench: &mut Bench) {
             .is_unsaved()
     );
 
-    bench.give(tautline_workbench::model::command::FileCommand::Close);
+    bench.give(FileCommand::Close);
+    bench.give(FileCommand::Answer(Answer::Discard));
     bench.wait("the start screen", |state| state.model.open.is_none());
     bench.harness.get_by_label("Demo robot").click_accesskit();
     bench.wait("the session again", |state| state.model.open.is_some());

@@ -6,9 +6,11 @@ use std::sync::Arc;
 use tautline_core::estimation::Progress;
 use tautline_session::{Session, import};
 
-use super::file_tasks::pick;
+use super::file_dialog::pick;
 use crate::model::command::{COMPARING, CompareCommand, CompareOutcome};
 use crate::model::comparison::{Compared, Run, Side, Source};
+use crate::model::file_choice::FileRequest;
+use crate::model::messages::Cause;
 use crate::model::phase::Screen;
 use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession};
@@ -19,14 +21,12 @@ use tautline_workflow::identification::IdentificationError;
 pub(super) fn perform(model: &mut Model, command: CompareCommand) {
     match command {
         CompareCommand::Show => show(model),
-        CompareCommand::Ask(side) => pick(
-            model,
-            || {
-                let dialog = rfd::FileDialog::new().add_filter("Tautline", &["json"]);
-                dialog.pick_file()
-            },
-            move |path| CompareCommand::Choose(side, Source::File(path)),
-        ),
+        CompareCommand::Ask(side) => {
+            let request = FileRequest::file("Session to compare", &["json"]);
+            pick(model, request, move |path| {
+                CompareCommand::Choose(side, Source::File(path))
+            });
+        }
         CompareCommand::Choose(side, source) => choose(model, side, source),
         CompareCommand::Drop(path) => {
             let is_empty = |side: &Side| model.comparison.source(*side).is_none();
@@ -141,6 +141,7 @@ fn read(path: &Path) -> Result<Session, String> {
 /// Compares as soon as both are chosen; `chosen` is read again even if it is known.
 fn start(model: &mut Model, chosen: Option<Side>) {
     model.tasks.cancel(COMPARING);
+    model.messages.resolve(Cause::Comparison);
     let comparison = &mut model.comparison;
     let number = comparison.begin();
     let [Some(a), Some(b)] = Side::ALL.map(|side| {
@@ -170,7 +171,7 @@ pub(super) fn receive(model: &mut Model, CompareOutcome { number, result }: Comp
         return;
     }
     if let Err(error) = &result {
-        model.messages.error(error.clone());
+        model.messages.failure(Cause::Comparison, error.clone());
     }
     model.comparison.take(result.map(Arc::from));
 }

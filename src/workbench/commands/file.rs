@@ -8,9 +8,14 @@ use tautline_session::{
     link_target, write_session,
 };
 
-use super::file_tasks::pick;
-use super::{recording, tables};
+use super::file_dialog::pick;
+use super::file_tasks::{ask_save, written};
+use super::{recording, robot, tables};
 use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome};
+use crate::model::dialogs::{LeavingDraft, SaveContent, SaveForm};
+use crate::model::file_choice::FileRequest;
+use crate::model::link::DriverCommand;
+use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::importing::{Opened, open as open_any};
@@ -26,23 +31,29 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
     match command {
         FileCommand::TryDemo => try_demo(model),
         FileCommand::New(template) => new_robot(model, template),
-        FileCommand::AskOpen => pick(model, || dialog().pick_file(), FileCommand::Open),
+        FileCommand::AskOpen => pick(model, FileRequest::file("Open", &[]), FileCommand::Open),
         FileCommand::AskSaveAs => ask_save_as(model),
-        FileCommand::PickSaveAs => pick(
-            model,
-            || dialog().set_file_name("session.json").save_file(),
-            FileCommand::SaveAs,
-        ),
+        FileCommand::BrowseSave => {
+            let target = model
+                .dialogs
+                .save
+                .as_ref()
+                .and_then(|draft| draft.form.target());
+            let request = FileRequest::new_file(&target.unwrap_or_default());
+            pick(model, request, FileCommand::SetSavePath);
+        }
+        FileCommand::SetSavePath(path) => {
+            if let Some(draft) = &mut model.dialogs.save {
+                draft.form = SaveForm::new(&path);
+            }
+        }
         // Behind a link is the same file, which is open once and saved in its place.
         FileCommand::Open(path) => read(model, link_target(&path)),
         FileCommand::Save => match model.open.as_ref().and_then(OpenSession::path) {
             Some(path) => save(model, path.to_owned()),
             None => ask_save_as(model),
         },
-        FileCommand::SaveAs(path) => {
-            model.dialogs.save_as = None;
-            save(model, link_target(&path));
-        }
+        FileCommand::SaveAs(path) => save(model, link_target(&path)),
         FileCommand::NewSeries => new_series(model),
         FileCommand::Close => leave(model, Leaving::Close),
         FileCommand::Quit => leave(model, Leaving::Quit),
@@ -108,27 +119,14 @@ fn new_series(model: &mut Model) {
     );
 }
 
-fn dialog() -> rfd::FileDialog {
-    rfd::FileDialog::new()
-        .add_filter("Tautline", &["json", "csv"])
-        .add_filter("All files", &["*"])
-}
-
-/// Asks where to save; its own file is suggested, or one beside the session that was open last.
+/// Asks where to save; its own file is suggested.
 fn ask_save_as(model: &mut Model) {
     let Some(open) = &model.open else {
         return;
     };
-    let recent = model.preferences.recent().first();
-    let path = open.path().map_or_else(
-        || {
-            let folder = recent.and_then(|recent| recent.path().parent());
-            let name = file_name(&open.session().name);
-            folder.map_or_else(|| PathBuf::from(&name), |folder| folder.join(&name))
-        },
-        Path::to_owned,
-    );
-    model.dialogs.save_as = Some(path.display().to_string());
+    let own = open.path().and_then(Path::file_name).map(PathBuf::from);
+    let name = own.unwrap_or_else(|| file_name(&open.session().name).into());
+    ask_save(model, SaveContent::Session, name);
 }
 
 /// "MINI of 2024" as "mini-of-2024.json".
@@ -146,6 +144,7 @@ fn file_name(name: &str) -> String {
 }
 
 fn read(model: &mut Model, path: PathBuf) {
+    model.messages.resolve(Cause::Opening);
     let into = model.open.as_ref().map(|open| open.session().clone());
     let is_own = model.session_lock.holds(&path);
     model.tasks.start("Opening", move |task| {
@@ -174,59 +173,65 @@ fn save(model: &mut Model, path: PathBuf) {
     if !model.tasks.runs(SAVING)
         && let Err(text) = model.session_lock.check(&path)
     {
-        model.dialogs.leaving = None;
-        model.messages.error(text);
-        return;
+        return written(model, &path, Err(text));
     }
+    model.messages.resolve(Cause::Saving);
     let session = open.session().clone();
-    let written = (open.id(), open.revision());
+    let state = (open.id(), open.revision());
     model.tasks.start(SAVING, move |_| {
         let result = write_session(&path, &session).map_err(|error| error.to_string());
         Outcome::File(FileOutcome::Saved {
             path,
-            state: written,
+            state,
             result,
         })
     });
 }
 
-/// Leaves the open session, after a question if it has unsaved changes.
-fn leave(model: &mut Model, leaving: Leaving) {
-    if model.open.as_ref().is_some_and(OpenSession::is_unsaved) {
-        model.dialogs.leaving = Some(leaving);
+/// Leaves the open session or its controller, after a question if that loses unsaved changes or disarms a robot.
+pub(super) fn leave(model: &mut Model, draft: impl Into<LeavingDraft>) {
+    let draft = draft.into();
+    let loses = draft.leaving.ends_session() && model.is_unsaved();
+    if loses || model.would_disarm() && !draft.may_disarm {
+        model.dialogs.leaving = Some(draft);
         return;
     }
-    model.dialogs.leaving = None;
-    match leaving {
+    match draft.leaving {
         Leaving::Open(opening) => open(model, *opening),
         Leaving::Close => {
             model.open = None;
             model.importing.open = None;
+            model.messages.dismiss();
             model.screen = Screen::Start;
         }
         Leaving::Quit => {
             model.open = None;
             model.context.send_viewport_cmd(ViewportCommand::Close);
         }
+        Leaving::Disconnect => model.link.send(DriverCommand::Disconnect),
+        Leaving::Connect(arms) => robot::connect(model, arms),
     }
 }
 
 fn answered(model: &mut Model, answer: Answer) {
+    let Some(mut draft) = model.dialogs.leaving.take() else {
+        return;
+    };
+    draft.may_disarm = true;
+    draft.failure = None;
     match answer {
+        Answer::Cancel => {}
         // What was to be done is done once the file is written.
-        Answer::Save => perform(model, FileCommand::Save),
-        Answer::Cancel => model.dialogs.leaving = None,
-        Answer::Discard => {
-            model.open = None;
-            go_on(model);
+        Answer::Save => {
+            model.dialogs.leaving = Some(draft);
+            perform(model, FileCommand::Save);
         }
-    }
-}
-
-/// Does what had to wait for an answer.
-fn go_on(model: &mut Model) {
-    if let Some(leaving) = model.dialogs.leaving.take() {
-        leave(model, leaving);
+        Answer::Discard => {
+            if draft.leaving.ends_session() {
+                model.open = None;
+            }
+            leave(model, draft);
+        }
     }
 }
 
@@ -254,9 +259,10 @@ fn recover(model: &mut Model, place: usize) {
             model.autosave.discard(left);
         }
         Err(error) => {
-            model
-                .messages
-                .error(format!("{} cannot be recovered: {error}.", left.name));
+            model.messages.failure(
+                Cause::Opening,
+                format!("{} cannot be recovered: {error}.", left.name),
+            );
             model.unsaved_sessions.insert(place, left);
         }
     }
@@ -301,13 +307,15 @@ pub(super) fn receive(model: &mut Model, outcome: FileOutcome) {
             result: Err(error), ..
         }
         | FileOutcome::Demo(Err(error))
-        | FileOutcome::UnsavedSessions(Err(error)) => model.messages.error(error),
+        | FileOutcome::UnsavedSessions(Err(error)) => {
+            model.messages.failure(Cause::Opening, error);
+        }
         FileOutcome::UnsavedSessions(Ok(left)) => model.unsaved_sessions = left,
         FileOutcome::Saved {
             path,
-            state: written,
+            state,
             result,
-        } => saved(model, path, written, result),
+        } => saved(model, path, state, result),
     }
 }
 
@@ -317,18 +325,19 @@ fn saved(
     (identity, revision): (u64, u64),
     result: Result<(), String>,
 ) {
-    if let Err(error) = result {
-        model.dialogs.leaving = None;
-        model.messages.error(error);
+    let is_saved = result.is_ok();
+    written(model, &path, result);
+    if !is_saved {
         return;
     }
-    model.messages.info(format!("Saved {}.", path.display()));
     if let Some(open) = model.open.as_mut().filter(|open| open.id() == identity) {
         open.saved_as(path.clone(), revision);
         model.session_lock.written(identity, &path);
         remember(model, &path);
     }
-    go_on(model);
+    if let Some(draft) = model.dialogs.leaving.take() {
+        leave(model, draft);
+    }
 }
 
 fn imported(model: &mut Model, path: PathBuf, loaded: Loaded<Opened>) {
@@ -379,6 +388,8 @@ fn open(model: &mut Model, opening: Opening) {
         is_new,
     } = opening;
     let first = first_phase(&session);
+    // Errors of another session say nothing about this one.
+    model.messages.dismiss();
     model.messages.info(format!("Opened {}.", session.name));
     let file = path.clone();
     let open = if is_recovered {

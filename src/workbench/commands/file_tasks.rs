@@ -1,19 +1,29 @@
-//! File dialogs and writing files, as tasks.
+//! Saving and writing files.
 
 use std::path::{Path, PathBuf};
 
-use crate::model::Model;
-use crate::model::command::{Command, Outcome};
+use crate::model::command::Outcome;
+use crate::model::dialogs::{SaveContent, SaveDraft, SaveForm};
+use crate::model::messages::{Cause, Severity};
+use crate::model::{Model, OpenSession};
 
-/// Opens a file dialog on a thread of its own; with the file that was picked, `command` is done.
-pub fn pick<C: Into<Command>>(
-    model: &mut Model,
-    dialog: impl FnOnce() -> Option<PathBuf> + Send + 'static,
-    command: impl FnOnce(PathBuf) -> C + Send + 'static,
-) {
-    model.tasks.start("File dialog", move |_| {
-        Outcome::Picked(dialog().map(|path| Box::new(command(path).into())))
-    });
+/// Where files are looked for and saved at first: the folder of the open session, or of the one that was open last.
+pub fn usual_folder(model: &Model) -> PathBuf {
+    let own = model.open.as_ref().and_then(OpenSession::path);
+    let recent = model
+        .preferences
+        .recent()
+        .first()
+        .map(|recent| recent.path());
+    let folder = own.or(recent).and_then(Path::parent);
+    let present = || std::env::current_dir().unwrap_or_default();
+    folder.map_or_else(present, Path::to_owned)
+}
+
+/// Asks where to save, under this name unless another is typed.
+pub fn ask_save(model: &mut Model, content: SaveContent, name: impl AsRef<Path>) {
+    let form = SaveForm::new(&usual_folder(model).join(name));
+    model.dialogs.save = Some(SaveDraft { form, content });
 }
 
 /// Writes a file in a task of this title; `work` may give a warning.
@@ -23,7 +33,26 @@ pub fn write(
     path: PathBuf,
     work: impl FnOnce(&Path) -> Result<Option<String>, String> + Send + 'static,
 ) {
+    model.messages.resolve(Cause::Saving);
     model.tasks.start(title, move |_| {
-        Outcome::Written(work(&path).map(|warning| (path, warning)))
+        let result = work(&path);
+        Outcome::Written(path, result)
     });
+}
+
+/// Takes what became of writing a file: a dialog that waits for it closes, or says why it was not written.
+pub fn written(model: &mut Model, path: &Path, result: Result<(), String>) {
+    match result {
+        Ok(()) => {
+            model.dialogs.close(path);
+            model.messages.info(format!("Saved {}.", path.display()));
+        }
+        Err(text) => match model.dialogs.failure(path) {
+            Some(failure) => {
+                *failure = Some(text.clone());
+                model.messages.log(Severity::Error, text);
+            }
+            None => model.messages.failure(Cause::Saving, text),
+        },
+    }
 }

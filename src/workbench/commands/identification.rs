@@ -13,6 +13,7 @@ use crate::model::command::{
     READINESS, Readiness,
 };
 use crate::model::fit_progress::{Before, FitProgress};
+use crate::model::messages::Cause;
 use crate::model::open_session::{Diagnosed, Stored};
 use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession, UiRequest};
@@ -313,8 +314,11 @@ pub(super) fn receive(model: &mut Model, outcome: IdentificationOutcome) {
         } => Err(format!("{what} is not possible: {error}.")),
     };
     match said {
-        Ok(text) => model.messages.info(text),
-        Err(text) => model.messages.error(text),
+        Ok(text) => {
+            model.messages.resolve(Cause::Estimation);
+            model.messages.info(text);
+        }
+        Err(text) => model.messages.failure(Cause::Estimation, text),
     }
 }
 

@@ -4,33 +4,33 @@ use std::path::PathBuf;
 
 use tautline_session::Loaded;
 
-use super::file_tasks::pick;
+use super::file_dialog::pick;
 use crate::model::command::{ImportCommand, ImportOutcome, Outcome};
 use crate::model::edit::Edit;
+use crate::model::file_choice::FileRequest;
+use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, UiRequest};
 use tautline_workflow::precalibration::{Table, TableRows};
 
 pub(super) fn perform(model: &mut Model, command: ImportCommand) {
     match command {
-        ImportCommand::Ask(table) => pick(
-            model,
-            move || {
-                let dialog = rfd::FileDialog::new().add_filter(table.file_name(), &["csv"]);
-                dialog.pick_file()
-            },
-            move |path| ImportCommand::Read(table, path),
-        ),
+        ImportCommand::Ask(table) => {
+            let request = FileRequest::file(table.file_name(), &["csv"]);
+            pick(model, request, move |path| ImportCommand::Read(table, path));
+        }
         ImportCommand::Read(table, path) => read(model, table, path),
     }
 }
 
 fn read(model: &mut Model, table: Table, path: PathBuf) {
+    model.messages.resolve(Cause::Opening);
     let Some(open) = &model.open else {
         let name = path.display();
-        model.messages.error(format!(
+        let text = format!(
             "{name}: is a table, expected a session, a robot.json or a dataset folder to be opened first."
-        ));
+        );
+        model.messages.failure(Cause::Opening, text);
         return;
     };
     let robot = open.session().robot.clone();
@@ -46,7 +46,7 @@ pub(super) fn receive(model: &mut Model, ImportOutcome { path, result }: ImportO
             let name = path.file_name().unwrap_or(path.as_os_str());
             take(model, &name.to_string_lossy(), loaded);
         }
-        Err(error) => model.messages.error(error),
+        Err(error) => model.messages.failure(Cause::Opening, error),
     }
 }
 
@@ -59,7 +59,7 @@ pub(super) fn take(model: &mut Model, name: &str, loaded: Loaded<TableRows>) {
     let table = rows.table();
     if !rows.suit(open.session().robot.cable_count()) {
         let message = format!("{name}: the robot was changed while it was read, import it again.");
-        model.messages.error(message);
+        model.messages.failure(Cause::Opening, message);
         return;
     }
     for notice in loaded.notices {

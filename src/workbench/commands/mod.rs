@@ -2,6 +2,7 @@
 
 mod compare;
 mod file;
+mod file_dialog;
 mod file_tasks;
 mod identification;
 mod import;
@@ -19,6 +20,7 @@ pub use self::view::restore;
 
 use crate::model::autosave::AutosaveEvent;
 use crate::model::command::{Command, Outcome};
+use crate::model::messages::Cause;
 use crate::model::{Model, OpenSession, UiRequest};
 
 /// Performs a command.
@@ -39,7 +41,7 @@ pub fn perform(model: &mut Model, command: Command) {
             open.edit(edit).then_some(name)
         }),
         Command::CancelTask(title) => model.tasks.cancel(title),
-        Command::Notify(severity, text) => model.messages.add(severity, text),
+        Command::Refuse(text) => model.messages.failure(Cause::Entry, text),
         Command::Undo if recording::undoes(model, false) => recording::undo(model),
         Command::Redo if recording::undoes(model, true) => recording::redo(model),
         Command::Undo => changed(model, Some("Undone"), OpenSession::undo),
@@ -57,6 +59,10 @@ fn changed(
     let Some(name) = model.open.as_mut().and_then(step) else {
         return;
     };
+    // What was typed or computed before is of another session now.
+    for cause in [Cause::Entry, Cause::Estimation, Cause::Planning] {
+        model.messages.resolve(cause);
+    }
     let what = prefix.map_or_else(|| name.clone(), |prefix| format!("{prefix}: {name}"));
     if prefix.is_some() {
         model.messages.info(format!("{what}."));
@@ -67,11 +73,17 @@ fn changed(
 /// Handles an event of the autosave.
 pub fn autosaved(model: &mut Model, event: AutosaveEvent) {
     match event {
-        AutosaveEvent::Measured(label) => robot::autosaved(model, label),
-        AutosaveEvent::Kept => robot::recorded(model),
+        AutosaveEvent::Measured(label) => {
+            model.messages.resolve(Cause::Autosave);
+            robot::autosaved(model, label);
+        }
+        AutosaveEvent::Kept => {
+            model.messages.resolve(Cause::Autosave);
+            robot::recorded(model);
+        }
         AutosaveEvent::Failed(text) => {
             robot::autosave_failed(model);
-            model.messages.error(text);
+            model.messages.failure(Cause::Autosave, text);
         }
     }
 }
@@ -88,16 +100,14 @@ pub fn receive(model: &mut Model, outcome: Outcome) {
         Outcome::Setup(outcome) => setup::receive(model, outcome),
         Outcome::Compare(outcome) => compare::receive(model, outcome),
         Outcome::Picked(Some(command)) => perform(model, *command),
-        Outcome::Picked(None) => model
-            .messages
-            .info("No file was chosen. If no dialog appeared, type the path instead."),
-        Outcome::Written(Ok((path, warning))) => {
-            if let Some(warning) = warning {
+        Outcome::Picked(None) => {}
+        Outcome::NoFileDialog(choice) => model.dialogs.chooser = Some(choice.into()),
+        Outcome::Written(path, result) => {
+            if let Ok(Some(warning)) = &result {
                 model.messages.warning(warning);
             }
-            model.messages.info(format!("Saved {}.", path.display()));
+            file_tasks::written(model, &path, result.map(|_| ()));
         }
-        Outcome::Written(Err(error)) => model.messages.error(error),
         Outcome::Panicked { task, caught_panic } => {
             model.messages.error(format!(
                 "{task} failed with an internal error; the session is unchanged. Please report this with the log."

@@ -2,10 +2,11 @@
 
 use tautline_session::{write_bytes, write_text};
 
-use super::file_tasks::{pick, write};
-use crate::model::command::{Outcome, PlotCommand};
+use super::file_tasks::{ask_save, write};
+use crate::model::Model;
+use crate::model::command::{Outcome, PlotCommand, PlotFile};
+use crate::model::dialogs::SaveContent;
 use crate::model::plot_preparation::Preparation;
-use crate::model::{Model, UiRequest};
 
 /// Title of the task that prepares plots.
 const PREPARING: &str = "Preparing plots";
@@ -15,27 +16,13 @@ const SAVING: &str = "Saving plot";
 pub(super) fn perform(model: &mut Model, command: PlotCommand) {
     match command {
         PlotCommand::Prepare => prepare(model),
-        PlotCommand::Ask(format) => pick(
-            model,
-            move || {
-                let dialog = rfd::FileDialog::new()
-                    .add_filter(format.title(), &[format.ending()])
-                    .set_file_name(format!("plot.{}", format.ending()));
-                dialog.save_file()
-            },
-            PlotCommand::SetPath,
-        ),
-        PlotCommand::SetPath(path) => model.request(UiRequest::SetPlotPath(path)),
-        PlotCommand::SaveText(path, text) => write(model, SAVING, path, move |path| {
-            write_text(path, &text)
-                .map(|()| None)
-                .map_err(|error| error.to_string())
-        }),
-        PlotCommand::SavePicture(path, picture) => write(model, SAVING, path, move |path| {
-            let png = (picture.render)(&picture)?;
-            write_bytes(path, &png)
-                .map(|()| None)
-                .map_err(|error| error.to_string())
+        PlotCommand::AskSave(name, file) => ask_save(model, SaveContent::Plot(file), name),
+        PlotCommand::Save(path, file) => write(model, SAVING, path, move |path| {
+            let written = match file {
+                PlotFile::Text(text) => write_text(path, &text),
+                PlotFile::Picture(picture) => write_bytes(path, &(picture.render)(&picture)?),
+            };
+            written.map(|()| None).map_err(|error| error.to_string())
         }),
     }
 }

@@ -10,11 +10,15 @@ use tautline_import::{
 use tautline_session::{Loaded, Phase as LogPhase, Session, write_versioned};
 
 use super::file::begin;
-use super::file_tasks::{pick, write};
+use super::file_dialog::pick;
+use super::file_tasks::{ask_save, write};
 use super::{changed, identification};
 use crate::model::command::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
+use crate::model::dialogs::SaveContent;
 use crate::model::edit::Edit;
+use crate::model::file_choice::FileRequest;
 use crate::model::importing::{Cut, OpenImport};
+use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
 use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession};
@@ -30,14 +34,10 @@ const ENDINGS: [&str; 15] = [
 pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
     match command {
         RecordingCommand::Show => model.screen = Screen::Import,
-        RecordingCommand::Ask => pick(
-            model,
-            || {
-                let dialog = rfd::FileDialog::new();
-                dialog.add_filter("Readings", &ENDINGS).pick_file()
-            },
-            RecordingCommand::Read,
-        ),
+        RecordingCommand::Ask => {
+            let request = FileRequest::file("Import", &ENDINGS);
+            pick(model, request, RecordingCommand::Read);
+        }
         RecordingCommand::Read(path) => read(model, path),
         RecordingCommand::UseRobot(robot) => {
             let name = robot.name.clone();
@@ -54,26 +54,15 @@ pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
                 open.shown = place;
             }
         }
-        RecordingCommand::AskRecipe => pick(
-            model,
-            || {
-                let dialog = rfd::FileDialog::new().add_filter("Recipe", &["json"]);
-                dialog.pick_file()
-            },
-            RecordingCommand::UseRecipe,
-        ),
+        RecordingCommand::AskRecipe => {
+            let request = FileRequest::file("Recipe", &["json"]);
+            pick(model, request, RecordingCommand::UseRecipe);
+        }
         RecordingCommand::UseRecipe(path) => model.tasks.start(READING, move |_| {
             let result = read_recipe(&path).map_err(|error| error.to_string());
             RecordingOutcome::Recipe(path, result).into()
         }),
-        RecordingCommand::AskSaveRecipe => pick(
-            model,
-            || {
-                let dialog = rfd::FileDialog::new().set_file_name("recipe.json");
-                dialog.save_file()
-            },
-            RecordingCommand::SaveRecipe,
-        ),
+        RecordingCommand::AskSaveRecipe => ask_save(model, SaveContent::Recipe, "recipe.json"),
         RecordingCommand::SaveRecipe(path) => save(model, path),
         RecordingCommand::Finish => finish(model),
         RecordingCommand::Discard => {
@@ -99,6 +88,7 @@ pub(super) fn watch(task: &TaskHandle) -> impl Fn(f64) -> bool + '_ {
 }
 
 fn read(model: &mut Model, path: PathBuf) {
+    model.messages.resolve(Cause::Opening);
     model.tasks.start(READING, move |task| {
         let result = match read_sources(&[path], &watch(task)) {
             Err(_) if task.cancelled() => Ok(None),
@@ -159,6 +149,7 @@ fn change(model: &mut Model, change: impl FnOnce(&mut OpenImport) -> bool) {
     if let Some(open) = &mut model.importing.open
         && change(open)
     {
+        model.messages.resolve(Cause::Entry);
         open.follow(&robot);
         cut(model);
     }
@@ -343,7 +334,7 @@ pub(super) fn receive(model: &mut Model, outcome: RecordingOutcome) {
         }
         RecordingOutcome::Read(Ok(None)) => model.messages.info("Reading was stopped."),
         RecordingOutcome::Read(Err(error)) | RecordingOutcome::Recipe(_, Err(error)) => {
-            model.messages.error(sentence(&error));
+            model.messages.failure(Cause::Opening, sentence(&error));
         }
         RecordingOutcome::Recipe(path, Ok(Loaded { value, notices })) => {
             notices
@@ -355,7 +346,9 @@ pub(super) fn receive(model: &mut Model, outcome: RecordingOutcome) {
         RecordingOutcome::Aligned(revision, Ok((recipe, clocks))) => {
             aligned(model, revision, *recipe, &clocks);
         }
-        RecordingOutcome::Aligned(_, Err(error)) => model.messages.error(sentence(&error)),
+        RecordingOutcome::Aligned(_, Err(error)) => {
+            model.messages.failure(Cause::Entry, sentence(&error));
+        }
         RecordingOutcome::Cut(done) => {
             if let Some(open) = &mut model.importing.open {
                 open.cut = Some(Arc::from(done));

@@ -4,10 +4,13 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::file_tasks::{pick, write};
+use super::file_dialog::pick;
+use super::file_tasks::write;
 use crate::model::Model;
 use crate::model::command::{ReportCommand, ReportDraft};
 use crate::model::comparison::{Compared, Source};
+use crate::model::dialogs::SaveForm;
+use crate::model::file_choice::FileRequest;
 use crate::model::phase::Screen;
 use tautline_workflow::clock;
 use tautline_workflow::report::{
@@ -21,18 +24,17 @@ pub(super) fn perform(model: &mut Model, command: ReportCommand) {
         ReportCommand::Browse(format) => browse(model, format),
         ReportCommand::SetPath(path) => {
             if let Some(draft) = &mut model.dialogs.report {
-                draft.path = path.display().to_string();
+                draft.form = SaveForm::new(&path);
             }
         }
         ReportCommand::Cancel => model.dialogs.report = None,
         ReportCommand::Save(path) => {
-            let draft = model.dialogs.report.take();
-            let (path, choice, pinned) = match draft {
-                Some(draft) => (
-                    with_extension(path, draft.format),
-                    draft.choice,
-                    draft.pinned,
-                ),
+            let (path, choice, pinned) = match &mut model.dialogs.report {
+                Some(draft) => {
+                    let path = with_extension(path, draft.format);
+                    draft.form.begin(path.clone());
+                    (path, draft.choice.clone(), draft.pinned.clone())
+                }
                 None => (path, ReportChoice::of(&model.preferences), BTreeSet::new()),
             };
             model.change_preferences(|preferences| choice.save(preferences));
@@ -61,28 +63,19 @@ fn place(model: &Model, format: ReportFormat) -> Option<PathBuf> {
 fn ask(model: &mut Model, format: ReportFormat) {
     model.dialogs.report = place(model, format).map(|path| ReportDraft {
         format,
-        path: path.display().to_string(),
+        form: SaveForm::new(&path),
         choice: ReportChoice::of(&model.preferences),
         pinned: BTreeSet::new(),
     });
 }
 
 fn browse(model: &mut Model, format: ReportFormat) {
-    let Some(place) = place(model, format) else {
-        return;
-    };
-    let name = place
-        .file_name()
-        .map(|name| name.to_string_lossy().into_owned());
-    let extension = format.extension();
-    pick(
-        model,
-        move || {
-            let dialog = rfd::FileDialog::new().add_filter(extension.to_uppercase(), &[extension]);
-            dialog.set_file_name(name.unwrap_or_default()).save_file()
-        },
-        move |path| ReportCommand::SetPath(with_extension(path, format)),
-    );
+    let draft = model.dialogs.report.as_ref();
+    let target = draft.and_then(|draft| draft.form.target());
+    let request = FileRequest::new_file(&target.unwrap_or_default());
+    pick(model, request, move |path| {
+        ReportCommand::SetPath(with_extension(path, format))
+    });
 }
 
 /// A path that was typed without its extension gets it.

@@ -5,9 +5,13 @@ use tautline_session::{
 };
 use tautline_workflow::controllers::check_symbols;
 
-use super::file_tasks::pick;
+use super::file_dialog::pick;
+use super::file_tasks::{ask_save, write};
 use crate::model::command::{CHECKING, RobotCommand, Setup, SetupOutcome};
+use crate::model::dialogs::SaveContent;
 use crate::model::edit::Edit;
+use crate::model::file_choice::FileRequest;
+use crate::model::messages::Severity;
 use crate::model::{ConnectionRequest, Model, UiRequest};
 
 fn start(model: &mut Model, title: &str, work: impl FnOnce() -> SetupOutcome + Send + 'static) {
@@ -23,37 +27,28 @@ pub(super) fn perform(model: &mut Model, setup: Setup) {
         Setup::Open => ask(model, ConnectionRequest::Open),
         Setup::Close => ask(model, ConnectionRequest::Close),
         Setup::Save(settings) => save(model, settings),
-        Setup::PickRecording => pick(
-            model,
-            || rfd::FileDialog::new().pick_folder(),
-            |folder| RobotCommand::Setup(Setup::Recording(folder)),
-        ),
+        Setup::PickRecording => pick(model, FileRequest::folder("Recording"), |folder| {
+            RobotCommand::Setup(Setup::Recording(folder))
+        }),
         Setup::Recording(folder) => ask(model, ConnectionRequest::SetFolder(folder)),
         Setup::Check(what) => check(model, *what),
-        Setup::AskImport => pick(
-            model,
-            || {
-                let dialog = rfd::FileDialog::new().add_filter("Symbol names", &["json"]);
-                dialog.pick_file()
-            },
-            |path| RobotCommand::Setup(Setup::Import(path)),
-        ),
+        Setup::AskImport => {
+            let request = FileRequest::file("Names of symbols", &["json"]);
+            pick(model, request, |path| {
+                RobotCommand::Setup(Setup::Import(path))
+            });
+        }
         Setup::Import(path) => start(model, "Reading symbol names", move || {
             let read = read_versioned::<SymbolMapping>(&path);
             let read = read.map(|read| Box::new(read.value));
             SetupOutcome::Imported(read.map_err(|error| error.to_string()))
         }),
-        Setup::AskExport(mapping) => pick(
-            model,
-            || {
-                let dialog = rfd::FileDialog::new().set_file_name("symbols.json");
-                dialog.save_file()
-            },
-            |path| RobotCommand::Setup(Setup::Export(path, mapping)),
-        ),
-        Setup::Export(path, mapping) => start(model, "Writing symbol names", move || {
-            let written = write_versioned(&path, &*mapping).map(|()| path);
-            SetupOutcome::Exported(written.map_err(|error| error.to_string()))
+        Setup::AskExport(mapping) => {
+            ask_save(model, SaveContent::Symbols(mapping), "symbols.json");
+        }
+        Setup::Export(path, mapping) => write(model, "Writing symbol names", path, move |path| {
+            let written = write_versioned(path, &*mapping);
+            written.map(|()| None).map_err(|error| error.to_string())
         }),
     }
 }
@@ -95,6 +90,12 @@ fn check(model: &mut Model, connection: Connection) {
     });
 }
 
+/// Says in the dialog what cannot be done.
+fn refuse(model: &mut Model, text: String) {
+    ask(model, ConnectionRequest::Refuse(text.clone()));
+    model.messages.log(Severity::Error, text);
+}
+
 pub(super) fn receive(model: &mut Model, outcome: SetupOutcome) {
     match outcome {
         SetupOutcome::Checked(checked) => ask(model, ConnectionRequest::ShowChecked(checked)),
@@ -104,18 +105,13 @@ pub(super) fn receive(model: &mut Model, outcome: SetupOutcome) {
             };
             match mapping.check(&open.session().robot) {
                 Ok(()) => ask(model, ConnectionRequest::UseSymbols(mapping)),
-                Err(error) => model.messages.error(format!(
-                    "The names do not fit this robot: {}: {}.",
-                    error.pointer, error.message
-                )),
+                Err(error) => {
+                    let (place, what) = (error.pointer, error.message);
+                    let text = format!("The names do not fit this robot: {place}: {what}.");
+                    refuse(model, text);
+                }
             }
         }
-        SetupOutcome::Exported(Ok(path)) => {
-            model.messages.info(format!("Saved {}.", path.display()));
-        }
-        SetupOutcome::Imported(Err(error)) | SetupOutcome::Exported(Err(error)) => {
-            ask(model, ConnectionRequest::Refuse(error.clone()));
-            model.messages.error(error);
-        }
+        SetupOutcome::Imported(Err(error)) => refuse(model, error),
     }
 }

@@ -5,15 +5,16 @@ use std::path::PathBuf;
 use tautline_study::simulated_question::simulate;
 use tautline_workflow::clock;
 
-use super::file_tasks::pick;
+use super::file_dialog::pick;
 use crate::model::Model;
 use crate::model::command::{AskedRobot, Outcome, SIMULATING, StudyCommand};
+use crate::model::file_choice::FileRequest;
 
 pub(super) fn perform(model: &mut Model, command: StudyCommand) {
     match command {
         StudyCommand::Browse(asked) => {
-            let dialog = || rfd::FileDialog::new().pick_folder();
-            pick(model, dialog, |folder| {
+            let request = FileRequest::folder("Folder of the study");
+            pick(model, request, |folder| {
                 StudyCommand::Simulate(asked, folder)
             });
         }
@@ -40,9 +41,9 @@ fn start(model: &mut Model, asked: AskedRobot, folder: PathBuf) {
             clock::now(),
             &observer,
         );
-        Outcome::Written(match written {
-            Ok(path) => Ok((path, None)),
-            Err(error) => Err(error.to_string()),
-        })
+        match written {
+            Ok(path) => Outcome::Written(path, Ok(None)),
+            Err(error) => Outcome::Written(folder, Err(error.to_string())),
+        }
     });
 }

@@ -4,6 +4,7 @@ use tautline_session::{Import, Loaded, Phase as LogPhase};
 
 use super::import;
 use crate::model::edit::Edit;
+use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession};
 use tautline_workflow::precalibration::TableRows;
@@ -32,7 +33,7 @@ fn put(model: &mut Model, file: &str, table: Import) {
         let message = format!(
             "{file}: is a table, expected a session, a robot.json or a dataset folder to be opened first."
         );
-        model.messages.error(message);
+        model.messages.failure(Cause::Opening, message);
         return;
     };
     match into(open, file, table) {
@@ -41,7 +42,7 @@ fn put(model: &mut Model, file: &str, table: Import) {
             model.messages.info(format!("Imported {file}."));
             model.screen = Screen::Phase(step);
         }
-        Err(message) => model.messages.error(message),
+        Err(message) => model.messages.failure(Cause::Opening, message),
     }
 }
 

@@ -16,6 +16,25 @@ pub enum Severity {
     Error,
 }
 
+/// What an error is about: once that has been done after all, the error is no longer shown above the window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Cause {
+    /// Reading a file or a session.
+    Opening,
+    /// Writing a file.
+    Saving,
+    /// Keeping unsaved changes on disk.
+    Autosave,
+    /// What was typed.
+    Entry,
+    Connection,
+    Adjustment,
+    Planning,
+    /// Identification and diagnosis.
+    Estimation,
+    Comparison,
+}
+
 /// One message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
@@ -31,49 +50,60 @@ pub struct Message {
 #[derive(Debug, Default)]
 pub struct Messages {
     all: Vec<Message>,
-    /// The last error, until the operator has seen it.
-    alert: Option<Message>,
+    /// The last error, until the operator has seen it or its cause is gone.
+    alert: Option<(Message, Option<Cause>)>,
 }
 
 /// Older messages are dropped beyond this number.
 const MOST: usize = 2000;
 
 impl Messages {
-    /// Adds a message.
-    pub fn add(&mut self, severity: Severity, text: impl Into<String>) {
+    /// Adds a message to the log alone.
+    pub(crate) fn log(&mut self, severity: Severity, text: impl Into<String>) {
         if self.all.len() == MOST {
             self.all.remove(0);
         }
-        let message = Message {
+        self.all.push(Message {
             time: clock::now(),
             severity,
             text: text.into(),
-        };
-        if severity == Severity::Error {
-            self.alert = Some(message.clone());
-        }
-        self.all.push(message);
+        });
     }
 
     /// Adds a message of severity info.
     pub fn info(&mut self, text: impl Into<String>) {
-        self.add(Severity::Info, text);
+        self.log(Severity::Info, text);
     }
 
     /// Adds a warning.
     pub fn warning(&mut self, text: impl Into<String>) {
-        self.add(Severity::Warning, text);
+        self.log(Severity::Warning, text);
     }
 
-    /// Adds an error.
+    /// Adds an error, which is shown until the operator has seen it.
     pub fn error(&mut self, text: impl Into<String>) {
-        self.add(Severity::Error, text);
+        self.alarm(None, text);
     }
 
-    /// The last error, until [`Self::dismiss`].
+    /// Adds an error, which is shown until the operator has seen it or [`Self::resolve`] ends its cause.
+    pub(crate) fn failure(&mut self, cause: Cause, text: impl Into<String>) {
+        self.alarm(Some(cause), text);
+    }
+
+    fn alarm(&mut self, cause: Option<Cause>, text: impl Into<String>) {
+        self.log(Severity::Error, text);
+        self.alert = self.all.last().map(|message| (message.clone(), cause));
+    }
+
+    /// The cause of an error is gone, or is tried anew.
+    pub(crate) fn resolve(&mut self, cause: Cause) {
+        self.alert.take_if(|(_, of)| *of == Some(cause));
+    }
+
+    /// The error that is shown above the window.
     #[must_use]
     pub fn alert(&self) -> Option<&Message> {
-        self.alert.as_ref()
+        self.alert.as_ref().map(|(message, _)| message)
     }
 
     /// The operator has seen the last error.

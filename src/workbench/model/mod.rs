@@ -5,7 +5,9 @@ pub mod autosave;
 pub mod caught_panic;
 pub mod command;
 pub mod comparison;
+pub mod dialogs;
 pub mod edit;
+pub(crate) mod file_choice;
 pub mod fit_progress;
 pub mod importing;
 pub mod link;
@@ -38,8 +40,9 @@ pub use tautline_workflow::plot::Selection;
 
 use autosave::Autosave;
 use caught_panic::CaughtPanic;
-use command::{Leaving, PlanOutlook, ReportDraft, WriteDraft};
+use command::PlanOutlook;
 use comparison::ComparisonState;
+use dialogs::Dialogs;
 use fit_progress::IdentificationState;
 use importing::ImportState;
 use link::{Link, LivePlatform};
@@ -65,34 +68,8 @@ pub struct Options {
     pub robot_speed: Option<f64>,
     /// Where to describe what the window shows, for programs that drive it from the outside.
     pub observed: Option<PathBuf>,
-}
-
-/// Dialogs above the screen.
-#[derive(Debug, Default)]
-pub struct Dialogs {
-    /// What waits for an answer about unsaved changes.
-    pub leaving: Option<Leaving>,
-    /// The path to save at, while that dialog is open.
-    pub save_as: Option<String>,
-    /// What was typed into the command palette, while it is open.
-    pub palette: Option<String>,
-    /// Values that are to be written, while that is to be confirmed.
-    pub writing: Option<WriteDraft>,
-    /// The report that is to be saved, while that dialog is open.
-    pub report: Option<ReportDraft>,
-    /// Whether the log is open.
-    pub log: bool,
-    /// The page of the manual that is open.
-    pub manual: Option<manual::Page>,
-    /// Whether it is shown what the program is made of.
-    pub about: bool,
-}
-
-impl Dialogs {
-    /// Opens or closes the command palette.
-    pub fn set_palette(&mut self, open: bool) {
-        self.palette = open.then(|| self.palette.take().unwrap_or_default());
-    }
+    /// Whether files are chosen in a window of the program even where the desktop has dialogs for that.
+    pub no_desktop_dialogs: bool,
 }
 
 /// What is shown of the measured poses and of the robot in motion.
@@ -249,6 +226,16 @@ impl Model {
             true => plan_adjustment(&self.link.parameters, &fit.model, Some(&fit.solution)),
             false => adjusting::recorded_differences(open.session(), fit),
         }
+    }
+
+    /// Whether the open session has changes that no file has yet.
+    pub(crate) fn is_unsaved(&self) -> bool {
+        self.open.as_ref().is_some_and(OpenSession::is_unsaved)
+    }
+
+    /// Whether the end of the connection would disarm a controller of the open session.
+    pub(crate) fn would_disarm(&self) -> bool {
+        self.open.is_some() && self.link.can_move()
     }
 
     /// Why nothing may move and nothing else may be written, if so: one sentence.

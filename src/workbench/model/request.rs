@@ -32,8 +32,6 @@ pub enum UiRequest {
     ShowFirstDiscrepancy,
     /// Gives plots what was computed for them.
     TakePreparation(Box<Preparation>),
-    /// Puts a path into the form of the plot that is being saved.
-    SetPlotPath(PathBuf),
     /// Concerns the connection dialog.
     Connection(ConnectionRequest),
 }

@@ -8,7 +8,6 @@ use tautline_session::{PhaseData, Session};
 
 use crate::model::command::{Command, ImportCommand, Outbox, ViewCommand};
 use crate::model::edit::Edit;
-use crate::model::messages::Severity;
 use crate::model::{Model, OpenSession, Selection};
 use crate::theme;
 use crate::views::plots::small;
@@ -76,7 +75,7 @@ impl<'a> Bench<'a> {
 
     /// Tells the operator what is wrong with an input.
     pub fn refuse(&mut self, message: String) {
-        self.outbox.send(Command::Notify(Severity::Error, message));
+        self.outbox.send(Command::Refuse(message));
     }
 
     /// The session.

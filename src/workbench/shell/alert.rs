@@ -1,29 +1,41 @@
-//! The last error, across the window, until the operator has seen it.
+//! The last error, above the lower left corner of the window, until the operator has seen it or its cause is gone.
 
-use egui::{Align, Frame, Label, Layout, Margin, Panel, Ui};
+use egui::{Align2, Area, Frame, Id, Label, Margin, Order, Stroke, Ui, Vec2};
 use egui_material_icons::icons;
 
 use super::State;
 use crate::model::command::ViewCommand;
 use crate::theme::{self, GRID};
 
-/// Draws it, if there is one.
-pub fn show(ui: &mut Ui, state: &mut State) {
-    let Some(text) = state.model.messages.alert().map(|alert| alert.text.clone()) else {
+/// Greatest width of its text (points).
+const WIDTH: f32 = 560.0;
+
+/// Draws it, if there is one, over what is there: nothing moves under the pointer.
+pub fn show(ui: &Ui, state: &mut State) {
+    let Some(alert) = state.model.messages.alert() else {
         return;
     };
     let palette = theme::of(ui);
     let frame = Frame::new()
         .fill(palette.panel.lerp_to_gamma(palette.bad, 0.18))
-        .inner_margin(Margin::symmetric(3 * GRID as i8, GRID as i8));
-    Panel::top("alert").frame(frame).show(ui, |ui| {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui.button("Dismiss").clicked() {
-                state.outbox.send(ViewCommand::Dismiss);
-            }
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+        .stroke(Stroke::new(1.0, palette.bad))
+        .corner_radius(4.0)
+        .inner_margin(Margin::symmetric(3 * GRID as i8, 2 * GRID as i8));
+    let width = WIDTH.min(ui.ctx().content_rect().width() - 48.0 * GRID);
+    let area = Area::new(Id::unique("alert"))
+        .order(Order::Tooltip)
+        .anchor(Align2::LEFT_BOTTOM, Vec2::new(2.0 * GRID, -GRID));
+    area.show(ui.ctx(), |ui| {
+        frame.show(ui, |ui| {
+            ui.horizontal(|ui| {
                 ui.label(icons::ICON_ERROR.rich_text().size(18.0).color(palette.bad));
-                ui.add(Label::new(text).wrap());
+                ui.scope(|ui| {
+                    ui.set_max_width(width);
+                    ui.add(Label::new(&alert.text).wrap());
+                });
+                if ui.button("Dismiss").clicked() {
+                    state.outbox.send(ViewCommand::Dismiss);
+                }
             });
         });
     });

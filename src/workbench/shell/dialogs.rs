@@ -2,10 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use egui::{Grid, Id, Modal, RichText, Role, TextEdit, Ui, WidgetInfo};
-use egui_material_icons::icons;
+use egui::{Grid, RichText, TextEdit, Ui};
 
-use super::State;
+use super::{State, save};
 use crate::model::command::{
     Answer, DIAGNOSING, FileCommand, IDENTIFYING, Outbox, ReportCommand, ReportDraft, RobotCommand,
     WriteDraft,
@@ -14,8 +13,7 @@ use crate::model::phase::Screen;
 use crate::model::{self, Model};
 use crate::theme::{self, GRID};
 use crate::widgets::{
-    Entered, Number, Verdict, checkbox, heading, icon_button, muted, number, primary, section,
-    verdict,
+    Entered, Number, Verdict, checkbox, heading, modal, muted, number, primary, section, verdict,
 };
 use tautline_workflow::report::{Part, ReportChoice};
 use tautline_workflow::wording::count;
@@ -23,8 +21,8 @@ use tautline_workflow::wording::count;
 /// Draws the question that is open, if one is.
 pub fn show(ui: &mut Ui, state: &mut State) {
     // Where to save is asked above it.
-    if state.model.dialogs.leaving.is_some() && state.model.dialogs.save_as.is_none() {
-        unsaved(ui, state);
+    if state.model.dialogs.save.is_none() {
+        leaving(ui, state);
     }
     if let Some(draft) = state.model.dialogs.writing.take() {
         writing(ui, state, draft);
@@ -37,20 +35,15 @@ pub fn show(ui: &mut Ui, state: &mut State) {
 /// Where is the report to be saved?
 fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
     let format = draft.format;
-    let modal = Modal::new(Id::unique("save report")).show(ui.ctx(), |ui| {
-        ui.set_width(520.0_f32.min(ui.ctx().content_rect().width() - 12.0 * GRID));
+    let ((), is_left) = modal(ui, ("save report", 520.0), |ui| {
         heading(ui, &format!("Save the report as {}", format.title()));
         if state.model.screen != Screen::Compare {
             out_of_date(ui, &state.model, &mut state.outbox);
         }
-        ui.horizontal(|ui| {
-            let width = ui.available_width() - 120.0;
-            let field = ui.add(TextEdit::singleline(&mut draft.path).desired_width(width));
-            field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the report"));
-            if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
-                state.outbox.send(ReportCommand::Browse(format));
-            }
-        });
+        let asked = save::form(ui, &mut draft.form, None);
+        if asked.browse {
+            state.outbox.send(ReportCommand::Browse(format));
+        }
         let height = (ui.ctx().content_rect().height() - 180.0).max(80.0);
         egui::ScrollArea::vertical()
             .max_height(height)
@@ -63,16 +56,21 @@ fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
             });
         ui.add_space(2.0 * GRID);
         ui.horizontal(|ui| {
-            let path = draft.path.trim();
-            if primary(ui, "Save report", !path.is_empty()).clicked() {
-                state.outbox.send(ReportCommand::Save(path.into()));
+            let can_save = draft.form.can_save();
+            let is_saved = primary(ui, "Save report", can_save).clicked();
+            if let Some(path) = draft
+                .form
+                .target()
+                .filter(|_| is_saved || asked.entered && can_save)
+            {
+                state.outbox.send(ReportCommand::Save(path));
             }
             if ui.button("Cancel").clicked() {
                 state.outbox.send(ReportCommand::Cancel);
             }
         });
     });
-    if modal.should_close() {
+    if is_left {
         state.outbox.send(ReportCommand::Cancel);
     }
     let options = &state.views.robot_3d.options;
@@ -166,40 +164,65 @@ fn parts(ui: &mut Ui, choice: &mut ReportChoice) {
         });
 }
 
-/// Save the changes first?
-fn unsaved(ui: &mut Ui, state: &mut State) {
-    let name = state
-        .model
-        .open
-        .as_ref()
-        .map_or_else(String::new, |open| open.session().name.clone());
-    let modal = Modal::new(Id::unique("unsaved changes")).show(ui.ctx(), |ui| {
-        ui.set_width(420.0);
-        heading(ui, "Save the changes?");
-        ui.label(format!("{name} has changes that no file has yet."));
+/// Save the changes first, and may an armed robot be disconnected?
+fn leaving(ui: &mut Ui, state: &mut State) {
+    let State { model, outbox, .. } = state;
+    let Some(draft) = &model.dialogs.leaving else {
+        return;
+    };
+    let is_unsaved = draft.leaving.ends_session() && model.is_unsaved();
+    let (answer, is_left) = modal(ui, ("leaving", 420.0), |ui| {
+        heading(
+            ui,
+            match is_unsaved {
+                true => "Save the changes?",
+                false => "Disconnect the armed robot?",
+            },
+        );
+        if is_unsaved {
+            let name = model.open.as_ref().map_or("", |open| &open.session().name);
+            ui.label(format!("{name} has changes that no file has yet."));
+        }
+        if model.link.can_move() {
+            let text = format!(
+                "{} is armed: it will be stopped and disconnected.",
+                model.link.identity
+            );
+            verdict(ui, Verdict::Doubtful, &text);
+        }
+        if let Some(why) = &draft.failure {
+            verdict(ui, Verdict::Bad, why);
+        }
         ui.add_space(2.0 * GRID);
+        let answers: &[(&str, Answer)] = match is_unsaved {
+            true => &[
+                ("Save", Answer::Save),
+                ("Do not save", Answer::Discard),
+                ("Cancel", Answer::Cancel),
+            ],
+            false => &[("Disconnect", Answer::Discard), ("Cancel", Answer::Cancel)],
+        };
+        let mut given = None;
         ui.horizontal(|ui| {
-            if primary(ui, "Save", true).clicked() {
-                state.outbox.send(FileCommand::Answer(Answer::Save));
-            }
-            if ui.button("Do not save").clicked() {
-                state.outbox.send(FileCommand::Answer(Answer::Discard));
-            }
-            if ui.button("Cancel").clicked() {
-                state.outbox.send(FileCommand::Answer(Answer::Cancel));
+            for (k, (title, answer)) in answers.iter().enumerate() {
+                let button = match k {
+                    0 => primary(ui, title, true),
+                    _ => ui.button(*title),
+                };
+                given = given.or(button.clicked().then_some(*answer));
             }
         });
+        given
     });
-    if modal.should_close() {
-        state.outbox.send(FileCommand::Answer(Answer::Cancel));
+    if let Some(answer) = answer.or(is_left.then_some(Answer::Cancel)) {
+        outbox.send(FileCommand::Answer(answer));
     }
 }
 
 /// Write the identified values, and in whose name?
 fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
     let mut answer = None;
-    let modal = Modal::new(Id::unique("write values")).show(ui.ctx(), |ui| {
-        ui.set_width(420.0);
+    let ((), is_left) = modal(ui, ("write values", 420.0), |ui| {
         heading(ui, "Write these values?");
         let controller = &state.model.link.identity;
         let values = count(draft.values, "value");
@@ -249,7 +272,7 @@ fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
             }
         });
     });
-    if modal.should_close() {
+    if is_left {
         answer = Some(None);
     }
     if let Some(answer) = answer {

@@ -4,7 +4,7 @@ use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Rangef, Ui};
 use egui_material_icons::icons;
 
 use super::sized::{Size, sized};
-use super::{State, alert, dialogs, log, menu, palette, rail, save_as, status, top};
+use super::{State, alert, dialogs, file_chooser, log, menu, palette, rail, save, status, top};
 use crate::model::command::ViewCommand;
 use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
@@ -94,18 +94,27 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             views::plots::show_detached(ui, &state.model, view, &mut state.outbox);
         }
     }
-    palette::show(ui, state);
     log::show(ui, state);
     let State {
         model,
         outbox,
-        panels,
         views,
+        ..
     } = state;
     views::manual::show(ui, model, &mut views.manual, outbox);
+    if file_chooser::show(ui, state) {
+        return;
+    }
+    palette::show(ui, state);
+    let State {
+        model,
+        outbox,
+        panels,
+        ..
+    } = state;
     screens::connect::show(ui, model, &mut panels.connect, outbox);
     dialogs::show(ui, state);
-    save_as::show(ui, state);
+    save::show(ui, state);
 }
 
 /// Rail, 3D view, plots and the panel of the phase beside each other.

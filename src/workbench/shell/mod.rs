@@ -2,6 +2,7 @@
 
 mod alert;
 mod dialogs;
+mod file_chooser;
 mod frame;
 mod log;
 mod menu;
@@ -9,17 +10,18 @@ mod observed;
 mod palette;
 mod rail;
 mod requests;
-mod save_as;
+mod save;
 mod sized;
 mod state;
 mod status;
+mod stop;
 mod top;
 
 pub use state::State;
 
 use crate::model::command::{CompareCommand, FileCommand};
 use crate::model::phase::Screen;
-use crate::model::{OpenSession, Options, caught_panic};
+use crate::model::{Options, caught_panic};
 use crate::{commands, theme};
 
 /// The workbench as eframe runs it.
@@ -48,12 +50,12 @@ impl App {
 }
 
 impl App {
-    /// The window's own close button asks about unsaved changes, too.
+    /// The window's own close button asks about unsaved changes and an armed robot, too.
     fn ask_before_closing(&mut self, ctx: &egui::Context) {
         let State { model, outbox, .. } = &mut self.state;
-        let is_unsaved = model.open.as_ref().is_some_and(OpenSession::is_unsaved);
+        let is_asked = model.is_unsaved() || model.would_disarm();
         let has_panicked = model.caught_panic.is_some();
-        if is_unsaved && !has_panicked && ctx.input(|input| input.viewport().close_requested()) {
+        if is_asked && !has_panicked && ctx.input(|input| input.viewport().close_requested()) {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             outbox.send(FileCommand::Quit);
         }
@@ -63,6 +65,8 @@ impl App {
     /// and is shown by the next frame.
     fn frame(&mut self, ui: &mut egui::Ui, show: impl FnOnce(&mut egui::Ui, &mut State)) {
         let state = &mut self.state;
+        // Whatever the frame comes to: a robot may be moving during an internal error, too.
+        stop::show(ui, &mut state.model);
         if state.model.caught_panic.is_some() {
             dialogs::internal_error(ui, &mut state.model);
             return;

@@ -1,12 +1,12 @@
 //! The command palette: type a few letters, go up and down with the arrow keys, press Enter.
 
-use egui::{Key, Modal, ScrollArea, TextEdit, Ui};
+use egui::{Key, ScrollArea, TextEdit, Ui};
 
 use super::menu::{self, Item};
 use super::state::State;
 use super::top;
 use crate::model::command::ViewCommand;
-use crate::widgets::muted;
+use crate::widgets::{modal, muted};
 
 /// Draws the palette while it is open.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -15,12 +15,11 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     };
     let items: Vec<Item> = menu::items(state)
         .into_iter()
-        .filter(|item| item.enabled && matches(&item.title, &text))
+        .filter(|item| item.enabled && matches(&item.name(), &text))
         .collect();
     let mut chosen = None;
     let before = text.clone();
-    let modal = Modal::new(egui::Id::unique("command palette")).show(ui.ctx(), |ui| {
-        ui.set_width(480.0);
+    let ((), is_left) = modal(ui, ("command palette", 480.0), |ui| {
         let field = TextEdit::singleline(&mut text)
             .hint_text("Type a command")
             .desired_width(f32::INFINITY);
@@ -46,7 +45,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             }
         });
     });
-    let is_done = chosen.is_some() || modal.should_close();
+    let is_done = chosen.is_some() || is_left;
     if is_done {
         // The next time the first line is marked again.
         let id = egui::Id::unique("marked command");
@@ -88,7 +87,7 @@ fn marked(ui: &Ui, count: usize, is_other: bool) -> Marked {
 }
 
 fn line(ui: &mut Ui, item: &Item, is_marked: bool) -> egui::Response {
-    let mut button = egui::Button::selectable(is_marked, &item.title)
+    let mut button = egui::Button::selectable(is_marked, item.name())
         .min_size(egui::vec2(ui.available_width(), 24.0));
     if let Some(shortcut) = item.shortcut {
         button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));

@@ -36,7 +36,6 @@ pub fn apply(state: &mut State) {
             }
             UiRequest::ShowFirstDiscrepancy => panels.identification.open = Some(0),
             UiRequest::TakePreparation(preparation) => plots.prepared(&preparation),
-            UiRequest::SetPlotPath(path) => plots.picked(&path),
             UiRequest::Connection(request) => {
                 connect::apply(&mut panels.connect, request, &state.model);
             }

@@ -28,19 +28,15 @@ fn last_message(ui: &mut Ui, state: &mut State) {
         state.outbox.send(ViewCommand::Log(true));
     }
     let palette = theme::of(ui);
-    // An error stands above.
-    let messages = &state.model.messages;
-    let shown = messages
-        .last()
-        .filter(|last| messages.alert() != Some(last));
-    let Some(message) = shown else {
+    // An error is shown above the window, or in the dialog that it concerns.
+    let last = state.model.messages.last();
+    let Some(message) = last.filter(|last| last.severity != Severity::Error) else {
         muted(ui, "Ready");
         return;
     };
     let (icon, colour) = match message.severity {
         Severity::Info => (icons::ICON_INFO, palette.muted),
-        Severity::Warning => (icons::ICON_WARNING, palette.warning),
-        Severity::Error => (icons::ICON_ERROR, palette.bad),
+        Severity::Warning | Severity::Error => (icons::ICON_WARNING, palette.warning),
     };
     ui.label(icon.rich_text().size(16.0).color(colour));
     let width = ui.available_width() - 320.0;

@@ -6,7 +6,7 @@ use tautline_core::robot::presets;
 use tautline_session::{Folders, Session, find_unsaved_sessions};
 
 use super::*;
-use crate::model::command::{Command, Outcome};
+use crate::model::command::{Command, Outcome, RobotCommand};
 use crate::model::edit::Edit;
 use crate::model::phase::{Phase, Screen};
 
@@ -84,6 +84,43 @@ fn a_panic_in_a_frame_is_told_and_costs_nothing() {
     let left = find_unsaved_sessions(&place).expect("readable");
     let names: Vec<&str> = left.iter().map(|left| left.name.as_str()).collect();
     assert_eq!(names, ["after"], "the session is offered at the next start");
+}
+
+fn robot(harness: &mut Harness<'_, Trapped>, command: RobotCommand, reached: fn(&State) -> bool) {
+    harness.state_mut().app.state.outbox.send(command);
+    for _ in 0..6000 {
+        harness.step();
+        if reached(&harness.state().app.state) {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    panic!("the robot does not answer");
+}
+
+#[test]
+fn stop_works_during_an_internal_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = workbench(folder.path());
+    robot(&mut harness, RobotCommand::Connect, |state| {
+        state.model.link.is_connected()
+    });
+    robot(&mut harness, RobotCommand::Arm, |state| {
+        state.model.link.is_armed()
+    });
+    harness.state_mut().is_set = true;
+    harness.run_ok();
+    let presses: [fn(&mut Harness<'_, Trapped>); 2] = [
+        |harness| harness.get_by_label("Stop the robot").click(),
+        |harness| harness.key_press(egui::Key::F12),
+    ];
+    for press in presses {
+        harness.get_by_label("Internal error");
+        harness.state_mut().app.state.model.link.is_stopped = false;
+        press(&mut harness);
+        harness.run_ok();
+        assert!(harness.state().app.state.model.link.is_stopped);
+    }
 }
 
 #[test]

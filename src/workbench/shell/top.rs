@@ -1,12 +1,13 @@
 //! The bar at the top: menus, name of the session, undo and redo.
 
-use egui::{Align, Button, Label, Layout, MenuBar, RichText, Role, Ui, WidgetInfo};
+use egui::{Align, Button, Label, Layout, MenuBar, RichText, Ui};
 use egui_material_icons::icons;
 
-use super::menu::{self, Item, Menu};
+use super::menu::{Item, Menu};
 use super::state::State;
-use crate::model::command::{Command, RobotCommand, ViewCommand};
-use crate::theme::{self, GRID};
+use super::stop;
+use crate::model::command::{Command, ViewCommand};
+use crate::theme;
 use crate::widgets::{icon_only, muted};
 
 /// Least width for the name of the session (points).
@@ -66,7 +67,17 @@ pub fn show(ui: &mut Ui, state: &mut State, items: &[Item]) {
 fn lines(ui: &mut Ui, state: &mut State, (menu, items): (Menu, &[Item])) {
     let own: Vec<&Item> = items.iter().filter(|item| item.menu == menu).collect();
     let room = ui.ctx().content_rect().height() - 56.0;
-    let mut add = |ui: &mut Ui| own.iter().for_each(|item| line(ui, state, item));
+    let mut add = |ui: &mut Ui| {
+        for part in own.chunk_by(|a, b| a.group.is_some() && a.group == b.group) {
+            let mut part_of = |ui: &mut Ui| part.iter().for_each(|item| line(ui, state, item));
+            match part.first().and_then(|item| item.group) {
+                Some(group) => {
+                    ui.menu_button(group, part_of);
+                }
+                None => part_of(ui),
+            }
+        }
+    };
     if own.len() as f32 * LINE > room {
         egui::ScrollArea::vertical()
             .max_height(room)
@@ -106,35 +117,10 @@ fn title(ui: &mut Ui, state: &State) {
     }
 }
 
-/// Stops the robot; always at the same place, in the corner, while a session is open.
-fn stop(ui: &mut Ui, state: &mut State) {
-    if state.model.open.is_none() {
-        return;
-    }
-    let palette = theme::of(ui);
-    let can_move = state.model.link.can_move();
-    let (fill, ink) = match can_move {
-        true => (palette.bad, palette.on_accent),
-        false => (palette.raised, palette.muted),
-    };
-    let text = |text: &str| RichText::new(text).font(theme::strong(13.0)).color(ink);
-    let icon = icons::ICON_STOP_CIRCLE.rich_text().size(16.0).color(ink);
-    let keys = ui.ctx().format_shortcut(&menu::STOP);
-    let button = Button::new((icon, text("Stop"), text(&keys)))
-        .fill(fill)
-        .min_size(egui::vec2(26.0 * GRID, 0.0));
-    let response = ui.add_enabled(can_move, button);
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, can_move, "Stop the robot"));
-    let response = response
-        .on_hover_text("Stops the robot at once, whatever goes on")
-        .on_disabled_hover_text("Nothing can move: the controller is not armed");
-    if response.clicked() {
-        state.outbox.send(RobotCommand::Stop);
-    }
-}
-
 fn right(ui: &mut Ui, state: &mut State) {
-    stop(ui, state);
+    if state.model.open.is_some() {
+        ui.allocate_space(stop::SIZE);
+    }
     if icon_only(ui, icons::ICON_SEARCH, "Command palette", true).clicked() {
         state.outbox.send(ViewCommand::Palette(true));
     }

@@ -3,6 +3,7 @@
 mod button;
 mod fault_matrix;
 mod import_row;
+mod modal;
 mod number;
 mod page;
 mod parts;
@@ -16,6 +17,7 @@ mod text;
 pub use button::{checkbox, choice, icon_button, icon_only, primary, radio};
 pub use fault_matrix::fault_window;
 pub use import_row::{Import, import_row};
+pub(crate) use modal::{backdrop, modal};
 pub use number::{Entered, Number, number, number_checked, parse as parse_number};
 pub use page::page;
 pub use parts::parts;

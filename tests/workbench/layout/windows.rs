@@ -129,7 +129,7 @@ fn every_window_above_the_screen_fits() {
         harness.step();
     };
     let mut close = |harness: &mut Harness<'_, App>| {
-        harness.state_mut().state.model.dialogs.save_as = None;
+        harness.key_press(egui::Key::Escape);
         harness.step();
     };
     check_dialog(&mut harness, "save as", [&mut open, &mut close]);

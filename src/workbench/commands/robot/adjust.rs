@@ -6,6 +6,7 @@ use tautline_session::{CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, 
 
 use crate::model::command::WriteDraft;
 use crate::model::link::{DriverCommand, ValuesToWrite};
+use crate::model::messages::Cause;
 use crate::model::{Model, UiRequest};
 use tautline_workflow::adjusting::title;
 use tautline_workflow::adjusting::{self, Purpose};
@@ -75,7 +76,7 @@ pub(super) fn roll_back(model: &mut Model) {
 pub(super) fn refuses(model: &mut Model) -> bool {
     let unsettled = model.unsettled();
     if let Some(text) = &unsettled {
-        model.messages.error(text);
+        model.messages.failure(Cause::Adjustment, text);
     }
     unsettled.is_some()
 }
@@ -111,7 +112,7 @@ pub(super) fn not_recorded(model: &mut Model) {
         model.link.writing = false;
         let text = "Nothing was written: its record cannot be saved to disk.";
         conclude(model, Outcome::Failed(text.to_owned()), text);
-        model.messages.error(text);
+        model.messages.failure(Cause::Adjustment, text);
     }
 }
 
@@ -130,12 +131,12 @@ pub(super) fn written(
     };
     let holds = adjustment.as_ref().map(|a| &a.holds);
     let outcome = adjusting::outcome(holds, purpose, &text);
+    conclude(model, outcome, &text);
     if holds == Some(&ControllerValues::New) {
         model.messages.info(&text);
     } else {
-        model.messages.error(&text);
+        model.messages.failure(Cause::Adjustment, &text);
     }
-    conclude(model, outcome, &text);
 }
 
 /// Has an interrupted adjustment settled: at once where all values are old or all are new, else when the controller is
@@ -157,15 +158,17 @@ pub(super) fn settled(model: &mut Model, found: &ControllerValues, adjustment: &
         return;
     };
     let (outcome, text) = adjusting::settled(open, found, adjustment);
-    match &outcome {
-        Outcome::Unsettled(_) => model.messages.error(&text),
-        _ => model.messages.info(&text),
-    }
+    let is_settled = !matches!(outcome, Outcome::Unsettled(_));
     conclude(model, outcome, &text);
+    match is_settled {
+        true => model.messages.info(&text),
+        false => model.messages.failure(Cause::Adjustment, &text),
+    }
 }
 
 /// Records what came of the attempt.
 fn conclude(model: &mut Model, outcome: Outcome, text: &str) {
+    model.messages.resolve(Cause::Adjustment);
     let held = held(model);
     if let Some(open) = &mut model.open {
         open.record(|session| {

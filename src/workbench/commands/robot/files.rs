@@ -5,25 +5,19 @@ use std::path::PathBuf;
 use tautline_link::export::{differences_csv, structured_text};
 use tautline_session::{write_check, write_plan, write_text};
 
-use crate::commands::file_tasks::{pick, write as write_file};
+use crate::commands::file_tasks::{ask_save, write as write_file, written};
 use crate::model::Model;
-use crate::model::command::{Export, RobotCommand};
+use crate::model::command::Export;
+use crate::model::dialogs::SaveContent;
 
 pub(super) fn ask(model: &mut Model, export: Export) {
-    pick(
-        model,
-        move || {
-            let dialog = rfd::FileDialog::new().set_file_name(export.file_name());
-            dialog.save_file()
-        },
-        move |path| RobotCommand::Export(export, path),
-    );
+    ask_save(model, SaveContent::Export(export), export.file_name());
 }
 
 pub(super) fn write(model: &mut Model, export: Export, path: PathBuf) {
     let Some(text) = content(model, export) else {
-        model.messages.warning("There is nothing to write yet.");
-        return;
+        let text = "There is nothing to write yet.".to_owned();
+        return written(model, &path, Err(text));
     };
     write_file(model, "Writing a file", path, move |path| {
         write_text(path, &text)

@@ -8,10 +8,10 @@ mod run;
 use tautline_link::ParameterInfo;
 use tautline_session::Phase as LogPhase;
 
-use crate::commands::setup;
-use crate::model::command::RobotCommand;
+use crate::commands::{file, setup};
+use crate::model::command::{Leaving, RobotCommand};
 use crate::model::link::{Connected, DriverCommand, DriverEvent};
-use crate::model::messages::full_sentence;
+use crate::model::messages::{Cause, full_sentence};
 use crate::model::{ConnectionRequest, Model, OpenSession, UiRequest};
 use tautline_workflow::controllers::{ConnectionSetup, Kind};
 
@@ -26,11 +26,8 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::RemovePlanned(label) => plan::remove(model, label),
         RobotCommand::AddCurrent => plan::add_current(model),
         RobotCommand::Setup(setup) => setup::perform(model, setup),
-        RobotCommand::Connect => connect(model),
-        RobotCommand::ConnectAndArm => {
-            connect(model);
-            model.link.arms_when_connected = model.link.connecting;
-        }
+        RobotCommand::Connect => file::leave(model, Leaving::Connect(false)),
+        RobotCommand::ConnectAndArm => file::leave(model, Leaving::Connect(true)),
         RobotCommand::TryNow => model.link.send(DriverCommand::TryNow),
         RobotCommand::LaserDistance(label, distance_m) => {
             model
@@ -40,7 +37,7 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::TypedPose(number, pose) => {
             model.link.send(DriverCommand::TypedPose(number, pose));
         }
-        RobotCommand::Disconnect => model.link.send(DriverCommand::Disconnect),
+        RobotCommand::Disconnect => file::leave(model, Leaving::Disconnect),
         RobotCommand::Arm => {
             model.link.send(DriverCommand::Arm);
             adjust::settle(model);
@@ -78,7 +75,8 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
     }
 }
 
-fn connect(model: &mut Model) {
+/// Connects to the controller of the session's settings; `arms` arms it if it is simulated.
+pub(super) fn connect(model: &mut Model, arms: bool) {
     let Some(open) = &model.open else {
         return;
     };
@@ -92,6 +90,8 @@ fn connect(model: &mut Model) {
         model.link.set_speed(recording.speed);
     }
     model.link.connect(rig, open.id());
+    model.link.arms_when_connected = arms;
+    model.messages.resolve(Cause::Connection);
 }
 
 /// Takes an event of the controller's thread.
@@ -104,6 +104,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
             session_id,
         } => {
             model.link.connecting = false;
+            model.messages.resolve(Cause::Connection);
             // The connection dialog has served its purpose.
             model.request(UiRequest::Connection(ConnectionRequest::Connected));
             model.messages.info(format!("Connected: {identity}."));
@@ -159,7 +160,7 @@ fn refused(model: &mut Model, text: &str) {
         let refuse = ConnectionRequest::Refuse(text.clone());
         model.request(UiRequest::Connection(refuse));
     }
-    model.messages.error(text);
+    model.messages.failure(Cause::Connection, text);
 }
 
 fn lost(model: &mut Model, why: &str) {
@@ -168,7 +169,7 @@ fn lost(model: &mut Model, why: &str) {
     if let Some(open) = &mut model.open {
         open.log(LogPhase::Poses, &text);
     }
-    model.messages.error(text);
+    model.messages.failure(Cause::Connection, text);
 }
 
 /// After a reconnection the controller may have other values.
@@ -185,6 +186,7 @@ fn regained(model: &mut Model, parameters: Vec<ParameterInfo>) {
         many => format!("Attention: {many} of its values have changed."),
     };
     model.link.take_parameters(parameters);
+    model.messages.resolve(Cause::Connection);
     let text = format!("Reconnected. {holds} Arm the controller to go on.");
     match others {
         0 => model.messages.info(text),
@@ -196,8 +198,11 @@ fn regained(model: &mut Model, parameters: Vec<ParameterInfo>) {
 fn disconnected(model: &mut Model, why: Option<String>) {
     model.link.forget();
     model.live_platform = None;
+    model.messages.resolve(Cause::Connection);
     match why {
-        Some(why) => model.messages.error(full_sentence(&why)),
+        Some(why) => model
+            .messages
+            .failure(Cause::Connection, full_sentence(&why)),
         None => model.messages.info("Disconnected from the controller."),
     }
 }

@@ -6,6 +6,7 @@ use tautline_session::{Phase as LogPhase, PlannedPose};
 
 use crate::model::command::{EXPECTING, PLANNING, PlanOutcome, PlanOutlook};
 use crate::model::edit::Edit;
+use crate::model::messages::Cause;
 use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession};
 use tautline_workflow::planning::{SEED, evaluate_plan, plan_poses};
@@ -19,6 +20,7 @@ pub(super) fn start(model: &mut Model, poses: usize) {
         return;
     }
     let (session_id, session) = (open.id(), open.session().clone());
+    model.messages.resolve(Cause::Planning);
     model.tasks.start(PLANNING, move |task| {
         let result = plan_poses(&session, (poses, SEED), &mut |p| tell(task, p, poses));
         let plan = result
@@ -89,7 +91,8 @@ pub fn planned(model: &mut Model, outcome: PlanOutcome) {
         return;
     };
     if let Err(error) = &planned.result {
-        model.messages.error(format!("No plan: {error}."));
+        let text = format!("No plan: {error}.");
+        model.messages.failure(Cause::Planning, text);
         return;
     }
     // What was measured stays in the plan, so that the plan remains the list of all poses.

@@ -21,8 +21,10 @@ pub enum FileCommand {
     Save,
     /// Asks for a place to save at.
     AskSaveAs,
-    /// Picks that place in a dialog.
-    PickSaveAs,
+    /// Picks the place of a file that is to be saved.
+    BrowseSave,
+    /// Puts a place that was picked into the dialog that saves.
+    SetSavePath(PathBuf),
     /// Saves at a place.
     SaveAs(PathBuf),
     /// Begins another series of the open session: the same robot, plan and settings, nothing measured.
@@ -31,7 +33,7 @@ pub enum FileCommand {
     Close,
     /// Ends the program.
     Quit,
-    /// Answers what to do about unsaved changes.
+    /// Answers what to do about unsaved changes and an armed robot.
     Answer(Answer),
     /// Opens an unsaved session that was found, by its place in the list.
     Recover(usize),
@@ -41,7 +43,7 @@ pub enum FileCommand {
     Forget(PathBuf),
 }
 
-/// What takes the open session away, and so may have to wait for an answer.
+/// What takes the open session or its controller away, and so may have to wait for an answer.
 #[derive(Debug)]
 pub enum Leaving {
     /// Another session is opened.
@@ -50,6 +52,17 @@ pub enum Leaving {
     Close,
     /// The program ends.
     Quit,
+    /// The connection ends.
+    Disconnect,
+    /// The controller of the session's settings is connected instead; a simulated one is armed if this is set.
+    Connect(bool),
+}
+
+impl Leaving {
+    /// Whether the session is left with its connection.
+    pub(crate) fn ends_session(&self) -> bool {
+        !matches!(self, Self::Disconnect | Self::Connect(_))
+    }
 }
 
 /// A session that is to be opened.
@@ -90,12 +103,12 @@ pub enum FileOutcome {
     },
 }
 
-/// What to do about unsaved changes.
+/// What to do about unsaved changes and an armed robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Answer {
     /// Save them, then go on.
     Save,
-    /// Go on without them.
+    /// Go on, without unsaved changes.
     Discard,
     /// Do not go on.
     Cancel,

@@ -20,9 +20,10 @@ pub use identification::{
     READINESS, Readiness,
 };
 pub use import::{ImportCommand, ImportOutcome};
-pub use plot::{Format, PlotCommand, PlotPicture};
+pub use plot::{Format, PlotCommand, PlotFile, PlotPicture};
 pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
 pub use report::{ReportCommand, ReportDraft};
+pub(crate) use robot::STOP;
 pub use robot::{EXPECTING, Export, PLANNING, PlanOutcome, PlanOutlook, RobotCommand, WriteDraft};
 pub use setup::{CHECKING, Setup, SetupOutcome};
 pub use study::{AskedRobot, SIMULATING, StudyCommand};
@@ -32,7 +33,7 @@ use std::path::PathBuf;
 
 use super::caught_panic::CaughtPanic;
 use super::edit::Edit;
-use super::messages::Severity;
+use super::file_choice::FileChoice;
 use super::plot_preparation::Preparation;
 
 #[derive(Debug, Clone)]
@@ -65,8 +66,8 @@ pub enum Command {
     Study(StudyCommand),
     /// Asks the tasks of this title to end.
     CancelTask(&'static str),
-    /// Shows a message, such as an error in a field.
-    Notify(Severity, String),
+    /// Shows an error in a field.
+    Refuse(String),
 }
 
 /// Result of a task.
@@ -88,10 +89,12 @@ pub enum Outcome {
     Setup(SetupOutcome),
     /// Of comparing two sessions.
     Compare(CompareOutcome),
-    /// What to do with the file that was picked in a dialog; `None` if the dialog was cancelled or is not available.
+    /// What to do with the file that was picked in a dialog of the desktop; `None` if that was cancelled.
     Picked(Option<Box<Command>>),
+    /// The desktop has no dialog for a file that is asked for.
+    NoFileDialog(FileChoice),
     /// A file was written, perhaps with a warning; or one sentence.
-    Written(Result<(PathBuf, Option<String>), String>),
+    Written(PathBuf, Result<Option<String>, String>),
     /// The task panicked.
     Panicked {
         /// Its title.

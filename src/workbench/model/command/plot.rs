@@ -12,14 +12,19 @@ use crate::model::Selection;
 pub enum PlotCommand {
     /// Computes variables, and the residuals before and after what a diagnosis found.
     Prepare,
-    /// Asks for a place to save a plot at.
-    Ask(Format),
-    /// Puts the place that was picked into the form of the plot that is being saved.
-    SetPath(PathBuf),
-    /// Saves a text at a place.
-    SaveText(PathBuf, String),
-    /// Saves a plot as a picture.
-    SavePicture(PathBuf, PlotPicture),
+    /// Asks where to save a plot; a name of the file is suggested.
+    AskSave(String, PlotFile),
+    /// Saves a plot at a place.
+    Save(PathBuf, PlotFile),
+}
+
+/// A plot as a file.
+#[derive(Debug, Clone)]
+pub enum PlotFile {
+    /// A table or a drawing.
+    Text(String),
+    /// A picture, which is drawn when it is saved.
+    Picture(PlotPicture),
 }
 
 /// A plot that becomes a picture, with the function that draws it.

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+use crate::model::dialogs::SaveForm;
 use tautline_workflow::report::{ReportChoice, ReportFormat};
 
 /// Saves the report of the session.
@@ -24,8 +25,7 @@ pub enum ReportCommand {
 #[derive(Debug, Clone)]
 pub struct ReportDraft {
     pub format: ReportFormat,
-    /// Path as typed.
-    pub path: String,
+    pub form: SaveForm,
     /// Sections and heading of the report.
     pub choice: ReportChoice,
     /// Pulleys whose coordinates the picture of the robot shows.

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use egui::{Key, KeyboardShortcut, Modifiers};
 use tautline_session::{CheckPose, PlannedPose, Stage};
 
 use super::Setup;
@@ -14,6 +15,9 @@ pub const PLANNING: &str = "Planning poses";
 
 /// Title of the task that computes what to expect of a plan.
 pub const EXPECTING: &str = "Predicting the accuracy of the plan";
+
+/// The key that stops the robot. It is no letter and needs no other key, so that it works whatever has the focus.
+pub(crate) const STOP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::F12);
 
 /// Plan, controller and writing.
 #[derive(Debug, Clone)]

@@ -40,6 +40,4 @@ pub enum SetupOutcome {
     Checked(Result<Vec<SymbolCheck>, String>),
     /// Names of symbols were read, or one sentence.
     Imported(Result<Box<SymbolMapping>, String>),
-    /// They were written, or one sentence.
-    Exported(Result<PathBuf, String>),
 }

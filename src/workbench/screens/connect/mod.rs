@@ -9,7 +9,7 @@ mod problems;
 mod symbols;
 mod test_line;
 
-use egui::{Grid, Id, Modal, ScrollArea, Ui};
+use egui::{Grid, ScrollArea, Ui};
 use egui_material_icons::icons;
 use tautline_session::{Connection, ControllerKind, LaserSettings};
 
@@ -22,7 +22,7 @@ use crate::model::command::{CHECKING, Outbox, RobotCommand, Setup};
 use crate::model::{ConnectionRequest, Model};
 use crate::theme::{self, GRID};
 use crate::widgets::{
-    TabOf, Verdict, choice, heading, icon_button, muted, primary, tab_row, verdict,
+    TabOf, Verdict, choice, heading, icon_button, modal, muted, primary, tab_row, verdict,
 };
 
 pub use draft::Draft;
@@ -78,15 +78,13 @@ pub fn show(ui: &mut Ui, model: &Model, dialog: &mut Option<Box<Draft>>, outbox:
     else {
         return;
     };
-    let mut open = true;
-    let modal = Modal::new(Id::unique("connect")).show(ui.ctx(), |ui| {
-        let room = ui.ctx().content_rect().size();
-        ui.set_width(WIDTH.min(room.x - 12.0 * GRID));
+    let (is_open, is_left) = modal(ui, ("connect", WIDTH), |ui| {
+        let room = ui.ctx().content_rect().height();
         heading(ui, "Connect to a controller");
         tabs(ui, &mut draft);
         let settings = draft.settings(&present);
         let problems = settings.as_ref().err().cloned().unwrap_or_default();
-        let height = (room.y - AROUND).clamp(80.0, 480.0);
+        let height = (room - AROUND).clamp(80.0, 480.0);
         ScrollArea::both()
             .id_salt(draft.part.title())
             .auto_shrink([false, false])
@@ -95,9 +93,9 @@ pub fn show(ui: &mut Ui, model: &Model, dialog: &mut Option<Box<Draft>>, outbox:
                 part(ui, model, &mut draft, (&present, &problems), outbox);
             });
         ui.add_space(GRID);
-        open = footer(ui, model, &mut draft, settings, outbox);
+        footer(ui, model, &mut draft, settings, outbox)
     });
-    if open && !modal.should_close() {
+    if is_open && !is_left {
         *dialog = Some(draft);
     }
 }

@@ -18,14 +18,14 @@ fn recent(state: &State) -> Vec<Item> {
     let recent = state.model.preferences.recent().iter().take(RECENT);
     let is_alone = |name: &String| recent.clone().filter(|one| one.name == *name).count() == 1;
     let title = |session: &RecentSession| match is_alone(&session.name) {
-        true => format!("Open recent: {}", session.name),
-        false => format!("Open recent: {} ({})", session.name, recent_facts(session)),
+        true => session.name.clone(),
+        false => format!("{} ({})", session.name, recent_facts(session)),
     };
     recent
         .clone()
         .map(|session| {
             let open = FileCommand::Open(session.path().to_owned());
-            item(Menu::File, title(session), None, true, open)
+            item(Menu::File, title(session), None, true, open).within("Open recent")
         })
         .collect()
 }
@@ -117,8 +117,8 @@ pub fn lines(state: &State) -> Vec<Item> {
         ),
     ]);
     let new = Template::ALL.map(|template| {
-        let title = format!("New robot: {}", template.title().to_lowercase());
-        item(Menu::File, title, None, true, FileCommand::New(template))
+        let new = FileCommand::New(template);
+        item(Menu::File, template.title(), None, true, new).within("New robot")
     });
     items.splice(3..3, new);
     items

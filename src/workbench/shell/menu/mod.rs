@@ -7,7 +7,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::state::State;
 use crate::model::command::{
-    Command, DIAGNOSING, IDENTIFYING, IdentificationCommand, RobotCommand, Setup, ViewCommand,
+    Command, DIAGNOSING, IDENTIFYING, IdentificationCommand, RobotCommand, STOP, Setup, ViewCommand,
 };
 use crate::model::manual::Page;
 use crate::model::next_step;
@@ -60,6 +60,8 @@ impl Menu {
 pub struct Item {
     /// Where it is.
     pub menu: Menu,
+    /// The menu below this one in which it is, if any.
+    pub(crate) group: Option<&'static str>,
     /// What the operator reads.
     pub title: String,
     /// Its keys.
@@ -70,12 +72,26 @@ pub struct Item {
     pub commands: Vec<Command>,
 }
 
+impl Item {
+    /// What it does, for those who do not see its menu.
+    pub(crate) fn name(&self) -> String {
+        match self.group {
+            Some(group) => format!("{group}: {}", self.title),
+            None => self.title.clone(),
+        }
+    }
+
+    fn within(self, group: &'static str) -> Self {
+        Self {
+            group: Some(group),
+            ..self
+        }
+    }
+}
+
 fn keys(modifiers: Modifiers, key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(modifiers, key))
 }
-
-/// The key that stops the robot. It is no letter and needs no other key, so that it works whatever has the focus.
-pub const STOP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE, Key::F12);
 
 const CONTROL: Modifiers = Modifiers::COMMAND;
 const CONTROL_SHIFT: Modifiers = Modifiers {
@@ -104,6 +120,7 @@ fn item(
 ) -> Item {
     Item {
         menu,
+        group: None,
         title: title.into(),
         shortcut,
         enabled,
@@ -218,7 +235,8 @@ fn next(state: &State) -> Option<Item> {
     };
     let dialogs = &state.model.dialogs;
     let is_asked = dialogs.leaving.is_some()
-        || dialogs.save_as.is_some()
+        || dialogs.save.is_some()
+        || dialogs.chooser.is_some()
         || dialogs.writing.is_some()
         || dialogs.report.is_some()
         || state.panels.connect.is_some();
@@ -226,6 +244,7 @@ fn next(state: &State) -> Option<Item> {
     let action = step.action.filter(|_| !is_asked)?;
     Some(Item {
         menu: Menu::Model,
+        group: None,
         title: format!("Next: {}", action.title),
         shortcut: Some(next_step::KEYS),
         enabled: true,

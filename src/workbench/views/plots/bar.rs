@@ -1,9 +1,8 @@
 //! The rows above a plot: options, cursor readings, saving.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use egui::{Align, ComboBox, Layout, Popup, Role, TextEdit, Theme, Ui, WidgetInfo, vec2};
+use egui::{Align, ComboBox, Layout, Popup, Role, Theme, Ui, WidgetInfo, vec2};
 use egui_material_icons::icons;
 use tautline_core::diagnosis::Quantity;
 
@@ -12,12 +11,12 @@ use super::sources::course::Reading;
 use super::sources::residuals::Unit;
 use super::sources::tensions::Shown as Tensions;
 use super::sources::variable::{Choice, capitalised};
-use super::{PlotState, Saving, Tab, print};
+use super::{PlotState, Tab, print};
 use crate::model::Model;
-use crate::model::command::{Format, Outbox, PlotCommand, PlotPicture};
+use crate::model::command::{Format, Outbox, PlotCommand, PlotFile, PlotPicture};
 use crate::model::plot_preparation::Prepared;
 use crate::theme;
-use crate::widgets::{icon_button, icon_only, muted};
+use crate::widgets::icon_only;
 use tautline_workflow::plot::table::csv;
 use tautline_workflow::plot::{Drawing, Figure};
 
@@ -26,7 +25,7 @@ const NARROW: f32 = 420.0;
 /// Width of a button that opens a menu, with the space before it (points).
 const MENU: f32 = 72.0;
 
-/// Options, cursor readings and buttons; while a plot is being saved, the form for its file.
+/// Options, cursor readings and buttons.
 pub fn options(
     ui: &mut Ui,
     model: &Model,
@@ -36,10 +35,6 @@ pub fn options(
 ) {
     let is_narrow = ui.available_width() < NARROW;
     ui.horizontal(|ui| {
-        if plots.saving.is_some() {
-            saving(ui, model, plots, figure, outbox);
-            return;
-        }
         // Two choices leave no room for buttons.
         let has_menu = is_narrow && plots.tab == Tab::Variable;
         choices(ui, model, plots, is_narrow);
@@ -51,6 +46,13 @@ pub fn options(
             }
         });
     });
+    if let Some(format) = plots.saving.take()
+        && let Some(file) = file(ui, model, plots, figure, format)
+    {
+        let title = plots.tab.title().to_lowercase().replace(' ', "-");
+        let name = format!("{title}.{}", format.ending());
+        outbox.send(PlotCommand::AskSave(name, file));
+    }
     // A line of its own: it is too long to stand beside anything.
     let panel = plots.panels.get(&plots.tab);
     if let Some(text) = panel.and_then(|panel| panel.reading(figure, model.selection)) {
@@ -241,8 +243,7 @@ fn menu(ui: &mut Ui, plots: &mut PlotState) {
 fn formats(ui: &mut Ui, plots: &mut PlotState) {
     for format in Format::ALL {
         if ui.button(format.title()).clicked() {
-            let path = format!("plot.{}", format.ending());
-            plots.saving = Some(Saving { format, path });
+            plots.saving = Some(format);
             ui.close();
         }
     }
@@ -264,42 +265,14 @@ fn switch_cursors(plots: &mut PlotState) {
     };
 }
 
-/// Where a plot is saved.
-fn saving(
-    ui: &mut Ui,
-    model: &Model,
-    plots: &mut PlotState,
-    figure: &Arc<Figure>,
-    outbox: &mut Outbox,
-) {
-    let Some(mut saving) = plots.saving.take() else {
-        return;
-    };
-    muted(ui, saving.format.title());
-    let field = ui.add(TextEdit::singleline(&mut saving.path).desired_width(280.0));
-    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Plot file"));
-    if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
-        outbox.send(PlotCommand::Ask(saving.format));
-    }
-    let path = PathBuf::from(saving.path.trim());
-    let can_save = !path.as_os_str().is_empty();
-    let is_saved = icon_button(ui, icons::ICON_SAVE, "Save this plot", can_save).clicked();
-    if is_saved && let Some(command) = command(ui, model, plots, figure, (saving.format, path)) {
-        outbox.send(command);
-        return;
-    }
-    if !ui.button("Cancel").clicked() {
-        plots.saving = Some(saving);
-    }
-}
-
-fn command(
+/// The plot as it is seen now.
+fn file(
     ui: &Ui,
     model: &Model,
     plots: &mut PlotState,
     figure: &Arc<Figure>,
-    (format, path): (Format, PathBuf),
-) -> Option<PlotCommand> {
+    format: Format,
+) -> Option<PlotFile> {
     let name = plots.tab.title();
     let (generation, selection) = (plots.generation, model.selection);
     let panel = plots.panels.get_mut(&plots.tab)?;
@@ -308,14 +281,14 @@ fn command(
     let colours = colours(palette);
     let plot = panel.plot(ui, figure, generation, selection, &colours)?;
     Some(match format {
-        Format::Csv => PlotCommand::SaveText(path, csv(figure, plot.layout.scale.view)),
+        Format::Csv => PlotFile::Text(csv(figure, plot.layout.scale.view)),
         Format::Svg => {
             let whole = plot.layout.whole.expand(8.0);
             let drawing = Drawing::record(name, whole, 1.0, |canvas| {
                 canvas.fill(whole, palette.raised);
                 plot.draw(canvas);
             });
-            PlotCommand::SaveText(path, drawing.svg_file())
+            PlotFile::Text(drawing.svg_file())
         }
         Format::Png => {
             let picture = PlotPicture {
@@ -325,7 +298,7 @@ fn command(
                 aspect: plot.layout.whole.aspect_ratio(),
                 render: print::png,
             };
-            PlotCommand::SavePicture(path, picture)
+            PlotFile::Picture(picture)
         }
     })
 }

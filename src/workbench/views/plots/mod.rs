@@ -36,13 +36,6 @@ pub use tab::Tab;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::plot::Figure;
 
-/// A plot that is being saved.
-#[derive(Debug)]
-struct Saving {
-    format: Format,
-    path: String,
-}
-
 /// State of one plot among several.
 #[derive(Debug, Default)]
 pub struct PlotState {
@@ -60,7 +53,8 @@ pub struct PlotState {
     generation: u64,
     /// What a task computed for the plots.
     pub preparation: Option<Preparation>,
-    saving: Option<Saving>,
+    /// The format in which it is to be saved.
+    saving: Option<Format>,
     is_hovered: bool,
     scope: scope::ScopeState,
 }

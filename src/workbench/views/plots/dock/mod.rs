@@ -7,7 +7,6 @@ mod tree;
 mod windows;
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
-use std::path::Path;
 
 use egui::Ui;
 use egui_tiles::Behavior as _;
@@ -145,13 +144,6 @@ impl Panes {
             if let Some(before) = before.filter(|_| tree::shown(tree).contains(&scope)) {
                 tree::bring_forward(tree, before);
             }
-        }
-    }
-
-    /// Sets the file of the plot that is being saved.
-    pub fn picked(&mut self, path: &Path) {
-        for saving in self.plots.values_mut().filter_map(|p| p.saving.as_mut()) {
-            saving.path = path.display().to_string();
         }
     }
 

@@ -5,7 +5,7 @@ use egui_material_icons::icons;
 
 use super::super::pane;
 use super::Panes;
-use crate::model::command::{Outbox, ViewCommand};
+use crate::model::command::{Outbox, RobotCommand, STOP, ViewCommand};
 use crate::model::{Model, Selection};
 use crate::theme::{self, GRID};
 use crate::widgets::icon_button;
@@ -36,6 +36,10 @@ pub fn show_detached(
         let viewport = ViewportId::from_hash_of(("plot", id.name()));
         let draw = |ui: &mut Ui, class: ViewportClass| {
             let mut is_docked = false;
+            // The key works in every window.
+            if ui.input_mut(|input| input.consume_shortcut(&STOP)) {
+                outbox.send(RobotCommand::Stop);
+            }
             let mut content = |ui: &mut Ui| {
                 is_docked = icon_button(ui, icons::ICON_CLOSE_FULLSCREEN, "Dock", true).clicked();
                 pane(ui, model, plot, hovered, outbox);

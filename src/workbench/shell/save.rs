@@ -1,0 +1,92 @@
+//! Where to save a file: a path that is typed or picked. The dialog stays open until the file is written.
+
+use std::path::Path;
+
+use egui::{Key, Role, TextEdit, Ui, WidgetInfo};
+use egui_material_icons::icons;
+
+use super::state::State;
+use crate::model::OpenSession;
+use crate::model::command::FileCommand;
+use crate::model::dialogs::{SaveContent, SaveForm};
+use crate::theme::GRID;
+use crate::widgets::{Verdict, heading, icon_button, modal, muted, primary, verdict};
+
+/// Draws the dialog while it is open.
+pub fn show(ui: &mut Ui, state: &mut State) {
+    let Some(mut draft) = state.model.dialogs.save.take() else {
+        return;
+    };
+    let open = state.model.open.as_ref();
+    let own = match &draft.content {
+        SaveContent::Session => open.and_then(OpenSession::path),
+        _ => None,
+    };
+    let (is_cancelled, is_left) = modal(ui, ("save", 560.0), |ui| {
+        heading(ui, draft.content.title());
+        let asked = form(ui, &mut draft.form, own);
+        if asked.browse {
+            state.outbox.send(FileCommand::BrowseSave);
+        }
+        ui.add_space(2.0 * GRID);
+        ui.horizontal(|ui| {
+            let can_save = draft.form.can_save();
+            let verb = if asked.replaces { "Replace" } else { "Save" };
+            let is_saved = primary(ui, verb, can_save).clicked() || asked.entered && can_save;
+            if let Some(path) = draft.form.target().filter(|_| is_saved) {
+                state.outbox.send(draft.content.command(path.clone()));
+                draft.form.begin(path);
+            }
+            ui.button("Cancel").clicked()
+        })
+        .inner
+    });
+    if is_cancelled || is_left {
+        state.model.dialogs.leaving = None;
+    } else {
+        state.model.dialogs.save = Some(draft);
+    }
+}
+
+/// What the operator asks for in a form, and what the present path means.
+pub(super) struct Asked {
+    pub entered: bool,
+    pub browse: bool,
+    /// Whether another file than `own` is there already.
+    pub replaces: bool,
+}
+
+/// The path of a file, and what became of writing it; `own` may be written over without a word.
+pub(super) fn form(ui: &mut Ui, form: &mut SaveForm, own: Option<&Path>) -> Asked {
+    let row = ui.horizontal(|ui| {
+        let width = ui.available_width() - 120.0;
+        let field = ui.add(TextEdit::singleline(&mut form.path).desired_width(width));
+        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the file"));
+        if ui.memory(|memory| memory.focused().is_none()) {
+            field.request_focus();
+        }
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let browse = icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked();
+        (entered, browse)
+    });
+    let target = form.target();
+    let replaces = |path: &&Path| path.is_file() && own != Some(*path);
+    let replaces = target.as_deref().filter(replaces).is_some();
+    match &form.failure {
+        _ if form.writing.is_some() => {
+            muted(ui, "Saving…");
+        }
+        Some(why) => verdict(ui, Verdict::Bad, why),
+        None if replaces => {
+            let text = "A file with this name exists; it will be replaced.";
+            verdict(ui, Verdict::Doubtful, text);
+        }
+        None => {}
+    }
+    let (entered, browse) = row.inner;
+    Asked {
+        entered,
+        browse,
+        replaces,
+    }
+}
