@@ -462,7 +462,7 @@ fn the_report_leads_with_the_model_that_was_written() {
     ] {
         assert!(html.contains(text), "no {text:?}");
     }
-    assert!(!html.contains("accepted"));
+    assert!(!html.contains("accepted") && !html.contains("which the model does not have"));
     sample.session.add_verification(Verification {
         time: time(50),
         ..verification(Stage::After, 0.0006)
@@ -482,7 +482,7 @@ fn the_report_leads_with_the_model_that_was_written() {
 
 #[test]
 fn a_report_without_a_fault_leads_with_the_diagnosis_and_an_outdated_one_says_so_first() {
-    let sample = sample(&[]);
+    let mut sample = sample(&[]);
     let input = sample.input();
     assert_eq!(
         leads(&input),
@@ -496,6 +496,14 @@ fn a_report_without_a_fault_leads_with_the_diagnosis_and_an_outdated_one_says_so
     let lead = leads(&outdated);
     assert!(lead[0].starts_with("The data or the model changed after this identification"));
     assert_eq!(lead.len(), 2);
+    sample.diagnosis = diagnosed(&sample.fit.dataset, &[Verdict::Named]);
+    let outdated = ReportInput {
+        diagnosis_outdated: true,
+        ..sample.input()
+    };
+    let html = render_report(&outdated, ReportFormat::Html).expect("HTML");
+    let html = String::from_utf8_lossy(&html).into_owned();
+    assert!(html.contains("It found the following, which the model does not have"));
 }
 
 /// A session that is opened again has no results in memory, but knows that it was diagnosed.

@@ -3,7 +3,7 @@
 use tautline_core::diagnosis::{Finding, FoundParameter, Separation, Verdict};
 use tautline_core::effect::UNKNOWN;
 
-use super::number;
+use super::{NONE, number};
 use crate::diagnosis::dependences::{figures, of_finding};
 use crate::documents::diagnosis::Diagnosed;
 use crate::documents::diagnosis::gain;
@@ -94,7 +94,7 @@ fn candidates(diagnosed: &Diagnosed, finding: &Finding) -> Table {
         &["Cause", "Probability", "Odds of the first against it"],
     );
     let own = percent(finding.probability);
-    table.push([diagnosed.title(&finding.cause), own, "-".to_owned()]);
+    table.push([diagnosed.title(&finding.cause), own, NONE.to_owned()]);
     for other in &finding.alternatives {
         let odds = odds_between(finding.probability, other.probability);
         table.push([

@@ -1,13 +1,13 @@
 //! The first page: the result.
 
 use tautline_core::diagnosis::Diagnosis;
-use tautline_core::effect::EffectSetting;
+use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::estimation::Solution;
 use tautline_session::Session;
 
 use super::{accuracy, adjustments, displacements, when};
 use crate::documents::diagnosis::proposal;
-use crate::identification::{Identification, effect_sizes, effects_title};
+use crate::identification::{Identification, effect_sizes, effects_title, same_effect};
 use crate::report::document::{Block, Section};
 use crate::report::input::ReportInput;
 use crate::wording::probability::certainty;
@@ -28,6 +28,15 @@ pub fn section(input: &ReportInput<'_>) -> Section {
         section.lead("The identification did NOT converge: do not rely on its values.");
     }
     state(input, &mut section);
+    if let Some(text) = input
+        .fit
+        .and_then(|fit| adjustments::state(input.session, fit))
+    {
+        section.paragraph(text);
+    }
+    if let Some(text) = accuracy::summary(input.session) {
+        section.paragraph(text);
+    }
     if let Some(fit) = input.fit {
         section.paragraph(moved(fit));
         if let Some(tolerance_m) = input.choice.tolerance_m {
@@ -36,12 +45,6 @@ pub fn section(input: &ReportInput<'_>) -> Section {
         for deficiency in &fit.open {
             section.paragraph(format!("Open: {}.", deficiency.sentence));
         }
-        if let Some(text) = adjustments::state(input.session, fit) {
-            section.paragraph(text);
-        }
-    }
-    if let Some(text) = accuracy::summary(input.session) {
-        section.paragraph(text);
     }
     if let Some(png) = input.picture {
         section.blocks.push(Block::Picture {
@@ -93,10 +96,21 @@ fn state(input: &ReportInput<'_>, section: &mut Section) {
                 .collect(),
         );
     }
-    if input.diagnosis.is_some() && diagnosis.is_none() {
+    if let Some(earlier) = input.diagnosis.filter(|_| diagnosis.is_none()) {
         section.paragraph(
             "The model was not diagnosed after the last change: the diagnosis in this report is an earlier one.",
         );
+        let is_added = |bound: &BoundEffect| {
+            let setting = bound.setting(earlier.robot());
+            effects.iter().any(|one| same_effect(one, &setting))
+        };
+        let findings = earlier.diagnosis.findings.iter();
+        let missing = findings.filter(|finding| !finding.cause.instances.iter().all(is_added));
+        let missing: Vec<String> = missing.map(|finding| earlier.heading(finding)).collect();
+        if !missing.is_empty() {
+            section.paragraph("It found the following, which the model does not have:");
+            section.list(missing);
+        }
     }
 }
 
