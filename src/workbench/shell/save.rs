@@ -62,10 +62,10 @@ pub(super) fn form(ui: &mut Ui, form: &mut SaveForm, own: Option<&Path>) -> Aske
         let width = ui.available_width() - 120.0;
         let field = ui.add(TextEdit::singleline(&mut form.path).desired_width(width));
         field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the file"));
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         if ui.memory(|memory| memory.focused().is_none()) {
             field.request_focus();
         }
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         let browse = icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked();
         (entered, browse)
     });
