@@ -38,6 +38,7 @@ pub struct PanelStates {
     pub precalibration: precalibration::PanelState,
     /// Of phase 2.
     pub modeling: modeling::PanelState,
+    pub new_robot: modeling::new_robot::Draft,
     /// Of the window that connects, while it is open.
     pub connect: Option<Box<connect::Draft>>,
     /// Of the comparison.

@@ -4,7 +4,9 @@ use egui::Key;
 
 use super::super::state::State;
 use super::{CONTROL, CONTROL_SHIFT, Item, Menu, item, keys};
-use crate::model::command::{CompareCommand, FileCommand, RecordingCommand, ReportCommand};
+use crate::model::command::{
+    CompareCommand, FileCommand, RecordingCommand, ReportCommand, ViewCommand,
+};
 use crate::model::phase::Screen;
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::templates::Template;
@@ -118,6 +120,13 @@ pub fn lines(state: &State) -> Vec<Item> {
         let title = format!("New robot: {}", template.title().to_lowercase());
         item(Menu::File, title, None, true, FileCommand::New(template))
     });
-    items.splice(3..3, new);
+    let blank = item(
+        Menu::File,
+        "New robot: empty table",
+        None,
+        true,
+        ViewCommand::Go(Screen::NewRobot),
+    );
+    items.splice(3..3, new.into_iter().chain([blank]));
     items
 }
