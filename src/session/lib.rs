@@ -58,11 +58,12 @@ pub use sensors::{Catalogue, CatalogueEntry, Growth, Sensor, SensorSource};
 pub use session::{
     Acceptance, Adjustment, AdsPlace, Connection, ControllerKind, DiagnosisSettings,
     IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings,
-    LogEntry, MeasuredPose, Method, NamedValue, NotATimestamp, OpcUaPlace, Outcome, Phase,
-    PlannedPose, RecordingPlace, ResultDocument, ResultRecord, Session, Settings, Simulator, Stage,
-    SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolParameter, SymbolPose,
-    SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue, Timestamp, ValueChange,
-    Verification, is_per_cable, name_of_cable, parse_session, read_session, write_session,
+    LogEntry, MeasuredPose, MeasuringWarning, Method, NamedValue, NotATimestamp, OpcUaPlace,
+    Outcome, Phase, PlannedPose, RecordingPlace, ResultDocument, ResultRecord, Session, Settings,
+    Simulator, Stage, StoppedVerification, SymbolCommand, SymbolList, SymbolMapping, SymbolNames,
+    SymbolParameter, SymbolPose, SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue,
+    Timestamp, ValueChange, Verification, is_per_cable, name_of_cable, parse_session, read_session,
+    write_session,
 };
 pub use symbols_file::{read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};

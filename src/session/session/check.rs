@@ -7,7 +7,7 @@ use std::collections::HashSet;
 use tautline_core::effect::EffectSetting;
 use tautline_core::robot::{FieldError, Robot};
 
-use super::{Adjustment, NamedValue, PlannedPose, Verification};
+use super::{Adjustment, NamedValue, PlannedPose, StoppedVerification, Verification};
 use crate::error::{below, fail};
 use crate::phases::{CheckPose, CheckRow, PhaseData};
 use crate::table::quaternion_fault;
@@ -117,6 +117,13 @@ pub(super) fn adjustments(adjustments: &[Adjustment]) -> Checked {
 pub(super) fn verifications(runs: &[Verification]) -> Checked {
     for (k, run) in runs.iter().enumerate() {
         check_rows(&format!("/verifications/{k}/rows"), &run.rows)?;
+    }
+    Ok(())
+}
+
+pub(super) fn stopped_verifications(runs: &[StoppedVerification]) -> Checked {
+    for (k, run) in runs.iter().enumerate() {
+        check_rows(&format!("/stopped_verifications/{k}/rows"), &run.rows)?;
     }
     Ok(())
 }

@@ -51,7 +51,8 @@ impl VersionedFile for SessionFile {
         laser.map_err(|error| below("/laser_source", error))?;
         connection::check(&self.connection, &self.robot)?;
         check::adjustments(&self.adjustments)?;
-        check::verifications(&self.verifications)
+        check::verifications(&self.verifications)?;
+        check::stopped_verifications(&self.stopped_verifications)
     }
 }
 

@@ -37,6 +37,15 @@ pub struct LogEntry {
     pub text: String,
 }
 
+/// A reading that was implausible when its pose was measured.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct MeasuringWarning {
+    /// Label of the pose.
+    pub pose: i64,
+    /// The warning in one sentence.
+    pub text: String,
+}
+
 /// A result, stored as the document that the commands write with `--json`.
 ///
 /// It is stored as a document rather than as a type, so that a session keeps results of kinds that

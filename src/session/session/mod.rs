@@ -38,7 +38,7 @@ pub use connection::{
 };
 pub(crate) use document::SessionFile;
 pub use laser_settings::{LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
-pub use log::{LogEntry, Phase, ResultRecord};
+pub use log::{LogEntry, MeasuringWarning, Phase, ResultRecord};
 pub use measured_pose::MeasuredPose;
 pub(crate) use measurement_table::MeasurementTable;
 pub use plan::PlannedPose;
@@ -46,7 +46,7 @@ pub use result_document::ResultDocument;
 pub use settings::{DiagnosisSettings, IdentificationSettings, Method, Settings};
 pub use simulator::Simulator;
 pub use timestamp::{NotATimestamp, Timestamp};
-pub use verification::{Acceptance, Stage, Verification};
+pub use verification::{Acceptance, Stage, StoppedVerification, Verification};
 
 /// One calibration of one robot.
 ///
@@ -104,6 +104,12 @@ pub struct Session<M = Measurements> {
     /// Runs with an external instrument, the oldest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     verifications: Vec<Verification>,
+    /// Runs with an external instrument that ended early, the oldest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    stopped_verifications: Vec<StoppedVerification>,
+    /// Implausible readings of measured poses, the oldest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    measuring_warnings: Vec<MeasuringWarning>,
     /// Steps of the operator, the oldest first.
     #[serde(default)]
     log: Vec<LogEntry>,
@@ -130,6 +136,8 @@ impl<M> Session<M> {
             connection: self.connection.clone(),
             adjustments: self.adjustments.clone(),
             verifications: self.verifications.clone(),
+            stopped_verifications: self.stopped_verifications.clone(),
+            measuring_warnings: self.measuring_warnings.clone(),
             log: self.log.clone(),
         }
     }
@@ -157,6 +165,8 @@ impl Session {
             results: Vec::new(),
             adjustments: Vec::new(),
             verifications: Vec::new(),
+            stopped_verifications: Vec::new(),
+            measuring_warnings: Vec::new(),
             log: Vec::new(),
         }
     }
@@ -265,6 +275,20 @@ impl Session {
         is_measured.then(|| last.map_or(self.created, |step| step.time))
     }
 
+    /// Runs with an external instrument that ended early, the oldest first.
+    #[must_use]
+    pub fn stopped_verifications(&self) -> &[StoppedVerification] {
+        &self.stopped_verifications
+    }
+
+    /// Warnings of the poses that are used: measured and not excluded.
+    pub fn measuring_warnings(&self) -> impl Iterator<Item = &MeasuringWarning> {
+        let is_used =
+            |pose: i64| self.measurements.labels.contains(&pose) && !self.excluded.contains(&pose);
+        let warnings = self.measuring_warnings.iter();
+        warnings.filter(move |warning| is_used(warning.pose))
+    }
+
     /// Steps of the operator, the oldest first.
     #[must_use]
     pub fn log(&self) -> &[LogEntry] {
@@ -298,6 +322,17 @@ impl Session {
     pub fn add_verification(&mut self, verification: Verification) {
         self.modified = self.modified.max(verification.time);
         self.verifications.push(verification);
+    }
+
+    /// Adds a run that ended early.
+    pub fn add_stopped_verification(&mut self, stopped: StoppedVerification) {
+        self.modified = self.modified.max(stopped.time);
+        self.stopped_verifications.push(stopped);
+    }
+
+    /// Adds warnings of poses that were measured.
+    pub fn add_measuring_warnings(&mut self, warnings: impl IntoIterator<Item = MeasuringWarning>) {
+        self.measuring_warnings.extend(warnings);
     }
 
     /// Records the acceptance of the robot with the values that its controller holds, on the result of the last

@@ -32,6 +32,21 @@ pub struct Verification {
     pub accepted: Option<Acceptance>,
 }
 
+/// A run that ended before all targets were measured. It is no [`Verification`]: no accuracy follows from some of the targets.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StoppedVerification {
+    /// Time at which it ended.
+    pub time: Timestamp,
+    /// Before or after the adjustment.
+    pub stage: Stage,
+    /// Commanded and attained poses until then.
+    pub rows: Vec<CheckRow>,
+    /// Number of measurements that were planned.
+    pub planned: usize,
+    /// Reason for its end, in one sentence.
+    pub reason: String,
+}
+
 /// Acceptance of the robot by an operator.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Acceptance {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::ViewportCommand;
+use tautline_core::robot::Robot;
 use tautline_session::{
     Import, Loaded, LogEntry, Phase as LogPhase, RecentSession, Session, find_unsaved_sessions,
     link_target, write_session,
@@ -21,7 +22,6 @@ use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::importing::{Opened, open as open_any};
 use tautline_workflow::planning::missing_labels;
 use tautline_workflow::session_file::recover_unsaved;
-use tautline_workflow::templates::Template;
 use tautline_workflow::{clock, samples};
 
 /// Title of writing a session.
@@ -30,7 +30,8 @@ const SAVING: &str = "Saving";
 pub(super) fn perform(model: &mut Model, command: FileCommand) {
     match command {
         FileCommand::TryDemo => try_demo(model),
-        FileCommand::New(template) => new_robot(model, template),
+        FileCommand::New(template) => new_robot(model, template.robot(template.usual_size_m())),
+        FileCommand::NewRobot(robot) => new_robot(model, *robot),
         FileCommand::AskOpen => pick(model, FileRequest::file("Open", &[]), FileCommand::Open),
         FileCommand::AskSaveAs => ask_save_as(model),
         FileCommand::BrowseSave => {
@@ -83,8 +84,7 @@ fn try_demo(model: &mut Model) {
 }
 
 /// A session with a robot that nobody has described yet.
-fn new_robot(model: &mut Model, template: Template) {
-    let robot = template.robot(template.usual_size_m());
+fn new_robot(model: &mut Model, robot: Robot) {
     leave(
         model,
         Leaving::Open(Box::new(Opening {

@@ -34,6 +34,7 @@ const ENDINGS: [&str; 15] = [
 pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
     match command {
         RecordingCommand::Show => model.screen = Screen::Import,
+        RecordingCommand::Correct => correct(model),
         RecordingCommand::Ask => {
             let request = FileRequest::file("Import", &ENDINGS);
             pick(model, request, RecordingCommand::Read);
@@ -68,13 +69,8 @@ pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
         RecordingCommand::Discard => {
             model.importing.open = None;
             model.importing.waiting.clear();
-            model.screen = match &model.open {
-                Some(open) if open.session().measurements.is_empty() => {
-                    Screen::Phase(Phase::Measuring)
-                }
-                Some(_) => Screen::Phase(Phase::Identification),
-                None => Screen::Start,
-            };
+            model.importing.replaces = false;
+            model.screen = model.home_screen();
         }
     }
 }
@@ -115,9 +111,23 @@ pub(super) fn take(model: &mut Model, sources: Vec<Source>) {
     cut(model);
 }
 
+/// Opens the import of the session's poses again; without its sources, which a session file does not have, they are asked for.
+fn correct(model: &mut Model) {
+    let can_correct = |open: &OpenSession| importing::can_import_again(open.session());
+    if !model.open.as_ref().is_some_and(can_correct) {
+        return;
+    }
+    model.importing.replaces = true;
+    if let Some(import) = &mut model.importing.open {
+        import.is_taken = false;
+    }
+    model.screen = Screen::Import;
+}
+
 /// Goes on with the files that wait for a robot, now that a session is open; the recipe of another robot is not used.
 pub(super) fn opened(model: &mut Model) {
     model.importing.open = None;
+    model.importing.replaces = false;
     let waiting = std::mem::take(&mut model.importing.waiting);
     if !waiting.is_empty() {
         take(model, waiting);
@@ -259,12 +269,15 @@ fn finish(model: &mut Model) {
     let files: Vec<String> = import.draft.sources().iter().map(file_name).collect();
     let name = files.join(", ");
     model.importing.last_recipe = Some(recipe.clone());
-    if open.session().measurements.is_empty() {
+    let replaces = std::mem::take(&mut model.importing.replaces)
+        && importing::can_import_again(open.session());
+    if open.session().measurements.is_empty() || replaces {
         let poses = Arc::new(imported.measurements.clone());
         let count = poses.len();
         let done = format!("Imported {count} poses from {name}");
         changed(model, None, |open| {
-            let what = format!("import {name}");
+            let again = if replaces { " again" } else { "" };
+            let what = format!("import {name}{again}");
             open.edit(Edit::Import(poses, what.clone())).then_some(what)
         });
         if let Some(open) = &mut model.open {

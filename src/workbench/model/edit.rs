@@ -37,7 +37,8 @@ pub enum Edit {
     SetConnection(Box<(Connection, LaserSettings)>),
     /// Replaces raw data of the phases around the poses; the text says which, for the undo menu.
     SetPhases(Box<PhaseData>, String),
-    /// Takes poses of a foreign file into a session without poses; the text says which file, for the undo menu.
+    /// Takes poses of a foreign file instead of those of the session, which are empty or imported themselves; the text says
+    /// which file, for the undo menu.
     Import(Arc<Measurements>, String),
 }
 
@@ -84,7 +85,15 @@ impl Edit {
             Self::SetAlpha(alpha) => session.settings.diagnosis.alpha = alpha,
             Self::SetRobot(robot, _) => session.robot = *robot,
             Self::SetPhases(phases, _) => session.phases = *phases,
-            Self::Import(poses, _) => session.measurements = Arc::unwrap_or_clone(poses),
+            Self::Import(poses, _) => {
+                session.measurements = Arc::unwrap_or_clone(poses);
+                let measured = &session.measurements.labels;
+                let excluded = session.excluded().iter().copied();
+                let gone: Vec<i64> = excluded.filter(|pose| !measured.contains(pose)).collect();
+                for pose in gone {
+                    session.include(pose);
+                }
+            }
             Self::SetConnection(settings) => {
                 (session.connection, session.laser_source) = *settings;
             }
@@ -190,9 +199,6 @@ impl History {
         inputs: u64,
     ) -> Option<InputRevision> {
         let is_import = matches!(edit, Edit::Import(..));
-        if is_import && !session.measurements.is_empty() {
-            return None;
-        }
         let step = Phase {
             number: self.edits + 1,
             name: edit.name(),
@@ -390,7 +396,15 @@ mod tests {
             Some(InputRevision::New)
         );
         assert_eq!(session.measurements, *poses);
-        assert!(history.perform(import(), &mut session, 2).is_none());
+        let fewer = poses.select(&[0, 1]);
+        session.exclude(poses.labels[2]).expect("it is measured");
+        let again = Edit::Import(Arc::new(fewer.clone()), "import log.csv again".into());
+        assert_eq!(history.perform(again, &mut session, 2), Some(Inputs::New));
+        assert_eq!(session.measurements, fewer);
+        assert!(session.excluded().is_empty(), "it is no longer there");
+        history.undo(&mut session, 3).expect("a step");
+        assert_eq!(session.measurements, *poses);
+        assert!(session.excluded().contains(&poses.labels[2]));
         assert!(history.is_import(false));
         let undone = history.undo(&mut session, 2).expect("a step");
         assert_eq!(

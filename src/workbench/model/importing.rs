@@ -171,4 +171,6 @@ pub struct ImportState {
     pub waiting: Vec<Source>,
     /// The recipe that was used last, for the next file.
     pub last_recipe: Option<Recipe>,
+    /// Whether the poses replace those that the session imported before.
+    pub replaces: bool,
 }

@@ -111,6 +111,7 @@ impl Page {
             Screen::Import => Self::Import,
             Screen::Compare => Self::Report,
             Screen::WhichSensor => Self::Measuring,
+            Screen::NewRobot => Self::Modeling,
             Screen::Phase(phase) => match phase {
                 Phase::Precalibration => Self::Precalibration,
                 Phase::Modeling => Self::Modeling,

@@ -47,7 +47,7 @@ use fit_progress::IdentificationState;
 use importing::ImportState;
 use link::{Link, LivePlatform};
 use messages::Messages;
-use phase::Screen;
+use phase::{Phase, Screen};
 use session_lock::SessionLock;
 use tasks::Tasks;
 use tautline_workflow::adjusting;
@@ -258,6 +258,15 @@ impl Model {
     pub fn is_true_to_session(&self) -> bool {
         let connected = self.link.connected.as_ref();
         connected.is_none_or(|connected| connected.rig.kind == Kind::OfSession)
+    }
+
+    /// The screen after an import or a new robot was given up.
+    pub(crate) fn home_screen(&self) -> Screen {
+        match &self.open {
+            Some(open) if open.session().measurements.is_empty() => Screen::Phase(Phase::Measuring),
+            Some(_) => Screen::Phase(Phase::Identification),
+            None => Screen::Start,
+        }
     }
 
     /// Names of what undo would undo and redo would do again: changes of the recipe while files are imported, else edits.

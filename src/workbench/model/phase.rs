@@ -16,6 +16,8 @@ pub enum Screen {
     Import,
     /// Which sensor, how many poses.
     WhichSensor,
+    /// A new robot from an empty table of its cables.
+    NewRobot,
 }
 
 /// The five phases.

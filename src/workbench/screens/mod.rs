@@ -32,6 +32,7 @@ pub struct PanelStates {
     pub identification: identification::PanelState,
     pub precalibration: precalibration::PanelState,
     pub modeling: modeling::PanelState,
+    pub new_robot: modeling::new_robot::Draft,
     /// Draft of the connection dialog; `None` while it is closed.
     pub connect: Option<Box<connect::Draft>>,
     pub compare: compare::PanelState,

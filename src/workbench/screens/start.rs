@@ -6,7 +6,8 @@ use egui::{Align, Button, Key, Layout, RichText, TextEdit, Ui};
 use egui_material_icons::icons;
 
 use crate::model::Model;
-use crate::model::command::{CompareCommand, FileCommand, Outbox, RecordingCommand};
+use crate::model::command::{CompareCommand, FileCommand, Outbox, RecordingCommand, ViewCommand};
+use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
 use crate::widgets::{icon_button, icon_only, muted, page, primary, section};
 use tautline_workflow::samples::{self, Sample};
@@ -94,6 +95,13 @@ fn new_robot(ui: &mut Ui, outbox: &mut Outbox) {
             if button.on_hover_text(template.summary()).clicked() {
                 outbox.send(FileCommand::New(template));
             }
+        }
+        if ui
+            .button("Empty table")
+            .on_hover_text("Type or paste the numbers of all cables")
+            .clicked()
+        {
+            outbox.send(ViewCommand::Go(Screen::NewRobot));
         }
     });
 }

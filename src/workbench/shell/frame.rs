@@ -73,6 +73,14 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 screens::which_sensor::show(ui, model, panel, outbox);
             });
         }
+        Screen::NewRobot => {
+            let draft = &mut state.panels.new_robot;
+            let back = state.model.home_screen();
+            let outbox = &mut state.outbox;
+            centre().show(ui, |ui| {
+                screens::modeling::new_robot::show(ui, draft, back, outbox);
+            });
+        }
         Screen::Import => {
             let State {
                 model,

@@ -1,6 +1,6 @@
 //! Fields for numbers.
 
-use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, Ui, WidgetInfo};
+use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, TextStyle, Ui, WidgetInfo};
 
 use super::text::muted;
 use crate::theme::{self, GRID};
@@ -30,8 +30,19 @@ pub struct Number<'a> {
     pub unit: &'a str,
     /// Whether it may be empty.
     pub optional: bool,
-    /// Its width (points).
+    /// Its least width (points).
     pub width: f32,
+}
+
+impl Number<'_> {
+    fn id(&self, ui: &Ui) -> Id {
+        ui.make_persistent_id(("number", self.name))
+    }
+
+    /// Id of the text field, which has the keyboard focus.
+    pub(crate) fn text_id(&self, ui: &Ui) -> Id {
+        self.id(ui).with("text")
+    }
 }
 
 /// Draws a field; the answer comes when it is left or the enter key is pressed, if its text was changed.
@@ -45,7 +56,7 @@ pub fn number_checked(
     field: &Number<'_>,
     check: &dyn Fn(f64) -> Result<(), String>,
 ) -> Option<Entered> {
-    let id = ui.make_persistent_id(("number", field.name));
+    let id = field.id(ui);
     let shown = || {
         let value = field.value?;
         Some(fixed(value, field.decimals))
@@ -53,10 +64,12 @@ pub fn number_checked(
     let typed: Option<String> = ui.data(|data| data.get_temp(id));
     let was_typed = typed.is_some();
     let mut text = typed.unwrap_or_else(|| shown().unwrap_or_default());
-    let now = entered(&text, field, check);
-    let wrong = was_typed && matches!(now, Entered::Wrong(_));
-    let mut response = edit(ui, id, &mut text, field, wrong);
-    if let Entered::Wrong(message) = now {
+    let wrong = match was_typed.then(|| entered(&text, field, check)) {
+        Some(Entered::Wrong(message)) => Some(message),
+        _ => None,
+    };
+    let mut response = edit(ui, field, &mut text, wrong.is_some());
+    if let Some(message) = wrong {
         response = response.on_hover_text(message);
     }
     if !field.unit.is_empty() {
@@ -76,11 +89,17 @@ pub fn number_checked(
     (!escaped).then_some(answer)
 }
 
-fn edit(ui: &mut Ui, id: Id, text: &mut String, field: &Number<'_>, wrong: bool) -> Response {
+fn edit(ui: &mut Ui, field: &Number<'_>, text: &mut String, wrong: bool) -> Response {
     let palette = theme::of(ui);
+    let font = TextStyle::Body.resolve(ui.style());
+    let galley = ui
+        .painter()
+        .layout_no_wrap(text.clone(), font, palette.text);
+    // A number is never cut off, and the cursor has room behind it.
+    let width = field.width.max(galley.size().x + 4.0 * GRID);
     let mut edit = TextEdit::singleline(text)
-        .id(id.with("text"))
-        .desired_width(field.width)
+        .id(field.text_id(ui))
+        .desired_width(width)
         .align(Align2::RIGHT_CENTER)
         .margin(Margin::symmetric(GRID as i8, 2))
         .clip_text(true);

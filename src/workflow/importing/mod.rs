@@ -12,7 +12,8 @@ use tautline_import::{
     read_robot_description, read_sources,
 };
 use tautline_session::{
-    Import, Loaded, ReadError, ResultRecord, Session, Timestamp, VersionedFile, import, is_own,
+    Import, Loaded, LogEntry, Phase, ReadError, ResultRecord, Session, Timestamp, VersionedFile,
+    import, is_own,
 };
 
 use crate::documents::record;
@@ -70,12 +71,26 @@ fn robot_files(path: &Path) -> Vec<PathBuf> {
     files
 }
 
+fn last_record(session: &Session) -> Option<&ResultRecord> {
+    let of_recipe = |record: &&ResultRecord| record.format() == Some(Recipe::FORMAT);
+    session.results().iter().rev().find(of_recipe)
+}
+
 /// The recipe of the last import of a session.
 #[must_use]
 pub fn last_recipe(session: &Session) -> Option<Recipe> {
-    let of_recipe = |record: &&ResultRecord| record.format() == Some(Recipe::FORMAT);
-    let record = session.results().iter().rev().find(of_recipe)?;
-    serde_json::from_value(record.document.value()).ok()
+    serde_json::from_value(last_record(session)?.document.value()).ok()
+}
+
+/// Whether the poses of a session can be replaced by another import: they were imported, and nothing was planned or measured
+/// since. Measured poses have no file to be read from again.
+#[must_use]
+pub fn can_import_again(session: &Session) -> bool {
+    let is_poses = |entry: &&LogEntry| entry.phase == Phase::Poses;
+    let last_step = session.log().iter().rev().find(is_poses);
+    last_record(session).is_some_and(|record| {
+        !session.measurements.is_empty() && last_step.is_none_or(|step| step.time <= record.time)
+    })
 }
 
 /// A recipe in the form that sessions record.

@@ -16,6 +16,9 @@ use crate::documents::isolability::{IsolabilityDocument, IsolabilityTable, SEEN,
 use crate::wording::{count, list, sentence};
 use readings::{complete, plausible};
 
+/// Name of the part that compares readings with the commanded poses.
+pub const PLAUSIBLE: &str = "plausible";
+
 /// Outcome of a part of the check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -82,7 +85,7 @@ impl CheckItem {
     pub fn title(&self) -> &'static str {
         match self.name.as_str() {
             "complete" => "Readings complete",
-            "plausible" => "Readings plausible",
+            PLAUSIBLE => "Readings plausible",
             "geometry" => "Geometry determined",
             _ => "Faults visible",
         }

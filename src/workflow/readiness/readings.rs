@@ -3,7 +3,7 @@
 use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::measurement::{Dataset, Grid};
 
-use super::{CheckItem, CheckOutcome};
+use super::{CheckItem, CheckOutcome, PLAUSIBLE};
 use crate::wording::{count, list, sentence};
 
 /// Largest fraction of a cable's readings that may be missing.
@@ -11,7 +11,7 @@ const MISSING: f64 = 0.5;
 /// Correlation of read and expected lengths below which the reading is that of something else.
 const CORRELATED: f64 = 0.8;
 /// Plausible range of the ratio of read to expected changes of length.
-const PLAUSIBLE: [f64; 2] = [0.7, 1.4];
+const RATIOS: [f64; 2] = [0.7, 1.4];
 /// Negative tension that noise does not explain, in standard deviations of its sensor.
 const PUSHING: f64 = 5.0;
 /// Plausible difference between read and expected laser distance (m).
@@ -161,7 +161,7 @@ fn relation(values: &[f64], along: &[f64]) -> Option<[f64; 2]> {
 }
 
 pub(super) fn plausible(dataset: &Dataset) -> CheckItem {
-    let item = |outcome, sentence: String| CheckItem::new("plausible", outcome, sentence);
+    let item = |outcome, sentence: String| CheckItem::new(PLAUSIBLE, outcome, sentence);
     let mut problems: Vec<String> = Vec::new();
     let compared = compared(dataset);
     if let Some([read, expected]) = &compared {
@@ -198,9 +198,8 @@ fn implausible_lengths(dataset: &Dataset, read: &[Vec<f64>], expected: &[Vec<f64
         let alike = |other: &usize| {
             let found = relation(values, &expected[*other]);
             *other != cable
-                && found.is_some_and(|[slope, r]| {
-                    r > 0.98 && (PLAUSIBLE[0]..PLAUSIBLE[1]).contains(&slope)
-                })
+                && found
+                    .is_some_and(|[slope, r]| r > 0.98 && (RATIOS[0]..RATIOS[1]).contains(&slope))
         };
         let other = (0..read.len()).find(alike);
         problems.push(match other {
@@ -214,7 +213,7 @@ fn implausible_lengths(dataset: &Dataset, read: &[Vec<f64>], expected: &[Vec<f64
             _ if correlation < CORRELATED => {
                 format!("The length of {name} does not follow the commanded poses.")
             }
-            _ if !(PLAUSIBLE[0]..PLAUSIBLE[1]).contains(&slope) => format!(
+            _ if !(RATIOS[0]..RATIOS[1]).contains(&slope) => format!(
                 "The length of {name} changes {slope:.3} times as much as the commanded poses require: unit, drum or gear may be \
                  wrong."
             ),

@@ -99,6 +99,17 @@ fn with_the_later_steps(mut session: Session) -> Session {
         }],
         accepted: None,
     });
+    session.add_stopped_verification(StoppedVerification {
+        time: Timestamp::from_unix_seconds(1_532_336_870),
+        stage: Stage::After,
+        rows: session.verifications()[0].rows.clone(),
+        planned: 100,
+        reason: "stopped by the operator".into(),
+    });
+    session.add_measuring_warnings([MeasuringWarning {
+        pose: 1,
+        text: "cable-1: it is slack: 0.1 N (at pose 1).".into(),
+    }]);
     session.accept("Ada", Timestamp::from_unix_seconds(1_532_336_900));
     session
 }

@@ -2,7 +2,9 @@
 
 use tautline_link::adjusting::{Adjustment as Written, ControllerValues};
 use tautline_link::verifying::{circle, cube_poses, line};
-use tautline_session::{CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, Verification};
+use tautline_session::{
+    CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, StoppedVerification, Verification,
+};
 
 use crate::model::command::WriteDraft;
 use crate::model::link::{DriverCommand, ValuesToWrite};
@@ -210,10 +212,15 @@ pub(super) fn verify(model: &mut Model, stage: Stage) {
     model.request(UiRequest::ShowScope);
 }
 
-pub(super) fn verified(model: &mut Model, stage: Stage, result: Result<Vec<CheckRow>, String>) {
+pub(super) fn verified(
+    model: &mut Model,
+    stage: Stage,
+    rows: Vec<CheckRow>,
+    result: Result<(), String>,
+) {
     model.link.verifying = None;
     match result {
-        Ok(rows) => {
+        Ok(()) => {
             let connected = model.link.connected.as_ref();
             let typed = connected.is_some_and(|c| !c.rig.has_instrument());
             let instrument = match typed {
@@ -224,12 +231,40 @@ pub(super) fn verified(model: &mut Model, stage: Stage, result: Result<Vec<Check
         }
         Err(error) => {
             model.link.is_stopped = model.link.is_connected();
+            let kept = match rows.len() {
+                0 => "has no result",
+                _ => "is not complete; its measurements are kept",
+            };
             model.messages.warning(format!(
-                "The verification has no result: {}.",
+                "The verification {kept}: {}.",
                 error.trim_end_matches('.')
             ));
+            keep_stopped(model, stage, rows, error);
         }
     }
+}
+
+/// Keeps what a verification measured before it ended early.
+fn keep_stopped(model: &mut Model, stage: Stage, rows: Vec<CheckRow>, reason: String) {
+    let planned = model.link.targets.len();
+    let Some(open) = model.open.as_mut().filter(|_| !rows.is_empty()) else {
+        return;
+    };
+    let text = format!(
+        "{}: stopped after {} of {planned} measurements.",
+        title(stage),
+        rows.len()
+    );
+    open.record(|session| {
+        session.add_stopped_verification(StoppedVerification {
+            time: clock::now(),
+            stage,
+            rows,
+            planned,
+            reason,
+        });
+    });
+    open.log(LogPhase::Accuracy, text);
 }
 
 pub(super) fn take_check(model: &mut Model, stage: Stage) {

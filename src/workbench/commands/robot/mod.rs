@@ -148,7 +148,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
             }
             adjust::settled(model, &found, &adjustment);
         }
-        DriverEvent::Verified(stage, result) => adjust::verified(model, stage, result),
+        DriverEvent::Verified(stage, rows, result) => adjust::verified(model, stage, rows, result),
         event => run::receive(model, event),
     }
 }

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
-use tautline_session::{MeasuredPose, Phase as LogPhase};
+use tautline_session::{MeasuredPose, MeasuringWarning, Phase as LogPhase};
 
 use super::adjust::{not_recorded, refuses};
-use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending};
+use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending, RunLog};
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::planning::poses_in_words;
 
@@ -158,6 +158,17 @@ fn measured(model: &mut Model, pose: MeasuredPose) {
             LogPhase::Poses,
             format!("Pose {} was measured.", pose.label()),
         );
+    }
+    let warnings = model.link.run.as_mut().map(RunLog::take_new_warnings);
+    let warnings: Vec<MeasuringWarning> = (warnings.into_iter().flatten())
+        .filter(|warning| warning.label == label)
+        .map(|warning| MeasuringWarning {
+            pose: pose.label(),
+            text: warning.text,
+        })
+        .collect();
+    if !warnings.is_empty() {
+        open.record(|session| session.add_measuring_warnings(warnings));
     }
     model.autosave.follow(model.open.as_ref());
     model.autosave.measured(pose.clone());

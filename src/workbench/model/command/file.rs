@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use tautline_core::robot::Robot;
 use tautline_session::{Loaded, Session, UnsavedSession};
 use tautline_workflow::importing::Opened;
 use tautline_workflow::templates::Template;
@@ -13,6 +14,8 @@ pub enum FileCommand {
     TryDemo,
     /// Begins a session with a new robot, which is then described.
     New(Template),
+    /// Begins a session with a robot that the operator described.
+    NewRobot(Box<Robot>),
     /// Asks for a file to open.
     AskOpen,
     /// Opens a session, begins one with a robot or a dataset folder, or imports a table.

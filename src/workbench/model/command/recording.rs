@@ -22,6 +22,8 @@ pub const ALIGNING: &str = "Aligning the clocks";
 pub enum RecordingCommand {
     /// Goes to where files are imported.
     Show,
+    /// Goes back to the import of the session's poses, to correct its recipe.
+    Correct,
     /// Asks for a file.
     Ask,
     /// Reads a file or folder as one of another program, whatever it seems to be.

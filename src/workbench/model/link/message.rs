@@ -128,8 +128,8 @@ pub enum DriverEvent {
     RunEnded(Result<(), String>),
     /// The run has ended because the controller was restarted, so that no run can continue it.
     RunRestarted(String),
-    /// A verification has ended, with its rows or why there are none.
-    Verified(Stage, Result<Vec<CheckRow>, String>),
+    /// A verification has ended, with its rows until then and the reason if it ended early.
+    Verified(Stage, Vec<CheckRow>, Result<(), String>),
     /// What the controller holds now.
     Parameters(Vec<ParameterInfo>),
     /// An attempt to write, and what the controller holds now.

@@ -174,6 +174,13 @@ impl Link {
         self.run.as_ref().is_some_and(|run| !run.has_ended())
     }
 
+    /// Whether a measuring run goes on and is not waiting for the operator.
+    #[must_use]
+    pub fn is_under_way(&self) -> bool {
+        let run = self.run.as_ref().filter(|run| !run.has_ended());
+        run.is_some_and(|run| run.paused.is_none()) && self.is_armed()
+    }
+
     /// Whether anything goes on that needs the controller.
     #[must_use]
     pub fn is_busy(&self) -> bool {

@@ -34,6 +34,8 @@ pub struct RunLog {
     pub paused: Option<String>,
     /// What did not look right, the oldest first.
     pub warnings: Vec<Warning>,
+    /// Number of warnings that the session has already.
+    stored_warnings: usize,
     /// How far each pose was from what was expected.
     pub surprises: Vec<Surprise>,
     /// Label that was measured last.
@@ -87,6 +89,14 @@ impl RunLog {
         self.skipped.remove(&label);
         self.last = Some(label);
         self.times_s.push(time_s);
+    }
+
+    /// Warnings since the last call, to be stored with the pose that was measured.
+    pub(crate) fn take_new_warnings(&mut self) -> Vec<Warning> {
+        let new = self.warnings.get(self.stored_warnings..);
+        let new = new.unwrap_or_default().to_vec();
+        self.stored_warnings = self.warnings.len();
+        new
     }
 
     /// The pose that was measured last, unless it is the home pose, which cannot be repeated.

@@ -43,7 +43,7 @@ impl Work {
         match std::mem::replace(self, Self::None) {
             Self::None => None,
             Self::Measuring(_) => Some(DriverEvent::RunEnded(Err(why.to_owned()))),
-            Self::Verifying(v) => Some(DriverEvent::Verified(v.stage, Err(why.to_owned()))),
+            Self::Verifying(v) => Some(DriverEvent::Verified(v.stage, v.rows, Err(why.to_owned()))),
         }
     }
 
@@ -244,10 +244,11 @@ impl Verifying {
             }
             Some(VerifyingEvent::Finished) => {
                 let rows = std::mem::take(&mut self.rows);
-                vec![DriverEvent::Verified(self.stage, Ok(rows))]
+                vec![DriverEvent::Verified(self.stage, rows, Ok(()))]
             }
             Some(VerifyingEvent::Failed(text)) => {
-                vec![DriverEvent::Verified(self.stage, Err(text))]
+                let rows = std::mem::take(&mut self.rows);
+                vec![DriverEvent::Verified(self.stage, rows, Err(text))]
             }
         }
     }

@@ -337,7 +337,7 @@ impl Worker {
             }
             Err(text) => self
                 .publisher
-                .report(DriverEvent::Verified(stage, Err(text))),
+                .report(DriverEvent::Verified(stage, Vec::new(), Err(text))),
         }
     }
 

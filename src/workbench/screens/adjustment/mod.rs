@@ -45,6 +45,9 @@ pub struct PanelState {
 /// Draws the panel.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     heading(ui, "Adjustment");
+    if model.link.verifying.is_some() {
+        return verification::under_way(ui, model, panel, outbox);
+    }
     muted(
         ui,
         "The identified values are written to the controller; an external instrument verifies the result.",

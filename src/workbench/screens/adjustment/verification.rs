@@ -1,8 +1,8 @@
 //! Verification with an external instrument, before and after the adjustment.
 
-use egui::{ProgressBar, Ui};
+use egui::Ui;
 use egui_material_icons::icons;
-use tautline_session::Stage;
+use tautline_session::{Session, Stage};
 
 use super::PanelState;
 use super::typed;
@@ -11,8 +11,10 @@ use crate::model::accuracy_figures::{Figure, figures};
 use crate::model::command::Outbox;
 use crate::model::command::{Export, FileCommand, RobotCommand};
 use crate::model::link::Doing;
-use crate::theme::{self, GRID};
+use crate::screens::measuring::motion;
+use crate::theme;
 use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
+use tautline_workflow::adjusting::title;
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::wording::units::fixed;
 
@@ -25,12 +27,12 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
          (ISO 9283). Measure once before writing and once after.",
     );
     buttons(ui, model, outbox);
-    progress(ui, model, panel, outbox);
     imported(ui, model, outbox);
     let Some(open) = &model.open else {
         return;
     };
     let session = open.session();
+    stopped(ui, session);
     if session.verifications().is_empty() {
         return;
     }
@@ -88,28 +90,35 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     });
 }
 
-fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    if model.link.verifying.is_none() {
-        return;
-    }
-    let doing = model.link.live().doing;
-    let (done, of) = match doing {
-        Doing::Verifying { done, of } => (done, of),
-        Doing::Locating { number, of } => (number, of),
-        _ => (0, 1),
-    };
-    ui.add(ProgressBar::new(done as f32 / of as f32).desired_height(2.0 * GRID));
-    ui.horizontal(|ui| {
-        if done == 0 {
-            muted(ui, "Moving to the home pose.");
-        } else {
-            ui.label(format!("Target {done} of {of}"));
-        }
-    });
-    match doing {
+/// Draws a verification that goes on.
+pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    section(ui, "Verification");
+    motion::show(ui, model);
+    match model.link.live().doing {
         Doing::Locating { number, of } => typed::show(ui, model, panel, outbox, (number, of)),
         _ => typed::forget(panel),
     }
+}
+
+/// The last run, if it was stopped: nothing is computed from some of the targets.
+fn stopped(ui: &mut Ui, session: &Session) {
+    let Some(last) = session.stopped_verifications().last() else {
+        return;
+    };
+    let runs = session.verifications();
+    if runs
+        .iter()
+        .any(|run| run.stage == last.stage && run.time >= last.time)
+    {
+        return;
+    }
+    let text = format!(
+        "{}: stopped after {} of {} measurements. They are kept, but no accuracy follows from a part: measure again.",
+        title(last.stage),
+        last.rows.len(),
+        last.planned
+    );
+    verdict(ui, Verdict::Doubtful, &text);
 }
 
 /// Asks to which run an imported table belongs.

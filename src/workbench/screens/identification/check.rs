@@ -1,11 +1,16 @@
 //! The check before identification.
 
 use egui::{CollapsingHeader, Ui};
-use tautline_workflow::readiness::{CheckItem, CheckOutcome, check_readings};
+use tautline_session::Session;
+use tautline_workflow::importing::can_import_again;
+use tautline_workflow::readiness::{CheckItem, CheckOutcome, PLAUSIBLE, check_readings};
 
 use super::Panel;
-use crate::model::command::{IdentificationCommand, READINESS, Readiness};
+use crate::model::command::{IdentificationCommand, READINESS, Readiness, RecordingCommand};
 use crate::widgets::{Verdict, fault_window, muted, section, verdict};
+
+/// Most warnings of the measuring run that are listed without being asked for.
+const WARNINGS_SHOWN: usize = 3;
 
 /// Draws the parts that take no time at once, the others once they were asked for.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -15,10 +20,11 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let readings = panel
         .memory
         .readings
-        .get(key, || check_readings(&open.session().dataset()));
+        .get(key, || check_readings(&open.session().dataset()))
+        .clone();
     let inputs = open.inputs();
     let whole = panel.run.readiness.as_ref().filter(|(of, _)| *of == inputs);
-    let items = whole.map_or(readings, |(_, found)| &found.checks);
+    let items = whole.map_or(&readings, |(_, found)| &found.checks);
     // What is well once there is a result needs no room.
     let is_well = items.iter().all(|item| item.outcome != CheckOutcome::Fail);
     if is_well && open.fit_is_current() {
@@ -28,10 +34,11 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
             "Nothing in the readings stands in the way of identification.",
         );
         CollapsingHeader::new("All parts of the check")
-            .show(ui, |ui| items.iter().for_each(|i| show_item(ui, i)));
+            .show(ui, |ui| items.iter().for_each(|i| show_item(ui, panel, i)));
     } else {
-        items.iter().for_each(|item| show_item(ui, item));
+        items.iter().for_each(|item| show_item(ui, panel, item));
     }
+    warnings(ui, open.session());
     match whole {
         Some((_, found)) => faults(ui, found, &mut panel.memory.shows_faults),
         None if panel.tasks.runs(READINESS) => {
@@ -53,7 +60,28 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-fn show_item(ui: &mut Ui, item: &CheckItem) {
+/// Implausible readings that were noticed while measuring; excluding the pose settles one.
+fn warnings(ui: &mut Ui, session: &Session) {
+    let texts: Vec<&str> = session
+        .measuring_warnings()
+        .map(|warning| warning.text.as_str())
+        .collect();
+    let title = match texts.len() {
+        0 => return,
+        1 => "1 warning while measuring".to_owned(),
+        many => format!("{many} warnings while measuring"),
+    };
+    verdict(ui, Verdict::Doubtful, &title);
+    CollapsingHeader::new("Warnings while measuring")
+        .default_open(texts.len() <= WARNINGS_SHOWN)
+        .show(ui, |ui| {
+            for text in texts {
+                muted(ui, text);
+            }
+        });
+}
+
+fn show_item(ui: &mut Ui, panel: &mut Panel<'_>, item: &CheckItem) {
     let kind = match item.outcome {
         CheckOutcome::Pass => Verdict::Good,
         CheckOutcome::Fail => Verdict::Bad,
@@ -70,6 +98,15 @@ fn show_item(ui: &mut Ui, item: &CheckItem) {
     );
     if let Some(action) = &item.action {
         muted(ui, action);
+    }
+    // A wrong sign, unit or channel is one of the recipe, not of the robot.
+    let is_of_recipe = item.name == PLAUSIBLE && item.outcome == CheckOutcome::Fail;
+    if is_of_recipe && can_import_again(panel.open.session()) {
+        let button = ui.button("Back to import");
+        let tip = "Correct the recipe and import the readings again. This can be undone.";
+        if button.on_hover_text(tip).clicked() {
+            panel.outbox.send(RecordingCommand::Correct);
+        }
     }
 }
 

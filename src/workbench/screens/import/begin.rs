@@ -7,7 +7,8 @@ use tautline_workflow::templates::Template;
 use super::PanelState;
 use super::files::path_row;
 use crate::model::Model;
-use crate::model::command::{FileCommand, Outbox, RecordingCommand};
+use crate::model::command::{FileCommand, Outbox, RecordingCommand, ViewCommand};
+use crate::model::phase::Screen;
 use crate::theme::GRID;
 use crate::widgets::{heading, icon_button, muted, page, section};
 use egui_material_icons::icons;
@@ -71,6 +72,13 @@ fn robot(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox
             if button.on_hover_text(template.summary()).clicked() {
                 outbox.send(FileCommand::New(template));
             }
+        }
+        if ui
+            .button("Empty table")
+            .on_hover_text("Type or paste the numbers of all cables")
+            .clicked()
+        {
+            outbox.send(ViewCommand::Go(Screen::NewRobot));
         }
     });
     ui.add_space(GRID);

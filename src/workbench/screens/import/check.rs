@@ -69,6 +69,7 @@ pub fn last_step(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>) {
         .map_or(0, |open| open.session().measurements.len());
     let where_to = match measured {
         0 => "",
+        _ if model.importing.replaces => " again",
         _ => " as a new session",
     };
     let is_ready = open.is_current() && poses.is_some();

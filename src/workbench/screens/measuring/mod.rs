@@ -2,6 +2,7 @@
 
 mod asking;
 pub mod controller;
+pub(in crate::screens) mod motion;
 mod outlook;
 mod poses;
 mod readings;
@@ -65,6 +66,10 @@ impl Default for PanelState {
 /// Draws the panel.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     heading(ui, "Measuring");
+    if model.link.is_under_way() {
+        // Nothing else needs attention until it stands.
+        return run::under_way(ui, model, panel, outbox);
+    }
     muted(
         ui,
         "The robot visits poses that determine its pulleys well; at each it stops and all sensors are read.",

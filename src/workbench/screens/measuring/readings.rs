@@ -49,14 +49,14 @@ const COLUMNS: [Column<'static>; 3] = [
 
 /// Draws the live readings.
 pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    if !model.link.is_connected() {
+    if !model.link.is_connected() || model.link.is_measuring() {
         return;
     }
     let mut watches = model.link.watches;
-    if !model.link.is_measuring() && checkbox(ui, &mut watches, "Show live readings").changed() {
+    if checkbox(ui, &mut watches, "Show live readings").changed() {
         outbox.send(RobotCommand::Watch(watches));
     }
-    if !watches && !model.link.is_measuring() {
+    if !watches {
         return;
     }
     let Some(sample) = model.link.live().sample else {

@@ -4,7 +4,7 @@ use egui::{Button, CollapsingHeader, ScrollArea, Ui};
 use egui_material_icons::icons;
 
 use super::PanelState;
-use super::{asking, readings};
+use super::{asking, motion, readings};
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{FileCommand, RobotCommand, ViewCommand};
@@ -66,6 +66,18 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     readings::show(ui, model, outbox);
 }
 
+/// Draws a run whose robot moves.
+pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    buttons(ui, model, outbox);
+    motion::show(ui, model);
+    progress(ui, model, panel, outbox);
+    pending(ui, model, outbox);
+    if let Some(run) = &model.link.run {
+        surprises(ui, model, run);
+    }
+    warnings(ui, model, outbox);
+}
+
 fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let Some(run) = &model.link.run else {
         return;
@@ -124,9 +136,6 @@ fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     if !matches!(doing, Doing::Asking { .. }) {
         asking::forget(panel);
     }
-    if let Some(words) = model.link.doing() {
-        muted(ui, &format!("{words}."));
-    }
     match doing {
         Doing::Settling { rates, limits, .. } => readings::settling(ui, rates, limits),
         Doing::Asking { label, expected_m } => asking::show(ui, panel, outbox, label, expected_m),
@@ -174,6 +183,7 @@ fn surprises(ui: &mut Ui, model: &Model, run: &RunLog) {
     if run.surprises.is_empty() {
         return;
     }
+    section(ui, "Last poses");
     muted(ui, &format!("{RESIDUAL}:"));
     for surprise in run.surprises.iter().rev().take(LISTED) {
         let lengths = surprise.lengths_m.iter().enumerate();

@@ -1,8 +1,10 @@
 //! The panel of the phase Modeling: the description of the robot, elongation of the cables, pulleys, where their length goes.
 
-mod description;
+pub(crate) mod cable_table;
+pub(crate) mod description;
 mod elongation;
 mod lengths;
+pub mod new_robot;
 mod pose;
 mod pulley_picture;
 mod pulleys;
@@ -30,6 +32,7 @@ enum Part {
 pub struct PanelState {
     part: Part,
     elongation: TableInput,
+    focused: description::cables::FocusedCell,
 }
 
 impl PanelState {
@@ -72,6 +75,6 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         Part::Elongation => elongation::show(ui, &mut bench, &mut panel.elongation),
         Part::Pulleys => pulleys::show(ui, &mut bench),
         Part::Lengths => lengths::show(ui, &mut bench),
-        Part::Description => description::show(ui, &mut bench),
+        Part::Description => description::show(ui, &mut bench, &mut panel.focused),
     }
 }

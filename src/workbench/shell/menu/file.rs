@@ -4,7 +4,9 @@ use egui::Key;
 
 use super::super::state::State;
 use super::{CONTROL, CONTROL_SHIFT, Item, Menu, item, keys};
-use crate::model::command::{CompareCommand, FileCommand, RecordingCommand, ReportCommand};
+use crate::model::command::{
+    CompareCommand, FileCommand, RecordingCommand, ReportCommand, ViewCommand,
+};
 use crate::model::phase::Screen;
 use tautline_session::RecentSession;
 use tautline_workflow::report::ReportFormat;
@@ -120,6 +122,13 @@ pub fn lines(state: &State) -> Vec<Item> {
         let new = FileCommand::New(template);
         item(Menu::File, template.title(), None, true, new).within("New robot")
     });
-    items.splice(3..3, new);
+    let blank = item(
+        Menu::File,
+        "New robot: empty table",
+        None,
+        true,
+        ViewCommand::Go(Screen::NewRobot),
+    );
+    items.splice(3..3, new.into_iter().chain([blank]));
     items
 }

@@ -1,15 +1,14 @@
-//! The platform, the home pose, and what all winches and cables have in common.
+//! The platform and the home pose.
 
 use egui::Ui;
 use tautline_core::geometry::Coordinate;
-use tautline_core::robot::{Cable, Home, Robot};
+use tautline_core::robot::{Home, Robot};
 
-use super::field::{Field, OfEvery, change, grid, one, optional, three};
+use super::field::{Field, change, grid, one, optional, three};
 use crate::screens::bench_panel::Bench;
 use crate::widgets::{checkbox, muted, section};
 
-/// Draws the part about the platform.
-pub fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
+pub(super) fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
     section(ui, "Platform");
     let platform = &bench.robot().platform;
     grid(ui, "fields of the platform", |ui| {
@@ -52,77 +51,7 @@ pub fn platform(ui: &mut Ui, bench: &mut Bench<'_>) {
     });
 }
 
-/// Draws the part about what is the same for all winches and cables.
-pub fn winches(ui: &mut Ui, bench: &mut Bench<'_>) {
-    section(ui, "All winches and cables");
-    let Some(first) = bench.robot().cables.first() else {
-        return;
-    };
-    let cables = &bench.robot().cables;
-    let differ = cables
-        .iter()
-        .any(|cable| cable.winch != first.winch || cable.cable != first.cable);
-    if differ {
-        muted(
-            ui,
-            "They differ; shown are those of the first. A number that is typed holds for all.",
-        );
-    }
-    grid(ui, "fields of all winches", |ui| {
-        let fields: [OfEvery<'_, Cable>; 5] = [
-            (
-                Field::millimetres("Drum diameter", 2),
-                first.winch.drum_diameter_m,
-                |cable, value| cable.winch.drum_diameter_m = value,
-            ),
-            (
-                Field::millimetres("Drum pitch", 2),
-                first.winch.drum_pitch_m,
-                |cable, value| cable.winch.drum_pitch_m = value,
-            ),
-            (
-                Field::new("Gear ratio", "", 4),
-                first.winch.gear_ratio,
-                |cable, value| cable.winch.gear_ratio = value,
-            ),
-            (
-                Field::millimetres("Cable to the pulley", 0),
-                first.winch.length_to_pulley_m,
-                |cable, value| cable.winch.length_to_pulley_m = value,
-            ),
-            (
-                Field::new("Weight of the cable", "N/m", 3),
-                first.cable.weight_n_per_m,
-                |cable, value| cable.cable.weight_n_per_m = value,
-            ),
-        ];
-        for (field, value, set) in fields {
-            one(ui, bench, &field, value, |robot, value| {
-                robot.cables.iter_mut().for_each(|cable| set(cable, value));
-            });
-        }
-        let field = Field {
-            per_si: 1e-3,
-            ..Field::new("Axial stiffness", "kN", 1)
-        };
-        let stiffness = (first.cable.axial_stiffness_n, true);
-        optional(ui, bench, &field, stiffness, |robot, value| {
-            for cable in &mut robot.cables {
-                cable.cable.axial_stiffness_n = value;
-            }
-        });
-        let field = Field::millimetres("Noise of a length", 3);
-        let sd_m = first.winch.length_sd_m;
-        one(ui, bench, &field, sd_m, |robot, value| {
-            for cable in &mut robot.cables {
-                cable.winch.length_sd_m = value;
-            }
-        });
-    });
-}
-
-/// Draws the part about the home pose.
-pub fn home(ui: &mut Ui, bench: &mut Bench<'_>) {
+pub(super) fn home(ui: &mut Ui, bench: &mut Bench<'_>) {
     section(ui, "Home pose");
     let home = bench.robot().home;
     let mut has_home = home.is_some();

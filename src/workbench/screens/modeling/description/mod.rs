@@ -1,24 +1,23 @@
 //! The description of the robot: platform, cables, home pose, instruments and their noise.
 
-mod cable;
+pub(crate) mod cables;
 mod common;
 mod field;
 mod instruments;
 
 use egui::Ui;
 
+use self::cables::FocusedCell;
 use crate::screens::bench_panel::Bench;
 use crate::widgets::muted;
 
-/// Draws the part.
-pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
+pub(super) fn show(ui: &mut Ui, bench: &mut Bench<'_>, focused: &mut FocusedCell) {
     muted(
         ui,
         "Every number is checked as it is typed, and the 3D view follows. What is not known yet may be rough: identification finds the pulleys.",
     );
     common::platform(ui, bench);
-    cable::show(ui, bench);
-    common::winches(ui, bench);
+    cables::show(ui, bench, focused);
     common::home(ui, bench);
     instruments::show(ui, bench);
 }

@@ -1,0 +1,117 @@
+//! The robot while it moves: progress, pose, tensions with their limits.
+
+use egui::{Align2, ProgressBar, Rect, Sense, TextStyle, Ui, Vec2};
+use tautline_core::simulation::TensionRange;
+
+use super::run::name_of;
+use crate::model::Model;
+use crate::theme::{self, GRID};
+use crate::widgets::{muted, section, value};
+use tautline_workflow::wording::cable_label;
+use tautline_workflow::wording::units::fixed;
+
+/// Height of a tension bar and its row (points).
+const BAR: f32 = 2.0 * GRID;
+const ROW: f32 = 5.0 * GRID;
+/// Part of the width of a bar that the largest allowed tension takes; more is an overload.
+const FULL: f64 = 0.85;
+
+pub(in crate::screens) fn show(ui: &mut Ui, model: &Model) {
+    if let Some([done, of]) = model.link.done_of() {
+        let part = done as f32 / of.max(1) as f32;
+        ui.add(ProgressBar::new(part).desired_height(2.0 * GRID));
+        ui.label(format!("{done} of {of} measured"));
+    }
+    if let Some(words) = model.link.doing() {
+        muted(ui, &format!("{words}."));
+    }
+    if let Some(pose) = model.link.live().pose {
+        let [x, y, z] = [0, 1, 2].map(|axis| fixed(pose.position[axis] * 1e3, 1));
+        value(ui, "Platform at x, y, z", &format!("{x}, {y}, {z}"), "mm");
+    }
+    tensions(ui, model);
+}
+
+/// A bar for each cable, with marks at the smallest and the largest allowed tension.
+fn tensions(ui: &mut Ui, model: &Model) {
+    let (Some(open), Some(sample)) = (&model.open, model.link.live().sample) else {
+        return;
+    };
+    let robot = &open.session().robot;
+    let range = TensionRange::of(robot);
+    let cables = robot.cables.iter().zip(&sample.force_n).enumerate();
+    let read = cables.filter_map(|(k, (cable, force_n))| {
+        let tension_n = cable.force_sensor?.tension_n(*force_n);
+        tension_n.is_finite().then_some((k, tension_n))
+    });
+    let read: Vec<(usize, f64)> = read.collect();
+    if read.is_empty() {
+        return;
+    }
+    section(ui, "Tensions");
+    for (k, tension_n) in read {
+        bar(ui, (k, name_of(model, k)), tension_n, range);
+    }
+    muted(
+        ui,
+        &format!(
+            "Marks: {} to {} N are allowed.",
+            fixed(range.lower_n, 0),
+            fixed(range.upper_n, 0)
+        ),
+    );
+}
+
+fn bar(ui: &mut Ui, (cable, name): (usize, &str), tension_n: f64, range: TensionRange) {
+    let palette = theme::of(ui);
+    let size = Vec2::new(ui.available_width(), ROW);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let (state, colour) = if tension_n < range.lower_n {
+        (", slack", palette.warning)
+    } else if tension_n > range.upper_n {
+        (", too high", palette.warning)
+    } else {
+        ("", palette.text)
+    };
+    let words = format!("{} N{state}", fixed(tension_n, 1));
+    response.widget_info(|| {
+        let text = format!("Tension of {name}: {words}");
+        egui::WidgetInfo::labeled(egui::Role::Label, true, text)
+    });
+    let font = TextStyle::Body.resolve(ui.style());
+    let painter = ui.painter();
+    let label = cable_label(cable, name);
+    let middle = rect.center().y;
+    painter.text(
+        rect.left_center(),
+        Align2::LEFT_CENTER,
+        label,
+        font.clone(),
+        palette.text,
+    );
+    painter.text(
+        rect.right_center(),
+        Align2::RIGHT_CENTER,
+        words,
+        font,
+        colour,
+    );
+    let left = rect.left() + 18.0 * GRID;
+    let width = (rect.right() - 28.0 * GRID - left).max(8.0 * GRID);
+    let x = |tension_n: f64| {
+        let part = (FULL * tension_n / range.upper_n).clamp(0.0, 1.0);
+        left + width * part as f32
+    };
+    let of = |to: f32| {
+        Rect::from_min_max(
+            egui::pos2(left, middle - 0.5 * BAR),
+            egui::pos2(to, middle + 0.5 * BAR),
+        )
+    };
+    painter.rect_filled(of(left + width), 2.0, palette.raised);
+    painter.rect_filled(of(x(tension_n)), 2.0, palette.cable(cable));
+    for limit_n in [range.lower_n, range.upper_n] {
+        let reach = middle - 0.9 * BAR..=middle + 0.9 * BAR;
+        painter.vline(x(limit_n), reach, egui::Stroke::new(1.5, palette.text));
+    }
+}

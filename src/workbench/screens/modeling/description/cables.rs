@@ -1,0 +1,224 @@
+//! All cables in one editable table; more cables and fewer.
+
+use egui::{Align, Color32, Event, Grid, Label, Layout, RichText, ScrollArea, Ui, Vec2};
+use egui_material_icons::icons;
+use tautline_workflow::wording::count;
+
+use super::field::{change, put};
+use crate::screens::bench_panel::Bench;
+use crate::screens::modeling::cable_table::{COLUMNS, CableTable, Empty, is_block};
+use crate::theme::{self, GRID};
+use crate::widgets::{Entered, Number, icon_button, muted, number, section};
+
+/// Height of a row of the table (points).
+const ROW: f32 = 6.5 * GRID;
+const LEAST_WIDTH: f32 = 12.0 * GRID;
+
+/// The cell with the keyboard focus, by row and column.
+pub(crate) type FocusedCell = Option<(usize, usize)>;
+
+/// A changed table with the name of the change, or the reason why it is none.
+pub(crate) type Edited = Result<(CableTable, String), String>;
+
+pub(super) fn show(ui: &mut Ui, bench: &mut Bench<'_>, focused: &mut FocusedCell) {
+    section(ui, "Cables");
+    let table = CableTable::of(bench.robot());
+    match grid(ui, &table, focused, false) {
+        Some(Ok((table, what))) => match table.applied_to(bench.robot()) {
+            Ok(robot) => put(bench, robot, &what),
+            Err(message) => bench.refuse(message),
+        },
+        Some(Err(message)) => bench.refuse(message),
+        None => {}
+    }
+    if let Some((row, _)) = *focused
+        && bench.selection.cable != Some(row)
+    {
+        bench.select_cable(row);
+    }
+    hints(ui);
+    add_and_remove(ui, bench);
+}
+
+pub(crate) fn hints(ui: &mut Ui) {
+    muted(
+        ui,
+        "Pulley: where the cable reaches it, and the direction in which it comes from the winch (swivel axis), along x, y and z of the base frame in the 3D view. Anchor: in the frame of the platform. Cells of a spreadsheet are pasted at the selected cell, to the right and below.",
+    );
+}
+
+/// Draws the table; the names stay where they are while the numbers scroll. `may_lack`: whether required numbers may be empty.
+pub(crate) fn grid(
+    ui: &mut Ui,
+    table: &CableTable,
+    focused: &mut FocusedCell,
+    may_lack: bool,
+) -> Option<Edited> {
+    focused.take_if(|(row, _)| *row >= table.names.len());
+    let mut edited = focused.and_then(|cell| paste(ui, table, cell, may_lack));
+    *focused = None;
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing = Vec2::new(2.0 * GRID, 0.0);
+        Grid::new("names of the cables")
+            .min_row_height(ROW)
+            .show(ui, |ui| names(ui, table));
+        ScrollArea::horizontal()
+            .id_salt("numbers of the cables")
+            .show(ui, |ui| {
+                Grid::new("numbers of the cables")
+                    .min_row_height(ROW)
+                    .spacing([GRID, 0.0])
+                    .show(ui, |ui| {
+                        let cells = numbers(ui, table, focused, may_lack);
+                        edited = edited.take().or(cells);
+                    });
+                // The bar does not cover the last row.
+                ui.add_space(3.0 * GRID);
+            });
+    });
+    edited
+}
+
+fn names(ui: &mut Ui, table: &CableTable) {
+    head(ui, "Cable", "");
+    ui.end_row();
+    ui.add(Label::new("All").extend());
+    ui.end_row();
+    for (k, name) in table.names.iter().enumerate() {
+        ui.horizontal(|ui| {
+            let colour: Color32 = theme::of(ui).cable(k);
+            ui.label(RichText::new("●").color(colour).small());
+            ui.add_space(GRID);
+            ui.add(Label::new(name).extend());
+        });
+        ui.end_row();
+    }
+}
+
+/// Title and unit in two lines.
+fn head(ui: &mut Ui, title: &str, unit: &str) {
+    let text = RichText::new(format!("{title}\n{unit}"));
+    let text = text.small().color(theme::of(ui).muted);
+    ui.add(Label::new(text).extend().halign(Align::RIGHT));
+}
+
+fn numbers(
+    ui: &mut Ui,
+    table: &CableTable,
+    focused: &mut FocusedCell,
+    may_lack: bool,
+) -> Option<Edited> {
+    let mut edited = None;
+    for column in &COLUMNS {
+        ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+            head(ui, column.title, column.unit);
+        });
+    }
+    ui.end_row();
+    for (k, column) in COLUMNS.iter().enumerate() {
+        if !column.is_common() {
+            ui.label("");
+            continue;
+        }
+        let name = format!("{} of all cables", column.title);
+        if let Some(entered) = cell(ui, &name, k, table.common(k), may_lack).0 {
+            edited = Some(entered.map(|value| {
+                let mut table = table.clone();
+                table.set_all(k, value);
+                (table, format!("change {}", name.to_lowercase()))
+            }));
+        }
+    }
+    ui.end_row();
+    for (row, values) in table.cells.iter().enumerate() {
+        for (k, value) in values.iter().enumerate() {
+            let name = table.cell_name(row, k);
+            let (entered, has_focus) = cell(ui, &name, k, *value, may_lack);
+            if has_focus {
+                *focused = Some((row, k));
+            }
+            if let Some(entered) = entered {
+                edited = Some(entered.map(|value| {
+                    let mut table = table.clone();
+                    table.cells[row][k] = value;
+                    (table, format!("change {}", name.to_lowercase()))
+                }));
+            }
+        }
+        ui.end_row();
+    }
+    edited
+}
+
+/// A cell of a column: what was entered, and whether it has the focus.
+fn cell(
+    ui: &mut Ui,
+    name: &str,
+    column: usize,
+    value: Option<f64>,
+    may_lack: bool,
+) -> (Option<Result<Option<f64>, String>>, bool) {
+    let column = &COLUMNS[column];
+    let field = Number {
+        name,
+        value,
+        decimals: column.decimals,
+        unit: "",
+        optional: may_lack || column.empty != Empty::Missing,
+        width: LEAST_WIDTH,
+    };
+    let entered = number(ui, &field).map(|entered| match entered {
+        Entered::Value(value) => Ok(Some(value)),
+        Entered::Nothing => Ok(None),
+        Entered::Wrong(message) => Err(message),
+    });
+    (entered, ui.memory(|m| m.has_focus(field.text_id(ui))))
+}
+
+/// Takes a block of cells from the clipboard before the text field of the focused cell gets it.
+fn paste(ui: &Ui, table: &CableTable, cell: (usize, usize), may_lack: bool) -> Option<Edited> {
+    let mut pasted = None;
+    ui.input_mut(|input| {
+        input.events.retain_mut(|event| match event {
+            Event::Paste(text) if is_block(text) => {
+                pasted = Some(std::mem::take(text));
+                false
+            }
+            _ => true,
+        });
+    });
+    let mut table = table.clone();
+    let done = table.paste(cell, &pasted?, may_lack);
+    Some(done.map(|cells| (table, format!("paste {}", count(cells, "cell")))))
+}
+
+/// More cables, or fewer, as long as nothing was measured.
+fn add_and_remove(ui: &mut Ui, bench: &mut Bench<'_>) {
+    let count = bench.robot().cable_count();
+    let chosen = bench.selection.cable.filter(|cable| *cable < count);
+    let chosen = chosen.unwrap_or(count - 1);
+    let is_free = bench.session().measurements.is_empty();
+    ui.horizontal(|ui| {
+        if icon_button(ui, icons::ICON_ADD, "Add a cable", is_free).clicked() {
+            change(bench, "add a cable", |robot| {
+                let mut cable = robot.cables[chosen].clone();
+                cable.name = format!("cable-{}", robot.cables.len() + 1);
+                // Beside the one that it is like, so that both can be seen.
+                cable.pulley.entry_point_m[0] += 0.1;
+                robot.cables.push(cable);
+            });
+        }
+        let name = format!("Remove {}", bench.cable_name(chosen));
+        if icon_button(ui, icons::ICON_DELETE, &name, is_free && count > 1).clicked() {
+            change(bench, "remove a cable", |robot| {
+                robot.cables.remove(chosen);
+            });
+        }
+    });
+    if !is_free {
+        muted(
+            ui,
+            "The session has measured poses: the number of cables is theirs.",
+        );
+    }
+}

@@ -1,0 +1,104 @@
+//! A robot from an empty table: every number that it needs comes from the operator.
+
+use egui::{DragValue, Role, TextEdit, Ui, WidgetInfo};
+
+use super::cable_table::CableTable;
+use super::description::cables::{self, FocusedCell};
+use crate::model::command::{Command, FileCommand, Outbox, ViewCommand};
+use crate::model::phase::Screen;
+use crate::theme::GRID;
+use crate::widgets::{Verdict, heading, muted, primary, section, verdict};
+
+/// Most cables of a robot.
+const MOST_CABLES: usize = 64;
+const USUAL_CABLES: usize = 8;
+
+#[derive(Debug)]
+pub struct Draft {
+    name: String,
+    table: CableTable,
+    focused: FocusedCell,
+}
+
+impl Default for Draft {
+    fn default() -> Self {
+        let mut table = CableTable {
+            names: Vec::new(),
+            cells: Vec::new(),
+        };
+        table.resize(USUAL_CABLES);
+        Self {
+            name: "New robot".to_owned(),
+            table,
+            focused: None,
+        }
+    }
+}
+
+pub(crate) fn show(ui: &mut Ui, draft: &mut Draft, back: Screen, outbox: &mut Outbox) {
+    egui::ScrollArea::vertical().show(ui, |ui| {
+        heading(ui, "New robot from an empty table");
+        muted(
+            ui,
+            "Type the numbers or paste them from a spreadsheet. Platform, home pose and instruments come afterwards, under Modeling, Description.",
+        );
+        ui.add_space(2.0 * GRID);
+        name_and_count(ui, draft);
+        section(ui, "Cables");
+        match cables::grid(ui, &draft.table, &mut draft.focused, true) {
+            Some(Ok((table, _))) => draft.table = table,
+            Some(Err(message)) => outbox.send(Command::Refuse(message)),
+            None => {}
+        }
+        cables::hints(ui);
+        ui.add_space(2.0 * GRID);
+        finish(ui, draft, back, outbox);
+    });
+}
+
+fn name_and_count(ui: &mut Ui, draft: &mut Draft) {
+    ui.horizontal(|ui| {
+        ui.label("Name");
+        let field = ui.add(TextEdit::singleline(&mut draft.name).desired_width(200.0));
+        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Name of the robot"));
+        ui.add_space(3.0 * GRID);
+        let mut count = draft.table.names.len();
+        ui.label("Number of cables");
+        let response = ui.add(DragValue::new(&mut count).range(1..=MOST_CABLES));
+        response.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, "Number of cables"));
+        if response.changed() {
+            draft.table.resize(count);
+        }
+    });
+}
+
+/// What is missing, or the step to the session.
+fn finish(ui: &mut Ui, draft: &mut Draft, back: Screen, outbox: &mut Outbox) {
+    let missing = draft.table.missing();
+    let has_name = !draft.name.trim().is_empty();
+    if !missing.is_empty() {
+        verdict(ui, Verdict::Doubtful, "Still missing:");
+        for text in &missing {
+            muted(ui, text);
+        }
+    }
+    if !has_name {
+        verdict(ui, Verdict::Doubtful, "The robot needs a name.");
+    }
+    let is_complete = missing.is_empty() && has_name;
+    let (used, left) = ui
+        .horizontal(|ui| {
+            let used = primary(ui, "Use this robot", is_complete).clicked();
+            (used, ui.button("Cancel").clicked())
+        })
+        .inner;
+    if left {
+        outbox.send(ViewCommand::Go(back));
+    }
+    if used {
+        match draft.table.to_robot(draft.name.trim()) {
+            Ok(robot) => outbox.send(FileCommand::NewRobot(Box::new(robot))),
+            Err(message) => outbox.send(Command::Refuse(message)),
+        }
+    }
+}
