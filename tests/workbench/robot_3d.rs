@@ -18,7 +18,7 @@ use tautline_workbench::views::robot_3d::picking::Picture;
 use tautline_workbench::views::robot_3d::scene::Shown;
 use tautline_workflow::identification::{IdentificationRequest, identify};
 
-use crate::support::{settle, workbench};
+use crate::support::{options, settle, workbench};
 
 /// A simulated run of a preset in a session.
 pub fn session_of(name: &str, poses: usize) -> Session {
@@ -309,4 +309,38 @@ fn what_was_pinned_belongs_to_its_session() {
     open(&mut harness, session_of("planar", 3), false);
     let options = &harness.state().state.views.robot_3d.options;
     assert!(options.pinned.is_empty());
+}
+
+/// A workbench in which two clicks without a pause are a double-click.
+pub fn quick_workbench() -> Harness<'static, App> {
+    Harness::builder()
+        .with_size(vec2(1280.0, 800.0))
+        .with_step_dt(1.0 / 60.0)
+        .with_max_steps(200)
+        .build_eframe(|creation| App::new(creation, options()))
+}
+
+#[test]
+fn a_double_click_beside_a_pulley_finds_it_and_one_far_from_all_shows_everything() {
+    let mut harness = quick_workbench();
+    open(&mut harness, session_of("mini", 6), true);
+    let rect = harness.get_by_label("3D view").rect();
+    let at = in_window(&harness, &drawn(&harness, 1));
+    // Away from the robot, where nothing is drawn.
+    let outwards = vec2((at.x - rect.center().x).signum() * 20.0, 0.0);
+    for (place, expected) in [
+        (at + outwards, Some(1)),
+        (rect.left_bottom() + vec2(30.0, -60.0), None),
+    ] {
+        harness.state_mut().state.model.inspected = None;
+        harness.run_ok();
+        harness.hover_at(place);
+        harness.run_ok();
+        for _ in 0..2 {
+            harness.drag_at(place);
+            harness.drop_at(place);
+        }
+        harness.run_ok();
+        assert_eq!(harness.state().state.model.inspected, expected, "{place}");
+    }
 }

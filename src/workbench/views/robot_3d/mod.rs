@@ -355,6 +355,7 @@ impl Robot3d {
             size: [rect.width(), rect.height()].map(f64::from),
         };
         let thing = canvas::under_pointer(&response, &picture);
+        let found = canvas::found_pulley(&response, &picture);
         self.canvas.paint(
             ui,
             rect,
@@ -377,9 +378,8 @@ impl Robot3d {
         if let (Some(Thing::Pulley(index)), true) = (thing, response.clicked()) {
             self.options.pin(index);
         }
-        if let (Some(Thing::Pulley(index)), true) = (thing, response.double_clicked()) {
-            touched.inspected = Some(index);
-        } else if response.clicked() {
+        touched.inspected = touched.inspected.or(found);
+        if found.is_none() && response.clicked() {
             touched.selection = Some(canvas::clicked(picked, selection));
         }
         touched
@@ -408,7 +408,10 @@ impl Robot3d {
         };
         let at = canvas::takes_hold(ui, response);
         let under = at.and_then(|[x, y]| picture.met(drawing, x, y));
-        let is_empty = || canvas::under_pointer(response, &picture).is_none();
+        let is_empty = || {
+            let thing = canvas::under_pointer(response, &picture);
+            thing.is_none() && canvas::found_pulley(response, &picture).is_none()
+        };
         if response.double_clicked() && is_empty() {
             let tips = self.options.tips(scene);
             let all = Some(Aim::All);
