@@ -344,3 +344,52 @@ fn a_double_click_beside_a_pulley_finds_it_and_one_far_from_all_shows_everything
         assert_eq!(harness.state().state.model.inspected, expected, "{place}");
     }
 }
+
+/// The answer of a window to a request for its picture: blue inside `rect`, black around it.
+fn answer_screenshot(harness: &mut Harness<'_, App>, rect: egui::Rect) {
+    let viewports = harness.output().viewport_output.values();
+    let mut commands = viewports.flat_map(|viewport| viewport.commands.iter());
+    let callback = commands.find_map(|command| match command {
+        egui::ViewportCommand::Screenshot(callback) => Some(callback.clone()),
+        _ => None,
+    });
+    let mut window = egui::ColorImage::filled([1280, 800], egui::Color32::BLACK);
+    for y in rect.top() as usize..rect.bottom() as usize {
+        for x in rect.left() as usize..rect.right() as usize {
+            window[(x, y)] = egui::Color32::BLUE;
+        }
+    }
+    callback.expect("a request").complete(window.into());
+}
+
+#[test]
+fn the_menu_of_the_picture_resets_the_view_and_copies_the_picture() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("mini", 4), false);
+    let before = camera(&harness);
+    let rect = harness.get_by_label("3D view").rect();
+    let choose = |harness: &mut Harness<'_, App>, name: &str| {
+        harness.get_by_label("3D view").click_secondary();
+        harness.run_ok();
+        harness.get_by_label(name).click();
+        harness.step();
+    };
+    harness.get_by_label("Projection: perspective").click();
+    harness.run_ok();
+    assert_ne!(camera(&harness), before);
+    choose(&mut harness, "Reset view");
+    harness.run_ok();
+    assert_eq!(camera(&harness), before);
+    choose(&mut harness, "Copy picture");
+    answer_screenshot(&mut harness, rect);
+    harness.step();
+    let commands = &harness.output().platform_output.commands;
+    let copied = commands.iter().find_map(|command| match command {
+        egui::OutputCommand::CopyImage(image) => Some(image),
+        _ => None,
+    });
+    let picture = copied.expect("a picture");
+    assert!(picture.pixels.iter().all(|c| *c == egui::Color32::BLUE));
+    let [width, height] = picture.size.map(|side| side as f32);
+    assert!((vec2(width, height) - rect.size()).abs().max_elem() <= 1.0);
+}

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use egui::ColorImage;
 use tautline_workflow::plot::Figure;
 
 use crate::model::Selection;
@@ -20,6 +21,10 @@ pub enum PlotCommand {
     SaveText(PathBuf, String),
     /// Saves a plot as a picture.
     SavePicture(PathBuf, PlotPicture),
+    /// Asks where to save a picture of the 3D view.
+    AskPicture(Arc<ColorImage>),
+    /// Saves a picture of the 3D view.
+    SaveView(PathBuf, Arc<ColorImage>),
 }
 
 /// A plot that becomes a picture, with the function that draws it.
