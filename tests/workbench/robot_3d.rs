@@ -1,6 +1,6 @@
 //! The 3D view, driven by pointer and keys.
 
-use egui::{Key, Pos2, vec2};
+use egui::{Key, Pos2, Role, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_core::geometry::{Pose, Vec3};
@@ -343,6 +343,40 @@ fn a_double_click_beside_a_pulley_finds_it_and_one_far_from_all_shows_everything
         harness.run_ok();
         assert_eq!(harness.state().state.model.inspected, expected, "{place}");
     }
+}
+
+#[test]
+fn escape_clears_the_selection_unless_something_else_uses_it() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("mini", 4), true);
+    let selected = Selection {
+        cable: Some(2),
+        pose: Some(3),
+    };
+    let selection = |harness: &Harness<'_, App>| harness.state().state.model.selection;
+    harness.state_mut().state.model.selection = selected;
+    harness.run_ok();
+    for open in ["View", "Command palette"] {
+        harness.get_by_label(open).click();
+        harness.run_ok();
+        harness.key_press(Key::Escape);
+        harness.run_ok();
+        assert_eq!(selection(&harness), selected, "{open} closes instead");
+    }
+    harness.state_mut().state.model.screen = Screen::Phase(Phase::Modeling);
+    harness.run_ok();
+    harness.get_by_role_and_label(Role::Tab, "Pulleys").click();
+    settle(&mut harness);
+    harness
+        .get_by_role_and_label(Role::TextInput, "Pulley radius")
+        .focus();
+    harness.run_ok();
+    harness.key_press(Key::Escape);
+    harness.run_ok();
+    assert_eq!(selection(&harness), selected, "the field is left instead");
+    harness.key_press(Key::Escape);
+    harness.run_ok();
+    assert_eq!(selection(&harness), Selection::default());
 }
 
 /// The answer of a window to a request for its picture: blue inside `rect`, black around it.

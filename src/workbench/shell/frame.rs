@@ -4,7 +4,7 @@ use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Rangef, Ui};
 use egui_material_icons::icons;
 
 use super::sized::{Size, sized};
-use super::{State, alert, dialogs, log, menu, palette, rail, save_as, status, top};
+use super::{State, alert, dialogs, escape, log, menu, palette, rail, save_as, status, top};
 use crate::model::command::ViewCommand;
 use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
@@ -27,6 +27,7 @@ const PANEL_RANGE: Rangef = Rangef {
 
 /// Draws the whole window.
 pub fn show(ui: &mut Ui, state: &mut State) {
+    escape::show(ui, state);
     let items = menu::items(state);
     top::shortcuts(ui, state, &items);
     let ground = theme::of(ui).ground;
@@ -106,6 +107,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     screens::connect::show(ui, model, &mut panels.connect, outbox);
     dialogs::show(ui, state);
     save_as::show(ui, state);
+    escape::remember_typing(ui);
 }
 
 /// Rail, 3D view, plots and the panel of the phase beside each other.

@@ -2,6 +2,7 @@
 
 mod alert;
 mod dialogs;
+mod escape;
 mod frame;
 mod log;
 mod menu;
