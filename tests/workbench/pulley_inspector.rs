@@ -1,6 +1,6 @@
 //! The pulley inspector: how one comes to it, what it says, and what it shows down to the pixel.
 
-use egui::{Key, Rect, Role, ThemePreference, vec2};
+use egui::{Key, Rect, Role, ThemePreference};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use image::RgbaImage;
@@ -15,8 +15,8 @@ use tautline_workbench::shell::App;
 use tautline_workbench::views::robot_3d::scene::Significance;
 
 use crate::measured::{Measured, give, press};
-use crate::robot_3d::{camera, drawn, in_window, open, scene, session_of};
-use crate::support::{options, settle, workbench};
+use crate::robot_3d::{camera, drawn, in_window, open, quick_workbench, scene, session_of};
+use crate::support::{settle, workbench};
 
 fn inspected(harness: &Harness<'_, App>) -> Option<usize> {
     harness.state().state.model.inspected
@@ -48,12 +48,7 @@ fn line(harness: &Harness<'_, App>, start: &str) -> String {
 
 #[test]
 fn a_double_click_a_key_and_the_table_lead_to_a_pulley() {
-    // Two clicks are a double click only if they come soon enough.
-    let mut harness = Harness::builder()
-        .with_size(vec2(1280.0, 800.0))
-        .with_step_dt(1.0 / 60.0)
-        .with_max_steps(200)
-        .build_eframe(|creation| App::new(creation, options()));
+    let mut harness = quick_workbench();
     open(&mut harness, session_of("mini", 6), true);
     let before = camera(&harness);
     let at = in_window(&harness, &drawn(&harness, 1));

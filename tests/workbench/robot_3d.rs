@@ -1,6 +1,6 @@
 //! The 3D view, driven by pointer and keys.
 
-use egui::{Key, Pos2, vec2};
+use egui::{Key, Pos2, Role, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_core::geometry::{Pose, Vec3};
@@ -18,7 +18,7 @@ use tautline_workbench::views::robot_3d::picking::Picture;
 use tautline_workbench::views::robot_3d::scene::Shown;
 use tautline_workflow::identification::{IdentificationRequest, identify};
 
-use crate::support::{settle, workbench};
+use crate::support::{options, settle, workbench};
 
 /// A simulated run of a preset in a session.
 pub fn session_of(name: &str, poses: usize) -> Session {
@@ -309,4 +309,121 @@ fn what_was_pinned_belongs_to_its_session() {
     open(&mut harness, session_of("planar", 3), false);
     let options = &harness.state().state.views.robot_3d.options;
     assert!(options.pinned.is_empty());
+}
+
+/// A workbench in which two clicks without a pause are a double-click.
+pub fn quick_workbench() -> Harness<'static, App> {
+    Harness::builder()
+        .with_size(vec2(1280.0, 800.0))
+        .with_step_dt(1.0 / 60.0)
+        .with_max_steps(200)
+        .build_eframe(|creation| App::new(creation, options()))
+}
+
+#[test]
+fn a_double_click_beside_a_pulley_finds_it_and_one_far_from_all_shows_everything() {
+    let mut harness = quick_workbench();
+    open(&mut harness, session_of("mini", 6), true);
+    let rect = harness.get_by_label("3D view").rect();
+    let at = in_window(&harness, &drawn(&harness, 1));
+    // Away from the robot, where nothing is drawn.
+    let outwards = vec2((at.x - rect.center().x).signum() * 20.0, 0.0);
+    for (place, expected) in [
+        (at + outwards, Some(1)),
+        (rect.left_bottom() + vec2(30.0, -60.0), None),
+    ] {
+        harness.state_mut().state.model.inspected = None;
+        harness.run_ok();
+        harness.hover_at(place);
+        harness.run_ok();
+        for _ in 0..2 {
+            harness.drag_at(place);
+            harness.drop_at(place);
+        }
+        harness.run_ok();
+        assert_eq!(harness.state().state.model.inspected, expected, "{place}");
+    }
+}
+
+#[test]
+fn escape_clears_the_selection_unless_something_else_uses_it() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("mini", 4), true);
+    let selected = Selection {
+        cable: Some(2),
+        pose: Some(3),
+    };
+    let selection = |harness: &Harness<'_, App>| harness.state().state.model.selection;
+    harness.state_mut().state.model.selection = selected;
+    harness.run_ok();
+    for open in ["View", "Command palette"] {
+        harness.get_by_label(open).click();
+        harness.run_ok();
+        harness.key_press(Key::Escape);
+        harness.run_ok();
+        assert_eq!(selection(&harness), selected, "{open} closes instead");
+    }
+    harness.state_mut().state.model.screen = Screen::Phase(Phase::Modeling);
+    harness.run_ok();
+    harness.get_by_role_and_label(Role::Tab, "Pulleys").click();
+    settle(&mut harness);
+    harness
+        .get_by_role_and_label(Role::TextInput, "Pulley radius")
+        .focus();
+    harness.run_ok();
+    harness.key_press(Key::Escape);
+    harness.run_ok();
+    assert_eq!(selection(&harness), selected, "the field is left instead");
+    harness.key_press(Key::Escape);
+    harness.run_ok();
+    assert_eq!(selection(&harness), Selection::default());
+}
+
+/// The answer of a window to a request for its picture: blue inside `rect`, black around it.
+fn answer_screenshot(harness: &mut Harness<'_, App>, rect: egui::Rect) {
+    let viewports = harness.output().viewport_output.values();
+    let mut commands = viewports.flat_map(|viewport| viewport.commands.iter());
+    let callback = commands.find_map(|command| match command {
+        egui::ViewportCommand::Screenshot(callback) => Some(callback.clone()),
+        _ => None,
+    });
+    let mut window = egui::ColorImage::filled([1280, 800], egui::Color32::BLACK);
+    for y in rect.top() as usize..rect.bottom() as usize {
+        for x in rect.left() as usize..rect.right() as usize {
+            window[(x, y)] = egui::Color32::BLUE;
+        }
+    }
+    callback.expect("a request").complete(window.into());
+}
+
+#[test]
+fn the_menu_of_the_picture_resets_the_view_and_copies_the_picture() {
+    let mut harness = workbench();
+    open(&mut harness, session_of("mini", 4), false);
+    let before = camera(&harness);
+    let rect = harness.get_by_label("3D view").rect();
+    let choose = |harness: &mut Harness<'_, App>, name: &str| {
+        harness.get_by_label("3D view").click_secondary();
+        harness.run_ok();
+        harness.get_by_label(name).click();
+        harness.step();
+    };
+    harness.get_by_label("Projection: perspective").click();
+    harness.run_ok();
+    assert_ne!(camera(&harness), before);
+    choose(&mut harness, "Reset view");
+    harness.run_ok();
+    assert_eq!(camera(&harness), before);
+    choose(&mut harness, "Copy picture");
+    answer_screenshot(&mut harness, rect);
+    harness.step();
+    let commands = &harness.output().platform_output.commands;
+    let copied = commands.iter().find_map(|command| match command {
+        egui::OutputCommand::CopyImage(image) => Some(image),
+        _ => None,
+    });
+    let picture = copied.expect("a picture");
+    assert!(picture.pixels.iter().all(|c| *c == egui::Color32::BLUE));
+    let [width, height] = picture.size.map(|side| side as f32);
+    assert!((vec2(width, height) - rect.size()).abs().max_elem() <= 1.0);
 }

@@ -1,5 +1,9 @@
 //! Preparing what plots show and saving what they show.
 
+use std::io::Cursor;
+
+use egui::ColorImage;
+use image::{ImageFormat, RgbaImage};
 use tautline_session::{write_bytes, write_text};
 
 use super::file_tasks::{ask_save, write};
@@ -20,11 +24,23 @@ pub(super) fn perform(model: &mut Model, command: PlotCommand) {
         PlotCommand::Save(path, file) => write(model, SAVING, path, move |path| {
             let written = match file {
                 PlotFile::Text(text) => write_text(path, &text),
+                PlotFile::Screenshot(picture) => write_bytes(path, &png(&picture)?),
                 PlotFile::Picture(picture) => write_bytes(path, &(picture.render)(&picture)?),
             };
             written.map(|()| None).map_err(|error| error.to_string())
         }),
     }
+}
+
+fn png(picture: &ColorImage) -> Result<Vec<u8>, String> {
+    let [width, height] = picture.size.map(|side| side as u32);
+    let pixels = picture.as_raw().to_vec();
+    let picture = RgbaImage::from_raw(width, height, pixels)
+        .ok_or("the picture has another size than its pixels")?;
+    let mut png = Cursor::new(Vec::new());
+    let written = picture.write_to(&mut png, ImageFormat::Png);
+    written.map_err(|error| error.to_string())?;
+    Ok(png.into_inner())
 }
 
 fn prepare(model: &mut Model) {

@@ -4,7 +4,9 @@ use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Rangef, Ui};
 use egui_material_icons::icons;
 
 use super::sized::{Size, sized};
-use super::{State, alert, dialogs, file_chooser, log, menu, palette, rail, save, status, top};
+use super::{
+    State, alert, dialogs, escape, file_chooser, log, menu, palette, rail, save, status, top,
+};
 use crate::model::command::ViewCommand;
 use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
@@ -27,6 +29,7 @@ const PANEL_RANGE: Rangef = Rangef {
 
 /// Draws the whole window.
 pub fn show(ui: &mut Ui, state: &mut State) {
+    escape::show(ui, state);
     let items = menu::items(state);
     top::shortcuts(ui, state, &items);
     let ground = theme::of(ui).ground;
@@ -110,9 +113,14 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         ..
     } = state;
     views::manual::show(ui, model, &mut views.manual, outbox);
-    if file_chooser::show(ui, state) {
-        return;
+    if !file_chooser::show(ui, state) {
+        modals(ui, state);
     }
+    escape::remember_typing(ui);
+}
+
+/// Command palette and dialogs.
+fn modals(ui: &mut Ui, state: &mut State) {
     palette::show(ui, state);
     let State {
         model,

@@ -2,6 +2,7 @@
 
 mod alert;
 mod dialogs;
+mod escape;
 mod file_chooser;
 mod frame;
 mod log;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use egui::ColorImage;
 use tautline_workflow::plot::Figure;
 
 use crate::model::Selection;
@@ -25,6 +26,8 @@ pub enum PlotFile {
     Text(String),
     /// A picture, which is drawn when it is saved.
     Picture(PlotPicture),
+    /// Part of the window as it was drawn.
+    Screenshot(Arc<ColorImage>),
 }
 
 /// A plot that becomes a picture, with the function that draws it.

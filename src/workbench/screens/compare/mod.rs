@@ -8,7 +8,9 @@ use std::sync::Arc;
 
 use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Spinner, Ui};
 
-use crate::model::command::{COMPARING, CompareCommand, Outbox, ViewCommand};
+use crate::model::command::{
+    COMPARING, CompareCommand, Outbox, PlotCommand, PlotFile, ViewCommand,
+};
 use crate::model::comparison::{Compared, Source};
 use crate::model::part::Part;
 use crate::model::{Model, OpenSession};
@@ -169,6 +171,12 @@ fn robots(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, out
     }
     if let Some(cable) = touched.inspected {
         view.frame(cable);
+    }
+    if let Some(picture) = touched.picture {
+        outbox.send(PlotCommand::AskSave(
+            "robot.png".into(),
+            PlotFile::Screenshot(picture),
+        ));
     }
 }
 

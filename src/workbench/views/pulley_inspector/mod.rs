@@ -166,7 +166,7 @@ fn go(robot: &Robot, cable: usize, step: isize, outbox: &mut Outbox) {
     outbox.send(ViewCommand::Inspect(usize::try_from(next).ok()));
 }
 
-/// Page up and down go to other pulleys, Escape back to the robot, unless a field or a dialog takes them.
+/// Page up and down go to other pulleys, unless a field or a dialog takes them.
 fn keys(ui: &Ui, robot: &Robot, cable: usize, outbox: &mut Outbox) {
     let pressed = |key| is_pressed(ui, key);
     if pressed(Key::PageDown) {
@@ -174,9 +174,6 @@ fn keys(ui: &Ui, robot: &Robot, cable: usize, outbox: &mut Outbox) {
     }
     if pressed(Key::PageUp) {
         go(robot, cable, -1, outbox);
-    }
-    if pressed(Key::Escape) {
-        outbox.send(ViewCommand::Inspect(None));
     }
 }
 

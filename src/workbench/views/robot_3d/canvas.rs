@@ -223,6 +223,13 @@ pub fn under_pointer(response: &Response, picture: &Picture<'_>) -> Option<Thing
     picture.pick(f64::from(at.x), f64::from(at.y))
 }
 
+/// The pulley that a double-click found.
+pub fn found_pulley(response: &Response, picture: &Picture<'_>) -> Option<usize> {
+    let pointer = response.hover_pos().filter(|_| response.double_clicked())?;
+    let at = pointer - response.rect.min;
+    picture.pulley_near(f64::from(at.x), f64::from(at.y))
+}
+
 /// Cable or pose that a thing stands for.
 pub fn selection_of(thing: Thing) -> Selection {
     match thing {

@@ -17,6 +17,7 @@ mod mesh;
 mod navigation;
 mod overlay;
 pub mod picking;
+mod picture;
 pub mod scene;
 mod surface;
 mod toolbar;
@@ -25,7 +26,7 @@ mod words;
 use std::sync::Arc;
 use std::time::Duration;
 
-use egui::{Frame, Margin, Theme, Ui};
+use egui::{ColorImage, Frame, Margin, Response, Theme, Ui};
 
 pub use canvas::Canvas;
 pub use framebuffer::paint_picture;
@@ -35,11 +36,12 @@ use drawing::{Drawing, Options, Points};
 use keys::{DrawingKey, PosesKey, SceneKey, planned};
 use navigation::Navigation;
 use picking::{Picture, Thing};
+use picture::{PictureRequest, Target};
 use scene::{Scene, Shown, Subject};
 
 pub use toolbar::Aim;
 
-use crate::model::command::{Outbox, ViewCommand};
+use crate::model::command::{Outbox, PlotCommand, PlotFile, ViewCommand};
 use crate::model::link::LivePlatform;
 use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
@@ -70,6 +72,7 @@ pub struct Robot3d {
     moved_s: Option<f64>,
     /// The platform that moves as it is shown, and since when, in time of the window (s).
     followed: Option<(LivePlatform, f64)>,
+    picture: PictureRequest,
 }
 
 impl Robot3d {
@@ -238,7 +241,7 @@ pub fn show(
         outbox.send(ViewCommand::Maximise(Some(Part::Robot)));
     }
     let touched = view.show(ui, &scene, aim, model.selection, hovered);
-    send(&touched, outbox);
+    send(touched, outbox);
 }
 
 /// Draws the pulley that is inspected, among what fades behind it.
@@ -252,25 +255,33 @@ pub fn inspect(
     view.inspect(Some(cable));
     let scene = view.scene_of(ui, model, open);
     let touched = view.show(ui, &scene, aim, model.selection, hovered);
-    send(&touched, outbox);
+    send(touched, outbox);
 }
 
-fn send(touched: &Touched, outbox: &mut Outbox) {
+fn send(touched: Touched, outbox: &mut Outbox) {
     if let Some(selection) = touched.selection {
         outbox.send(ViewCommand::Select(selection));
     }
     if let Some(cable) = touched.inspected {
         outbox.send(ViewCommand::Inspect(Some(cable)));
     }
+    if let Some(picture) = touched.picture {
+        outbox.send(PlotCommand::AskSave(
+            "robot.png".into(),
+            PlotFile::Screenshot(picture),
+        ));
+    }
 }
 
 /// What the operator did with the picture.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Touched {
     /// What a click selects.
     pub selection: Option<Selection>,
     /// The pulley that is to be inspected.
     pub inspected: Option<usize>,
+    /// The picture that is to be saved.
+    pub picture: Option<Arc<ColorImage>>,
 }
 
 impl Robot3d {
@@ -355,6 +366,7 @@ impl Robot3d {
             size: [rect.width(), rect.height()].map(f64::from),
         };
         let thing = canvas::under_pointer(&response, &picture);
+        let found = canvas::found_pulley(&response, &picture);
         self.canvas.paint(
             ui,
             rect,
@@ -377,12 +389,32 @@ impl Robot3d {
         if let (Some(Thing::Pulley(index)), true) = (thing, response.clicked()) {
             self.options.pin(index);
         }
-        if let (Some(Thing::Pulley(index)), true) = (thing, response.double_clicked()) {
-            touched.inspected = Some(index);
-        } else if response.clicked() {
+        touched.inspected = touched.inspected.or(found);
+        if found.is_none() && response.clicked() {
             touched.selection = Some(canvas::clicked(picked, selection));
         }
+        touched.picture = self.menu(&response);
         touched
+    }
+
+    /// The menu of the picture; gives the picture that is to be saved.
+    fn menu(&mut self, response: &Response) -> Option<Arc<ColorImage>> {
+        response.context_menu(|ui| {
+            if ui.button("Reset view").clicked() {
+                self.look_anew();
+                ui.close();
+            }
+            for (name, to) in [
+                ("Copy picture", Target::Clipboard),
+                ("Save picture…", Target::File),
+            ] {
+                if ui.button(name).clicked() {
+                    self.picture.send(ui.ctx(), response.rect, to);
+                    ui.close();
+                }
+            }
+        });
+        self.picture.receive(&response.ctx)
     }
 
     /// Moves the camera as keys, buttons and the pointer ask; says whether it moves.
@@ -391,7 +423,7 @@ impl Robot3d {
         ui: &Ui,
         scene: &Scene,
         aim: Option<Aim>,
-        response: &egui::Response,
+        response: &Response,
         drawing: &Drawing,
     ) -> bool {
         let aspect = f64::from(response.rect.aspect_ratio());
@@ -408,7 +440,10 @@ impl Robot3d {
         };
         let at = canvas::takes_hold(ui, response);
         let under = at.and_then(|[x, y]| picture.met(drawing, x, y));
-        let is_empty = || canvas::under_pointer(response, &picture).is_none();
+        let is_empty = || {
+            let thing = canvas::under_pointer(response, &picture);
+            thing.is_none() && canvas::found_pulley(response, &picture).is_none()
+        };
         if response.double_clicked() && is_empty() {
             let tips = self.options.tips(scene);
             let all = Some(Aim::All);

@@ -10,6 +10,9 @@ use super::surface;
 /// How far beside a thing the pointer may be (points of the screen).
 const TOLERANCE: f64 = 6.0;
 
+/// How far beside a pulley a double-click finds it (points of the screen).
+const NEAR_PULLEY: f64 = 24.0;
+
 /// An object that can be picked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Thing {
@@ -104,6 +107,24 @@ impl Picture<'_> {
     #[must_use]
     pub fn pick(&self, x: f64, y: f64) -> Option<Thing> {
         self.nearest(x, y).map(|hit| hit.thing)
+    }
+
+    /// The pulley at `(x, y)`, else the one closest beside.
+    pub(crate) fn pulley_near(&self, x: f64, y: f64) -> Option<usize> {
+        if let Some(Thing::Pulley(index)) = self.pick(x, y) {
+            return Some(index);
+        }
+        let beside = |index| {
+            let wheel = self.placed(index).wheel;
+            let seen = self.on_screen(&wheel.centre)?;
+            let radius = wheel.radius_m * self.scale_at(seen.depth_m);
+            Some((index, (seen.x - x).hypot(seen.y - y) - radius))
+        };
+        (0..self.scene.cables.len())
+            .filter_map(beside)
+            .filter(|(_, distance)| *distance <= NEAR_PULLEY)
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(index, _)| index)
     }
 
     fn nearest(&self, x: f64, y: f64) -> Option<Hit> {
@@ -321,5 +342,6 @@ mod tests {
         let middle = picture.on_screen(&scene.pose.position).unwrap();
         assert_eq!(picture.pick(middle.x, middle.y), Some(Thing::Platform));
         assert_eq!(picture.pick(5.0, 5.0), None);
+        assert_eq!(picture.pulley_near(5.0, 5.0), None);
     }
 }

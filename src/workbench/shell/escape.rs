@@ -1,0 +1,35 @@
+//! Escape leaves one thing at a time: what lies above the window, the inspector, then the selection.
+
+use egui::{Id, Key, Popup, Ui};
+
+use super::State;
+use crate::model::Selection;
+use crate::model::command::ViewCommand;
+
+/// Leaves the inspector or clears the selection, unless a dialog, a menu or a text field uses the key. Before anything is
+/// drawn: whoever uses it closes in the same frame.
+pub(super) fn show(ui: &Ui, state: &mut State) {
+    let typed = ui.data(|data| data.get_temp(typing())).unwrap_or(false);
+    let is_modal = ui.memory(|memory| memory.top_modal_layer().is_some());
+    let is_used = typed || is_modal || Popup::is_any_open(ui.ctx());
+    let model = &state.model;
+    let is_pressed = ui.input(|i| i.modifiers.is_none() && i.key_pressed(Key::Escape));
+    if !is_pressed || is_used || model.dialogs.manual.is_some() {
+        return;
+    }
+    if model.inspected.is_some() {
+        state.outbox.send(ViewCommand::Inspect(None));
+    } else if !model.selection.is_empty() {
+        state.outbox.send(ViewCommand::Select(Selection::default()));
+    }
+}
+
+/// Remembers at the end of a frame whether text is being typed: in the next frame, Escape has taken the focus already.
+pub(super) fn remember_typing(ui: &Ui) {
+    let typed = ui.ctx().text_edit_focused();
+    ui.data_mut(|data| data.insert_temp(typing(), typed));
+}
+
+fn typing() -> Id {
+    Id::unique("typing")
+}
