@@ -318,7 +318,10 @@ pub struct Diagnosis {
     pub noise: Vec<NoiseStatement>,
     /// Effects that these data cannot reveal.
     pub invisible: Vec<Invisible>,
-    /// Solution of the model as supplied.
+    /// Number of effects of the model whose values are held, because no reading depends on them or there is nothing to
+    /// estimate. They come first in `base_solution`.
+    pub held: usize,
+    /// Solution of the model as supplied, its effects estimated.
     pub base_solution: Solution,
     /// Solution of the extended model, with all of its effects.
     pub extended_solution: Solution,
