@@ -288,6 +288,15 @@ pub struct Finding {
     pub separation: Option<Separation>,
 }
 
+impl Finding {
+    /// Whether several causes are possible, which exclude each other. An ambiguous cause without alternatives is probable
+    /// alone.
+    #[must_use]
+    pub fn is_list(&self) -> bool {
+        self.verdict == Verdict::Ambiguous && !self.alternatives.is_empty()
+    }
+}
+
 /// An effect that the data cannot reveal at its typical size.
 #[derive(Debug, Clone)]
 pub struct Invisible {

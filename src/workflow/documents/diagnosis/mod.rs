@@ -17,7 +17,7 @@ use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 
 pub use document::DiagnosisDocument;
-pub use finding::gain;
+pub use finding::{gain, is_improvement};
 pub use invisible::{HIDDEN, Undetectable};
 pub use stage::stage;
 pub use verdict::{adequacy, residual_ratio};
