@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::ViewportCommand;
+use tautline_core::effect::EffectSetting;
 use tautline_session::{
     Import, Loaded, LogEntry, Phase as LogPhase, Session, find_unsaved_sessions, link_target,
     write_session,
@@ -11,6 +12,7 @@ use tautline_session::{
 use super::file_tasks::pick;
 use super::{recording, tables};
 use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome};
+use crate::model::edit::same_effect;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::importing::{Opened, open as open_any};
@@ -43,7 +45,7 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
             model.dialogs.save_as = None;
             save(model, link_target(&path));
         }
-        FileCommand::NewSeries => new_series(model),
+        FileCommand::NewSeries(repaired) => new_series(model, &repaired),
         FileCommand::Close => leave(model, Leaving::Close),
         FileCommand::Quit => leave(model, Leaving::Quit),
         FileCommand::Answer(answer) => answered(model, answer),
@@ -86,16 +88,22 @@ fn new_robot(model: &mut Model, template: Template) {
 }
 
 /// Another series of the open session, in a session of its own.
-fn new_series(model: &mut Model) {
+fn new_series(model: &mut Model, repaired: &[EffectSetting]) {
     let Some(open) = &model.open else {
         return;
     };
     let (session, now) = (open.session(), clock::now());
     let mut series = session.another_series(format!("{}, another series", session.name), now);
+    let effects = &mut series.settings.identification.effects;
+    effects.retain(|one| !repaired.iter().any(|other| same_effect(one, other)));
+    let text = match repaired {
+        [] => format!("Another series of {}.", session.name),
+        _ => format!("Another series of {}, after a repair.", session.name),
+    };
     series.record(LogEntry {
         time: now,
         phase: LogPhase::Session,
-        text: format!("Another series of {}.", session.name),
+        text,
     });
     leave(
         model,

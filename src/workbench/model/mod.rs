@@ -6,6 +6,7 @@ pub mod caught_panic;
 pub mod command;
 pub mod comparison;
 pub mod edit;
+pub(crate) mod findings;
 pub mod fit_progress;
 pub mod importing;
 pub mod link;

@@ -40,7 +40,8 @@ pub fn groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// The dependence that revealed a finding: of its cables if it names some, the strongest first.
+/// The dependence that revealed a finding: of its cables if it names some, on its own variable if there is one, else the
+/// strongest.
 #[must_use]
 pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
     let instances = finding.cause.instances.iter();
@@ -52,7 +53,10 @@ pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
         Some(cable) => cables.contains(&cable),
         None => cables.is_empty(),
     };
-    let shown = found.iter().position(is_its);
+    let own = finding.cause.effect().variable();
+    let mut all = found.iter();
+    let shown = all.position(|one| is_its(one) && Some(one.variable) == own);
+    let shown = shown.or_else(|| found.iter().position(is_its));
     shown.or_else(|| (cables.is_empty() && !found.is_empty()).then_some(0))
 }
 

@@ -62,22 +62,9 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// What the undo menu says of adding.
-pub fn adding(name: &str) -> String {
-    format!("add {name} to the model")
-}
-
 /// What the undo menu says of removing.
 pub fn removing(name: &str) -> String {
     format!("remove {name} from the model")
-}
-
-/// Whether a cause is part of the model.
-pub fn has(open: &OpenSession, settings: &[EffectSetting]) -> bool {
-    let added = &open.session().settings.identification.effects;
-    settings
-        .iter()
-        .all(|one| added.iter().any(|other| same_effect(one, other)))
 }
 
 /// Name of effects of one kind: `Winch scale (cable-1 and cable-3)`.
@@ -133,12 +120,12 @@ fn value(fit: &Identification, index: usize, bound: &BoundEffect, which: usize) 
     };
     let place = fit.solution.parameters.iter().position(|p| is_it(&p.id));
     let unit = unit_of(parameter.name, parameter.unit);
-    match place.map(|place| fit.solution.standard_deviation(place)) {
-        Some(sd) => format!(
-            "{} {}",
-            parameter.name,
-            with_sd(number, sd.unwrap_or(f64::NAN), unit)
-        ),
-        None => format!("{} {}", parameter.name, significant(number, 6)),
+    let size = match place.map(|place| fit.solution.standard_deviation(place)) {
+        Some(sd) => with_sd(number, sd.unwrap_or(f64::NAN), unit),
+        None => significant(number, 6),
+    };
+    match bound.values.len() {
+        1 => size,
+        _ => format!("{} {size}", parameter.name.replace('_', " ")),
     }
 }
