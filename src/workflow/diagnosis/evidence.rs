@@ -134,7 +134,7 @@ impl<'a> Explained<'a> {
             }
         }
         let is_own = |(_, cable): (Quantity, Option<usize>)| {
-            cable.is_none_or(|cable| own.is_empty() || own.contains(&cable))
+            own.is_empty() || cable.is_some_and(|cable| own.contains(&cable))
         };
         let own = gains.iter().filter(|(group, _)| is_own(*group));
         own.max_by(|a, b| a.1.total_cmp(&b.1))
