@@ -22,6 +22,7 @@ mod modeling;
 mod next_step;
 mod plots;
 mod precalibration;
+mod primary;
 mod pulley_inspector;
 mod report;
 mod robot_3d;

@@ -39,7 +39,7 @@ fn the_doctor_the_plots_the_view_and_the_list_show_the_same_residuals() {
         let open = document(&harness);
         let fit = open.fit().expect("a fit");
         let diagnosed = open.diagnosis().expect("a diagnosis");
-        let figures = &harness.state().state.model.identification.figures;
+        let figures = &open.plotted_diagnosis().expect("plots").dependences;
         for (index, figure) in figures {
             let found = &diagnosed.diagnosis.discrepancies[*index];
             kinds.push(found.quantity);

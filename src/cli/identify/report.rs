@@ -2,6 +2,7 @@
 
 use tautline_core::robot::Robot;
 use tautline_workflow::identification::{FitVerdict, IdentificationDocument};
+use tautline_workflow::wording::units::{unit_of, with_sd};
 
 use crate::output::say;
 use crate::table;
@@ -48,14 +49,16 @@ fn print_entry_points(identification: &IdentificationDocument, drawing: &Robot) 
 }
 
 fn print_effects(identification: &IdentificationDocument) {
-    let mut effects = table::numbers(&["Effect", "value", "sd", "unit"]);
+    let mut effects = table::numbers(&["Effect", "value"]);
     for effect in &identification.effects {
         let on = effect.targets.join(", ");
         let cells = [
             format!("{} {} {on}", effect.effect, effect.parameter),
-            format!("{:.5e}", effect.value),
-            effect.sd.map_or_else(no_sd, |sd| format!("{sd:.3e}")),
-            effect.unit.clone(),
+            with_sd(
+                effect.value,
+                effect.sd.unwrap_or(f64::NAN),
+                unit_of(&effect.parameter, &effect.unit),
+            ),
         ];
         table::push(&mut effects, &cells);
     }

@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use nalgebra::{DMatrix, DVector};
 
 use super::candidates::{
-    Candidate, Column, PoseWeights, amplitude_of, estimable, is_same_effect_and_targets, prior_sd,
-    probe_offset, scales, size_parameter,
+    Candidate, Column, PoseWeights, amplitude_of, estimable, is_same_effect_and_targets,
+    is_same_period, prior_sd, probe_offset, scales, size_parameter,
 };
 use super::conditions::Conditions;
 use super::fit::Fit;
@@ -342,7 +342,9 @@ impl Builder<'_> {
             is_same_effect_and_targets(c, cause)
                 && (place.is_nan() || values.into_iter().any(|v| *v == place))
         };
-        if !self.include_all && !self.fit.causes.iter().any(is_cause) {
+        if !self.include_all && !self.fit.causes.iter().any(is_cause)
+            || self.is_in_model(cause, place)
+        {
             return;
         }
         let present = |bound: &BoundEffect, k: usize| {
@@ -393,6 +395,29 @@ impl Builder<'_> {
             is_positive: size.bounds[0] == 0.0 && sds.len() == 1,
             log_odds: (expected / (1.0 - expected)).ln(),
         });
+    }
+
+    /// Whether the model has a cause on each of its cables already, at the same pose or with the same period.
+    fn is_in_model(&self, cause: &Cause, place: f64) -> bool {
+        let model = &self.fit.problem.free_effects[..self.fit.model_effects()];
+        let is_at_place = |bound: &BoundEffect| match bound.effect.search() {
+            Search::FromPose(k) | Search::AtPose(k) => bound.values[k] == place,
+            Search::Wave {
+                period: Some(k), ..
+            } => is_same_period(bound.values[k], place),
+            _ => true,
+        };
+        let alike = |bound: &&BoundEffect| bound.effect.id() == cause.effect().id();
+        let known: Vec<_> = model
+            .iter()
+            .filter(alike)
+            .filter(|b| is_at_place(b))
+            .collect();
+        let has = |cables: &[usize]| known.iter().any(|bound| bound.cables == cables);
+        let is_known = |bound: &BoundEffect| {
+            has(&bound.cables) || bound.cables.iter().all(|cable| has(&[*cable]))
+        };
+        !known.is_empty() && cause.instances.iter().all(is_known)
     }
 
     fn build(self) -> Catalogue {

@@ -50,7 +50,8 @@ pub(super) struct Noise<'c> {
 }
 
 impl Conditions {
-    pub fn new(linear: &Linearisation) -> Self {
+    /// The conditions of a linearisation whose first `model_effects` free effects are those of the model.
+    pub fn new(linear: &Linearisation, model_effects: usize) -> Self {
         let ids: Vec<_> = linear
             .rows
             .iter()
@@ -76,7 +77,8 @@ impl Conditions {
         for row in first..linear.rows.len() {
             // Candidate causes have priors of their own, so the priors of their parameters in the fit are left out.
             if let RowKind::Prior(k) = linear.rows[row].kind
-                && matches!(linear.parameters[k].id, ParameterId::Effect { .. })
+                && let ParameterId::Effect { effect, .. } = linear.parameters[k].id
+                && effect >= model_effects
             {
                 continue;
             }

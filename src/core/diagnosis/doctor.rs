@@ -17,7 +17,7 @@ use super::progress::Reporter;
 use super::report::{Diagnosis, Finding, Invisible};
 use super::unmodelled_errors::UnmodelledError;
 use super::{DiagnosisOptions, Observer, Stage};
-use crate::effect::{CablePorts, Dual, measurements_as_modelled};
+use crate::effect::{BoundEffect, CablePorts, Dual, measurements_as_modelled};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 use crate::statistics::normal_quantile;
@@ -28,8 +28,9 @@ const POWER: f64 = 0.9;
 /// Maximum number of samples taken from a recording in motion.
 pub const MOST_SAMPLES: usize = 300;
 
-/// Diagnoses a dataset with the joint problem of its robot, the effects of its model held fixed. Rows of one standstill
-/// are averaged, and recordings in motion are thinned to independent samples.
+/// Diagnoses a dataset with the joint problem of its robot. The effects of its model are estimated in every set of
+/// causes, as the geometry is. Rows of one standstill are averaged, and recordings in motion are thinned to independent
+/// samples.
 ///
 /// # Errors
 /// If the measurements cannot be used with this robot at all.
@@ -58,11 +59,26 @@ pub fn diagnose(
     examine(&after, (&first, rows), vec![found], options, &mut report)
 }
 
-/// The problem whose effects are evaluated at the poses of its own solution.
+/// The problem with the effects of the model estimated, as far as readings depend on them, and evaluated at the poses of
+/// its own solution.
 pub(super) fn problem_at_fitted_poses(dataset: &Dataset) -> Result<Problem<'_>, EstimationError> {
-    let problem = Problem::new(dataset)?;
-    let first = Fit::new(&problem, &[])?;
-    Ok(problem.at_poses_of(&first.solution))
+    let mut problem = Problem::new(dataset)?;
+    let is_free = |bound: &BoundEffect| {
+        bound.effect.is_estimable() && bound.check_poses(&dataset.measurements).is_ok()
+    };
+    (problem.free_effects, problem.held_effects) =
+        problem.held_effects.into_iter().partition(is_free);
+    loop {
+        match Fit::new(&problem, &[]) {
+            Ok(first) => return Ok(problem.at_poses_of(&first.solution)),
+            Err(EstimationError::Unobservable(id)) => {
+                let is_unread = |bound: &mut BoundEffect| bound.effect.id() == id;
+                let unread = problem.free_effects.extract_if(.., is_unread);
+                problem.held_effects.extend(unread);
+            }
+            Err(error) => return Err(error),
+        }
+    }
 }
 
 /// Examines a problem. `first` is the fit of the model as supplied, `rows` the largest number of averaged rows of a
@@ -138,6 +154,7 @@ fn examine(
         invisible: invisible_effects(problem, &visibility, options),
         findings,
         possible,
+        held: first.problem.held_effects.len(),
         base_solution: first.solution.clone(),
         extended_solution: fit.solution.clone(),
         cancelled: report.cancelled,

@@ -64,7 +64,12 @@ pub(super) fn find_exchange(
             values: vec![kind],
         };
         let exchanged = undo_exchange(dataset, &bound);
-        let fit = Fit::with_early_stop((allowed, PATIENCE), &Problem::new(&exchanged)?, &[])?;
+        let fit = {
+            let mut problem = Problem::new(&exchanged)?;
+            problem.held_effects.clone_from(&fit.problem.held_effects);
+            problem.free_effects.clone_from(&fit.problem.free_effects);
+            Fit::with_early_stop((allowed, PATIENCE), &problem, &[])?
+        };
         tried.push((bound, fit.solution.chi2));
     }
     tried.sort_by(|a, b| a.1.total_cmp(&b.1));

@@ -35,7 +35,7 @@ impl FindingBuilder<'_, '_> {
         let robot = &fit.problem.dataset.robot;
         let mut others = fit.causes.clone();
         others.remove(self.index);
-        let without = Fit::new(&fit.problem, &others)?;
+        let without = Fit::new(&fit.base(), &others)?;
         let rivals = self.rivals(&others)?;
         let is_named = self.posterior.is_named();
         let separation = rivals.first().filter(|_| !is_named).and_then(|rival| {
@@ -74,9 +74,7 @@ impl FindingBuilder<'_, '_> {
     fn fit_with_last(&self, others: &[Cause], cause: &Cause) -> Result<Fit<'_>, EstimationError> {
         let mut causes = others.to_vec();
         causes.push(cause.clone());
-        let mut problem = self.fit.problem.clone();
-        problem.free_effects.clear();
-        Fit::new(&problem, &causes)
+        Fit::new(&self.fit.base(), &causes)
     }
 
     /// Fits each alternative in place of the cause.
@@ -99,18 +97,15 @@ impl FindingBuilder<'_, '_> {
     /// The parameters of the cause in the final model.
     fn parameters(&self) -> Vec<FoundParameter> {
         let fit = self.fit;
-        let before: usize = fit.causes[..self.index]
-            .iter()
-            .map(|c| c.instances.len())
-            .sum();
+        let effects = fit.effects_of(self.index);
         let cause = &fit.causes[self.index];
         let several = cause.instances.len() > 1;
         let mut found = Vec::new();
         let mut sd_ratios = self.sd_ratios.iter();
-        for (instance, bound) in cause.instances.iter().enumerate() {
+        for (effect, bound) in effects.zip(&cause.instances) {
             for (number, parameter) in bound.effect.parameters().iter().enumerate() {
                 let id = ParameterId::Effect {
-                    effect: before + instance,
+                    effect,
                     parameter: number,
                 };
                 let column = fit.solution.parameters.iter().position(|p| p.id == id);

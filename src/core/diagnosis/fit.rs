@@ -1,6 +1,7 @@
 //! A fit of the model, extended by candidate causes.
 
 use std::cell::OnceCell;
+use std::ops::Range;
 use std::rc::Rc;
 
 use super::report::Cause;
@@ -25,8 +26,8 @@ pub(super) struct Fit<'a> {
 }
 
 impl<'a> Fit<'a> {
-    /// Fits the problem `base` with the parameters of `causes` freed, starting from their values. The fit is abandoned
-    /// early if it does not improve on the one without causes.
+    /// Fits the problem `base`, whose free effects are those of the model, with the parameters of `causes` freed, too,
+    /// starting from their values. The fit is abandoned early if it does not improve on the one without causes.
     pub fn new(base: &Problem<'a>, causes: &[Cause]) -> Result<Self, EstimationError> {
         let known = base.known.as_ref().filter(|_| !causes.is_empty());
         let bound = known.map_or(f64::INFINITY, |known| known.chi2);
@@ -40,10 +41,8 @@ impl<'a> Fit<'a> {
         causes: &[Cause],
     ) -> Result<Self, EstimationError> {
         let mut problem = base.clone();
-        problem.free_effects = causes
-            .iter()
-            .flat_map(|cause| cause.instances.iter().cloned())
-            .collect();
+        let own = causes.iter().flat_map(|cause| cause.instances.iter());
+        problem.free_effects.extend(own.cloned());
         let mut tried = 0;
         let watch = &mut |progress: &Progress| {
             tried += 1;
@@ -58,7 +57,8 @@ impl<'a> Fit<'a> {
             options.max_iterations = MAX_STEPS;
         }
         let solution = solve(&problem, &options, watch)?;
-        let mut fitted = solution.globals.effects[problem.held_effects.len()..].iter();
+        let of_model = problem.held_effects.len() + base.free_effects.len();
+        let mut fitted = solution.globals.effects[of_model..].iter();
         let causes = causes
             .iter()
             .map(|cause| Cause {
@@ -77,6 +77,19 @@ impl<'a> Fit<'a> {
         })
     }
 
+    /// Number of effects of the model. They are estimated in every fit and come before those of the causes.
+    pub fn model_effects(&self) -> usize {
+        let causes = self.causes.iter().map(|cause| cause.instances.len());
+        self.problem.free_effects.len() - causes.sum::<usize>()
+    }
+
+    /// The problem without causes.
+    pub fn base(&self) -> Problem<'a> {
+        let mut base = self.problem.clone();
+        base.free_effects.truncate(self.model_effects());
+        base
+    }
+
     /// The problem linearised at the solution.
     pub fn linearisation(&self) -> Rc<Linearisation> {
         let new = || Rc::new(Linearisation::new(&self.problem, &self.solution));
@@ -90,10 +103,16 @@ impl<'a> Fit<'a> {
             .sum()
     }
 
+    /// Indices of the effects of one cause among the free ones.
+    pub fn effects_of(&self, cause: usize) -> Range<usize> {
+        let before = self.causes[..cause].iter().map(|c| c.instances.len());
+        let first = self.model_effects() + before.sum::<usize>();
+        first..first + self.causes[cause].instances.len()
+    }
+
     /// Indices of the parameters of one cause in the solution.
     pub fn parameters_of(&self, cause: usize) -> Vec<usize> {
-        let before: usize = self.causes[..cause].iter().map(|c| c.instances.len()).sum();
-        let own = before..before + self.causes[cause].instances.len();
+        let own = self.effects_of(cause);
         let is_own = |id: &ParameterId| match id {
             ParameterId::Effect { effect, .. } => own.contains(effect),
             _ => false,

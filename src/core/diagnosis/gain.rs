@@ -165,7 +165,7 @@ impl Prediction {
 fn rows_of_events(fit: &Fit<'_>) -> Vec<usize> {
     let labels = &fit.problem.dataset.measurements.labels;
     let mut rows = Vec::new();
-    for bound in fit.causes.iter().flat_map(|cause| &cause.instances) {
+    for bound in &fit.problem.free_effects {
         if let Search::AtPose(pose) = bound.effect.search() {
             let label = bound.values[pose];
             rows.extend(labels.iter().position(|l| *l as f64 == label));

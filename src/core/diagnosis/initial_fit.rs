@@ -71,8 +71,7 @@ pub(super) fn initial_fit<'a>(
     report: &mut Reporter<'_, '_>,
 ) -> Result<Fit<'a>, EstimationError> {
     let expected = EXPECTED_PER_ALPHA * options.alpha;
-    let mut problem = from.problem.clone();
-    problem.free_effects.clear();
+    let problem = from.base();
     let mut fit = from;
     for _ in 0..options.most_findings {
         let left = chi2_per_freedom(&fit);

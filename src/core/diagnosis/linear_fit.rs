@@ -39,10 +39,14 @@ impl<'f, 'a> LinearFit<'f, 'a> {
     pub fn new(fit: &'f Fit<'a>, expected: f64, include_all: bool) -> Self {
         let linear = fit.linearisation();
         let catalogue = Catalogue::new(fit, &linear, expected, include_all);
-        let conditions = Conditions::new(&linear);
+        let model_effects = fit.model_effects();
+        let conditions = Conditions::new(&linear, model_effects);
         let variables = Variables::new(&fit.problem, &fit.solution, &linear);
         let shapes = shapes(&conditions, &linear, &variables);
-        let is_fixed = |k: &usize| !matches!(linear.parameters[*k].id, ParameterId::Effect { .. });
+        let is_fixed = |k: &usize| match linear.parameters[*k].id {
+            ParameterId::Effect { effect, .. } => effect < model_effects,
+            _ => true,
+        };
         let fixed: Vec<usize> = (0..linear.parameters.len()).filter(is_fixed).collect();
         let fixed = conditions.project_rows(&linear.design.select_columns(&fixed));
         let generators = conditions.project_rows(&catalogue.generators);

@@ -288,6 +288,15 @@ pub struct Finding {
     pub separation: Option<Separation>,
 }
 
+impl Finding {
+    /// Whether several causes are possible, which exclude each other. An ambiguous cause without alternatives is probable
+    /// alone.
+    #[must_use]
+    pub fn is_list(&self) -> bool {
+        self.verdict == Verdict::Ambiguous && !self.alternatives.is_empty()
+    }
+}
+
 /// An effect that the data cannot reveal at its typical size.
 #[derive(Debug, Clone)]
 pub struct Invisible {
@@ -318,7 +327,10 @@ pub struct Diagnosis {
     pub noise: Vec<NoiseStatement>,
     /// Effects that these data cannot reveal.
     pub invisible: Vec<Invisible>,
-    /// Solution of the model as supplied.
+    /// Number of effects of the model whose values are held, because no reading depends on them or there is nothing to
+    /// estimate. They come first in `base_solution`.
+    pub held: usize,
+    /// Solution of the model as supplied, its effects estimated.
     pub base_solution: Solution,
     /// Solution of the extended model, with all of its effects.
     pub extended_solution: Solution,

@@ -108,7 +108,7 @@ fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<CandidatePose>> {
 
 /// Noise-free readings of a fit at further poses, for the instruments that its data have, and the poses.
 fn predicted_readings(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
-    let events = fit.causes.iter().flat_map(|cause| &cause.instances);
+    let events = fit.solution.globals.effects.iter();
     let labels = events.filter_map(|bound| Some(bound.values[bound.effect.pose_parameter()?]));
     // The poses must go on until after the last event.
     let last = labels.fold(0.0, f64::max) as usize;

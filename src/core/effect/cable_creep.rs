@@ -3,12 +3,19 @@
 
 use super::words::{self, millimetres};
 use super::{Effect, EffectParameter, FoundEffect, Scope};
+use crate::measurement::Variable;
+
+/// Unit of the strain per logarithm of time.
+const LOGARITHMIC_STRAIN: &str = "1/ln(1+t/600s)";
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_creep",
     title: "Cable creep",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("c", "1", 0.01, [0.0001, 0.01]).within(0.0, f64::INFINITY)],
+    parameters: &[
+        EffectParameter::new("c", LOGARITHMIC_STRAIN, 0.01, [0.0001, 0.01])
+            .within(0.0, f64::INFINITY),
+    ],
     cause,
     workshop: |found| {
         found.say("Leave {cable} under working tension for some hours before measuring{revolutions:, and zero the encoders at home afterwards|}.")
@@ -18,6 +25,7 @@ pub(super) static EFFECT: Effect = Effect {
     change_cable: |parameters, at, ports| {
         ports.strain += parameters[0] * (at.time_s.max(0.0) / 600.0).ln_1p();
     },
+    variable: Some(Variable::Time),
     ..Effect::NEUTRAL
 };
 

@@ -4,6 +4,7 @@
 //! 5 N/m. Source: Irvine, Cable Structures, 1981.
 
 use super::{Effect, EffectParameter, Scope};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_sag",
@@ -22,5 +23,6 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Irvine, Cable Structures, 1981: parabola, first order",
     needs_sag: true,
     change_cable: |parameters, _, ports| ports.weight += parameters[0],
+    variable: Some(Variable::CableLength),
     ..Effect::NEUTRAL
 };

@@ -3,6 +3,7 @@
 
 use super::words;
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_slip",
@@ -22,6 +23,8 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Geometry: one step in the cable paid out",
     search: Search::FromPose(1),
     change_cable,
+    variable: Some(Variable::Time),
+    is_damage: true,
     ..Effect::NEUTRAL
 };
 

@@ -6,6 +6,7 @@
 //! tension. Typical 0.1 to 0.5 in magnitude; fibre ropes stiffen under load, so that `c` is negative. First-order term.
 
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_stiffening",
@@ -24,6 +25,7 @@ pub(super) static EFFECT: Effect = Effect {
     source: "First-order term of a stiffness that depends on tension, as measured on fibre ropes",
     stage: Stage::Ratio,
     change_cable,
+    variable: Some(Variable::Tension),
     ..Effect::NEUTRAL
 };
 

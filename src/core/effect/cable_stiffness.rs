@@ -1,6 +1,7 @@
 //! Axial stiffness that differs from the stated one: `EA (1 + change)`. Typical 10 to 50 %.
 
 use super::{Effect, EffectParameter, Scope};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_stiffness",
@@ -14,5 +15,6 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Pull a piece of the cable with a known force and measure how much it stretches."),
     source: "Hooke's law; sizes from stiffnesses reported for ropes",
     change_cable: |parameters, _, ports| ports.compliance *= (parameters[0] + 1.0).recip(),
+    variable: Some(Variable::Tension),
     ..Effect::NEUTRAL
 };

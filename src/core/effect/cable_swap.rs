@@ -16,6 +16,7 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Wiring: two channels exchanged",
     search: Search::Exchange,
     exchange_channels,
+    is_damage: true,
     ..Effect::NEUTRAL
 };
 

@@ -4,6 +4,7 @@
 
 use super::words;
 use super::{Effect, EffectParameter, Scope};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "cable_thermal",
@@ -26,5 +27,6 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some(words::REPEAT_WARMER),
     source: "Linear thermal expansion; steel 12e-6 per kelvin, aramid and polyethylene shorten when warm",
     change_cable: |parameters, at, ports| ports.strain += parameters[0] * at.temperature_change_k,
+    variable: Some(Variable::Temperature),
     ..Effect::NEUTRAL
 };

@@ -2,6 +2,7 @@
 //! out. Typical amplitude 0.1 to 1 mm.
 
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "drum_eccentricity",
@@ -29,6 +30,7 @@ pub(super) static EFFECT: Effect = Effect {
         period: None,
     },
     change_cable,
+    variable: Some(Variable::DrumFraction),
     ..Effect::NEUTRAL
 };
 

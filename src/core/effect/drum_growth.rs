@@ -2,6 +2,7 @@
 //! 0.01 to 1 % per revolution.
 
 use super::{Effect, EffectParameter, Scope, Stage};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "drum_growth",
@@ -23,5 +24,6 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Geometry of a winding whose diameter changes in proportion to the turns, first order",
     stage: Stage::Ratio,
     change_cable: |parameters, at, ports| ports.paid *= parameters[0] * at.revolutions + 1.0,
+    variable: Some(Variable::Revolutions),
     ..Effect::NEUTRAL
 };

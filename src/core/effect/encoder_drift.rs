@@ -4,6 +4,7 @@
 
 use super::words;
 use super::{Effect, EffectParameter, Scope};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "encoder_drift",
@@ -19,5 +20,7 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some(words::GO_BACK),
     source: "Constant rate, first order in time",
     change_cable: |parameters, at, ports| ports.paid += parameters[0] * (at.time_s / 3600.0),
+    variable: Some(Variable::Time),
+    is_damage: true,
     ..Effect::NEUTRAL
 };

@@ -3,6 +3,7 @@
 
 use super::words;
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "encoder_outlier",
@@ -22,6 +23,8 @@ pub(super) static EFFECT: Effect = Effect {
     source: "A single wrong reading",
     search: Search::AtPose(0),
     change_cable,
+    variable: Some(Variable::Time),
+    is_damage: true,
     ..Effect::NEUTRAL
 };
 

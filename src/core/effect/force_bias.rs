@@ -2,6 +2,7 @@
 //! 2 to 50 N.
 
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "force_bias",
@@ -18,6 +19,7 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Linear sensor: Jin et al., Sensors 18 (2018) 2392, section 3.2",
     stage: Stage::Sensor,
     change_cable,
+    variable: Some(Variable::Tension),
     ..Effect::NEUTRAL
 };
 

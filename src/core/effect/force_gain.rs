@@ -1,6 +1,7 @@
 //! Gain error of a force sensor: `F = g (1 + change) T + f0`, so `T = T_nominal / (1 + change)`. Typical 2 to 20 %.
 
 use super::{Effect, EffectParameter, Scope, Stage};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "force_gain",
@@ -15,5 +16,6 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Linear sensor: Jin et al., Sensors 18 (2018) 2392, section 3.2",
     stage: Stage::Ratio,
     change_cable: |parameters, _, ports| ports.tension *= (parameters[0] + 1.0).recip(),
+    variable: Some(Variable::Tension),
     ..Effect::NEUTRAL
 };

@@ -2,8 +2,7 @@
 
 use super::BoundEffect;
 use super::words::{
-    degrees, displacement, list, millimetres, milliseconds, newtons, parts_per_million, percent,
-    sentence, size,
+    degrees, displacement, list, millimetres, milliseconds, newtons, percent, sentence, size,
 };
 use crate::robot::Robot;
 
@@ -65,8 +64,8 @@ impl<'a> FoundEffect<'a> {
     /// - `{cable}`, `{winch}`, `{pulley}`, `{force sensor}`: these parts of the cables concerned, see [`Self::name`];
     /// - `{is|are}`: the first for one cable, the second for several;
     /// - `{0:more|less}`: the first for a value of parameter 0 that is not negative, the second for one below 0;
-    /// - `{0:mm}`, `{0:%}`, `{0:deg}`, `{0:ms}`, `{0:ppm}`, `{0:N}`, `{0:unit}`: size of parameter 0 in millimetres, percent,
-    ///   degrees, milliseconds, parts per million, newtons, its own unit;
+    /// - `{0:mm}`, `{0:%}`, `{0:deg}`, `{0:ms}`, `{0:N}`, `{0:unit}`: size of parameter 0 in millimetres, percent,
+    ///   degrees, milliseconds, newtons, its own unit;
     /// - `{0:pose}`: the pose of which parameter 0 is the label;
     /// - `{displacement}`: the first three parameters as a displacement;
     /// - `{revolutions:a|b}`: the first where winches count revolutions, the second where lengths are read.
@@ -121,7 +120,6 @@ impl<'a> FoundEffect<'a> {
                     "mm" => millimetres(value),
                     "%" => percent(value),
                     "ms" => milliseconds(value),
-                    "ppm" => parts_per_million(value),
                     "N" => newtons(value),
                     "deg" => degrees(value),
                     "unit" => format!(

@@ -7,6 +7,7 @@
 
 use super::words::millimetres;
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "frame_compliance",
@@ -23,13 +24,14 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Put a dial gauge at a pulley and pull its cable with a known force."),
     source: "Linear elasticity, one compliance for all pulleys",
     change_cable,
+    variable: Some(Variable::Tension),
     ..Effect::NEUTRAL
 };
 
 fn cause(found: &FoundEffect<'_>) -> String {
     found.say_with(
-        "The frame yields: every 100 N of horizontal cable force moves a pulley by {} {0:towards|away from} the platform.",
-        &millimetres(100.0 * found.value(0)),
+        "The frame yields: every 1 kN of horizontal cable force moves a pulley by {} {0:towards|away from} the platform.",
+        &millimetres(1000.0 * found.value(0)),
     )
 }
 

@@ -3,6 +3,7 @@
 
 use super::words;
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "frame_shift",
@@ -24,6 +25,8 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Geometry",
     search: Search::FromPose(3),
     change_cable,
+    variable: Some(Variable::Time),
+    is_damage: true,
     ..Effect::NEUTRAL
 };
 

@@ -4,6 +4,7 @@
 
 use super::words;
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "frame_thermal",
@@ -22,6 +23,7 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some(words::REPEAT_WARMER),
     source: "Linear thermal expansion; steel 12e-6, aluminium 24e-6 per kelvin",
     change_cable,
+    variable: Some(Variable::Temperature),
     ..Effect::NEUTRAL
 };
 

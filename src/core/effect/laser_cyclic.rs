@@ -6,6 +6,7 @@
 //! Typical amplitude 0.3 to 3 mm.
 
 use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope, Search};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_cyclic",
@@ -34,6 +35,7 @@ pub(super) static EFFECT: Effect = Effect {
         period: Some(1),
     },
     change_platform,
+    variable: Some(Variable::Distance),
     ..Effect::NEUTRAL
 };
 

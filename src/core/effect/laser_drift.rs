@@ -2,6 +2,7 @@
 //! parameter `drift` in metres. Assumes that the laser was switched on at the home row. Typical 0.5 to 5 mm.
 
 use super::{Effect, EffectParameter, Scope};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_drift",
@@ -19,5 +20,6 @@ pub(super) static EFFECT: Effect = Effect {
     change_platform: |parameters, at, ports| {
         ports.laser_bias += parameters[0] * -(-at.time_s.max(0.0) / 900.0).exp_m1();
     },
+    variable: Some(Variable::Time),
     ..Effect::NEUTRAL
 };

@@ -3,6 +3,7 @@
 
 use super::words;
 use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope, Search};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_outliers",
@@ -20,6 +21,8 @@ pub(super) static EFFECT: Effect = Effect {
     source: "A single wrong reading",
     search: Search::AtPose(0),
     change_platform,
+    variable: Some(Variable::Time),
+    is_damage: true,
     ..Effect::NEUTRAL
 };
 

@@ -1,6 +1,7 @@
 //! Laser reading times `1 + scale`. Typical 0.05 to 1 %.
 
 use super::{Effect, EffectParameter, Scope};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_scale",
@@ -14,5 +15,6 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Measure one distance from the laser to its target with a steel tape."),
     source: "Scale error of distance meters",
     change_platform: |parameters, _, ports| ports.laser_gain *= parameters[0] + 1.0,
+    variable: Some(Variable::Distance),
     ..Effect::NEUTRAL
 };

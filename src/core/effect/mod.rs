@@ -73,7 +73,7 @@ pub(crate) use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
 pub use unknown::{BiasedReading, EFFECT as UNKNOWN, Shape};
 
-use crate::measurement::Measurements;
+use crate::measurement::{Measurements, Variable};
 
 /// What an effect can be attached to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -254,6 +254,11 @@ pub struct Effect {
     pub(crate) stage: Stage,
     /// How it is searched for.
     pub(crate) search: Search,
+    /// The variable over which readings show it best, if there is one.
+    pub(crate) variable: Option<Variable>,
+    /// Whether something is loose, broke or moved: it is repaired before the robot is used, and does not happen again in the
+    /// same way. Other effects last, so that the model takes them.
+    pub(crate) is_damage: bool,
     /// Whether sag must be modelled even if the description says that cables weigh nothing.
     pub(crate) needs_sag: bool,
     /// Changes the ports of a cable it is attached to.
@@ -281,6 +286,8 @@ impl Effect {
         source: "",
         stage: Stage::Addition,
         search: Search::Direct,
+        variable: None,
+        is_damage: false,
         needs_sag: false,
         change_cable: |_, _, _| {},
         change_platform: |_, _, _| {},
@@ -328,6 +335,18 @@ impl Effect {
     #[must_use]
     pub fn search(&self) -> Search {
         self.search
+    }
+
+    /// The variable over which readings show it best, if there is one.
+    #[must_use]
+    pub fn variable(&self) -> Option<Variable> {
+        self.variable
+    }
+
+    /// Whether it is repaired rather than modelled: something is loose, broke or moved.
+    #[must_use]
+    pub fn is_damage(&self) -> bool {
+        self.is_damage
     }
 
     /// Index of the parameter that is the label of a pose.

@@ -5,6 +5,7 @@
 use super::direction::tilted;
 use super::words::inclination;
 use super::{Effect, EffectParameter, FoundEffect, Scope};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "pulley_axis_tilt",
@@ -23,6 +24,7 @@ pub(super) static EFFECT: Effect = Effect {
     change_cable: |parameters, at, ports| {
         ports.axis = tilted(ports.axis, at.swivel_axis, parameters[0], parameters[1]);
     },
+    variable: Some(Variable::SwivelAngle),
     ..Effect::NEUTRAL
 };
 

@@ -8,6 +8,7 @@
 
 use super::words::{self, percent};
 use super::{Effect, EffectParameter, FoundEffect, Scope, Stage};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "pulley_friction",
@@ -24,6 +25,7 @@ pub(super) static EFFECT: Effect = Effect {
     change_cable: |parameters, at, ports| {
         ports.tension *= (parameters[0] * (at.wrap_rad * at.direction)).exp();
     },
+    variable: Some(Variable::Direction),
     ..Effect::NEUTRAL
 };
 

@@ -2,6 +2,7 @@
 
 use super::words::millimetres;
 use super::{Effect, EffectParameter, FoundEffect, Scope};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "pulley_radius",
@@ -15,6 +16,7 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Measure the groove of the pulley with calipers."),
     source: "Geometry of a swivelling pulley: Jin et al., Sensors 18 (2018) 2392, equations 3 and 4",
     change_cable: |parameters, _, ports| ports.radius *= parameters[0] + 1.0,
+    variable: Some(Variable::WrapAngle),
     ..Effect::NEUTRAL
 };
 

@@ -1,6 +1,7 @@
 //! Zero offset of a swivel angle: a constant added to its reading (rad). Typical 0.5 to 5 degrees.
 
 use super::{Effect, EffectParameter, Scope};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "swivel_offset",
@@ -16,5 +17,6 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Turn the pulley to its zero mark and read its angle."),
     source: "Zero error of an angle encoder",
     change_cable: |parameters, _, ports| ports.swivel_offset += parameters[0],
+    variable: Some(Variable::SwivelAngle),
     ..Effect::NEUTRAL
 };

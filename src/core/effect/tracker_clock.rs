@@ -9,7 +9,7 @@ pub(super) static EFFECT: Effect = Effect {
     scope: Scope::Robot,
     parameters: &[EffectParameter::new("drift", "1", 2e-4, [1e-5, 2e-4])],
     cause: |found| {
-        found.say("The clock of the external instrument runs {0:ppm} {0:slow|fast} relative to that of the winches: its poses {0:lag|lead} more and more.")
+        found.say("The clock of the external instrument runs {0:%} {0:slow|fast} relative to that of the winches: its poses {0:lag|lead} more and more.")
     },
     workshop: |found| {
         found.say(

@@ -225,7 +225,7 @@ fn spread(found: &FoundEffect<'_>, form: &Form) -> f64 {
 
 /// What to do about an error that no effect explains.
 pub(crate) const ADVICE: &str =
-    "Plot this error, and measure more poses between those where it is large and small.";
+    "Measure more poses between those where this error is large and small.";
 
 /// Indices of the parameters.
 pub(crate) const READING: usize = 0;

@@ -7,6 +7,7 @@
 
 use super::words;
 use super::{Effect, EffectParameter, Scope};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "winch_backlash",
@@ -24,5 +25,7 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some(words::GO_FROM_EITHER_SIDE),
     source: "Dead band of half the play to either side, as in any drive with play",
     change_cable: |parameters, at, ports| ports.paid += parameters[0] * (0.5 * at.direction),
+    variable: Some(Variable::Direction),
+    is_damage: true,
     ..Effect::NEUTRAL
 };

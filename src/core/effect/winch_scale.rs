@@ -2,6 +2,7 @@
 //! the length times `1 + scale`. Typical 0.1 to 3 % (winch ratio errors of cable robots).
 
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope, Stage};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "winch_scale",
@@ -16,6 +17,7 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Geometry of a drum; sizes from winch ratio errors reported for cable robots",
     stage: Stage::Ratio,
     change_cable,
+    variable: Some(Variable::CableLength),
     ..Effect::NEUTRAL
 };
 

@@ -2,6 +2,7 @@
 //! revolution times `1 + scale`. Typical 0.1 to 1 %.
 
 use super::{Effect, EffectParameter, FoundEffect, Scope, Stage, winch_scale};
+use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
     id: "winch_scale_common",
@@ -14,6 +15,7 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Geometry of a drum; sizes from winch ratio errors reported for cable robots",
     stage: Stage::Ratio,
     change_cable: winch_scale::change_cable,
+    variable: Some(Variable::CableLength),
     ..Effect::NEUTRAL
 };
 

@@ -39,11 +39,6 @@ pub(super) fn milliseconds(time_s: f64) -> String {
     format!("{} ms", size(1e3 * time_s))
 }
 
-/// A small ratio.
-pub(super) fn parts_per_million(ratio: f64) -> String {
-    format!("{} ppm", size(1e6 * ratio))
-}
-
 /// A force (N).
 pub(super) fn newtons(force_n: f64) -> String {
     format!("{} N", size(force_n))

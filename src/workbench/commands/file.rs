@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::ViewportCommand;
+use tautline_core::effect::EffectSetting;
 use tautline_core::robot::Robot;
 use tautline_session::{
     Import, Loaded, LogEntry, Phase as LogPhase, RecentSession, Session, find_unsaved_sessions,
@@ -14,6 +15,7 @@ use super::file_tasks::{ask_save, written};
 use super::{recording, robot, tables};
 use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome};
 use crate::model::dialogs::{LeavingDraft, SaveContent, SaveForm};
+use crate::model::edit::same_effect;
 use crate::model::file_choice::FileRequest;
 use crate::model::link::DriverCommand;
 use crate::model::messages::Cause;
@@ -55,7 +57,7 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
             None => ask_save_as(model),
         },
         FileCommand::SaveAs(path) => save(model, link_target(&path)),
-        FileCommand::NewSeries => new_series(model),
+        FileCommand::NewSeries(repaired) => new_series(model, &repaired),
         FileCommand::Close => leave(model, Leaving::Close),
         FileCommand::Quit => leave(model, Leaving::Quit),
         FileCommand::Answer(answer) => answered(model, answer),
@@ -97,16 +99,22 @@ fn new_robot(model: &mut Model, robot: Robot) {
 }
 
 /// Another series of the open session, in a session of its own.
-fn new_series(model: &mut Model) {
+fn new_series(model: &mut Model, repaired: &[EffectSetting]) {
     let Some(open) = &model.open else {
         return;
     };
     let (session, now) = (open.session(), clock::now());
     let mut series = session.another_series(format!("{}, another series", session.name), now);
+    let effects = &mut series.settings.identification.effects;
+    effects.retain(|one| !repaired.iter().any(|other| same_effect(one, other)));
+    let text = match repaired {
+        [] => format!("Another series of {}.", session.name),
+        _ => format!("Another series of {}, after a repair.", session.name),
+    };
     series.record(LogEntry {
         time: now,
         phase: LogPhase::Session,
-        text: format!("Another series of {}.", session.name),
+        text,
     });
     leave(
         model,

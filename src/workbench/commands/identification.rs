@@ -12,13 +12,13 @@ use crate::model::command::{
     DIAGNOSING, DiagnosisResult, IDENTIFYING, IdentificationCommand, IdentificationOutcome,
     READINESS, Readiness,
 };
-use crate::model::fit_progress::{Before, FitProgress};
+use crate::model::edit::Edit;
+use crate::model::fit_progress::{Adding, Before, FitProgress};
 use crate::model::messages::Cause;
 use crate::model::open_session::{Diagnosed, Stored};
 use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::clock;
-use tautline_workflow::diagnosis::dependences;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
 use tautline_workflow::documents::diagnosis::{DiagnosisDocument, stage};
 use tautline_workflow::documents::isolability::IsolabilityTable;
@@ -134,7 +134,11 @@ impl FitChoices {
 
 /// After an edit: identifies again where effects were added or removed or poses left out, if there are results to compare
 /// with.
-pub(super) fn follow(model: &mut Model, before: Option<&FitChoices>, what: &str) {
+pub(super) fn follow(
+    model: &mut Model,
+    before: Option<&FitChoices>,
+    (what, adds): (&str, Option<Vec<EffectSetting>>),
+) {
     let Some(open) = &model.open else {
         return;
     };
@@ -142,6 +146,12 @@ pub(super) fn follow(model: &mut Model, before: Option<&FitChoices>, what: &str)
     if !changed || open.fit().is_none() && open.diagnosis().is_none() {
         return;
     }
+    model.identification.not_added = None;
+    model.identification.adding = adds.map(|effects| Adding {
+        effects,
+        inputs: open.inputs(),
+        place: open.history().place(),
+    });
     model.identification.before = open.fit().map(|fit| Before {
         what: what.to_owned(),
         missed: fit.residual_ratio(),
@@ -203,7 +213,7 @@ fn start_diagnosis(model: &mut Model, keep: bool) {
     });
 }
 
-/// Diagnoses the model as it is, with the effects that were added to it at their identified values.
+/// Diagnoses the model as it is; the effects that were added to it are estimated again, from their identified values.
 fn diagnosed(
     session: &Session,
     current: Option<Arc<Identification>>,
@@ -226,11 +236,10 @@ fn diagnosed(
         return Ok(None);
     };
     let record = keep.then(|| record(session, "Diagnosis", &diagnosed.document(), clock::now()));
-    let figures = dependences::figures(&diagnosed);
     Ok(Some(Box::new(DiagnosisResult {
-        diagnosed,
+        result: diagnosed.into(),
+        effects: session.settings.identification.effects.clone(),
         record,
-        figures,
     })))
 }
 
@@ -264,13 +273,25 @@ pub(super) fn receive(model: &mut Model, outcome: IdentificationOutcome) {
         IdentificationOutcome::Identified { inputs, .. } => (*inputs, "Identification"),
         IdentificationOutcome::Diagnosed { inputs, .. } => (*inputs, "Diagnosis"),
     };
-    let Some(open) = &mut model.open else {
+    let Some(open) = &model.open else {
         return;
     };
     if !open.knows(inputs) {
         return;
     }
     let stopped = model.identification.progress.is_stopped();
+    if let IdentificationOutcome::Identified { result, .. } = &outcome
+        && let Some(adding) = model
+            .identification
+            .adding
+            .take_if(|one| one.inputs == inputs)
+        && let Some(reason) = failure(result)
+    {
+        return take_back(model, adding, reason);
+    }
+    let Some(open) = &mut model.open else {
+        return;
+    };
     let said = match outcome {
         IdentificationOutcome::Checked { readiness, .. } => {
             model.identification.readiness = Some((inputs, *readiness));
@@ -285,15 +306,9 @@ pub(super) fn receive(model: &mut Model, outcome: IdentificationOutcome) {
             result: Ok(Some(examined)),
             ..
         } => {
-            model.identification.figures = examined.figures;
             model.identification.before = None;
-            model.requests.push(UiRequest::ShowFirstDiscrepancy);
-            Ok(take_diagnosis(
-                open,
-                inputs,
-                examined.diagnosed,
-                examined.record,
-            ))
+            model.identification.not_added = None;
+            Ok(take_diagnosis(open, inputs, *examined))
         }
         IdentificationOutcome::Identified { result: Ok(_), .. }
         | IdentificationOutcome::Diagnosed {
@@ -322,6 +337,34 @@ pub(super) fn receive(model: &mut Model, outcome: IdentificationOutcome) {
     }
 }
 
+/// Why an identification is of no use, if it is.
+fn failure(result: &Result<Option<Box<Identification>>, String>) -> Option<String> {
+    match result {
+        Err(reason) => Some(reason.clone()),
+        Ok(Some(fit)) if !fit.solution.converged() => {
+            Some("the identification does not converge with it".to_owned())
+        }
+        Ok(_) => None,
+    }
+}
+
+/// Takes effects out again with which nothing can be identified.
+fn take_back(model: &mut Model, adding: Adding, reason: String) {
+    let Some(open) = &mut model.open else {
+        return;
+    };
+    if open.history().place() == adding.place {
+        open.undo();
+    } else {
+        let what = "take out what cannot be identified".to_owned();
+        open.edit(Edit::RemoveEffects(adding.effects.clone(), what));
+    }
+    model.identification.before = None;
+    let text = format!("Nothing was added to the model, because {reason}.");
+    model.messages.error(text);
+    model.identification.not_added = Some((adding.effects, reason));
+}
+
 fn take_fit(
     open: &mut OpenSession,
     inputs: u64,
@@ -340,16 +383,11 @@ fn take_fit(
     text
 }
 
-fn take_diagnosis(
-    open: &mut OpenSession,
-    inputs: u64,
-    diagnosed: Diagnosed,
-    record: Option<ResultRecord>,
-) -> String {
-    let is_clean = diagnosed.diagnosis.findings.is_empty();
-    let found = count(diagnosed.diagnosis.findings.len(), "finding");
-    open.set_diagnosis(diagnosed, inputs);
-    if let Some(record) = record {
+fn take_diagnosis(open: &mut OpenSession, inputs: u64, examined: DiagnosisResult) -> String {
+    let findings = examined.result.diagnosed.diagnosis.findings.len();
+    let (is_clean, found) = (findings == 0, count(findings, "finding"));
+    open.set_diagnosis(examined.result, (inputs, examined.effects));
+    if let Some(record) = examined.record {
         open.add_result(record);
         open.log(LogPhase::Diagnosis, format!("Diagnosed: {found}."));
     }

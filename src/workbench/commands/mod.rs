@@ -18,8 +18,11 @@ mod view;
 pub use self::file::find_unsaved;
 pub use self::view::restore;
 
+use tautline_core::effect::EffectSetting;
+
 use crate::model::autosave::AutosaveEvent;
 use crate::model::command::{Command, Outcome};
+use crate::model::edit::Edit;
 use crate::model::messages::Cause;
 use crate::model::{Model, OpenSession, UiRequest};
 
@@ -36,23 +39,29 @@ pub fn perform(model: &mut Model, command: Command) {
         Command::Report(command) => report::perform(model, command),
         Command::Compare(command) => compare::perform(model, command),
         Command::Study(command) => study::perform(model, command),
-        Command::Edit(edit) => changed(model, None, |open| {
-            let name = edit.name();
-            open.edit(edit).then_some(name)
-        }),
+        Command::Edit(edit) => {
+            let adds = match &edit {
+                Edit::AddEffects(effects, _) => Some(effects.clone()),
+                _ => None,
+            };
+            changed(model, (None, adds), |open| {
+                let name = edit.name();
+                open.edit(edit).then_some(name)
+            });
+        }
         Command::CancelTask(title) => model.tasks.cancel(title),
         Command::Refuse(text) => model.messages.failure(Cause::Entry, text),
         Command::Undo if recording::undoes(model, false) => recording::undo(model),
         Command::Redo if recording::undoes(model, true) => recording::redo(model),
-        Command::Undo => changed(model, Some("Undone"), OpenSession::undo),
-        Command::Redo => changed(model, Some("Redone"), OpenSession::redo),
+        Command::Undo => changed(model, (Some("Undone"), None), OpenSession::undo),
+        Command::Redo => changed(model, (Some("Redone"), None), OpenSession::redo),
     }
 }
 
 /// Does, undoes or redoes an edit; what was computed follows.
 fn changed(
     model: &mut Model,
-    prefix: Option<&str>,
+    (prefix, adds): (Option<&str>, Option<Vec<EffectSetting>>),
     step: impl FnOnce(&mut OpenSession) -> Option<String>,
 ) {
     let before = identification::FitChoices::of(model);
@@ -67,7 +76,7 @@ fn changed(
     if prefix.is_some() {
         model.messages.info(format!("{what}."));
     }
-    identification::follow(model, before.as_ref(), &what);
+    identification::follow(model, before.as_ref(), (&what, adds));
 }
 
 /// Handles an event of the autosave.

@@ -123,7 +123,7 @@ fn save(model: &mut Model, path: PathBuf, choice: ReportChoice, pinned: BTreeSet
     let diagnosis = open.diagnosis().map(Arc::clone);
     let outdated = fit.is_some() && !open.fit_is_current();
     // What is not in memory is computed from the present data.
-    let diagnosis_outdated = diagnosis.is_some() && (outdated || !open.is_diagnosed());
+    let diagnosis_outdated = diagnosis.is_some() && (outdated || !open.is_model_diagnosed());
     let report_picture = model.report_picture;
     write(model, "Writing the report", path, move |path| {
         let (fit, diagnosis) = completed(&session, (fit, diagnosis));

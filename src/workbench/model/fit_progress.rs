@@ -1,12 +1,11 @@
 //! A running identification: how its residuals shrink.
 
-use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use tautline_core::effect::EffectSetting;
 use tautline_core::measurement::Dataset;
 
 use super::command::Readiness;
-use tautline_workflow::plot::figure::Figure;
 
 /// Residuals after each step, shared with the task.
 #[derive(Debug, Clone, Default)]
@@ -68,6 +67,16 @@ pub struct Before {
     pub degrees_of_freedom: f64,
 }
 
+/// Effects whose identification has not ended yet.
+#[derive(Debug)]
+pub(crate) struct Adding {
+    pub(crate) effects: Vec<EffectSetting>,
+    /// Number of the inputs that have them.
+    pub(crate) inputs: u64,
+    /// Place of the edit in the history.
+    pub(crate) place: u64,
+}
+
 /// What accompanies the identification of the open session.
 #[derive(Debug, Default)]
 pub struct IdentificationState {
@@ -75,8 +84,10 @@ pub struct IdentificationState {
     pub progress: FitProgress,
     /// The fit before the last change of the model.
     pub before: Option<Before>,
-    /// Plots of the dependences that the last diagnosis found, by their places among all.
-    pub figures: BTreeMap<usize, Figure>,
+    /// The effects that are being added.
+    pub(crate) adding: Option<Adding>,
+    /// The effects that were taken out again because the identification with them failed, and why it did.
+    pub(crate) not_added: Option<(Vec<EffectSetting>, String)>,
     /// The check before it, with the number of the inputs that were checked.
     pub readiness: Option<(u64, Readiness)>,
 }

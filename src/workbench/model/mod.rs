@@ -8,6 +8,7 @@ pub mod comparison;
 pub mod dialogs;
 pub mod edit;
 pub(crate) mod file_choice;
+pub(crate) mod findings;
 pub mod fit_progress;
 pub mod importing;
 pub mod link;

@@ -1,30 +1,88 @@
 //! The open session with what was computed from it.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
+use tautline_core::effect::EffectSetting;
 use tautline_core::robot::FieldError;
 use tautline_session::{
     LogEntry, MeasuredPose, Phase as LogPhase, ResultRecord, Session, VersionedFile as _,
 };
 
-use super::edit::{Edit, History, InputRevision};
+use super::edit::{Edit, History, InputRevision, same_effect};
 use tautline_workflow::clock;
+use tautline_workflow::diagnosis::dependences;
+use tautline_workflow::diagnosis::evidence::{Evidence, evidence};
 pub use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::identification::{Identification, IdentificationDocument};
 use tautline_workflow::planning::missing_labels;
+use tautline_workflow::plot::figure::Figure;
 use tautline_workflow::precalibration::Calibration;
 
 /// Numbers of inputs, never used twice, so that a result that comes late belongs to no other session. A session is known
 /// by the first of its own.
 static NUMBERS: AtomicU64 = AtomicU64::new(0);
 
+/// Most diagnoses that are kept, so that undoing an edit brings the one of that model back.
+const KEPT_DIAGNOSES: usize = 8;
+
 /// A result with the number of the inputs it was computed from.
 #[derive(Debug, Clone)]
 pub struct Computed<T> {
     value: Arc<T>,
     inputs: u64,
+}
+
+/// A diagnosis with its plots.
+#[derive(Debug)]
+pub struct PlottedDiagnosis {
+    /// The diagnosis.
+    pub diagnosed: Arc<Diagnosed>,
+    /// Plots of the dependences, by their indices.
+    pub dependences: BTreeMap<usize, Figure>,
+    /// The evidence of each finding.
+    pub evidence: Vec<Option<Evidence>>,
+}
+
+impl From<Diagnosed> for PlottedDiagnosis {
+    fn from(diagnosed: Diagnosed) -> Self {
+        Self {
+            dependences: dependences::figures(&diagnosed),
+            evidence: evidence(&diagnosed),
+            diagnosed: Arc::new(diagnosed),
+        }
+    }
+}
+
+/// A diagnosis with the model that it was made of.
+struct DiagnosisOfModel {
+    result: PlottedDiagnosis,
+    inputs: u64,
+    effects: Vec<EffectSetting>,
+}
+
+impl DiagnosisOfModel {
+    /// Whether a model has the effects that it was made of and, besides, only those that it proposed.
+    fn is_of(&self, effects: &[EffectSetting]) -> bool {
+        let has = |all: &[EffectSetting], one: &EffectSetting| {
+            all.iter().any(|other| same_effect(one, other))
+        };
+        let diagnosed = &self.result.diagnosed;
+        let findings = diagnosed.diagnosis.findings.iter();
+        let proposed: Vec<EffectSetting> = findings
+            .flat_map(|finding| {
+                let others = finding.alternatives.iter().map(|other| &other.cause);
+                std::iter::once(&finding.cause).chain(others)
+            })
+            .flat_map(|cause| diagnosed.settings(cause))
+            .collect();
+        self.effects.iter().all(|one| has(effects, one))
+            && effects
+                .iter()
+                .all(|one| has(&self.effects, one) || has(&proposed, one))
+    }
 }
 
 /// The last identification that the session keeps from before.
@@ -81,7 +139,10 @@ pub struct OpenSession {
     saved: Option<Content>,
     stored: Stored,
     fit: Option<Computed<Identification>>,
-    diagnosis: Option<Computed<Diagnosed>>,
+    /// Diagnoses, the oldest first.
+    diagnoses: Vec<DiagnosisOfModel>,
+    /// Number of the data of each number of inputs: what results depend on besides the effects of the model.
+    data: BTreeMap<u64, u64>,
     calibration: OnceLock<Arc<Calibration>>,
     missing: OnceLock<Vec<i64>>,
 }
@@ -105,7 +166,8 @@ impl OpenSession {
             lasting: 0,
             saved,
             fit: None,
-            diagnosis: None,
+            diagnoses: Vec::new(),
+            data: [(inputs, inputs)].into(),
             calibration: OnceLock::new(),
             missing: OnceLock::new(),
         }
@@ -197,8 +259,13 @@ impl OpenSession {
     /// Performs an edit; returns whether anything changed.
     pub fn edit(&mut self, edit: Edit) -> bool {
         let is_import = matches!(edit, Edit::Import(..));
+        let is_of_model = matches!(edit, Edit::AddEffects(..) | Edit::RemoveEffects(..));
+        let data = self.data.get(&self.inputs).copied();
         let inputs = self.history.perform(edit, &mut self.session, self.inputs);
         let is_done = inputs.map(|inputs| self.touch(&inputs)).is_some();
+        if let (true, Some(data)) = (is_of_model, data) {
+            self.data.insert(self.inputs, data);
+        }
         self.replaced += u64::from(is_import && is_done);
         is_done
     }
@@ -273,6 +340,7 @@ impl OpenSession {
             InputRevision::Restored(number) => self.inputs = *number,
             InputRevision::New => {
                 self.inputs = NUMBERS.fetch_add(1, Ordering::Relaxed);
+                self.data.insert(self.inputs, self.inputs);
             }
         }
         self.session.modified = self.session.modified.max(clock::now());
@@ -313,11 +381,20 @@ impl OpenSession {
         });
     }
 
-    /// Takes a diagnosis that was computed from the inputs of the given number.
-    pub fn set_diagnosis(&mut self, diagnosed: Diagnosed, inputs: u64) {
-        self.diagnosis = Some(Computed {
-            value: Arc::new(diagnosed),
+    /// Takes a diagnosis that was computed from a model with these effects, at the inputs of the given number.
+    pub fn set_diagnosis(
+        &mut self,
+        result: PlottedDiagnosis,
+        (inputs, effects): (u64, Vec<EffectSetting>),
+    ) {
+        self.diagnoses.retain(|one| one.inputs != inputs);
+        if self.diagnoses.len() == KEPT_DIAGNOSES {
+            self.diagnoses.remove(0);
+        }
+        self.diagnoses.push(DiagnosisOfModel {
+            result,
             inputs,
+            effects,
         });
     }
 
@@ -327,10 +404,27 @@ impl OpenSession {
         self.fit.as_ref().map(|computed| &computed.value)
     }
 
-    /// The last diagnosis, also if it is out of date.
+    /// The diagnosis of the present model; the last one, also if it is out of date, if there is none.
     #[must_use]
     pub fn diagnosis(&self) -> Option<&Arc<Diagnosed>> {
-        self.diagnosis.as_ref().map(|computed| &computed.value)
+        self.plotted_diagnosis().map(|found| &found.diagnosed)
+    }
+
+    /// The same with its plots.
+    #[must_use]
+    pub fn plotted_diagnosis(&self) -> Option<&PlottedDiagnosis> {
+        let current = self.current_diagnosis().or(self.diagnoses.last());
+        current.map(|one| &one.result)
+    }
+
+    fn current_diagnosis(&self) -> Option<&DiagnosisOfModel> {
+        let data = self.data.get(&self.inputs);
+        let effects = &self.session.settings.identification.effects;
+        let is_current =
+            |one: &&DiagnosisOfModel| self.data.get(&one.inputs) == data && one.is_of(effects);
+        let mut newest_first = self.diagnoses.iter().rev();
+        let same = newest_first.find(|one| one.inputs == self.inputs);
+        same.or_else(|| self.diagnoses.iter().rev().find(is_current))
     }
 
     /// Whether the last identification is of the present inputs.
@@ -341,19 +435,15 @@ impl OpenSession {
             .is_some_and(|computed| computed.inputs == self.inputs)
     }
 
-    /// Whether the last diagnosis is of the model and the data of the last identification.
-    pub(crate) fn is_diagnosed(&self) -> bool {
-        let (Some(diagnosed), Some(fit)) = (self.diagnosis(), self.fit()) else {
-            return false;
-        };
-        self.diagnosis_is_current() && diagnosed.has_effects_of(fit)
-    }
-
-    /// Whether the last diagnosis is of the present inputs.
+    /// Whether there is a diagnosis of the present data, whose model lacked at most what it proposed.
     #[must_use]
     pub fn diagnosis_is_current(&self) -> bool {
-        self.diagnosis
-            .as_ref()
-            .is_some_and(|computed| computed.inputs == self.inputs)
+        self.current_diagnosis().is_some()
+    }
+
+    /// Whether there is a diagnosis of the present data with the present model, to which nothing was added since.
+    #[must_use]
+    pub fn is_model_diagnosed(&self) -> bool {
+        self.diagnoses.iter().any(|one| one.inputs == self.inputs)
     }
 }

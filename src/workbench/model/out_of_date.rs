@@ -29,7 +29,7 @@ pub(crate) fn out_of_date(model: &Model) -> Vec<OutOfDate> {
         ),
         Some(fit) => {
             match open.diagnosis() {
-                Some(_) if open.is_diagnosed() => {}
+                Some(_) if open.is_model_diagnosed() => {}
                 Some(_) => add(
                     "The last diagnosis is of an earlier model or earlier data.",
                     diagnose,

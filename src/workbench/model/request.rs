@@ -28,8 +28,6 @@ pub enum UiRequest {
     ShowGeometry,
     /// Shows the model doctor in the panel of the identification.
     ShowDoctor,
-    /// Opens the first of the dependences that a diagnosis found.
-    ShowFirstDiscrepancy,
     /// Gives plots what was computed for them.
     TakePreparation(Box<Preparation>),
     /// Concerns the connection dialog.

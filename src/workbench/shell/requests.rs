@@ -34,7 +34,6 @@ pub fn apply(state: &mut State) {
                 plots.leave_scope();
                 panels.identification.half = Half::Doctor;
             }
-            UiRequest::ShowFirstDiscrepancy => panels.identification.open = Some(0),
             UiRequest::TakePreparation(preparation) => plots.prepared(&preparation),
             UiRequest::Connection(request) => {
                 connect::apply(&mut panels.connect, request, &state.model);

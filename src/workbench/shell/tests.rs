@@ -6,6 +6,7 @@ use tautline_core::robot::presets;
 use tautline_session::{Folders, Session, find_unsaved_sessions};
 
 use super::*;
+use crate::model::OpenSession;
 use crate::model::command::{Command, Outcome, RobotCommand};
 use crate::model::edit::Edit;
 use crate::model::phase::{Phase, Screen};

@@ -3,11 +3,12 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use tautline_core::diagnosis::{Discrepancy, Finding};
-use tautline_core::effect::{Search, measurements_as_modelled};
-use tautline_core::estimation::{Analysis, Problem};
+use tautline_core::diagnosis::{Discrepancy, Finding, Quantity};
+use tautline_core::effect::measurements_as_modelled;
+use tautline_core::estimation::{Analysis, Solution};
 use tautline_core::measurement::{Dataset, Variable};
 
+use super::evidence::problem_of;
 use crate::documents::diagnosis::Diagnosed;
 use crate::identification::{RESIDUAL, readings_of};
 use crate::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
@@ -16,8 +17,10 @@ use crate::wording::sentence;
 
 /// Number of readings whose dependences are shown, the worst first.
 const SHOWN: usize = 5;
-/// The drawn curve is a moving average over one of this many parts of the points.
-const WINDOWS: usize = 10;
+/// Share of the points, and their least number, that determine a smooth line at each place, and its number of pieces.
+const NEIGHBOURS: f64 = 0.4;
+const LEAST_NEIGHBOURS: usize = 5;
+const LINE_STEPS: usize = 80;
 
 /// Groups dependences of the same readings, by their indices: their variables vary together, so that they are
 /// one discrepancy in several variables.
@@ -37,7 +40,8 @@ pub fn groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// The dependence that revealed a finding: of its cables if it names some, the strongest first.
+/// The dependence that revealed a finding: of its cables if it names some, on its own variable if there is one, else the
+/// strongest.
 #[must_use]
 pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
     let instances = finding.cause.instances.iter();
@@ -49,7 +53,10 @@ pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
         Some(cable) => cables.contains(&cable),
         None => cables.is_empty(),
     };
-    let shown = found.iter().position(is_its);
+    let own = finding.cause.effect().variable();
+    let mut all = found.iter();
+    let shown = all.position(|one| is_its(one) && Some(one.variable) == own);
+    let shown = shown.or_else(|| found.iter().position(is_its));
     shown.or_else(|| (cables.is_empty() && !found.is_empty()).then_some(0))
 }
 
@@ -73,41 +80,39 @@ struct Residuals {
     after: Option<Analysis>,
 }
 
+/// The dataset of a diagnosis with the channels as its model states them.
+pub(super) fn dataset_as_modelled(diagnosed: &Diagnosed) -> Option<Dataset> {
+    let robot = diagnosed.robot();
+    let modelled = measurements_as_modelled(robot, &diagnosed.dataset.measurements).ok()?;
+    Some(Dataset {
+        robot: robot.clone(),
+        measurements: modelled.into_owned(),
+    })
+}
+
 impl Residuals {
     fn of(diagnosed: &Diagnosed) -> Option<Self> {
-        let diagnosis = &diagnosed.diagnosis;
-        let robot = diagnosed.robot();
-        let modelled = measurements_as_modelled(robot, &diagnosed.dataset.measurements).ok()?;
-        let dataset = Dataset {
-            robot: robot.clone(),
-            measurements: modelled.into_owned(),
+        let dataset = dataset_as_modelled(diagnosed)?;
+        let analysis = |solution: &Solution| {
+            let problem = problem_of(diagnosed, &dataset, solution)?;
+            Some(Analysis::new(&problem, solution))
         };
-        let problem = || {
-            let problem = Problem::new(&dataset).ok()?;
-            Some(problem.at_poses_of(&diagnosis.base_solution))
-        };
-        let before = Analysis::new(&problem()?, &diagnosis.base_solution);
-        let after = || {
-            let mut problem = problem()?;
-            let effects = &diagnosis.extended_solution.globals.effects;
-            let free = effects.get(problem.held_effects.len()..)?;
-            if free.is_empty() || free.iter().any(|bound| !bound.effect.is_estimable()) {
-                return None;
-            }
-            problem.free_effects = free.to_vec();
-            Some(Analysis::new(&problem, &diagnosis.extended_solution))
-        };
+        let extended = &diagnosed.diagnosis.extended_solution;
+        let has_sizes = extended.globals.effects.len() > diagnosed.diagnosis.held;
         Some(Self {
-            before,
-            after: after(),
+            before: analysis(&diagnosed.diagnosis.base_solution)?,
+            after: analysis(extended).filter(|_| has_sizes),
         })
     }
 }
 
 /// Residuals of a kind of reading by row; an instrument with several readings per row has several.
-fn by_row(analysis: &Analysis, found: &Discrepancy) -> HashMap<usize, Vec<f64>> {
+pub(super) fn by_row(
+    analysis: &Analysis,
+    (quantity, cable): (Quantity, Option<usize>),
+) -> HashMap<usize, Vec<f64>> {
     let mut rows: HashMap<usize, Vec<f64>> = HashMap::new();
-    for one in readings_of(analysis, found.quantity, found.cable) {
+    for one in readings_of(analysis, quantity, cable) {
         if let Some(deviations) = one.normalised() {
             rows.entry(one.row).or_default().push(deviations);
         }
@@ -116,19 +121,20 @@ fn by_row(analysis: &Analysis, found: &Discrepancy) -> HashMap<usize, Vec<f64>> 
 }
 
 /// A reading that depends on a variable.
-struct Dependent {
-    row: usize,
-    variable: f64,
-    residual: f64,
-    /// The part of the residual that the findings explain.
-    explained: Option<f64>,
+pub(super) struct Dependent {
+    pub row: usize,
+    pub variable: f64,
+    pub residual: f64,
+    /// The part of the residual that causes explain.
+    pub explained: Option<f64>,
 }
 
 /// The readings of a dependence, with the residuals shown in all plots.
 fn dependents(found: &Discrepancy, residuals: &Residuals) -> Vec<Dependent> {
-    let before = by_row(&residuals.before, found);
+    let group = (found.quantity, found.cable);
+    let before = by_row(&residuals.before, group);
     let after = residuals.after.as_ref();
-    let after = after.map(|after| by_row(after, found));
+    let after = after.map(|after| by_row(after, group));
     let mut seen: HashMap<usize, usize> = HashMap::new();
     let mut dependents = Vec::new();
     for (row, variable, _) in &found.points {
@@ -149,57 +155,78 @@ fn dependents(found: &Discrepancy, residuals: &Residuals) -> Vec<Dependent> {
 }
 
 fn figure(diagnosed: &Diagnosed, found: &Discrepancy, residuals: &Residuals) -> Figure {
-    let (factor, unit) = unit(found.variable);
-    let labels = &diagnosed.dataset.measurements.labels;
     let dependents = dependents(found, residuals);
+    // What happens at one pose, or from one on, is no function of another variable.
+    let is_event = |finding: &Finding| finding.cause.effect().pose_parameter().is_some();
+    let has_event = diagnosed.diagnosis.findings.iter().any(is_event);
+    let event = has_event.then_some((0, false));
+    let readings = (found.quantity, found.cable, found.variable);
+    figure_of(diagnosed, readings, &dependents, event)
+}
+
+/// Residuals of readings over a variable, and a line of what causes explain of them. `event` is the row at which a cause
+/// acts, and whether it goes on from there: the line has a step there, or passes through each point.
+pub(super) fn figure_of(
+    diagnosed: &Diagnosed,
+    (quantity, cable, variable): (Quantity, Option<usize>, Variable),
+    dependents: &[Dependent],
+    event: Option<(usize, bool)>,
+) -> Figure {
+    let (factor, unit) = unit(variable);
+    let labels = &diagnosed.dataset.measurements.labels;
     let point = |one: &Dependent| Point {
         pose: labels.get(one.row).copied(),
         ..Point::new(factor * one.variable, one.residual)
     };
     let points: Vec<Point> = dependents.iter().map(point).collect();
-    let window = if has_event(diagnosed) {
-        1
-    } else {
-        (points.len() / WINDOWS).max(3)
-    };
-    let series = match found.cable {
+    let series = match cable {
         Some(cable) => {
             Series::of_cable(cable, diagnosed.robot().cables[cable].name.as_str(), points)
         }
-        None => Series::new(found.quantity.name(), Ink::Accent, Marker::Circle, points),
+        None => Series::new(quantity.name(), Ink::Accent, Marker::Circle, points),
     };
     Figure {
-        x: Axis::new(sentence(found.variable.name()), unit),
+        x: Axis::new(sentence(variable.name()), unit),
         y: Axis::new(RESIDUAL, "standard deviations"),
         bands: vec![Band {
             name: "within 3 standard deviations".to_owned(),
             y: [-3.0, 3.0],
         }],
         series: vec![series],
-        curves: explained(&dependents, factor, window),
+        curves: explained(dependents, factor, event),
         has_zero_line: true,
         ..Figure::default()
     }
 }
 
-/// The part of the residuals that the findings explain, over the variable: before less after, both in their own standard
-/// deviations; interrupted where there are no data.
-fn explained(dependents: &[Dependent], factor: f64, window: usize) -> Vec<Curve> {
-    let known = dependents.iter();
-    let points: Vec<[f64; 2]> = known
-        .filter_map(|one| Some([factor * one.variable, one.explained?]))
-        .collect();
-    if points.len() < 3 {
-        return Vec::new();
-    }
-    let data: Vec<f64> = points.iter().map(|[x, _]| *x).collect();
-    let pieces = without_gaps(&smooth(points, window), &data);
-    let pieces = pieces.into_iter().enumerate();
+/// The part of the residuals that causes explain, over the variable, as a smooth line; interrupted where there are no data.
+fn explained(dependents: &[Dependent], factor: f64, event: Option<(usize, bool)>) -> Vec<Curve> {
+    let points = |is_part: &dyn Fn(&Dependent) -> bool| -> Vec<[f64; 2]> {
+        let known = dependents.iter().filter(|one| is_part(one));
+        known
+            .filter_map(|one| Some([factor * one.variable, one.explained?]))
+            .collect()
+    };
+    let pieces: Vec<Vec<[f64; 2]>> = match event {
+        None => vec![smooth(&points(&|_| true))],
+        Some((row, true)) => vec![
+            smooth(&points(&|one| one.row < row)),
+            smooth(&points(&|one| one.row >= row)),
+        ],
+        Some((_, false)) => {
+            let mut all = points(&|_| true);
+            all.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            vec![all]
+        }
+    };
+    let data: Vec<f64> = points(&|_| true).iter().map(|[x, _]| *x).collect();
+    let pieces = pieces.iter().flat_map(|piece| without_gaps(piece, &data));
     pieces
+        .enumerate()
         .map(|(number, points)| Curve {
             // Only the first piece has an entry in the legend.
             name: match number {
-                0 => "explained by the causes found".to_owned(),
+                0 => "explained by the cause".to_owned(),
                 _ => String::new(),
             },
             ink: Ink::Text,
@@ -209,28 +236,42 @@ fn explained(dependents: &[Dependent], factor: f64, window: usize) -> Vec<Curve>
         .collect()
 }
 
-/// Whether a finding acts at one pose, or from one pose on: then neighbours along a variable are
-/// unrelated.
-fn has_event(diagnosed: &Diagnosed) -> bool {
-    diagnosed.diagnosis.findings.iter().any(|finding| {
-        let search = finding.cause.effect().search();
-        matches!(search, Search::AtPose(_) | Search::FromPose(_))
-    })
-}
-
-/// The moving average over `window` neighbours along x.
-fn smooth(mut points: Vec<[f64; 2]>, window: usize) -> Vec<[f64; 2]> {
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let half = window / 2;
-    let mean = |k: usize| {
-        let around = &points[k.saturating_sub(half)..(k + half + 1).min(points.len())];
-        let count = around.len() as f64;
-        let sum = around
-            .iter()
-            .fold([0.0; 2], |[x, y], p| [x + p[0], y + p[1]]);
-        sum.map(|v| v / count)
+/// A smooth line through points: locally weighted regression with tricube weights (Cleveland 1979).
+fn smooth(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let xs = || points.iter().map(|[x, _]| *x);
+    let (from, to) = (
+        xs().fold(f64::INFINITY, f64::min),
+        xs().fold(f64::NEG_INFINITY, f64::max),
+    );
+    if points.len() < LEAST_NEIGHBOURS || from >= to {
+        return points.to_vec();
+    }
+    let neighbours = (NEIGHBOURS * points.len() as f64).ceil() as usize;
+    let neighbours = neighbours.clamp(LEAST_NEIGHBOURS, points.len());
+    let at = |step: usize| from + (to - from) * step as f64 / LINE_STEPS as f64;
+    let value = |x: f64| {
+        let mut distances: Vec<f64> = xs().map(|other| (other - x).abs()).collect();
+        distances.sort_by(f64::total_cmp);
+        let reach = distances[neighbours - 1] * (1.0 + 1e-9) + f64::MIN_POSITIVE;
+        let mut sums = [0.0; 5];
+        for [other, y] in points {
+            let off = other - x;
+            let weight = (1.0 - (off / reach).abs().min(1.0).powi(3)).powi(3);
+            let terms = [1.0, off, off * off, *y, off * y];
+            for (sum, term) in sums.iter_mut().zip(terms) {
+                *sum += weight * term;
+            }
+        }
+        let [w, wx, wxx, wy, wxy] = sums;
+        let spread = w * wxx - wx * wx;
+        match spread > 1e-9 * w * w * (to - from).powi(2) {
+            true => (wxx * wy - wx * wxy) / spread,
+            false => wy / w,
+        }
     };
-    (0..points.len()).map(mean).collect()
+    (0..=LINE_STEPS)
+        .map(|step| [at(step), value(at(step))])
+        .collect()
 }
 
 /// Display factor and display unit of a variable.
@@ -252,14 +293,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_straight_line_stays_one() {
-        let line: Vec<_> = (0..40)
-            .rev()
-            .map(|k| [f64::from(k), 2.0 * f64::from(k)])
-            .collect();
-        let smoothed = smooth(line, 5);
-        assert_eq!(smoothed.len(), 40);
-        assert!(smoothed.is_sorted_by(|a, b| a[0] < b[0]));
-        assert!(smoothed.iter().all(|[x, y]| (y - 2.0 * x).abs() < 1e-12));
+    fn a_smooth_line_follows_a_straight_one_and_calms_noise() {
+        let line = |noise: f64| -> Vec<[f64; 2]> {
+            let point = |k: u32| {
+                let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+                [f64::from(k), 2.0 * f64::from(k) + sign * noise]
+            };
+            (0..40).rev().map(point).collect()
+        };
+        let off = |points: &[[f64; 2]]| {
+            let off = smooth(points).into_iter().map(|[x, y]| (y - 2.0 * x).abs());
+            off.fold(0.0, f64::max)
+        };
+        assert!(off(&line(0.0)) < 1e-9);
+        assert!(off(&line(1.0)) < 0.5, "{}", off(&line(1.0)));
+        assert!(smooth(&line(0.0)).is_sorted_by(|a, b| a[0] < b[0]));
     }
 }

@@ -1,6 +1,7 @@
 //! Diagnosis of the model, for commands, reports and the window.
 
 pub mod dependences;
+pub mod evidence;
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -60,11 +61,8 @@ pub fn diagnose_dataset(
     })
 }
 
-/// The dataset of a session, with the effects of its model at the identified values.
-///
-/// A diagnosis holds them there: the residuals no longer contain what they explain, so the gain of any further cause is
-/// understated rather than overstated and the false-alarm probability is not exceeded; the standard deviations of new
-/// causes are slightly too small until they are identified together with all others.
+/// The dataset of a session, with the effects of its model at the identified values, from which a diagnosis starts. It
+/// estimates them again with every cause: what was identified without a cause is biased by it.
 #[must_use]
 pub fn dataset_to_diagnose(session: &Session, identified: &Identification) -> Dataset {
     let mut dataset = session.dataset();

@@ -37,7 +37,7 @@ pub fn effects_title(settings: &[EffectSetting]) -> String {
     }
 }
 
-/// The identified sizes of settings of one effect, `scale 0.31 ± 0.04 %`, each with its cable if there are several.
+/// The identified sizes of settings of one effect, `0.31 ± 0.04 %`, each with its cable if there are several.
 #[must_use]
 pub fn effect_sizes(fit: &Identification, settings: &[EffectSetting]) -> Vec<String> {
     let sized = settings.iter().map(|setting| match &setting.targets[..] {
@@ -77,12 +77,12 @@ fn value(fit: &Identification, index: usize, bound: &BoundEffect, which: usize) 
     };
     let place = fit.solution.parameters.iter().position(|p| is_it(&p.id));
     let unit = unit_of(parameter.name, parameter.unit);
-    match place.map(|place| fit.solution.standard_deviation(place)) {
-        Some(sd) => format!(
-            "{} {}",
-            parameter.name,
-            with_sd(number, sd.unwrap_or(f64::NAN), unit)
-        ),
-        None => format!("{} {}", parameter.name, significant(number, 6)),
+    let size = match place.map(|place| fit.solution.standard_deviation(place)) {
+        Some(sd) => with_sd(number, sd.unwrap_or(f64::NAN), unit),
+        None => significant(number, 6),
+    };
+    match bound.values.len() {
+        1 => size,
+        _ => format!("{} {size}", parameter.name.replace('_', " ")),
     }
 }

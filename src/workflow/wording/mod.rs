@@ -40,6 +40,13 @@ pub fn sentence(text: &str) -> String {
     first.chain(rest).collect()
 }
 
+/// A title inside a sentence: the first letter is small.
+pub fn first_lower(text: &str) -> String {
+    let mut rest = text.chars();
+    let first = rest.next().into_iter().flat_map(char::to_lowercase);
+    first.chain(rest).collect()
+}
+
 /// A probability in words.
 pub fn odds(p_value: f64) -> String {
     if p_value < 1e-6 {

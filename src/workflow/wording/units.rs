@@ -8,7 +8,10 @@ pub fn display_unit(unit: &str) -> (f64, &str) {
         "1" => (1e2, "%"),
         "m/h" => (1e3, "mm/h"),
         "m/N" => (1e6, "mm/kN"),
-        "1/K" => (1e6, "µm/m per K"),
+        "s" => (1e3, "ms"),
+        "1/K" => (1e3, "mm per metre and kelvin"),
+        // One hour is ln(1 + 3600 s / 600 s).
+        "1/ln(1+t/600s)" => (1e3 * 7_f64.ln(), "mm per metre in the first hour"),
         "1/rev" => (1e2, "% per revolution"),
         other => (1.0, other),
     }
@@ -137,7 +140,13 @@ mod tests {
             (0.0031, "1", "0.31 %"),
             (1.0_f64.to_radians(), "rad", "1 degree"),
             (2.5_f64.to_radians(), "rad", "2.5 degrees"),
-            (1.2e-5, "1/K", "12 µm/m per K"),
+            (1.2e-5, "1/K", "0.012 mm per metre and kelvin"),
+            (
+                0.002,
+                "1/ln(1+t/600s)",
+                "3.89 mm per metre in the first hour",
+            ),
+            (0.05, "s", "50 ms"),
             (3e-6, "m/N", "3 mm/kN"),
             (0.005, "m/h", "5 mm/h"),
             (1234.5, "N", "1234 N"),

@@ -183,7 +183,7 @@ fn what_the_data_cannot_separate_is_listed() {
     let json = folder.join("diagnosis.json");
     let text = diagnose(&dataset, &["--json", &json]).stdout;
     assert!(text.contains("These data cannot tell it from: "), "{text}");
-    assert!(text.contains("What decides: "), "{text}");
+    assert!(text.contains("What decides between them: "), "{text}");
     let diagnosis = folder.json("diagnosis.json");
     assert_contract(&diagnosis);
     let finding = &diagnosis["findings"][0];

@@ -18,18 +18,22 @@ pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<Str
     let mut body = vec![finding.sentence.clone()];
     if finding.verdict == Verdict::Ambiguous {
         body.extend(diagnosed.otherwise(finding));
+    }
+    if finding.is_list() {
         body.extend(bars(diagnosed, finding));
     }
     if finding.cause.effect().id() != UNKNOWN.id() {
         let size = diagnosed.size(&finding.parameters);
         body.extend(size.map(|size| format!("Size: {size}")));
     }
-    body.push(format!("Improvement: {}", gain(&finding.gain)));
+    if finding.verdict != Verdict::Unknown {
+        body.push(format!("Improvement: {}", gain(&finding.gain)));
+    }
     if !finding.advice.is_empty() {
         body.push(format!("What to do: {}", finding.advice));
     }
-    if let Some(text) = diagnosed.decides(finding) {
-        body.push(format!("What decides: {text}"));
+    if let Some((heading, text)) = diagnosed.decides(finding) {
+        body.push(format!("{heading}: {text}"));
     }
     if let Some(separation) = &finding.separation {
         body.extend(separating(separation));

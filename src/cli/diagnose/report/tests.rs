@@ -59,7 +59,7 @@ fn what_cannot_be_told_apart_is_said_with_poses_that_could() {
         "   These data cannot tell it from: Winch offset (cable-3) (40 %; 3 to 2 against it).\n",
         "   [############........]  60 %  Pulley radius (cable-3)\n",
         "   [########............]  40 %  Winch offset (cable-3)\n",
-        "   What decides: Measure far from cable-3. ",
+        "   What decides between them: Measure far from cable-3. ",
         "   Poses that would distinguish them:\n",
         "x mm",
         "1      250  -100     0   0.0   0.0   0.0\n",
@@ -70,8 +70,32 @@ fn what_cannot_be_told_apart_is_said_with_poses_that_could() {
 #[test]
 fn structure_without_a_name_is_not_given_a_size() {
     let text = report(&[Verdict::Unknown], false);
-    assert_parts(&text, &["1. Unknown cause (cable-3)\n", "Improvement"]);
-    assert!(!text.contains("Size:"), "{text}");
+    assert_parts(&text, &["1. Unknown cause (cable-3)\n"]);
+    assert!(
+        !text.contains("Size:") && !text.contains("Improvement"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_probable_cause_without_alternatives_is_no_list() {
+    let dataset = dataset();
+    let mut diagnosed = diagnosed(&dataset, &[Verdict::Ambiguous]);
+    let finding = &mut diagnosed.diagnosis.findings[0];
+    finding.alternatives.clear();
+    finding.separation = None;
+    finding.probability = 0.93;
+    let text = text(&diagnosed, false);
+    let parts = [
+        "1. Probably pulley radius (cable-3), 93 %\n",
+        "   7 % for something that is not in the catalogue.\n",
+        "   To be sure: ",
+    ];
+    assert_parts(&text, &parts);
+    assert!(
+        !text.contains("cannot tell") && !text.contains("[###"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use tautline_core::effect::EffectSetting;
 use tautline_core::robot::Robot;
 use tautline_session::{Loaded, Session, UnsavedSession};
 use tautline_workflow::importing::Opened;
@@ -30,8 +31,9 @@ pub enum FileCommand {
     SetSavePath(PathBuf),
     /// Saves at a place.
     SaveAs(PathBuf),
-    /// Begins another series of the open session: the same robot, plan and settings, nothing measured.
-    NewSeries,
+    /// Begins another series of the open session: the same robot, plan and settings, nothing measured. The model of the
+    /// series lacks these effects, which were repaired.
+    NewSeries(Vec<EffectSetting>),
     /// Closes the session.
     Close,
     /// Ends the program.

@@ -1,13 +1,11 @@
 //! Identification and diagnosis.
 
-use std::collections::BTreeMap;
-
+use tautline_core::effect::EffectSetting;
 use tautline_session::ResultRecord;
 
-use crate::model::open_session::Diagnosed;
+use crate::model::open_session::PlottedDiagnosis;
 use tautline_workflow::documents::isolability::IsolabilityTable;
 use tautline_workflow::identification::Identification;
-use tautline_workflow::plot::figure::Figure;
 use tautline_workflow::readiness::CheckItem;
 
 /// Title of the task that identifies.
@@ -72,10 +70,9 @@ pub struct Readiness {
 /// A diagnosis with what the panel shows of it.
 #[derive(Debug)]
 pub struct DiagnosisResult {
-    /// The diagnosis.
-    pub diagnosed: Diagnosed,
+    pub(crate) result: PlottedDiagnosis,
+    /// Effects of the model that was diagnosed.
+    pub(crate) effects: Vec<EffectSetting>,
     /// The record for the session; none where the session has it already.
-    pub record: Option<ResultRecord>,
-    /// Plots of the dependences that it found.
-    pub figures: BTreeMap<usize, Figure>,
+    pub(crate) record: Option<ResultRecord>,
 }

@@ -1,16 +1,14 @@
 //! The next step of phase 4: identify, diagnose, add what was found, until the model explains the readings.
 
 use tautline_core::diagnosis::{Finding, Verdict};
-use tautline_core::effect::EffectSetting;
 
 use super::{Action, NextStep, identify};
 use crate::model::command::{DIAGNOSING, IDENTIFYING, IdentificationCommand};
-use crate::model::edit::{Edit, same_effect};
 use crate::model::phase::{Phase, PhaseStatus};
-use crate::model::{Model, OpenSession, phase_status};
+use crate::model::{Model, OpenSession, findings, phase_status};
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::identification::FitVerdict;
-use tautline_workflow::wording::{count, sentence};
+use tautline_workflow::wording::count;
 
 pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     let status = phase_status::of(open, Phase::Identification);
@@ -46,65 +44,64 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
         ..status
     };
     let diagnosed = open.diagnosis().filter(|_| open.diagnosis_is_current());
-    let explains = FitVerdict::of(fit.solution.p_value());
     if let Some(diagnosed) = diagnosed
         && let Some(step) = proposed(open, diagnosed, status.clone())
     {
         return step;
     }
-    match explains {
-        FitVerdict::Inadequate | FitVerdict::Doubtful if diagnosed.is_none() => {
-            let action = Action::new("Diagnose model", IdentificationCommand::Diagnose);
-            NextStep::new(status, Some(action), "Then: add the cause to the model.")
-        }
-        FitVerdict::Inadequate => {
-            let action = Action::go(Phase::Adjustment);
-            let then = "The model does not explain the data: values from it can make the robot less accurate.";
-            NextStep::new(status, Some(action), then)
-        }
-        _ => {
-            let action = Action::go(Phase::Adjustment);
-            let then = "Then: measure the accuracy, write the values, measure again.";
-            NextStep::new(status, Some(action), then)
-        }
-    }
-}
-
-/// What a diagnosis proposes that is not in the model yet.
-fn proposed(open: &OpenSession, diagnosed: &Diagnosed, status: PhaseStatus) -> Option<NextStep> {
-    let findings = &diagnosed.diagnosis.findings;
-    let is_new = |finding: &&Finding| {
-        let added = &open.session().settings.identification.effects;
-        let is_added = |one: &EffectSetting| added.iter().any(|other| same_effect(one, other));
-        !settings(diagnosed, finding).iter().all(is_added)
+    let is_adequate = match FitVerdict::of(fit.solution.p_value()) {
+        FitVerdict::Inadequate | FitVerdict::Doubtful => false,
+        FitVerdict::Adequate | FitVerdict::NoiseOverstated | FitVerdict::Untested => true,
     };
-    let finding = findings.iter().find(is_new)?;
-    Some(match finding.verdict {
-        Verdict::Named => {
-            let name = diagnosed.title(&finding.cause);
-            let what = format!("add {name} to the model");
-            let edit = Edit::AddEffects(settings(diagnosed, finding), what);
-            let action = Action::new(format!("Add to model: {name}"), edit);
-            let then = "Then: the model is identified again.";
-            NextStep::new(status, Some(action), then)
+    if !is_adequate && !open.is_model_diagnosed() {
+        let action = Action::new("Diagnose model", IdentificationCommand::Diagnose);
+        return NextStep::new(status, Some(action), "Then: add the causes to the model.");
+    }
+    let then = match is_adequate {
+        true => "Then: measure the accuracy, write the values, measure again.",
+        false => {
+            "The model does not explain the data: values from it can make the robot less accurate."
         }
-        Verdict::Ambiguous => {
-            let then = "Several causes are possible: measure the poses that tell them apart, or choose one above.";
-            NextStep::new(status, None, then)
-        }
-        Verdict::Unknown => {
-            let then = format!(
-                "{} Choose above whether the model gets a curve for it.",
-                sentence(&finding.sentence)
-            );
-            NextStep::new(status, None, then)
-        }
-    })
+    };
+    NextStep::new(status, Some(Action::go(Phase::Adjustment)), then)
 }
 
-/// The effects of a finding as the model takes them.
-fn settings(diagnosed: &Diagnosed, finding: &Finding) -> Vec<EffectSetting> {
-    let instances = finding.cause.instances.iter();
-    let settings = instances.map(|bound| bound.setting(diagnosed.robot()));
-    settings.collect()
+/// What a diagnosis proposes that is not decided yet: causes for the model first, then poses that tell causes apart.
+fn proposed(open: &OpenSession, diagnosed: &Diagnosed, status: PhaseStatus) -> Option<NextStep> {
+    let undecided = findings::undecided(open, diagnosed);
+    let is_list = |finding: &&Finding| finding.is_list();
+    let has_name = |finding: &&Finding| finding.verdict != Verdict::Unknown && !finding.is_list();
+    let named: Vec<&Finding> = undecided.iter().copied().filter(has_name).collect();
+    let then = "Then: the model is identified again.";
+    if let [first, others @ ..] = &named[..] {
+        let title = match others {
+            [] => format!("Add to model: {}", diagnosed.title(&first.cause)),
+            _ => "Add all findings".to_owned(),
+        };
+        let action = Action::new(title, findings::adding(diagnosed, &named));
+        return Some(NextStep::new(status, Some(action), then));
+    }
+    let finding = undecided.into_iter().find(is_list)?;
+    let poses = finding.separation.as_ref().map_or(&[][..], |s| &s.poses);
+    if poses.is_empty() {
+        let likeliest = diagnosed.title(&finding.cause);
+        let action = Action::new(
+            format!("Add to model: {likeliest}"),
+            findings::adding(diagnosed, &[finding]),
+        );
+        let then = "It is the likeliest of several causes, which are compared above.";
+        return Some(NextStep::new(status, Some(action), then));
+    }
+    if findings::are_planned(open, poses) {
+        let action = Action::go(Phase::Measuring);
+        let then = "Several causes are possible: the poses that tell them apart are planned.";
+        return Some(NextStep::new(status, Some(action), then));
+    }
+    let action = Action::new(
+        format!("Add {} to the plan", count(poses.len(), "pose")),
+        findings::planning(open, poses),
+    );
+    let then =
+        "Several causes are possible: measure the poses that tell them apart, or choose one above.";
+    Some(NextStep::new(status, Some(action), then))
 }

@@ -8,9 +8,9 @@ mod precalibration;
 pub use self::modeling::{elongation, pulleys};
 pub use self::precalibration::{force_sensors, home, winches};
 
-use super::OpenSession;
 use super::open_session::Stored;
 use super::phase::{Phase, PhaseStatus, Progress};
+use super::{OpenSession, findings};
 use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::count;
 
@@ -39,7 +39,7 @@ fn identification(open: &OpenSession) -> PhaseStatus {
     }
     let explains = FitVerdict::of(fit.solution.p_value());
     let found = open.diagnosis().filter(|_| open.diagnosis_is_current());
-    let found = found.map_or(0, |diagnosed| diagnosed.diagnosis.findings.len());
+    let found = found.map_or(0, |diagnosed| findings::undecided(open, diagnosed).len());
     match explains {
         _ if found > 0 => PhaseStatus::new(
             Progress::Attention,

@@ -2,12 +2,11 @@
 
 use egui::{Align, Layout, Ui};
 use tautline_core::diagnosis::{Cause, Finding, Separation};
-use tautline_core::geometry::Pose;
-use tautline_session::PlannedPose;
+use tautline_core::effect::UNKNOWN;
 
 use super::rows::{Cell, heads, row};
 use super::{Panel, card, gain};
-use crate::model::edit::Edit;
+use crate::model::findings;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, probability, verdict};
 use tautline_workflow::documents::diagnosis::Diagnosed;
@@ -54,9 +53,9 @@ pub fn body(
     }
     muted(ui, &card::evidence(finding));
     gain::show(ui, &finding.gain);
-    if let Some(text) = diagnosed.decides(finding) {
+    if let Some((heading, text)) = diagnosed.decides(finding) {
         ui.add_space(GRID);
-        muted(ui, "What decides between them");
+        muted(ui, heading);
         card::paragraph(ui, &text);
     }
     if let Some(separation) = &finding.separation {
@@ -92,8 +91,9 @@ fn alternative(
     }
     card::paragraph(ui, &said.join(" "));
     card::advice(ui, &checks.join(" "));
-    let settings = card::settings(diagnosed, cause);
-    card::add_or_remove(ui, panel, &settings, &name, "Add anyway", false);
+    if cause.effect().id() != UNKNOWN.id() {
+        card::actions(ui, panel, diagnosed, cause, &name);
+    }
 }
 
 fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {
@@ -119,7 +119,7 @@ fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {
         row(ui, &shares, &cells, None, &name);
     }
     muted(ui, "rx, ry, rz: rotation vector about the axes of the base");
-    if is_planned(panel, &separation.poses) {
+    if findings::are_planned(panel.open, &separation.poses) {
         verdict(
             ui,
             Verdict::Good,
@@ -133,35 +133,7 @@ fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {
         count(separation.poses.len(), "pose")
     );
     if add.on_hover_text(tip).clicked() {
-        let plan = plan_with(panel, &separation.poses);
-        let what = format!("add {} to the plan", count(separation.poses.len(), "pose"));
-        panel.outbox.send(Edit::SetPlan(plan, what));
+        let planning = findings::planning(panel.open, &separation.poses);
+        panel.outbox.send(planning);
     }
-}
-
-/// The plan with further poses, under labels that are free.
-fn plan_with(panel: &Panel<'_>, poses: &[Pose]) -> Vec<PlannedPose> {
-    let session = panel.open.session();
-    let labels = session.measurements.labels.iter().copied();
-    let planned = session.plan.iter().map(|pose| pose.label);
-    let first = labels
-        .chain(planned)
-        .max()
-        .map_or(1, |most| most.max(0) + 1);
-    let added = (first..)
-        .zip(poses)
-        .map(|(label, pose)| PlannedPose::new(label, pose));
-    session.plan.iter().copied().chain(added).collect()
-}
-
-/// Whether all these poses are to be measured.
-fn is_planned(panel: &Panel<'_>, poses: &[Pose]) -> bool {
-    let plan = &panel.open.session().plan;
-    let position = |pose: &Pose| <[f64; 3]>::from(pose.position);
-    poses.iter().all(|pose| {
-        plan.iter().any(|planned| {
-            planned.position_m == position(pose)
-                && planned.orientation_wxyz == pose.orientation_wxyz()
-        })
-    })
 }

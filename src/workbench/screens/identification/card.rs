@@ -5,19 +5,22 @@ use std::collections::BTreeSet;
 use egui::{CornerRadius, Frame, Margin, RichText, Ui};
 use egui_material_icons::icons;
 use tautline_core::diagnosis::{Cause, Evidence, Finding, FoundParameter, Verdict as Sure};
-use tautline_core::effect::{EffectSetting, UNKNOWN};
+use tautline_core::effect::EffectSetting;
 
-use super::{Panel, ambiguous, effects, gain};
-use crate::model::command::ViewCommand;
-use crate::model::edit::Edit;
+use super::{Panel, ambiguous, discrepancy, effects, gain};
+use crate::model::command::{FileCommand, ViewCommand};
+use crate::model::edit::{Edit, same_effect};
+use crate::model::findings;
 use crate::theme::{self, GRID};
+use crate::views::plots::small;
 use crate::views::pulley_inspector;
 use crate::widgets::{Verdict, icon_button, muted, probability, verdict};
 use tautline_workflow::diagnosis::dependences::of_finding;
 use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::plot::Figure;
 use tautline_workflow::wording::probability::{odds_between, percent};
 use tautline_workflow::wording::units::{self, unit_of};
-use tautline_workflow::wording::{count, odds};
+use tautline_workflow::wording::{count, odds, readings, sentence};
 
 /// Most cables of a finding whose pulleys can be inspected from there.
 const INSPECTED: usize = 2;
@@ -35,8 +38,10 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: u
     frame.show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.push_id(("finding", number), |ui| match finding.verdict {
-            Sure::Ambiguous => ambiguous::body(ui, panel, diagnosed, finding, number),
-            Sure::Named => named(ui, panel, diagnosed, finding, number),
+            Sure::Ambiguous if finding.is_list() => {
+                ambiguous::body(ui, panel, diagnosed, finding, number);
+            }
+            Sure::Ambiguous | Sure::Named => single(ui, panel, diagnosed, finding, number),
             Sure::Unknown => unknown(ui, panel, diagnosed, finding, number),
         });
         ui.horizontal_wrapped(|ui| {
@@ -103,17 +108,8 @@ pub fn paragraph(ui: &mut Ui, text: &str) {
     ui.add(egui::Label::new(text).wrap());
 }
 
-/// The effects of a cause as the model takes them.
-pub fn settings(diagnosed: &Diagnosed, cause: &Cause) -> Vec<EffectSetting> {
-    let robot = diagnosed.robot();
-    cause
-        .instances
-        .iter()
-        .map(|bound| bound.setting(robot))
-        .collect()
-}
-
-fn named(
+/// A single cause: what, how probable and how large, then what to do, then the evidence.
+fn single(
     ui: &mut Ui,
     panel: &mut Panel<'_>,
     diagnosed: &Diagnosed,
@@ -121,23 +117,29 @@ fn named(
     number: usize,
 ) {
     let name = diagnosed.title(&finding.cause);
-    title(ui, &format!("{}. {name}", number + 1));
-    probable(ui, &name, finding);
+    let heading = match finding.verdict {
+        Sure::Ambiguous => diagnosed.heading(finding),
+        _ => name.clone(),
+    };
+    title(ui, &format!("{}. {heading}", number + 1));
+    probability(ui, &name, finding.probability).on_hover_text(evidence(finding));
     paragraph(ui, &finding.sentence);
     size(ui, diagnosed, finding);
-    otherwise(ui, diagnosed, finding);
+    if let Some(otherwise) = diagnosed.otherwise(finding) {
+        paragraph(ui, &otherwise);
+    }
+    actions(ui, panel, diagnosed, &finding.cause, &name);
+    shown_by(ui, panel, diagnosed, number);
     gain::show(ui, &finding.gain);
+    otherwise(ui, diagnosed, finding);
     advice(ui, &finding.advice);
-    add_or_remove(
-        ui,
-        panel,
-        &settings(diagnosed, &finding.cause),
-        &name,
-        "Add to model",
-        true,
-    );
+    if let Some((heading, text)) = diagnosed.decides(finding) {
+        muted(ui, heading);
+        paragraph(ui, &text);
+    }
 }
 
+/// An error without a name: nothing to add, but where it shows and what helps.
 fn unknown(
     ui: &mut Ui,
     panel: &mut Panel<'_>,
@@ -145,40 +147,61 @@ fn unknown(
     finding: &Finding,
     number: usize,
 ) {
-    title(
-        ui,
-        &format!("{}. {}", number + 1, diagnosed.heading(finding)),
-    );
-    probable(ui, "an error of unknown cause", finding);
+    let heading = diagnosed.heading(finding);
+    title(ui, &format!("{}. {heading}", number + 1));
     paragraph(ui, &finding.sentence);
     verdict(
         ui,
         Verdict::Doubtful,
-        "No cause is named: only which readings depend on which variable.",
+        "No cause is named: only which readings depend on which variable. There is nothing to add to the model.",
     );
-    gain::show(ui, &finding.gain);
-    advice(ui, &finding.advice);
+    let found = &diagnosed.diagnosis.discrepancies;
+    if let Some(index) = of_finding(found, finding) {
+        let name = format!("Residuals of finding {}", number + 1);
+        let plots = panel.open.plotted_diagnosis();
+        let figure = plots.and_then(|plots| plots.dependences.get(&index));
+        figure_of(ui, panel, figure, &name);
+    }
+    if !finding.advice.is_empty() {
+        muted(ui, "What helps");
+        paragraph(ui, &finding.advice);
+    }
+}
+
+/// The plot of the readings that show a cause best.
+fn shown_by(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: usize) {
+    let plots = panel.open.plotted_diagnosis();
+    let evidence = plots.and_then(|plots| plots.evidence.get(number)?.as_ref());
+    let Some(evidence) = evidence else {
+        return;
+    };
+    let cable = diagnosed.cable(evidence.cable);
+    let readings = sentence(&readings(evidence.quantity, cable.as_deref()));
+    let against = evidence.figure.x.title().to_lowercase();
+    ui.add_space(GRID);
     muted(
         ui,
-        "In the model it is a smooth curve that keeps the pattern out of the geometry; it does not say how the robot behaves outside the measured poses.",
+        &format!("{readings} against {against}, with all other causes in the model:"),
     );
-    let name = format!("an unexplained pattern{}", diagnosed.on(&finding.cause));
-    let settings = settings(diagnosed, &finding.cause);
-    add_or_remove(
-        ui,
-        panel,
-        &settings,
-        &name,
-        "Add as unexplained pattern",
-        false,
+    let name = format!(
+        "Evidence of finding {}: {readings} against {against}",
+        number + 1
     );
+    figure_of(ui, panel, Some(&evidence.figure), &name);
+}
+
+fn figure_of(ui: &mut Ui, panel: &mut Panel<'_>, figure: Option<&Figure>, name: &str) {
+    let Some(figure) = figure else {
+        return;
+    };
+    let clicked = small::show(ui, name, figure, discrepancy::HEIGHT, panel.selection);
+    if let Some(selection) = clicked {
+        panel.outbox.send(ViewCommand::Select(selection));
+    }
 }
 
 /// The size with its interval.
 pub fn size(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
-    if finding.cause.effect().id() == UNKNOWN.id() {
-        return;
-    }
     let Some(size) = diagnosed.size(&finding.parameters) else {
         return;
     };
@@ -210,11 +233,6 @@ fn interval(diagnosed: &Diagnosed, parameter: &FoundParameter, is_only: bool) ->
             format!("95 % interval of {of}{name}: {ends}")
         }
     })
-}
-
-/// The probability of a finding, with the numbers behind it on demand.
-fn probable(ui: &mut Ui, what: &str, finding: &Finding) {
-    probability(ui, what, finding.probability).on_hover_text(evidence(finding));
 }
 
 /// The numbers behind a finding.
@@ -268,46 +286,86 @@ pub fn advice(ui: &mut Ui, advice: &str) {
     }
 }
 
-/// The button that adds a cause to the model, or takes it out again.
-pub fn add_or_remove(
+/// The two ways to deal with a cause, the right one for its kind first, each with when it is right.
+pub fn actions(
+    ui: &mut Ui,
+    panel: &mut Panel<'_>,
+    diagnosed: &Diagnosed,
+    cause: &Cause,
+    name: &str,
+) {
+    let settings = diagnosed.settings(cause);
+    ui.add_space(GRID);
+    if findings::are_in_model(panel.open, &settings) {
+        in_model(ui, panel, &settings, name);
+        return;
+    }
+    if let Some((effects, reason)) = &panel.run.not_added
+        && settings
+            .iter()
+            .any(|one| effects.iter().any(|other| same_effect(one, other)))
+    {
+        verdict(ui, Verdict::Bad, &format!("Not added, because {reason}."));
+    }
+    if cause.effect().is_damage() {
+        let when = "It does not last: repair it, then measure the same plan in a new series. This one is kept.";
+        repaired(ui, panel, &settings, (name, when));
+        let when = "Only for these readings: the next ones will not have it in the same way.";
+        add(ui, panel, settings, (name, when));
+    } else {
+        let when = "It lasts: its size is identified, and the controller can correct for it.";
+        add(ui, panel, settings.clone(), (name, when));
+        let when = "If the workshop removes it: the same plan in a new series. This one is kept.";
+        repaired(ui, panel, &settings, (name, when));
+    }
+}
+
+fn in_model(ui: &mut Ui, panel: &mut Panel<'_>, settings: &[EffectSetting], name: &str) {
+    verdict(ui, Verdict::Good, "In the model");
+    if named_button(
+        ui,
+        "Remove from model",
+        &format!("Remove {name} from model"),
+    ) {
+        let what = effects::removing(name);
+        panel
+            .outbox
+            .send(Edit::RemoveEffects(settings.to_vec(), what));
+    }
+}
+
+fn add(
+    ui: &mut Ui,
+    panel: &mut Panel<'_>,
+    settings: Vec<EffectSetting>,
+    (name, when): (&str, &str),
+) {
+    if named_button(ui, "Add to model", &format!("Add to model: {name}")) {
+        let what = findings::adding_named(name);
+        panel.outbox.send(Edit::AddEffects(settings, what));
+    }
+    muted(ui, when);
+}
+
+fn repaired(
     ui: &mut Ui,
     panel: &mut Panel<'_>,
     settings: &[EffectSetting],
-    name: &str,
-    add: &str,
-    is_next: bool,
+    (name, when): (&str, &str),
 ) {
-    ui.add_space(GRID);
-    if effects::has(panel.open, settings) {
-        verdict(ui, Verdict::Good, "In the model");
-        let button = ui.button("Remove from model");
-        button.widget_info(|| {
-            let name = format!("Remove {name} from model");
-            egui::WidgetInfo::labeled(egui::Role::Button, true, name)
-        });
-        if button.clicked() {
-            panel.outbox.send(Edit::RemoveEffects(
-                settings.to_vec(),
-                effects::removing(name),
-            ));
-        }
-        return;
+    if named_button(
+        ui,
+        "Repaired: measure again",
+        &format!("Repaired: measure again: {name}"),
+    ) {
+        panel.outbox.send(FileCommand::NewSeries(settings.to_vec()));
     }
-    let button = if is_next {
-        crate::widgets::primary(ui, add, true)
-    } else {
-        ui.button(add)
-    };
-    button.widget_info(|| {
-        let name = format!("{add}: {name}");
-        egui::WidgetInfo::labeled(egui::Role::Button, true, name)
-    });
-    if button
-        .on_hover_text("Adds it and identifies again; can be undone")
-        .clicked()
-    {
-        panel
-            .outbox
-            .send(Edit::AddEffects(settings.to_vec(), effects::adding(name)));
-    }
+    muted(ui, when);
+}
+
+/// A button that has another name than its text; whether it was clicked.
+fn named_button(ui: &mut Ui, text: &str, name: &str) -> bool {
+    let button = ui.button(text);
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    button.clicked()
 }

@@ -13,7 +13,7 @@ use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::wording::{list, p_value, ratio, readings, sentence};
 
 /// Height of a plot (points).
-const HEIGHT: f32 = 190.0;
+pub const HEIGHT: f32 = 190.0;
 
 /// Draws the list, readings by readings; the chosen one with its plot.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
@@ -21,7 +21,10 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     if found.is_empty() {
         return;
     }
-    section(ui, "Where residuals depend on something");
+    section(
+        ui,
+        "Where the residuals of the present model depend on something",
+    );
     for group in groups(found) {
         let Some(first) = group.first().copied() else {
             continue;
@@ -99,7 +102,8 @@ fn plot(
             }
         });
     }
-    let Some(figure) = panel.run.figures.get(&open) else {
+    let plots = panel.open.plotted_diagnosis();
+    let Some(figure) = plots.and_then(|plots| plots.dependences.get(&open)) else {
         return;
     };
     let name = format!("Residuals against {}", found[open].variable.name());

@@ -8,7 +8,7 @@ use tautline_session::ResultRecord;
 use super::{Panel, card, discrepancy, effects, results};
 use crate::model::command::{DIAGNOSING, IdentificationCommand};
 use crate::theme::GRID;
-use crate::widgets::{Verdict, muted, primary, probability, section, verdict};
+use crate::widgets::{Verdict, muted, probability, section, verdict};
 use tautline_workflow::documents::diagnosis::{Diagnosed, adequacy};
 use tautline_workflow::wording::local_time::date_and_time;
 use tautline_workflow::wording::{p_value, sentence};
@@ -19,19 +19,19 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         ui,
         "Tests which known faults of cables, pulleys, winches and sensors explain the residuals, and validates each on held-out poses.",
     );
-    if !panel
+    let has_effects = !panel
         .open
         .session()
         .settings
         .identification
         .effects
-        .is_empty()
+        .is_empty();
+    if let Some(fit) = panel
+        .open
+        .fit()
+        .filter(|_| panel.open.fit_is_current() && has_effects)
     {
-        section(ui, "Effects in the model");
-        effects::show(ui, panel);
-        if let Some(fit) = panel.open.fit().filter(|_| panel.open.fit_is_current()) {
-            results::adequacy(ui, panel, fit);
-        }
+        results::adequacy(ui, panel, fit);
     }
     ui.add_space(GRID);
     let task = panel
@@ -55,27 +55,16 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         Some(diagnosed) => answer(ui, panel, &diagnosed),
         None => stored(ui, panel),
     }
+    if has_effects {
+        section(ui, "Effects in the model");
+        effects::show(ui, panel);
+    }
 }
 
 /// The button that asks.
 pub fn ask(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let open = panel.open;
-    let is_next = open.fit_is_current() && !open.diagnosis_is_current();
-    let text = "Diagnose model";
-    let clicked = if is_next {
-        primary(ui, text, true).clicked()
-    } else {
-        ui.button(text).clicked()
-    };
-    if clicked {
+    if ui.button("Diagnose model").clicked() {
         panel.outbox.send(IdentificationCommand::Diagnose);
-    }
-    let effects = open.session().settings.identification.effects.len();
-    if effects > 0 {
-        muted(
-            ui,
-            "Effects already in the model are held at their identified values during the diagnosis.",
-        );
     }
 }
 
@@ -97,6 +86,27 @@ fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Arc<Diagnosed>) {
 /// What a diagnosis says.
 fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     let diagnosis = &diagnosed.diagnosis;
+    if panel.open.diagnosis_is_current() && !panel.open.is_model_diagnosed() {
+        muted(
+            ui,
+            "Diagnosed before the last additions; it holds until its findings are in the model.",
+        );
+    } else {
+        judgement(ui, diagnosed);
+    }
+    if !diagnosis.findings.is_empty() {
+        section(ui, "Causes");
+    }
+    for number in 0..diagnosis.findings.len() {
+        card::show(ui, panel, diagnosed, number);
+    }
+    rest(ui, panel, diagnosed);
+    discrepancy::show(ui, panel, diagnosed);
+}
+
+/// Whether the model explains the readings, and how well.
+fn judgement(ui: &mut Ui, diagnosed: &Diagnosed) {
+    let diagnosis = &diagnosed.diagnosis;
     let kind = match (diagnosis.base.adequate, diagnosis.extended.adequate) {
         (true, _) => Verdict::Good,
         (false, true) if !diagnosis.findings.is_empty() => Verdict::Doubtful,
@@ -117,14 +127,6 @@ fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
             label.on_hover_text(tip);
         }
     }
-    discrepancy::show(ui, panel, diagnosed);
-    if !diagnosis.findings.is_empty() {
-        section(ui, "Causes");
-    }
-    for number in 0..diagnosis.findings.len() {
-        card::show(ui, panel, diagnosed, number);
-    }
-    rest(ui, panel, diagnosed);
 }
 
 /// Noise, what is left, what the data cannot show.

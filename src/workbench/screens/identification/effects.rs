@@ -1,11 +1,9 @@
 //! The effects that were added to the model.
 
 use egui::Ui;
-use tautline_core::effect::EffectSetting;
 
 use super::Panel;
-use crate::model::OpenSession;
-use crate::model::edit::{Edit, same_effect};
+use crate::model::edit::Edit;
 use crate::theme;
 use crate::widgets::muted;
 use tautline_workflow::identification::{effect_sizes, effects_title};
@@ -59,20 +57,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// What the undo menu says of adding.
-pub fn adding(name: &str) -> String {
-    format!("add {name} to the model")
-}
-
 /// What the undo menu says of removing.
 pub fn removing(name: &str) -> String {
     format!("remove {name} from the model")
-}
-
-/// Whether a cause is part of the model.
-pub fn has(open: &OpenSession, settings: &[EffectSetting]) -> bool {
-    let added = &open.session().settings.identification.effects;
-    settings
-        .iter()
-        .all(|one| added.iter().any(|other| same_effect(one, other)))
 }

@@ -11,7 +11,7 @@ use tautline_workflow::wording::{count, ratio};
 
 /// Draws the words and, where poses were held out, the two figures on one scale.
 pub fn show(ui: &mut Ui, gain: &Gain) {
-    if gain.poses_held_out > 0 && gain.before.is_finite() && gain.after.is_finite() {
+    if gain.poses_held_out > 0 && diagnosis::is_improvement(gain) {
         dumbbell(ui, gain);
     }
     ui.add(

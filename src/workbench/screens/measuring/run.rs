@@ -174,7 +174,7 @@ fn outcome(ui: &mut Ui, run: &RunLog, outbox: &mut Outbox) {
     );
     verdict(ui, Verdict::Doubtful, &text);
     if run.restarted && ui.button("Begin a new series").clicked() {
-        outbox.send(FileCommand::NewSeries);
+        outbox.send(FileCommand::NewSeries(Vec::new()));
     }
 }
 

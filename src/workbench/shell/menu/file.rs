@@ -101,7 +101,7 @@ pub fn lines(state: &State) -> Vec<Item> {
             "New series of this session",
             None,
             measured,
-            FileCommand::NewSeries,
+            FileCommand::NewSeries(Vec::new()),
         ),
         item(
             Menu::File,

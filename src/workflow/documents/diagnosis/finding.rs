@@ -1,17 +1,22 @@
 //! A finding in words.
 
-use tautline_core::diagnosis::{Alternative, Finding, FoundParameter, Gain, Verdict};
+use tautline_core::diagnosis::{Alternative, Cause, Finding, FoundParameter, Gain, Verdict};
+use tautline_core::effect::EffectSetting;
 
 use super::Diagnosed;
 use crate::wording::probability::{certainty, odds_between, percent};
 use crate::wording::units::{significant, unit_of, with_sd};
-use crate::wording::{count, list, ratio};
+use crate::wording::{count, first_lower, list, ratio};
 
 impl Diagnosed {
     /// The cause and its certainty.
     #[must_use]
     pub fn heading(&self, finding: &Finding) -> String {
         match finding.verdict {
+            Verdict::Ambiguous if !finding.is_list() => {
+                let title = first_lower(&self.title(&finding.cause));
+                format!("Probably {title}, {}", percent(finding.probability))
+            }
             Verdict::Named | Verdict::Ambiguous => {
                 let title = self.title(&finding.cause);
                 format!("{title}, {}", certainty(finding.probability))
@@ -20,11 +25,17 @@ impl Diagnosed {
         }
     }
 
-    /// The alternatives, each with its probability; `None` if the cause is named.
+    /// What else it may be, each with its probability; `None` if the cause is named.
     #[must_use]
     pub fn otherwise(&self, finding: &Finding) -> Option<String> {
         if finding.verdict != Verdict::Ambiguous {
             return None;
+        }
+        if !finding.is_list() {
+            let rest = percent(1.0 - finding.probability);
+            return Some(format!(
+                "{rest} for something that is not in the catalogue."
+            ));
         }
         let odds = |other: &Alternative| {
             let title = self.title(&other.cause);
@@ -41,12 +52,17 @@ impl Diagnosed {
         ))
     }
 
-    /// How to decide between the causes of a finding: poses to measure, and checks in the workshop.
+    /// How to decide between the causes of a finding, or to be sure of a probable one: a heading, and the poses to measure
+    /// and the checks in the workshop. `None` if the cause is named or unknown.
     #[must_use]
-    pub fn decides(&self, finding: &Finding) -> Option<String> {
+    pub fn decides(&self, finding: &Finding) -> Option<(&'static str, String)> {
         if finding.verdict != Verdict::Ambiguous {
             return None;
         }
+        let heading = match finding.is_list() {
+            true => "What decides between them",
+            false => "To be sure",
+        };
         let others = finding.alternatives.iter().map(|other| &other.cause);
         let mut advice: Vec<String> = Vec::new();
         advice.extend(finding.separation.iter().map(|s| s.advice.clone()));
@@ -59,7 +75,10 @@ impl Diagnosed {
                 different.push(text);
             }
         }
-        (!different.is_empty()).then(|| different.join(" "))
+        if different.is_empty() {
+            different.push("Measure more poses.".to_owned());
+        }
+        Some((heading, different.join(" ")))
     }
 
     /// Possible but not established causes, in a sentence.
@@ -70,6 +89,13 @@ impl Diagnosed {
             .map(|p| format!("{}, {}", self.title(&p.cause), percent(p.probability)))
             .collect();
         (!each.is_empty()).then(|| format!("Possible, but not established: {}.", list(&each)))
+    }
+
+    /// The effects of a cause as a model takes them.
+    #[must_use]
+    pub fn settings(&self, cause: &Cause) -> Vec<EffectSetting> {
+        let instances = cause.instances.iter();
+        instances.map(|bound| bound.setting(self.robot())).collect()
     }
 
     /// The estimated sizes, if there are any.
@@ -94,6 +120,12 @@ impl Diagnosed {
     }
 }
 
+/// Whether held-out poses are predicted better: by more than is rounded away, and more than chance may do.
+#[must_use]
+pub fn is_improvement(gain: &Gain) -> bool {
+    ratio(gain.before) != ratio(gain.after) && gain.interval[0] > 0.0
+}
+
 /// Improvement by a finding, of the prediction and of the robot.
 #[must_use]
 pub fn gain(gain: &Gain) -> String {
@@ -112,7 +144,7 @@ pub fn gain(gain: &Gain) -> String {
     let readings = format!("at {poses} held out of the fit, residuals are");
     let change = if before == after {
         format!("unchanged at {after} times the expected noise")
-    } else if gain.after > gain.before {
+    } else if !is_improvement(gain) {
         format!("{after} instead of {before} times the expected noise, which is no improvement")
     } else {
         format!("{after} instead of {before} times the expected noise")

@@ -17,10 +17,9 @@ use tautline_core::diagnosis::{Cause, Diagnosis};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 
-use crate::identification::{Identification, same_effect};
 
 pub use document::DiagnosisDocument;
-pub use finding::gain;
+pub use finding::{gain, is_improvement};
 pub use invisible::{HIDDEN, Undetectable};
 pub use proposal::{Proposal, proposal};
 pub use stage::stage;
@@ -42,25 +41,6 @@ pub struct Diagnosed {
 }
 
 impl Diagnosed {
-    /// Whether the model that was diagnosed has the same effects as an identification.
-    #[must_use]
-    pub fn has_effects_of(&self, fit: &Identification) -> bool {
-        let [own, others] = [
-            (&self.diagnosis.base_solution, self.robot()),
-            (&fit.solution, &fit.dataset.robot),
-        ]
-        .map(|(solution, robot)| {
-            let effects = solution.globals.effects.iter();
-            effects
-                .map(|bound| bound.setting(robot))
-                .collect::<Vec<_>>()
-        });
-        own.len() == others.len()
-            && own
-                .iter()
-                .all(|one| others.iter().any(|other| same_effect(one, other)))
-    }
-
     /// The robot whose model was diagnosed.
     #[must_use]
     pub fn robot(&self) -> &Robot {

@@ -226,6 +226,7 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         },
         noise: if is_clean { Vec::new() } else { vec![noise] },
         invisible: invisible(robot),
+        held: 0,
         base_solution: solution(dataset, &[]),
         extended_solution: solution(dataset, if is_clean { &[] } else { &["winch_scale:3"] }),
         cancelled: false,

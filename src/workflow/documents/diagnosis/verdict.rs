@@ -59,9 +59,18 @@ impl Diagnosed {
             0 if diagnosis.noise.is_empty() => "No cause was found.".to_owned(),
             0 => "No cause was found, but the noise is not what robot.json states.".to_owned(),
             _ if diagnosis.extended.adequate => format!("With {found} below it does."),
-            _ => format!("With {found} below it comes closer, but still does not."),
+            _ if self.comes_closer() => {
+                format!("With {found} below it comes closer, but still does not.")
+            }
+            _ => "No cause of the catalogue explains them.".to_owned(),
         };
         format!("the model does {not} explain the readings of {poses}. {end}")
+    }
+
+    /// Whether the findings make the residuals smaller, after rounding.
+    fn comes_closer(&self) -> bool {
+        let of = |adequacy: &Adequacy| residual_ratio(&adequacy.global).map(ratio);
+        of(&self.diagnosis.extended) != of(&self.diagnosis.base)
     }
 
     /// Goodness of fit, and reasons to doubt the result as a whole.
@@ -69,7 +78,7 @@ impl Diagnosed {
     pub fn fit(&self) -> Vec<String> {
         let diagnosis = &self.diagnosis;
         let mut lines = vec![adequacy(&diagnosis.base)];
-        let is_extended = !diagnosis.findings.is_empty();
+        let is_extended = !diagnosis.findings.is_empty() && self.comes_closer();
         if is_extended && !diagnosis.base_solution.converged() {
             lines.push("Its fit did not converge, so this figure is only approximate.".to_owned());
         }

@@ -4,7 +4,7 @@ use tautline_core::diagnosis::{Finding, FoundParameter, Separation, Verdict};
 use tautline_core::effect::UNKNOWN;
 
 use super::{NONE, number};
-use crate::diagnosis::dependences::{figures, of_finding};
+use crate::diagnosis::evidence::{Evidence, evidence};
 use crate::documents::diagnosis::Diagnosed;
 use crate::documents::diagnosis::gain;
 use crate::report::document::{Block, Section, Table};
@@ -12,7 +12,7 @@ use crate::report::input::ReportInput;
 use crate::report::plots;
 use crate::wording::probability::{certainty, odds_between, percent};
 use crate::wording::units::{self, significant, unit_of};
-use crate::wording::{count, list, odds, ratio, sentence};
+use crate::wording::{count, list, odds, ratio, readings, sentence};
 
 pub fn section(input: &ReportInput<'_>, diagnosed: &Diagnosed) -> Section {
     let diagnosis = &diagnosed.diagnosis;
@@ -32,18 +32,19 @@ pub fn section(input: &ReportInput<'_>, diagnosed: &Diagnosed) -> Section {
             false => "No cause was found.",
         });
     }
-    let figures = figures(diagnosed);
-    for (index, finding) in diagnosis.findings.iter().enumerate() {
+    let evidence = evidence(diagnosed);
+    for (index, (finding, evidence)) in diagnosis.findings.iter().zip(&evidence).enumerate() {
         self::finding(diagnosed, index + 1, finding, &mut section);
-        let dependence = of_finding(&diagnosis.discrepancies, finding);
-        if let Some((place, figure)) = dependence.and_then(|k| figures.get_key_value(&k)) {
-            let found = &diagnosis.discrepancies[*place];
-            let name = match diagnosed.cable(found.cable) {
-                Some(cable) => format!("{} readings of {cable}", sentence(found.quantity.name())),
-                None => format!("{} readings", sentence(found.quantity.name())),
-            };
+        if let Some(Evidence {
+            quantity,
+            cable,
+            figure,
+        }) = evidence
+        {
+            let cable = diagnosed.cable(*cable);
+            let name = sentence(&readings(*quantity, cable.as_deref()));
             section.note(format!(
-                "{name} that revealed this, and the part of them that the findings explain."
+                "{name} with all other causes in the model, and what this cause explains of them."
             ));
             section
                 .blocks
@@ -71,14 +72,17 @@ fn finding(diagnosed: &Diagnosed, number: usize, finding: &Finding, section: &mu
     section.paragraph(finding.sentence.clone());
     match finding.verdict {
         Verdict::Named => {}
-        Verdict::Ambiguous => section.table(candidates(diagnosed, finding)),
+        Verdict::Ambiguous if finding.is_list() => section.table(candidates(diagnosed, finding)),
+        Verdict::Ambiguous => {
+            section.paragraph(diagnosed.otherwise(finding).unwrap_or_default());
+        }
         Verdict::Unknown => section.paragraph(
-            "The residuals depend on something that no effect in the catalogue explains. Its cause is unknown, so no size is given; the geometry was kept free of it.",
+            "The residuals depend on something that no effect in the catalogue explains. Its cause is unknown, so no size is given.",
         ),
     }
     section.blocks.push(Block::Facts(facts(diagnosed, finding)));
-    if let Some(text) = diagnosed.decides(finding) {
-        section.paragraph(format!("What decides between them: {text}"));
+    if let Some((heading, text)) = diagnosed.decides(finding) {
+        section.paragraph(format!("{heading}: {text}"));
     }
     if let Some(separation) = finding.separation.as_ref().filter(|s| !s.poses.is_empty()) {
         section.table(poses(separation));
@@ -119,13 +123,15 @@ fn facts(diagnosed: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
         }
     }
     add("Probability", sentence(&certainty(finding.probability)));
-    add("Evidence", sentence(&evidence(finding)));
+    add("Evidence", sentence(&chance(finding)));
     if let Some(text) = runner_up(diagnosed, finding) {
         add("Runner-up", text);
     }
-    add("Improvement", sentence(&gain(&finding.gain)));
-    if let Some(text) = gain_interval(finding) {
-        add("Improvement, 95 % interval", sentence(&text));
+    if finding.verdict != Verdict::Unknown {
+        add("Improvement", sentence(&gain(&finding.gain)));
+        if let Some(text) = gain_interval(finding) {
+            add("Improvement, 95 % interval", sentence(&text));
+        }
     }
     if !finding.advice.is_empty() {
         add("What to do", finding.advice.clone());
@@ -145,7 +151,7 @@ fn intervals(parameters: &[FoundParameter]) -> Vec<String> {
     parameters.iter().filter_map(interval).collect()
 }
 
-fn evidence(finding: &Finding) -> String {
+fn chance(finding: &Finding) -> String {
     let evidence = &finding.evidence;
     format!(
         "without this cause, evidence as strong would occur {}, corrected for {} tests (chi-square falls by {:.1} for {} more)",

@@ -1,0 +1,79 @@
+//! What remains to be decided of a diagnosis.
+
+use tautline_core::diagnosis::{Finding, Verdict};
+use tautline_core::effect::EffectSetting;
+use tautline_core::geometry::Pose;
+use tautline_session::PlannedPose;
+
+use super::OpenSession;
+use super::edit::{Edit, same_effect};
+use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::wording::count;
+
+/// Whether all these effects are part of the model.
+pub(crate) fn are_in_model(open: &OpenSession, effects: &[EffectSetting]) -> bool {
+    let added = &open.session().settings.identification.effects;
+    let is_added = |one: &EffectSetting| added.iter().any(|other| same_effect(one, other));
+    effects.iter().all(is_added)
+}
+
+/// The findings of which no cause is in the model yet.
+pub(crate) fn undecided<'d>(open: &OpenSession, diagnosed: &'d Diagnosed) -> Vec<&'d Finding> {
+    let is_undecided = |finding: &&Finding| {
+        let others = finding.alternatives.iter().map(|other| &other.cause);
+        let mut causes = std::iter::once(&finding.cause).chain(others);
+        finding.verdict == Verdict::Unknown
+            || !causes.any(|cause| are_in_model(open, &diagnosed.settings(cause)))
+    };
+    let findings = diagnosed.diagnosis.findings.iter();
+    findings.filter(is_undecided).collect()
+}
+
+/// The edit that adds the causes of some findings.
+pub(crate) fn adding(diagnosed: &Diagnosed, findings: &[&Finding]) -> Edit {
+    let causes = findings.iter().map(|finding| &finding.cause);
+    let what = match findings {
+        [one] => adding_named(&diagnosed.title(&one.cause)),
+        several => format!("add {} to the model", count(several.len(), "finding")),
+    };
+    Edit::AddEffects(
+        causes.flat_map(|cause| diagnosed.settings(cause)).collect(),
+        what,
+    )
+}
+
+/// Name of the edit that adds a cause.
+pub(crate) fn adding_named(name: &str) -> String {
+    format!("add {name} to the model")
+}
+
+/// Whether all these poses are to be measured.
+pub(crate) fn are_planned(open: &OpenSession, poses: &[Pose]) -> bool {
+    let plan = &open.session().plan;
+    let position = |pose: &Pose| <[f64; 3]>::from(pose.position);
+    poses.iter().all(|pose| {
+        plan.iter().any(|planned| {
+            planned.position_m == position(pose)
+                && planned.orientation_wxyz == pose.orientation_wxyz()
+        })
+    })
+}
+
+/// The edit that adds poses to the plan, under labels that are free.
+pub(crate) fn planning(open: &OpenSession, poses: &[Pose]) -> Edit {
+    let session = open.session();
+    let labels = session.measurements.labels.iter().copied();
+    let planned = session.plan.iter().map(|pose| pose.label);
+    let first = labels
+        .chain(planned)
+        .max()
+        .map_or(1, |most| most.max(0) + 1);
+    let added = (first..)
+        .zip(poses)
+        .map(|(label, pose)| PlannedPose::new(label, pose));
+    let plan = session.plan.iter().copied().chain(added).collect();
+    Edit::SetPlan(
+        plan,
+        format!("add {} to the plan", count(poses.len(), "pose")),
+    )
+}
