@@ -8,18 +8,21 @@ use egui_material_icons::icons;
 use tautline_core::diagnosis::Quantity;
 
 use super::screen::colours;
+use super::screen::text_width;
 use super::sources::course::Reading;
 use super::sources::residuals::Unit;
 use super::sources::tensions::Shown as Tensions;
 use super::sources::variable::{Choice, capitalised};
-use super::{PlotState, Saving, Tab, print};
+use super::view::PlotView;
+use super::{PlotState, Tab, print};
 use crate::model::Model;
 use crate::model::command::{Format, Outbox, PlotCommand, PlotPicture};
 use crate::model::plot_preparation::Prepared;
 use crate::theme;
 use crate::widgets::{icon_button, icon_only, muted};
+use tautline_workflow::plot::draw::draw;
 use tautline_workflow::plot::table::csv;
-use tautline_workflow::plot::{Drawing, Figure};
+use tautline_workflow::plot::{Drawing, Figure, Layout as PlotLayout};
 
 /// Width (points) below which choices are menus.
 const NARROW: f32 = 420.0;
@@ -45,15 +48,15 @@ pub fn options(
         choices(ui, model, plots, is_narrow);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if has_menu {
-                menu(ui, plots);
+                menu(ui, plots, figure);
             } else {
-                buttons(ui, plots);
+                buttons(ui, plots, figure);
             }
         });
     });
     // A line of its own: it is too long to stand beside anything.
-    let panel = plots.panels.get(&plots.tab);
-    if let Some(text) = panel.and_then(|panel| panel.reading(figure, model.selection)) {
+    let view = plots.views.get(&plots.tab);
+    if let Some(text) = view.and_then(|view| view.reading(figure)) {
         ui.add(egui::Label::new(text).wrap());
     }
 }
@@ -209,28 +212,28 @@ fn along(ui: &mut Ui, prepared: &Prepared, mut choice: Choice, width: Option<f32
     choice
 }
 
-fn buttons(ui: &mut Ui, plots: &mut PlotState) {
+fn buttons(ui: &mut Ui, plots: &mut PlotState, figure: &Figure) {
     let save = icon_only(ui, icons::ICON_DOWNLOAD, "Save plot", true);
     Popup::menu(&save).show(|ui| formats(ui, plots));
     if icon_only(ui, icons::ICON_FIT_SCREEN, "Reset view", true).clicked() {
-        plots.panels.entry(plots.tab).or_default().reset();
+        view(plots).reset();
     }
     let name = cursors_name(plots);
     if icon_only(ui, icons::ICON_ARROW_RANGE, name, true).clicked() {
-        switch_cursors(plots);
+        view(plots).switch_cursors(figure);
     }
 }
 
 /// The same as a menu, where there is no room for buttons.
-fn menu(ui: &mut Ui, plots: &mut PlotState) {
+fn menu(ui: &mut Ui, plots: &mut PlotState, figure: &Figure) {
     let more = icon_only(ui, icons::ICON_MORE_VERT, "This plot", true);
     Popup::menu(&more).show(|ui| {
         if ui.button(cursors_name(plots)).clicked() {
-            switch_cursors(plots);
+            view(plots).switch_cursors(figure);
             ui.close();
         }
         if ui.button("Reset view").clicked() {
-            plots.panels.entry(plots.tab).or_default().reset();
+            view(plots).reset();
             ui.close();
         }
         ui.separator();
@@ -241,27 +244,22 @@ fn menu(ui: &mut Ui, plots: &mut PlotState) {
 fn formats(ui: &mut Ui, plots: &mut PlotState) {
     for format in Format::ALL {
         if ui.button(format.title()).clicked() {
-            let path = format!("plot.{}", format.ending());
-            plots.saving = Some(Saving { format, path });
+            plots.begin_saving(format);
             ui.close();
         }
     }
 }
 
 fn cursors_name(plots: &PlotState) -> &'static str {
-    let panel = plots.panels.get(&plots.tab);
-    match panel.is_some_and(|panel| panel.cursors.is_some()) {
+    let view = plots.views.get(&plots.tab);
+    match view.is_some_and(|view| view.cursors.is_some()) {
         true => "Hide cursors",
         false => "Show cursors",
     }
 }
 
-fn switch_cursors(plots: &mut PlotState) {
-    let panel = plots.panels.entry(plots.tab).or_default();
-    panel.cursors = match panel.cursors {
-        Some(_) => None,
-        None => Some([0.25, 0.75]),
-    };
+fn view(plots: &mut PlotState) -> &mut PlotView {
+    plots.views.entry(plots.tab).or_default()
 }
 
 /// Where a plot is saved.
@@ -296,33 +294,44 @@ fn saving(
 fn command(
     ui: &Ui,
     model: &Model,
-    plots: &mut PlotState,
-    figure: &Arc<Figure>,
+    plots: &PlotState,
+    figure: &Figure,
     (format, path): (Format, PathBuf),
 ) -> Option<PlotCommand> {
     let name = plots.tab.title();
-    let (generation, selection) = (plots.generation, model.selection);
-    let panel = plots.panels.get_mut(&plots.tab)?;
-    // On white, whatever the theme is.
-    let palette = theme::palette(Theme::Light);
-    let colours = colours(palette);
-    let plot = panel.plot(ui, figure, generation, selection, &colours)?;
+    let selection = model.selection;
+    let plot_view = plots.views.get(&plots.tab)?;
+    let drawn = plot_view.drawn?;
+    let figure = plot_view.visible(figure);
+    let view = drawn.scale.view;
     Some(match format {
-        Format::Csv => PlotCommand::SaveText(path, csv(figure, plot.layout.scale.view)),
+        Format::Csv => PlotCommand::SaveText(path, csv(&figure, view)),
         Format::Svg => {
-            let whole = plot.layout.whole.expand(8.0);
-            let drawing = Drawing::record(name, whole, 1.0, |canvas| {
-                canvas.fill(whole, palette.raised);
-                plot.draw(canvas);
+            // On white, whatever the theme is.
+            let palette = theme::palette(Theme::Light);
+            let whole = egui::Rect::from_min_size(egui::Pos2::ZERO, drawn.size);
+            let layout = PlotLayout::new(&figure, view, whole, &text_width(ui.painter()));
+            let outer = whole.expand(8.0);
+            let drawing = Drawing::record(name, outer, 1.0, |canvas| {
+                canvas.fill(outer, palette.raised);
+                let resolution = ui.pixels_per_point();
+                draw(
+                    canvas,
+                    &figure,
+                    &layout,
+                    selection,
+                    &colours(palette),
+                    resolution,
+                );
             });
             PlotCommand::SaveText(path, drawing.svg_file())
         }
         Format::Png => {
             let picture = PlotPicture {
-                figure: Arc::clone(figure),
-                view: plot.layout.scale.view,
+                figure: Arc::new(figure),
+                view,
                 selection,
-                aspect: plot.layout.whole.aspect_ratio(),
+                aspect: drawn.size.x / drawn.size.y,
                 render: print::png,
             };
             PlotCommand::SavePicture(path, picture)

@@ -1,23 +1,21 @@
 //! Plots below the 3D view, and small plots for panels.
 
 mod bar;
-mod dense;
 mod dock;
 mod hit;
-mod panel;
 mod print;
 mod scope;
 mod screen;
 pub mod small;
 mod sources;
 mod statistics;
-mod straighten;
 mod tab;
+mod view;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use egui::{Spinner, Ui};
+use egui::{Id, Spinner, Ui};
 
 use crate::model::command::{Format, Outbox, PlotCommand, ViewCommand};
 use crate::model::edit::Edit;
@@ -25,8 +23,8 @@ use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Preparation, Prepared, same};
 use crate::model::{Model, OpenSession, Selection};
 use crate::widgets::{Verdict, empty, verdict};
+use dock::PlotId;
 pub use dock::{Panes, show, show_detached};
-use panel::{Done, Panel, Shown};
 use sources::course::Reading;
 use sources::residuals::Unit;
 pub use sources::residuals::of_both as residuals_of_both;
@@ -35,6 +33,7 @@ use sources::variable::Choice;
 pub use tab::Tab;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::plot::Figure;
+use view::{PlotEvent, PlotInput, PlotView};
 
 /// A plot that is being saved.
 #[derive(Debug)]
@@ -53,9 +52,13 @@ pub struct PlotState {
     choice: Option<Choice>,
     elongation: Option<usize>,
     statistics: statistics::Statistics,
-    /// The session that the panels belong to.
+    /// Distinguishes plots that show the same.
+    copy: u8,
+    /// The session that the views belong to.
     session: Option<u64>,
-    panels: BTreeMap<Tab, Panel>,
+    views: BTreeMap<Tab, PlotView>,
+    /// Counts changes of the options, with each of which everything is shown again.
+    arrangement: u64,
     figure: Option<(FigureOf, Arc<Figure>)>,
     generation: u64,
     /// What a task computed for the plots.
@@ -104,7 +107,7 @@ fn pane(
         return;
     }
     if plots.tab == Tab::Scope {
-        return scope::show(ui, model, &mut plots.scope, outbox);
+        return scope::show(ui, model, &mut plots.scope);
     }
     match plots.figure(open) {
         Ok(figure) => plot(ui, model, plots, &figure, hovered, outbox),
@@ -147,24 +150,31 @@ fn plot(
     outbox: &mut Outbox,
 ) {
     bar::options(ui, model, plots, figure, outbox);
-    let panel = plots.panels.entry(plots.tab).or_default();
-    let shown = Shown {
-        name: &format!("Plot: {}", plots.tab.title()),
+    let title = plots.tab.title();
+    let id = (title, plots.copy, plots.session, plots.arrangement);
+    let input = PlotInput {
+        name: &format!("Plot: {title}"),
+        id: Id::unique(id),
         figure,
         generation: plots.generation,
+        whole: figure.whole(),
         selection: model.selection,
+        size: ui.available_size(),
+        link: Some(Id::unique((plots.session, figure.x.title()))),
+        is_docked: true,
     };
-    let frame = panel.show(ui, &shown);
-    for done in frame.done {
-        match done {
-            Done::Selected(selection) => outbox.send(ViewCommand::Select(selection)),
-            Done::Excluded(pose) => outbox.send(toggled(model.open.as_ref(), pose)),
+    let output = plots.views.entry(plots.tab).or_default().show(ui, &input);
+    for event in output.events {
+        match event {
+            PlotEvent::Selected(selection) => outbox.send(ViewCommand::Select(selection)),
+            PlotEvent::Excluded(pose) => outbox.send(toggled(model.open.as_ref(), pose)),
+            PlotEvent::Save(format) => plots.begin_saving(format),
         }
     }
-    if frame.hovered.is_some() || plots.is_hovered {
-        *hovered = frame.hovered.unwrap_or_default();
+    if output.hovered.is_some() || plots.is_hovered {
+        *hovered = output.hovered.unwrap_or_default();
     }
-    plots.is_hovered = frame.hovered.is_some();
+    plots.is_hovered = output.hovered.is_some();
 }
 
 fn toggled(open: Option<&OpenSession>, pose: i64) -> Edit {
@@ -177,17 +187,18 @@ fn toggled(open: Option<&OpenSession>, pose: i64) -> Edit {
 
 impl PlotState {
     /// A plot that was not shown yet.
-    fn of(tab: Tab) -> Self {
+    fn of(PlotId { tab, copy }: PlotId) -> Self {
         Self {
             tab,
+            copy,
             ..Self::default()
         }
     }
 
-    /// The panel of the present plot, and the axis along x of what it shows.
-    fn along(&mut self) -> Option<(String, &mut Panel)> {
-        let title = self.figure.as_ref().map(|(_, figure)| figure.x.title())?;
-        Some((title, self.panels.get_mut(&self.tab)?))
+    /// Asks for the file of the plot.
+    fn begin_saving(&mut self, format: Format) {
+        let path = format!("plot.{}", format.ending());
+        self.saving = Some(Saving { format, path });
     }
 
     /// What a task prepared, if it did.
@@ -199,7 +210,7 @@ impl PlotState {
     fn settle(&mut self, open: &OpenSession) {
         // What is zoomed or measured with cursors belongs to its session.
         if self.session.replace(open.id()) != Some(open.id()) {
-            self.panels.clear();
+            self.views.clear();
         }
         let (fit, diagnosed) = (open.fit(), open.diagnosis());
         let is_old = |preparation: &Preparation| !preparation.is_of(fit, diagnosed);
@@ -245,8 +256,9 @@ impl PlotState {
             .figure
             .as_ref()
             .is_some_and(|(of, _)| of.options.0 == key.options.0 && of.options != key.options);
-        if is_other && let Some(panel) = self.panels.get_mut(&self.tab) {
-            panel.reset();
+        if is_other {
+            self.views.remove(&self.tab);
+            self.arrangement += 1;
         }
         self.figure = Some((key, Arc::clone(&figure)));
         Ok(figure)

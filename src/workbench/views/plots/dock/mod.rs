@@ -43,9 +43,6 @@ pub struct Panes {
     known: Plots,
 }
 
-/// What plots show along x, if not everything.
-type Along = BTreeMap<PlotId, Option<[f64; 2]>>;
-
 impl Default for Panes {
     fn default() -> Self {
         Self::of(&Plots::default())
@@ -71,7 +68,7 @@ impl Panes {
             ),
             single: tree::tree("plots in one place", &usual, &docked),
             detached,
-            plots: all.iter().map(|id| (*id, PlotState::of(id.tab))).collect(),
+            plots: all.iter().map(|id| (*id, PlotState::of(*id))).collect(),
             before_scope: [None; 2],
             known: Plots::default(),
         };
@@ -157,46 +154,17 @@ impl Panes {
 
     /// The range along x of a plot, with the title of its axis.
     #[must_use]
-    pub fn range(&mut self, tab: Tab) -> Option<(String, [f64; 2])> {
-        let (title, panel) = self.plots.get_mut(&PlotId::first(tab))?.along()?;
-        Some((title, panel.drawn.as_ref()?.scale.view[0]))
+    pub fn range(&self, tab: Tab) -> Option<(String, [f64; 2])> {
+        let plot = self.plots.get(&PlotId::first(tab))?;
+        let (_, figure) = plot.figure.as_ref()?;
+        let drawn = plot.views.get(&tab)?.drawn?;
+        Some((figure.x.title(), drawn.scale.view[0]))
     }
 
     /// How many plots stand above each other.
     #[must_use]
     pub fn rows(&self) -> usize {
         tree::area(&self.docked).map_or(1, |area| rows(&area))
-    }
-
-    /// What all plots show along x.
-    fn along(&mut self) -> Along {
-        let range = |(id, plot): (&PlotId, &mut PlotState)| {
-            (*id, plot.along().and_then(|(_, panel)| panel.along()))
-        };
-        self.plots.iter_mut().map(range).collect()
-    }
-
-    /// Lets the others follow the plot whose range along x has just been changed.
-    fn link(&mut self, before: &Along) {
-        let now = self.along();
-        let changed = now
-            .iter()
-            .find(|(id, range)| before.get(*id) != Some(*range));
-        let Some((from, range)) = changed else {
-            return;
-        };
-        let title = self.plots.get_mut(from).and_then(PlotState::along);
-        let Some(title) = title.map(|(title, _)| title) else {
-            return;
-        };
-        for (id, plot) in &mut self.plots {
-            if let Some((other, panel)) = plot.along()
-                && id != from
-                && other == title
-            {
-                panel.follow(*range);
-            }
-        }
     }
 
     fn apply(&mut self, wish: Wish) {
@@ -217,7 +185,7 @@ impl Panes {
                     let plot = PlotState {
                         choice,
                         preparation,
-                        ..PlotState::of(id.tab)
+                        ..PlotState::of(id)
                     };
                     self.plots.insert(id, plot);
                     self.dock(id);
@@ -300,7 +268,6 @@ pub fn show(
     for plot in panes.plots.values_mut() {
         plot.settle(open);
     }
-    let before = panes.along();
     let mut dock = Dock {
         model,
         open,
@@ -330,7 +297,6 @@ pub fn show(
     if let Some(wish) = dock.wish {
         panes.apply(wish);
     }
-    panes.link(&before);
 }
 
 #[cfg(test)]

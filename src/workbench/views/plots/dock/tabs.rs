@@ -145,7 +145,7 @@ impl Behavior<PlotId> for Dock<'_> {
         let state = self
             .plots
             .entry(*plot)
-            .or_insert_with(|| PlotState::of(plot.tab));
+            .or_insert_with(|| PlotState::of(*plot));
         ui.add_space(0.5 * GRID);
         pane(ui, self.model, state, self.hovered, self.outbox);
         UiResponse::None
