@@ -9,7 +9,17 @@ use super::view::{PlotInput, PlotView};
 use crate::model::link::scope::{Channel, Extent, Reading, SPAN_S, Scope};
 use crate::model::{Memo, Model};
 use crate::theme::{self, GRID};
+use crate::views::plots::kind::{Content, PlotKind, no_options};
 use crate::widgets::empty;
+
+pub(crate) static PLOT: PlotKind = PlotKind {
+    id: "scope",
+    title: "Live scope",
+    // It shows itself what it waits for.
+    missing: |_| None,
+    options: no_options,
+    content: Content::Own(|ui, model, plots, _, _| show(ui, model, &mut plots.scope)),
+};
 
 /// Decades of the speed that are shown; the robot counts as still below 1, and is far from it above the last.
 const DECADES: [f64; 2] = [-2.0, 3.0];
@@ -64,7 +74,7 @@ pub struct ScopeState {
 }
 
 /// Draws the scope.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
+fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
     let moment = model.link.scope(Scope::moment).flatten();
     let Some(key) = moment.map(|moment| (moment, model.selection.cable)) else {
         let text = "Readings of the controller appear here as they come: tensions, laser, revolutions, and how fast \

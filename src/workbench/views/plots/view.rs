@@ -358,22 +358,30 @@ impl PlotView {
                 false => readable(value, view),
             };
             let values = [axis.number(a), axis.number(b)];
-            let [a, b, difference] = [values[0], values[1], values[1] - values[0]].map(number);
-            format!("{a}, {b}, {difference} {}", axis.unit)
-                .trim_end()
-                .to_owned()
+            let values = [values[0], values[1], values[1] - values[0]];
+            values.map(number).join(", ")
         };
         let along = numbers(&figure.x, scale.view[0], [a, b]);
-        let mut text = format!("A, B, B \u{2212} A: {along}");
+        let mut text = format!("A, B, B \u{2212} A: {along} {}", figure.x.unit)
+            .trim_end()
+            .to_owned();
+        let is_short = figure.series.len() > 4;
         let shown = figure
             .series
             .iter()
             .filter(|one| !self.is_hidden(figure, one));
         for series in shown {
             if let (Some(at_a), Some(at_b)) = (closest(series, a), closest(series, b)) {
+                let name = match is_short && !series.short.is_empty() {
+                    true => &series.short,
+                    false => &series.name,
+                };
                 let values = numbers(&figure.y, scale.view[1], [at_a.y, at_b.y]);
-                text += &format!("; {}: {values}", series.name);
+                text += &format!("; {name}: {values}");
             }
+        }
+        if !figure.y.unit.is_empty() {
+            text += &format!(" ({})", figure.y.unit);
         }
         Some(text)
     }
@@ -467,7 +475,12 @@ impl PlotView {
 fn arranged<'a>(input: &'a PlotInput<'_>, inner: Rect, colours: &Colours) -> Plot<'a> {
     let figure = input.figure;
     let [x, y] = input.whole;
-    let lengths = [inner.width() - 8.0 * GRID, inner.height() - 8.0 * GRID];
+    // Below the data are the ticks and the title, which an axis with names lacks.
+    let below = match figure.x.names.is_empty() {
+        true => 8.0 * GRID,
+        false => 4.0 * GRID,
+    };
+    let lengths = [inner.width() - 8.0 * GRID, inner.height() - below];
     let [along_x, along_y] = [
         Ticks::new(&figure.x, lengths[0], true),
         Ticks::new(&figure.y, lengths[1], false),
@@ -540,33 +553,25 @@ impl<'a> Ticks<'a> {
             false => (self.length / 28.0).max(4.0),
         };
         let mut ticks = scale_ticks(self.axis, view, most as usize);
-        if !self.axis.names.is_empty() {
-            let span = |(value, text): &Tick| {
-                let share = (value - view[0]) / (view[1] - view[0]);
-                let at = share as f32 * self.length;
-                let half = match self.is_x {
-                    true => 0.3 * TEXT * text.chars().count() as f32 + 0.5 * GRID,
-                    false => 0.5 * TEXT,
-                };
-                Rangef::new(at - half, at + half)
+        let span = |(value, text): &Tick| {
+            let share = (value - view[0]) / (view[1] - view[0]);
+            let at = share as f32 * self.length;
+            let half = match self.is_x {
+                true => 0.3 * TEXT * text.chars().count() as f32 + 0.5 * GRID,
+                false => 0.5 * TEXT,
             };
-            let kept = apart(ticks.iter().map(span).collect(), &ticks);
-            let mut kept = kept.into_iter();
-            ticks.retain(|_| kept.next().flatten().is_some());
-        }
+            Rangef::new(at - half, at + half)
+        };
+        let mut kept = apart(ticks.iter().map(span).collect(), &ticks).into_iter();
+        ticks.retain(|_| kept.next().flatten().is_some());
         ticks
     }
 
     fn marks(&self, view: [f64; 2]) -> Vec<GridMark> {
-        let ticks = self.ticks(view);
-        // Labels that are wider than a step are left out; names have been chosen by their room already.
-        let apart = ticks.windows(2).map(|pair| pair[1].0 - pair[0].0);
-        let step_size = match self.axis.names.is_empty() {
-            true => apart.fold(view[1] - view[0], f64::min),
-            false => view[1] - view[0],
-        };
+        // The ticks have been chosen by their room: none is left out for a small step.
+        let step_size = view[1] - view[0];
         let mark = |(value, _)| GridMark { value, step_size };
-        ticks.into_iter().map(mark).collect()
+        self.ticks(view).into_iter().map(mark).collect()
     }
 
     fn text(&self, value: f64, view: [f64; 2]) -> String {
@@ -706,5 +711,223 @@ impl PlotItem for Painted<'_> {
 
     fn base_mut(&mut self) -> &mut PlotItemBase {
         &mut self.base
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::{Event, Modifiers, PointerButton};
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+    use tautline_workflow::plot::figure::Ink;
+
+    use super::*;
+
+    fn figure() -> Figure {
+        let point = |pose: i64, offset: f64| Point {
+            pose: Some(pose),
+            ..Point::new(pose as f64, (pose % 3) as f64 + offset)
+        };
+        let series = |cable: usize, offset: f64| {
+            let points = (1..=9).map(|pose| point(pose, offset)).collect();
+            Series::of_cable(cable, format!("cable-{}", cable + 1), points)
+        };
+        Figure {
+            x: Axis::whole("Pose"),
+            y: Axis::new("Residual", "mm"),
+            series: vec![series(0, 0.0), series(1, 5.0)],
+            curves: vec![Curve {
+                name: "fit".into(),
+                ink: Ink::Text,
+                dashed: true,
+                points: vec![[1.0, 0.0], [9.0, 7.0]],
+            }],
+            ..Figure::default()
+        }
+    }
+
+    struct Seen {
+        view: PlotView,
+        events: Vec<PlotEvent>,
+        selection: Selection,
+    }
+
+    fn harness() -> Harness<'static, Seen> {
+        let show = |ui: &mut Ui, seen: &mut Seen| {
+            if ui.ctx().cumulative_pass_nr() == 0 {
+                // Fonts are there from the next frame on.
+                theme::install(ui.ctx());
+                return;
+            }
+            let figure = figure();
+            let input = PlotInput {
+                name: "Plot",
+                id: Id::unique("tested plot"),
+                figure: &figure,
+                generation: 1,
+                whole: figure.whole(),
+                selection: seen.selection,
+                size: ui.available_size(),
+                link: None,
+                is_docked: true,
+            };
+            seen.events.extend(seen.view.show(ui, &input).events);
+        };
+        let seen = Seen {
+            view: PlotView::default(),
+            events: Vec::new(),
+            selection: Selection::default(),
+        };
+        let mut harness = Harness::builder()
+            .with_size(vec2(640.0, 240.0))
+            .build_ui_state(show, seen);
+        harness.run();
+        harness
+    }
+
+    fn scale(harness: &Harness<'_, Seen>) -> Scale {
+        harness.state().view.drawn.expect("drawn").scale
+    }
+
+    fn drag(harness: &mut Harness<'_, Seen>, button: PointerButton, from: Pos2, to: Pos2) {
+        harness.hover_at(from);
+        harness.run_ok();
+        let press = |pos, pressed| Event::PointerButton {
+            pos,
+            button,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        harness.event(press(from, true));
+        harness.run_ok();
+        for share in [0.5, 1.0] {
+            harness.hover_at(from.lerp(to, share));
+            harness.run_ok();
+        }
+        harness.event(press(to, false));
+        harness.run_ok();
+    }
+
+    fn click(harness: &mut Harness<'_, Seen>, at: Pos2) {
+        harness.hover_at(at);
+        harness.drag_at(at);
+        harness.drop_at(at);
+        harness.run_ok();
+    }
+
+    #[test]
+    fn a_click_selects_the_point_and_escape_clears_the_selection() {
+        let mut harness = harness();
+        assert!(harness.get_by_label("Plot").rect().is_positive());
+        let at = scale(&harness).place(4.0, 1.0);
+        click(&mut harness, at);
+        let expected = Selection {
+            cable: Some(0),
+            pose: Some(4),
+        };
+        assert_eq!(harness.state().events, [PlotEvent::Selected(expected)]);
+        harness.state_mut().selection = expected;
+        harness.run_ok();
+        harness.key_press(Key::Escape);
+        harness.run_ok();
+        let cleared = PlotEvent::Selected(Selection::default());
+        assert_eq!(harness.state().events.last(), Some(&cleared));
+    }
+
+    #[test]
+    fn dragging_moves_a_box_zooms_and_a_double_click_resets() {
+        let mut harness = harness();
+        let whole = scale(&harness);
+        let at = whole.place(4.0, 1.0);
+        drag(
+            &mut harness,
+            PointerButton::Primary,
+            at,
+            at + vec2(60.0, 0.0),
+        );
+        let moved = scale(&harness);
+        assert!(moved.view[0][0] < whole.view[0][0] - 0.5, "{moved:?}");
+        assert!((moved.view[1][0] - whole.view[1][0]).abs() < 1e-6);
+        harness.state_mut().view.reset();
+        harness.run_ok();
+        assert_eq!(scale(&harness).view, whole.view);
+        let corners = [whole.place(3.0, 4.0), whole.place(6.0, 1.0)];
+        drag(
+            &mut harness,
+            PointerButton::Secondary,
+            corners[0],
+            corners[1],
+        );
+        let [x, y] = scale(&harness).view;
+        for (seen, drawn) in [(x, [3.0, 6.0]), (y, [1.0, 4.0])] {
+            assert!((seen[0] - drawn[0]).abs() < 0.1 && (seen[1] - drawn[1]).abs() < 0.1);
+        }
+        let centre = whole.rect.center();
+        click(&mut harness, centre);
+        click(&mut harness, centre);
+        assert_eq!(scale(&harness).view, whole.view);
+    }
+
+    #[test]
+    fn dragging_an_axis_zooms_along_it() {
+        let mut harness = harness();
+        let whole = scale(&harness);
+        let below = Pos2::new(whole.rect.center().x, whole.rect.max.y + 6.0);
+        drag(
+            &mut harness,
+            PointerButton::Primary,
+            below,
+            below + vec2(30.0, 0.0),
+        );
+        let [x, y] = scale(&harness).view;
+        assert!(
+            x[1] - x[0] < 0.9 * (whole.view[0][1] - whole.view[0][0]),
+            "{x:?}"
+        );
+        assert_eq!(y, whole.view[1]);
+    }
+
+    #[test]
+    fn an_entry_of_the_legend_switches_its_series_off_and_on() {
+        let mut harness = harness();
+        let at = scale(&harness).place(4.0, 1.0);
+        for shown in [false, true] {
+            harness.get_by_label("Series cable-1").click();
+            harness.run_ok();
+            let view = &harness.state().view;
+            let names = view.visible(&figure()).series.into_iter().map(|s| s.name);
+            assert_eq!(
+                names.collect::<Vec<_>>().contains(&"cable-1".to_owned()),
+                shown
+            );
+            click(&mut harness, at);
+            let event = harness.state().events.last().copied();
+            let is_hit = |event| matches!(event, PlotEvent::Selected(found) if !found.is_empty());
+            assert_eq!(event.is_some_and(is_hit), shown);
+        }
+        harness.get_by_label("Series fit").click();
+        harness.run_ok();
+        assert!(harness.state().view.visible(&figure()).curves.is_empty());
+    }
+
+    #[test]
+    fn cursors_snap_to_readings_and_read_all_series() {
+        let mut harness = harness();
+        harness.state_mut().view.switch_cursors(&figure());
+        harness.run_ok();
+        let before = scale(&harness);
+        let [a, b] = harness.state().view.cursors.expect("cursors");
+        assert_eq!([a.fract(), b.fract()], [0.0; 2]);
+        let at = Pos2::new(before.x(a), before.rect.center().y);
+        let to = Pos2::new(before.x(5.2), at.y);
+        drag(&mut harness, PointerButton::Primary, at, to);
+        assert_eq!(harness.state().view.cursors, Some([5.0, b]));
+        assert_eq!(scale(&harness).view, before.view, "the view stays");
+        let text = harness.state().view.reading(&figure()).expect("a text");
+        assert!(text.starts_with("A, B, B \u{2212} A: 5, "), "{text}");
+        assert!(
+            text.contains("cable-1: 2.00, ") && text.contains("cable-2: 7.00, "),
+            "{text}"
+        );
     }
 }

@@ -15,7 +15,7 @@ use tautline_core::diagnosis::Quantity;
 use tautline_core::measurement::Variable;
 use tautline_session::{PlotArea, Plots};
 
-use super::{Choice, PlotState, Tab};
+use super::{Choice, PLOTS, PlotOptions, PlotState, scope, sources};
 use crate::model::command::Outbox;
 use crate::model::part::Part;
 use crate::model::plot_preparation::Preparation;
@@ -55,7 +55,7 @@ impl Panes {
     pub fn of(plots: &Plots) -> Self {
         let detached = plots.detached.iter().filter_map(|name| PlotId::named(name));
         let detached: BTreeSet<PlotId> = detached.collect();
-        let mut all: BTreeSet<PlotId> = Tab::ALL.map(PlotId::first).into();
+        let mut all: BTreeSet<PlotId> = PLOTS.map(PlotId::first).into();
         all.extend(&detached);
         all.extend(plots.area.iter().flat_map(named));
         let docked: Vec<PlotId> = all.difference(&detached).copied().collect();
@@ -108,10 +108,10 @@ impl Panes {
     /// Shows residuals of a kind of reading along a variable: in a plot that shows such already, or in the first.
     pub fn show_along(&mut self, quantity: Quantity, cable: Option<usize>, variable: Variable) {
         let mut shown = tree::shown(&self.docked).into_iter();
-        let shown = shown.find(|id| id.tab == Tab::Variable);
-        let id = shown.unwrap_or(PlotId::first(Tab::Variable));
+        let shown = shown.find(|id| id.kind == &sources::variable::PLOT);
+        let id = shown.unwrap_or(PlotId::first(&sources::variable::PLOT));
         if let Some(plot) = self.plots.get_mut(&id) {
-            plot.choice = Some(Choice {
+            plot.options.choice = Some(Choice {
                 quantity,
                 cable,
                 variable,
@@ -127,7 +127,7 @@ impl Panes {
 
     /// Shows the live scope, unless it is shown already.
     pub fn show_scope(&mut self) {
-        let scope = PlotId::first(Tab::Scope);
+        let scope = PlotId::first(&scope::PLOT);
         let before = self.bring_forward(scope);
         for (kept, before) in self.before_scope.iter_mut().zip(before) {
             *kept = before.filter(|id| *id != scope).or(*kept);
@@ -136,7 +136,7 @@ impl Panes {
 
     /// Where the scope came by itself, the plot that was there before comes back.
     pub fn leave_scope(&mut self) {
-        let scope = PlotId::first(Tab::Scope);
+        let scope = PlotId::first(&scope::PLOT);
         let before = std::mem::take(&mut self.before_scope);
         for (tree, before) in [&mut self.docked, &mut self.single].into_iter().zip(before) {
             if let Some(before) = before.filter(|_| tree::shown(tree).contains(&scope)) {
@@ -152,13 +152,12 @@ impl Panes {
         }
     }
 
-    /// The range along x of a plot, with the title of its axis.
+    /// The range along x of the first plot of a kind, given by its name, with the title of its axis.
     #[must_use]
-    pub fn range(&self, tab: Tab) -> Option<(String, [f64; 2])> {
-        let plot = self.plots.get(&PlotId::first(tab))?;
+    pub fn range(&self, kind: &str) -> Option<(String, [f64; 2])> {
+        let plot = self.plots.get(&PlotId::named(kind)?)?;
         let (_, figure) = plot.figure.as_ref()?;
-        let drawn = plot.views.get(&tab)?.drawn?;
-        Some((figure.x.title(), drawn.scale.view[0]))
+        Some((figure.x.title(), plot.view.drawn?.scale.view[0]))
     }
 
     /// How many plots stand above each other.
@@ -180,10 +179,14 @@ impl Panes {
                 let free = (1..u8::MAX).map(|copy| PlotId { copy, ..of });
                 let mut free = free.filter(|id| !self.plots.contains_key(id));
                 if let Some(id) = free.next() {
-                    let choice = self.plots.get(&of).and_then(|plot| plot.choice);
+                    let choice = self.plots.get(&of).and_then(|plot| plot.options.choice);
                     let preparation = self.plots.get(&of).and_then(|p| p.preparation.clone());
-                    let plot = PlotState {
+                    let options = PlotOptions {
                         choice,
+                        ..PlotOptions::default()
+                    };
+                    let plot = PlotState {
+                        options,
                         preparation,
                         ..PlotState::of(id)
                     };
@@ -240,7 +243,7 @@ fn rows(area: &PlotArea) -> usize {
 fn restore(area: &mut PlotArea, plot: PlotId) {
     match area {
         PlotArea::Tabs { plots, shown } => {
-            if shown.as_deref() == Some(Tab::Scope.name()) && plots.contains(&plot.name()) {
+            if shown.as_deref() == Some(scope::PLOT.id) && plots.contains(&plot.name()) {
                 *shown = Some(plot.name());
             }
         }
@@ -286,7 +289,7 @@ pub fn show(
         empty(ui, "All plots are in windows of their own.");
     } else {
         let dragged = tree.dragged_id(ui.ctx());
-        let places = tree::stand_in(tree, |tab| tab.missing(open).is_none());
+        let places = tree::stand_in(tree, |kind| (kind.missing)(open).is_none());
         tree.ui(&mut dock, ui);
         tree::stand_back(tree, &places);
         if let Some(dragged) = dragged.filter(|_| ui.input(|input| input.pointer.any_released())) {
@@ -308,22 +311,25 @@ mod tests {
         let mut panes = Panes::default();
         panes.show_scope();
         assert_eq!(panes.changed(), None);
-        assert_eq!(tree::shown(&panes.docked), [PlotId::first(Tab::Scope)]);
+        assert_eq!(tree::shown(&panes.docked), [PlotId::first(&scope::PLOT)]);
         panes.leave_scope();
-        assert_eq!(tree::shown(&panes.docked), [PlotId::first(Tab::Residuals)]);
+        assert_eq!(
+            tree::shown(&panes.docked),
+            [PlotId::first(&sources::residuals::PLOT)]
+        );
         assert_eq!(panes.changed(), None);
     }
 
     #[test]
     fn an_arrangement_is_restored_with_copies_and_detached_plots() {
         let mut panes = Panes::default();
-        let variable = PlotId::first(Tab::Variable);
+        let variable = PlotId::first(&sources::variable::PLOT);
         panes.apply(Wish::Another(variable));
         assert_eq!(panes.rows(), 1);
         panes.apply(Wish::Arrange(Preset::Four));
         assert_eq!(panes.rows(), 2);
         panes.apply(Wish::Arrange(Preset::Two));
-        panes.apply(Wish::Detach(PlotId::first(Tab::Laser)));
+        panes.apply(Wish::Detach(PlotId::first(&sources::laser::PLOT)));
         let kept = panes.changed().expect("it has changed");
         assert_eq!(kept.detached, ["laser"]);
         let mut restored = Panes::of(&kept);
@@ -334,7 +340,7 @@ mod tests {
             ..variable
         };
         assert!(restored.plots.contains_key(&copy));
-        restored.dock(PlotId::first(Tab::Laser));
+        restored.dock(PlotId::first(&sources::laser::PLOT));
         restored.apply(Wish::Close(copy));
         assert!(!restored.plots.contains_key(&copy) && restored.detached.is_empty());
     }
