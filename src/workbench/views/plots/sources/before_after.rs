@@ -35,7 +35,7 @@ pub fn figure(prepared: &Prepared) -> Figure {
         columns.push(after);
     }
     Figure {
-        x: Axis::new("Residual (outermost bins: beyond 6)", "standard deviations"),
+        x: Axis::new("Residual (ends: beyond 6)", "standard deviations"),
         y: Axis::new("Density", ""),
         columns,
         curves: vec![Curve {
