@@ -8,7 +8,7 @@ use tautline_workbench::model::command::{IdentificationCommand, ViewCommand};
 use tautline_workbench::model::part::Part;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
-use tautline_workbench::views::plots::{Panes, Tab};
+use tautline_workbench::views::plots::Panes;
 
 use crate::measured::{Measured, give, press};
 use crate::support::settle;
@@ -169,8 +169,8 @@ fn all_plots_over_poses_show_the_same_poses_wherever_they_are() {
     // The window does not reach down to it.
     let from = rect(&harness, "Plot: Laser").center() + vec2(0.0, 20.0);
     drag(&mut harness, from, from + vec2(30.0, 0.0));
-    let plots = &mut harness.state_mut().state.views.plots;
-    let ranges = [Tab::Residuals, Tab::Tensions, Tab::Laser].map(|tab| {
+    let plots = &harness.state().state.views.plots;
+    let ranges = ["residuals", "tensions", "laser"].map(|tab| {
         let (title, range) = plots.range(tab).expect("it is drawn");
         assert_eq!(title, "Pose");
         range
@@ -183,8 +183,8 @@ fn all_plots_over_poses_show_the_same_poses_wherever_they_are() {
 fn what_is_zoomed_belongs_to_its_session() {
     let mut harness = identified();
     let range = |harness: &mut Harness<'_, App>| {
-        let plots = &mut harness.state_mut().state.views.plots;
-        plots.range(Tab::Residuals).expect("it is drawn").1
+        let plots = &harness.state().state.views.plots;
+        plots.range("residuals").expect("it is drawn").1
     };
     let whole = range(&mut harness);
     let from = rect(&harness, "Plot: Residuals").center();

@@ -7,7 +7,6 @@ use tautline_session::{PlotArea, Preferences};
 use tautline_workbench::model::command::{IdentificationCommand, ViewCommand};
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
-use tautline_workbench::views::plots::Tab;
 use tautline_workbench::views::robot_3d::scene::Shown;
 
 use crate::measured::{Measured, give, press};
@@ -115,8 +114,8 @@ fn a_recording_is_played_as_fast_as_it_was_made_and_plotted_over_time() {
         press(&mut harness, "More plots");
     }
     press(&mut harness, "Over time");
-    let views = &mut harness.state_mut().state.views;
-    let (title, range) = views.plots.range(Tab::Course).expect("it is drawn");
+    let views = &harness.state().state.views;
+    let (title, range) = views.plots.range("course").expect("it is drawn");
     assert_eq!(title, "Time (s)");
     assert!(
         range[0] <= 0.0 && range[1] >= 6.0 && range[1] < 8.0,
@@ -133,11 +132,11 @@ fn plots_side_by_side_move_together_and_are_restored() {
     let [left, right] = ["Plot: Residuals", "Plot: Tensions"].map(|name| rect(&harness, name));
     assert!(left.max.x < right.min.x, "{left:?} {right:?}");
     assert!((left.width() - right.width()).abs() < 2.0);
-    let range = |harness: &mut Harness<'_, App>, tab: Tab| {
-        let views = &mut harness.state_mut().state.views;
-        views.plots.range(tab).expect("it is drawn")
+    let range = |harness: &mut Harness<'_, App>, kind: &str| {
+        let views = &harness.state().state.views;
+        views.plots.range(kind).expect("it is drawn")
     };
-    let (title, before) = range(&mut harness, Tab::Tensions);
+    let (title, before) = range(&mut harness, "tensions");
     assert_eq!(title, "Pose");
     let from = left.center();
     harness.hover_at(from);
@@ -147,7 +146,7 @@ fn plots_side_by_side_move_together_and_are_restored() {
     harness.run_ok();
     harness.drop_at(from + egui::vec2(40.0, 0.0));
     harness.run_ok();
-    let both = [Tab::Residuals, Tab::Tensions];
+    let both = ["residuals", "tensions"];
     let [(_, dragged), (_, followed)] = both.map(|tab| range(&mut harness, tab));
     assert!(dragged[0] < before[0] - 0.2, "{dragged:?} {before:?}");
     assert_eq!(dragged, followed);

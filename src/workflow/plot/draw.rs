@@ -31,9 +31,10 @@ pub struct Entry {
     pub rect: Rect,
     /// Its text.
     pub text: String,
+    /// Name of what it stands for.
+    pub name: String,
     sign: Sign,
-    /// The cable it represents.
-    pub cable: Option<usize>,
+    cable: Option<usize>,
 }
 
 /// The symbol of a legend entry.
@@ -71,10 +72,7 @@ impl Layout {
         width: &dyn Fn(&str) -> f32,
     ) -> Self {
         let line = TEXT + GRID;
-        let title = width(&figure.y.title()) + 4.0 * GRID;
-        // In a low plot the data take precedence: what has no room is left out, bands and curves before cables.
-        let room = (LEGEND * whole.height()).max(2.0 * line);
-        let legend = legend(figure, whole.with_max_y(whole.min.y + room), title, width);
+        let legend = legend(figure, whole, width);
         let lines = legend.iter().map(|entry| entry.rect.max.y - whole.min.y);
         let top = lines.fold(line, f32::max) + GRID;
         // A short title is placed beside the ticks, a long one below; axes with names need no title.
@@ -87,11 +85,7 @@ impl Layout {
         let y_ticks = scale_ticks(&figure.y, view[1], most);
         let widest = y_ticks.iter().map(|(_, text)| width(text));
         let left = widest.fold(16.0, f32::max) + 2.0 * GRID;
-        let right = figure.heat.as_ref().map_or(2.0 * GRID, |heat| {
-            let [low, high] = limits(heat.shades);
-            let widest = [low, high].map(|v| width(&fixed(v, (high - low) / 100.0)));
-            SCALE_WIDTH + widest[0].max(widest[1]) + 5.0 * GRID
-        });
+        let right = right_margin(figure, width);
         let plot = Rect::from_min_max(
             whole.min + vec2(left, top),
             whole.min + vec2((whole.width() - right).max(left + 16.0), top + height),
@@ -117,8 +111,22 @@ impl Layout {
     }
 }
 
-/// The legend entries that fit into a rectangle, beside a title that ends at `left` or below it.
-fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) -> Vec<Entry> {
+/// Width beside the data: the colour scale of a heat map.
+pub fn right_margin(figure: &Figure, width: &dyn Fn(&str) -> f32) -> f32 {
+    figure.heat.as_ref().map_or(2.0 * GRID, |heat| {
+        let [low, high] = limits(heat.shades);
+        let widest = [low, high].map(|v| width(&fixed(v, (high - low) / 100.0)));
+        SCALE_WIDTH + widest[0].max(widest[1]) + 5.0 * GRID
+    })
+}
+
+/// The legend entries that fit into the upper part of a rectangle, beside the title of the y axis or below it.
+#[must_use]
+pub fn legend(figure: &Figure, whole: Rect, width: &dyn Fn(&str) -> f32) -> Vec<Entry> {
+    let left = width(&figure.y.title()) + 4.0 * GRID;
+    // In a low plot the data take precedence: what has no room is left out, bands and curves before cables.
+    let room = (LEGEND * whole.height()).max(2.0 * (TEXT + GRID));
+    let whole = whole.with_max_y(whole.min.y + room);
     // Many cables are identified by their numbers only, which leaves more room for the data.
     let is_short = figure.series.len() > 4;
     let series = figure.series.iter().filter(|one| !one.short.is_empty());
@@ -128,19 +136,20 @@ fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) 
             true => Sign::Ring(one.ink),
             false => Sign::Marker(one.marker, one.ink),
         };
-        (sign, text, one.cable)
+        (sign, text, &one.name, one.cable)
     });
     let columns = figure.columns.iter();
-    let columns = columns.map(|one| (Sign::Area(one.ink, one.outline), &one.name, None));
+    let columns = columns.map(|one| (Sign::Area(one.ink, one.outline), &one.name, &one.name, None));
     let curves = figure.curves.iter();
-    let curves = curves.map(|one| (Sign::Line(one.ink, one.dashed), &one.name, None));
-    let bands = figure.bands.iter().map(|one| (Sign::Band, &one.name, None));
+    let curves = curves.map(|one| (Sign::Line(one.ink, one.dashed), &one.name, &one.name, None));
+    let bands = figure.bands.iter();
+    let bands = bands.map(|one| (Sign::Band, &one.name, &one.name, None));
     let signs = series.chain(columns).chain(curves).chain(bands);
-    let signs: Vec<_> = signs.filter(|(_, text, _)| !text.is_empty()).collect();
+    let signs: Vec<_> = signs.filter(|(_, text, ..)| !text.is_empty()).collect();
     let line = TEXT + GRID;
     let widest = signs
         .iter()
-        .map(|(_, text, _)| width(text) + 5.0 * GRID)
+        .map(|(_, text, ..)| width(text) + 5.0 * GRID)
         .fold(0.0, f32::max);
     // Beside the title, or below it if there is no room.
     let (left, top) = if left + widest > whole.width() {
@@ -150,7 +159,7 @@ fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) 
     };
     let (mut x, mut y) = (left, top);
     let mut entries = Vec::new();
-    for (sign, text, cable) in signs {
+    for (sign, text, name, cable) in signs {
         let size = vec2(width(text) + 5.0 * GRID, line);
         if x > left && x + size.x > whole.width() {
             (x, y) = (left, y + line);
@@ -161,6 +170,7 @@ fn legend(figure: &Figure, whole: Rect, left: f32, width: &dyn Fn(&str) -> f32) 
         entries.push(Entry {
             rect: Rect::from_min_size(whole.min + vec2(x, y), size),
             text: text.to_owned(),
+            name: name.to_owned(),
             sign,
             cable,
         });
@@ -209,19 +219,26 @@ impl VisiblePoints {
     }
 }
 
-/// A figure ready for painting.
+/// The points of a figure, ready for painting.
 #[derive(Debug, Clone, Copy)]
-pub struct Plot<'a> {
+pub struct Points<'a> {
     /// The figure.
     pub figure: &'a Figure,
-    /// Its layout.
-    pub layout: &'a Layout,
+    /// Displayed values and their rectangle.
+    pub scale: &'a Scale,
     /// The points to paint.
-    pub seen: &'a VisiblePoints,
+    pub visible: &'a VisiblePoints,
     /// The highlighted cable and pose.
     pub selection: Selection,
     /// Colours.
     pub colours: &'a Colours,
+}
+
+/// A figure ready for painting.
+#[derive(Debug, Clone, Copy)]
+struct Plot<'a> {
+    layout: &'a Layout,
+    points: Points<'a>,
 }
 
 /// A drawing of `size` of the whole figure, with texts magnified by `scale`.
@@ -237,36 +254,42 @@ pub fn drawing(
     let whole = Rect::from_min_size(Pos2::ZERO, vec2(width, height));
     let measure = |text: &str| CHARACTER * TEXT * text.chars().count() as f32;
     let layout = Layout::new(figure, figure.whole(), whole, &measure);
-    let selection = Selection::default();
-    let plot = Plot {
+    Drawing::record(label, whole, scale, |canvas| {
+        draw(canvas, figure, &layout, Selection::default(), colours, 1.0);
+    })
+}
+
+/// Paints a figure; `pixels_per_point` is the resolution of the canvas.
+pub fn draw(
+    canvas: &mut dyn Canvas,
+    figure: &Figure,
+    layout: &Layout,
+    selection: Selection,
+    colours: &Colours,
+    pixels_per_point: f32,
+) {
+    let scale = &layout.scale;
+    let visible = VisiblePoints::new(figure, scale, selection, pixels_per_point);
+    let points = Points {
         figure,
-        layout: &layout,
-        seen: &VisiblePoints::new(figure, &layout.scale, selection, 1.0),
+        scale,
+        visible: &visible,
         selection,
         colours,
     };
-    Drawing::record(label, whole, scale, |canvas| plot.draw(canvas))
+    Plot { layout, points }.draw(canvas);
+}
+
+impl<'a> std::ops::Deref for Plot<'a> {
+    type Target = Points<'a>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.points
+    }
 }
 
 impl Plot<'_> {
-    /// Paints the figure.
-    pub fn draw(&self, canvas: &mut dyn Canvas) {
-        self.draw_behind(canvas);
-        let is_dense = self.seen.is_dense();
-        for (index, is_dimmed) in self.order() {
-            if is_dense {
-                self.dots(index, is_dimmed, &mut |rect, colour| {
-                    canvas.fill(rect, colour);
-                });
-            } else {
-                self.points(canvas, index, is_dimmed);
-            }
-        }
-        self.draw_before(canvas);
-    }
-
-    /// Paints everything behind the points; what follows is clipped to the data area.
-    pub fn draw_behind(&self, canvas: &mut dyn Canvas) {
+    fn draw(&self, canvas: &mut dyn Canvas) {
         let scale = &self.layout.scale;
         canvas.clip(Some(scale.rect));
         canvas.fill(scale.rect, self.colours.ground);
@@ -277,6 +300,17 @@ impl Plot<'_> {
         self.spans(canvas);
         for columns in &self.figure.columns {
             self.histogram(canvas, columns);
+        }
+        self.points.draw(canvas, &|_| true);
+        self.curves(canvas);
+        self.points.draw_selected(canvas);
+        canvas.clip(None);
+        self.axes(canvas);
+        for entry in &self.layout.legend {
+            entry.draw(canvas, self.colours, self.selection, true);
+        }
+        if let Some(heat) = &self.figure.heat {
+            colour_scale(canvas, heat, scale.rect, self.colours);
         }
     }
 
@@ -290,45 +324,6 @@ impl Plot<'_> {
             let x = Rangef::new(first.x, last.x.max(first.x + 1.0));
             canvas.fill(Rect::from_x_y_ranges(x, scale.rect.y_range()), colour);
         }
-    }
-
-    /// Paints everything over and around the points.
-    pub fn draw_before(&self, canvas: &mut dyn Canvas) {
-        self.curves(canvas);
-        for (s, index) in &self.seen.selected {
-            let series = &self.figure.series[*s];
-            let point = series.points()[*index];
-            let cable = self.selection.cable;
-            let colour = match cable.is_none() || cable == series.cable {
-                true => self.colours.accent,
-                false => self.colours.muted,
-            };
-            let at = self.layout.scale.place(point.x, point.y);
-            canvas.ring(at, 6.5, Stroke::new(1.75, colour));
-        }
-        canvas.clip(None);
-        self.axes(canvas);
-        for entry in &self.layout.legend {
-            self.entry(canvas, entry);
-        }
-        if let Some(heat) = &self.figure.heat {
-            colour_scale(canvas, heat, self.layout.scale.rect, self.colours);
-        }
-    }
-
-    /// The series in painting order, with the selected cable last and thus on top; and
-    /// whether each is dimmed.
-    pub fn order(&self) -> impl Iterator<Item = (usize, bool)> {
-        let selected = self.selection.cable;
-        let is_selected = move |series: &Series| series.cable.is_some() && series.cable == selected;
-        [false, true].into_iter().flat_map(move |is_top| {
-            let series = self.figure.series.iter().enumerate();
-            let series = series.filter(move |(_, series)| is_selected(series) == is_top);
-            series.map(move |(index, series)| {
-                let is_dimmed = selected.is_some() && series.cable.is_some() && !is_top;
-                (index, is_dimmed)
-            })
-        })
     }
 
     fn grid(&self, canvas: &mut dyn Canvas) {
@@ -371,53 +366,6 @@ impl Plot<'_> {
         }
         if columns.outline {
             canvas.line(&outline, Stroke::new(1.75, colour), false);
-        }
-    }
-
-    /// Colours of a series and of its unused points.
-    fn colours(&self, series: &Series, is_dimmed: bool) -> [Color32; 2] {
-        let strength = if is_dimmed { 0.3 } else { 1.0 };
-        let colour = series.ink.colour(self.colours).gamma_multiply(strength);
-        [colour, self.colours.muted.gamma_multiply(0.6 * strength)]
-    }
-
-    /// Passes the points as small squares, for very many points.
-    pub fn dots(&self, index: usize, is_dimmed: bool, fill: &mut dyn FnMut(Rect, Color32)) {
-        let (series, thinned) = (&self.figure.series[index], &self.seen.thinned[index]);
-        let [colour, excluded] = self.colours(series, is_dimmed);
-        crowded(thinned, colour, fill);
-        for index in &thinned.points {
-            let point = series.points()[*index];
-            let colour = if point.excluded { excluded } else { colour };
-            let at = self.layout.scale.place(point.x, point.y);
-            fill(Rect::from_center_size(at, Vec2::splat(2.0)), colour);
-        }
-    }
-
-    fn points(&self, canvas: &mut dyn Canvas, index: usize, is_dimmed: bool) {
-        let (series, thinned) = (&self.figure.series[index], &self.seen.thinned[index]);
-        let scale = &self.layout.scale;
-        let [colour, excluded] = self.colours(series, is_dimmed);
-        crowded(thinned, colour, &mut |rect, colour| {
-            canvas.fill(rect, colour);
-        });
-        for index in &thinned.points {
-            let point = series.points()[*index];
-            let colour = if point.excluded { excluded } else { colour };
-            if point.sd != [0.0, 0.0] {
-                let stroke = Stroke::new(1.0, colour.gamma_multiply(0.7));
-                let [dx, dy] = point.sd;
-                for (dx, dy) in [(dx, 0.0), (0.0, dy)] {
-                    let ends = [-1.0, 1.0].map(|s| scale.place(point.x + s * dx, point.y + s * dy));
-                    canvas.line(&ends, stroke, false);
-                }
-            }
-            let at = scale.place(point.x, point.y);
-            if series.hollow {
-                canvas.ring(at, 3.25, Stroke::new(1.25, colour));
-            } else {
-                canvas.marker(at, series.marker, 3.25, colour);
-            }
         }
     }
 
@@ -470,40 +418,147 @@ impl Plot<'_> {
         let (at, title) = (layout.whole.min, self.figure.y.title());
         canvas.text(at, Align2::LEFT_TOP, &title, TEXT, colours.text);
     }
+}
 
-    /// Paints an entry of the legend.
-    fn entry(&self, canvas: &mut dyn Canvas, entry: &Entry) {
-        let colours = self.colours;
-        let at = entry.rect.left_center() + vec2(2.0 * GRID, 0.0);
+impl Points<'_> {
+    /// Paints the series that are shown.
+    pub fn draw(&self, canvas: &mut dyn Canvas, is_shown: &dyn Fn(&Series) -> bool) {
+        let is_dense = self.visible.is_dense();
+        for (index, is_dimmed) in self.order() {
+            if !is_shown(&self.figure.series[index]) {
+                continue;
+            }
+            if is_dense {
+                self.dots(canvas, index, is_dimmed);
+            } else {
+                self.markers(canvas, index, is_dimmed);
+            }
+        }
+    }
+
+    /// Rings around the points of the selected pose.
+    pub fn draw_selected(&self, canvas: &mut dyn Canvas) {
+        for (s, index) in &self.visible.selected {
+            let series = &self.figure.series[*s];
+            let point = series.points()[*index];
+            let cable = self.selection.cable;
+            let colour = match cable.is_none() || cable == series.cable {
+                true => self.colours.accent,
+                false => self.colours.muted,
+            };
+            let at = self.scale.place(point.x, point.y);
+            canvas.ring(at, 6.5, Stroke::new(1.75, colour));
+        }
+    }
+
+    /// The series in painting order, with the selected cable last and thus on top; and
+    /// whether each is dimmed.
+    fn order(&self) -> impl Iterator<Item = (usize, bool)> {
+        let selected = self.selection.cable;
+        let is_selected = move |series: &Series| series.cable.is_some() && series.cable == selected;
+        [false, true].into_iter().flat_map(move |is_top| {
+            let series = self.figure.series.iter().enumerate();
+            let series = series.filter(move |(_, series)| is_selected(series) == is_top);
+            series.map(move |(index, series)| {
+                let is_dimmed = selected.is_some() && series.cable.is_some() && !is_top;
+                (index, is_dimmed)
+            })
+        })
+    }
+
+    /// Colours of a series and of its unused points.
+    fn colours(&self, series: &Series, is_dimmed: bool) -> [Color32; 2] {
+        let strength = if is_dimmed { 0.3 } else { 1.0 };
+        let colour = series.ink.colour(self.colours).gamma_multiply(strength);
+        [colour, self.colours.muted.gamma_multiply(0.6 * strength)]
+    }
+
+    /// Paints the points as small squares, for very many points.
+    fn dots(&self, canvas: &mut dyn Canvas, index: usize, is_dimmed: bool) {
+        let (series, thinned) = (&self.figure.series[index], &self.visible.thinned[index]);
+        let [colour, excluded] = self.colours(series, is_dimmed);
+        crowded(thinned, colour, canvas);
+        for index in &thinned.points {
+            let point = series.points()[*index];
+            let colour = if point.excluded { excluded } else { colour };
+            let at = self.scale.place(point.x, point.y);
+            canvas.fill(Rect::from_center_size(at, Vec2::splat(2.0)), colour);
+        }
+    }
+
+    fn markers(&self, canvas: &mut dyn Canvas, index: usize, is_dimmed: bool) {
+        let (series, thinned) = (&self.figure.series[index], &self.visible.thinned[index]);
+        let scale = self.scale;
+        let [colour, excluded] = self.colours(series, is_dimmed);
+        crowded(thinned, colour, canvas);
+        for index in &thinned.points {
+            let point = series.points()[*index];
+            let colour = if point.excluded { excluded } else { colour };
+            if point.sd != [0.0, 0.0] {
+                let stroke = Stroke::new(1.0, colour.gamma_multiply(0.7));
+                let [dx, dy] = point.sd;
+                for (dx, dy) in [(dx, 0.0), (0.0, dy)] {
+                    let ends = [-1.0, 1.0].map(|s| scale.place(point.x + s * dx, point.y + s * dy));
+                    canvas.line(&ends, stroke, false);
+                }
+            }
+            let at = scale.place(point.x, point.y);
+            if series.hollow {
+                canvas.ring(at, 3.25, Stroke::new(1.25, colour));
+            } else {
+                canvas.marker(at, series.marker, 3.25, colour);
+            }
+        }
+    }
+}
+
+impl Entry {
+    /// Paints the entry: symbol and text; pale if what it stands for is hidden.
+    pub fn draw(
+        &self,
+        canvas: &mut dyn Canvas,
+        colours: &Colours,
+        selection: Selection,
+        is_shown: bool,
+    ) {
+        let strength = if is_shown { 1.0 } else { 0.35 };
+        let paint = |ink: Ink| ink.colour(colours).gamma_multiply(strength);
+        let at = self.rect.left_center() + vec2(2.0 * GRID, 0.0);
         let half = vec2(1.5 * GRID, 0.0);
         let area = Rect::from_center_size(at, vec2(3.0 * GRID, 2.0 * GRID));
-        let line = |ink: Ink| Stroke::new(1.75, ink.colour(colours));
-        match entry.sign {
-            Sign::Marker(marker, ink) => canvas.marker(at, marker, 3.75, ink.colour(colours)),
-            Sign::Ring(ink) => canvas.ring(at, 3.75, Stroke::new(1.25, ink.colour(colours))),
+        let line = |ink: Ink| Stroke::new(1.75, paint(ink));
+        match self.sign {
+            Sign::Marker(marker, ink) => canvas.marker(at, marker, 3.75, paint(ink)),
+            Sign::Ring(ink) => canvas.ring(at, 3.75, Stroke::new(1.25, paint(ink))),
             Sign::Line(ink, dashed) => canvas.line(&[at - half, at + half], line(ink), dashed),
-            Sign::Area(ink, false) => canvas.fill(area, ink.colour(colours).gamma_multiply(0.45)),
+            Sign::Area(ink, false) => canvas.fill(area, paint(ink).gamma_multiply(0.45)),
             Sign::Area(ink, true) => {
                 let [left, right] = [area.left_top(), area.right_top()];
                 let corners = [area.left_bottom(), left, right, area.right_bottom()];
                 canvas.line(&corners, line(ink), false);
             }
-            Sign::Band => canvas.fill(area, colours.good.gamma_multiply(0.3)),
+            Sign::Band => canvas.fill(area, paint(Ink::Good).gamma_multiply(0.3)),
         }
-        let is_selected = entry.cable.is_some() && entry.cable == self.selection.cable;
+        let is_selected = self.cable.is_some() && self.cable == selection.cable;
         let colour = if is_selected {
             colours.accent
         } else {
             colours.text
         };
-        let at = entry.rect.left_center() + vec2(5.0 * GRID, 0.0);
-        canvas.text(at, Align2::LEFT_CENTER, &entry.text, TEXT, colour);
+        let at = self.rect.left_center() + vec2(5.0 * GRID, 0.0);
+        canvas.text(
+            at,
+            Align2::LEFT_CENTER,
+            &self.text,
+            TEXT,
+            colour.gamma_multiply(strength),
+        );
     }
 }
 
 /// Selects the labels to draw so that none overlaps another. Where names are too close, numbers of cables,
 /// which are short, take precedence over long names.
-fn apart(spans: Vec<Rangef>, ticks: &[Tick]) -> Vec<Option<Rangef>> {
+pub fn apart(spans: Vec<Rangef>, ticks: &[Tick]) -> Vec<Option<Rangef>> {
     let mut order: Vec<usize> = (0..spans.len()).collect();
     let is_number = |k: &usize| ticks[*k].1.parse::<f64>().is_ok();
     order.sort_by_key(|k| !is_number(k));
@@ -519,9 +574,9 @@ fn apart(spans: Vec<Rangef>, ticks: &[Tick]) -> Vec<Option<Rangef>> {
 }
 
 /// Fills the pixel columns that contain more points than are painted.
-fn crowded(thinned: &Thinned, colour: Color32, fill: &mut dyn FnMut(Rect, Color32)) {
+fn crowded(thinned: &Thinned, colour: Color32, canvas: &mut dyn Canvas) {
     for (x, range) in &thinned.columns {
         let rect = Rect::from_x_y_ranges(Rangef::new(x - 0.5, x + 0.5), *range);
-        fill(rect, colour.gamma_multiply(0.35));
+        canvas.fill(rect, colour.gamma_multiply(0.35));
     }
 }

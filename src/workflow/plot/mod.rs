@@ -1,5 +1,5 @@
-//! Plots: a [`Figure`] is data, a [`Plot`] paints it on any [`Canvas`], so that the window, exported files and reports
-//! look alike.
+//! Plots: a [`Figure`] is data. The window shows it with `egui_plot`, which needs a window; [`draw::draw`] paints it on any
+//! [`Canvas`] for exported files and reports.
 //!
 //! [`Layout`] places axes, ticks and legend; [`VisiblePoints`] holds the points worth painting in a view. `emath` and
 //! `ecolor` are the geometry and the colours of egui without its widgets, so that the window needs no conversion.
@@ -11,7 +11,7 @@ pub mod draw;
 pub mod drawing;
 pub mod figure;
 pub mod gaps;
-mod heat;
+pub mod heat;
 pub mod histogram;
 pub mod round;
 pub mod scale;
@@ -20,7 +20,7 @@ pub mod thin;
 
 pub use canvas::{Canvas, Stroke};
 pub use colours::Colours;
-pub use draw::{Layout, Plot, VisiblePoints};
+pub use draw::{Layout, VisiblePoints};
 pub use drawing::Drawing;
 pub use figure::Figure;
 pub use heat::limits;

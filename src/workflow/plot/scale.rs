@@ -1,6 +1,6 @@
 //! Mapping of values to points on screen or page, and the ticks of an axis.
 
-use emath::{Pos2, Rect, Vec2};
+use emath::{Pos2, Rect};
 
 use super::figure::Axis;
 use super::round::round_up;
@@ -57,35 +57,6 @@ impl Scale {
             along(x, (place.x - self.rect.min.x) / self.rect.width()),
             along(y, (self.rect.max.y - place.y) / self.rect.height()),
         ]
-    }
-
-    /// The view zoomed about a position; a factor above 1 zooms in.
-    #[must_use]
-    pub fn zoomed(&self, about: Pos2, factor: [f64; 2]) -> [[f64; 2]; 2] {
-        let centre = self.values(about);
-        std::array::from_fn(|axis| {
-            let [low, high] = self.view[axis];
-            let at = centre[axis];
-            let zoomed = [low, high].map(|end| at + (end - at) / factor[axis]);
-            // At a higher zoom, neighbouring numbers would be equal.
-            let smallest = 1e-9 * low.abs().max(high.abs()).max(1e-6);
-            if zoomed[1] - zoomed[0] < smallest || !(zoomed[1] - zoomed[0]).is_finite() {
-                [low, high]
-            } else {
-                zoomed
-            }
-        })
-    }
-
-    /// The view moved by a distance on screen.
-    #[must_use]
-    pub fn moved(&self, by: Vec2) -> [[f64; 2]; 2] {
-        let [x, y] = self.view;
-        let shift = [
-            -f64::from(by.x / self.rect.width()) * (x[1] - x[0]),
-            f64::from(by.y / self.rect.height()) * (y[1] - y[0]),
-        ];
-        [x.map(|end| end + shift[0]), y.map(|end| end + shift[1])]
     }
 }
 
@@ -237,24 +208,6 @@ mod tests {
         let place = scale().place(2.5, 0.5);
         assert_eq!(place, Pos2::new(150.0, 75.0));
         let [x, y] = scale().values(place);
-        assert!((x - 2.5).abs() < 1e-6 && (y - 0.5).abs() < 1e-6);
-    }
-
-    #[test]
-    fn zoom_keeps_the_value_under_the_pointer_and_moving_follows_it() {
-        let about = Pos2::new(150.0, 75.0);
-        let zoomed = Scale {
-            view: scale().zoomed(about, [2.0, 4.0]),
-            ..scale()
-        };
-        assert!((zoomed.values(about)[0] - 2.5).abs() < 1e-6);
-        assert!((zoomed.view[0][1] - zoomed.view[0][0] - 5.0).abs() < 1e-9);
-        let by = emath::vec2(20.0, -10.0);
-        let moved = Scale {
-            view: scale().moved(by),
-            ..scale()
-        };
-        let [x, y] = moved.values(about + by);
         assert!((x - 2.5).abs() < 1e-6 && (y - 0.5).abs() < 1e-6);
     }
 

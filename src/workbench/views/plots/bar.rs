@@ -4,31 +4,26 @@ use std::sync::Arc;
 
 use egui::{Align, ComboBox, Layout, Popup, Role, Theme, Ui, WidgetInfo, vec2};
 use egui_material_icons::icons;
-use tautline_core::diagnosis::Quantity;
 
 use super::screen::colours;
-use super::sources::course::Reading;
-use super::sources::residuals::Unit;
-use super::sources::tensions::Shown as Tensions;
-use super::sources::variable::{Choice, capitalised};
-use super::{PlotState, Tab, print};
-use crate::model::Model;
+use super::screen::text_width;
+use super::sources::variable;
+use super::{PlotState, print};
 use crate::model::command::{Format, Outbox, PlotCommand, PlotFile, PlotPicture};
-use crate::model::plot_preparation::Prepared;
+use crate::model::{Model, OpenSession};
 use crate::theme;
 use crate::widgets::icon_only;
+use tautline_workflow::plot::draw::draw;
 use tautline_workflow::plot::table::csv;
-use tautline_workflow::plot::{Drawing, Figure};
+use tautline_workflow::plot::{Drawing, Figure, Layout as PlotLayout};
 
 /// Width (points) below which choices are menus.
 const NARROW: f32 = 420.0;
-/// Width of a button that opens a menu, with the space before it (points).
-const MENU: f32 = 72.0;
 
 /// Options, cursor readings and buttons.
 pub fn options(
     ui: &mut Ui,
-    model: &Model,
+    (model, open): (&Model, &OpenSession),
     plots: &mut PlotState,
     figure: &Arc<Figure>,
     outbox: &mut Outbox,
@@ -36,87 +31,31 @@ pub fn options(
     let is_narrow = ui.available_width() < NARROW;
     ui.horizontal(|ui| {
         // Two choices leave no room for buttons.
-        let has_menu = is_narrow && plots.tab == Tab::Variable;
-        choices(ui, model, plots, is_narrow);
+        let has_menu = is_narrow && plots.kind == &variable::PLOT;
+        (plots.kind.options)(ui, plots, open, is_narrow);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if has_menu {
-                menu(ui, plots);
+                menu(ui, plots, figure);
             } else {
-                buttons(ui, plots);
+                buttons(ui, plots, figure);
             }
         });
     });
     if let Some(format) = plots.saving.take()
         && let Some(file) = file(ui, model, plots, figure, format)
     {
-        let title = plots.tab.title().to_lowercase().replace(' ', "-");
+        let title = plots.kind.title.to_lowercase().replace(' ', "-");
         let name = format!("{title}.{}", format.ending());
         outbox.send(PlotCommand::AskSave(name, file));
     }
     // A line of its own: it is too long to stand beside anything.
-    let panel = plots.panels.get(&plots.tab);
-    if let Some(text) = panel.and_then(|panel| panel.reading(figure, model.selection)) {
+    if let Some(text) = plots.view.reading(figure) {
         ui.add(egui::Label::new(text).wrap());
     }
 }
 
-fn choices(ui: &mut Ui, model: &Model, plots: &mut PlotState, is_narrow: bool) {
-    match plots.tab {
-        Tab::Residuals | Tab::Laser | Tab::External => {
-            let units = [
-                (Unit::Deviations, "Standard deviations"),
-                (Unit::Millimetres, "Millimetres"),
-            ];
-            choose(ui, ("Unit", is_narrow), &units, &mut plots.unit);
-        }
-        Tab::Tensions => {
-            let shown = [
-                (Tensions::Measured, "Measured"),
-                (Tensions::Residuals, "Residuals"),
-            ];
-            let name = "Tensions shown";
-            choose(ui, (name, is_narrow), &shown, &mut plots.tensions);
-        }
-        Tab::Course => {
-            if let Some(open) = &model.open {
-                let known = Reading::of(open.session());
-                choose(ui, ("Readings", is_narrow), &known, &mut plots.course);
-            }
-        }
-        Tab::Variable => {
-            if let (Some(prepared), Some(choice)) = (plots.prepared().cloned(), plots.choice) {
-                let room = ui.available_width() - MENU - ui.spacing().item_spacing.x;
-                let width = is_narrow.then_some(0.5 * room);
-                plots.choice = Some(along(ui, &prepared, choice, width));
-            }
-        }
-        Tab::Elongation => {
-            let cables = model
-                .open
-                .iter()
-                .flat_map(|d| &d.session().robot.cables)
-                .enumerate();
-            let with: Vec<(usize, &str)> = cables
-                .filter(|(_, cable)| cable.cable.elongation_surface.is_some())
-                .map(|(index, cable)| (index, cable.name.as_str()))
-                .collect();
-            if with.len() > 1 {
-                let chosen = plots.elongation.unwrap_or(with[0].0);
-                let name =
-                    |index: usize| with.iter().find(|(k, _)| *k == index).map_or("", |c| c.1);
-                combo(ui, "Cable", name(chosen), |ui| {
-                    for (index, name) in &with {
-                        ui.selectable_value(&mut plots.elongation, Some(*index), *name);
-                    }
-                });
-            }
-        }
-        Tab::Convergence | Tab::Correlation | Tab::BeforeAfter | Tab::Statistics | Tab::Scope => {}
-    }
-}
-
 /// One of several: beside each other, or in a menu where there is no room.
-fn choose<T: Copy + PartialEq>(
+pub(super) fn choose<T: Copy + PartialEq>(
     ui: &mut Ui,
     (name, is_narrow): (&str, bool),
     all: &[(T, &str)],
@@ -136,12 +75,12 @@ fn choose<T: Copy + PartialEq>(
     combo(ui, name, selected, |ui| add(ui, chosen));
 }
 
-fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
+pub(super) fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
     combo_within(ui, (name, None), selected, add);
 }
 
 /// As wide as its text, or so wide.
-fn combo_within(
+pub(super) fn combo_within(
     ui: &mut Ui,
     (name, width): (&str, Option<f32>),
     selected: &str,
@@ -163,76 +102,28 @@ fn combo_within(
         .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &text));
 }
 
-/// Which readings along which variable, each choice so wide.
-fn along(ui: &mut Ui, prepared: &Prepared, mut choice: Choice, width: Option<f32>) -> Choice {
-    let name = |quantity: Quantity, cable: Option<usize>| {
-        let cables = &prepared.base.dataset.robot.cables;
-        match cable.and_then(|index| cables.get(index)) {
-            Some(cable) => format!("{} of {}", capitalised(quantity.name()), cable.name),
-            None => capitalised(quantity.name()),
-        }
-    };
-    let before = (choice.quantity, choice.cable);
-    let readings = name(choice.quantity, choice.cable);
-    combo_within(ui, ("Readings", width), &readings, |ui| {
-        for group in &prepared.along {
-            let is_chosen = (group.quantity, group.cable) == (choice.quantity, choice.cable);
-            if ui
-                .selectable_label(is_chosen, name(group.quantity, group.cable))
-                .clicked()
-            {
-                (choice.quantity, choice.cable) = (group.quantity, group.cable);
-            }
-        }
-    });
-    let group = prepared
-        .along
-        .iter()
-        .find(|g| (g.quantity, g.cable) == (choice.quantity, choice.cable));
-    let variables = group.map_or(&[][..], |group| &group.variables);
-    if (choice.quantity, choice.cable) != before
-        && !variables
-            .iter()
-            .any(|(variable, _)| *variable == choice.variable)
-        && let Some((first, _)) = variables.first()
-    {
-        choice.variable = *first;
-    }
-    let variable = capitalised(choice.variable.name());
-    combo_within(ui, ("Along", width), &variable, |ui| {
-        for (variable, _) in variables {
-            ui.selectable_value(
-                &mut choice.variable,
-                *variable,
-                capitalised(variable.name()),
-            );
-        }
-    });
-    choice
-}
-
-fn buttons(ui: &mut Ui, plots: &mut PlotState) {
+fn buttons(ui: &mut Ui, plots: &mut PlotState, figure: &Figure) {
     let save = icon_only(ui, icons::ICON_DOWNLOAD, "Save plot", true);
     Popup::menu(&save).show(|ui| formats(ui, plots));
     if icon_only(ui, icons::ICON_FIT_SCREEN, "Reset view", true).clicked() {
-        plots.panels.entry(plots.tab).or_default().reset();
+        plots.view.reset();
     }
     let name = cursors_name(plots);
     if icon_only(ui, icons::ICON_ARROW_RANGE, name, true).clicked() {
-        switch_cursors(plots);
+        plots.view.switch_cursors(figure);
     }
 }
 
 /// The same as a menu, where there is no room for buttons.
-fn menu(ui: &mut Ui, plots: &mut PlotState) {
+fn menu(ui: &mut Ui, plots: &mut PlotState, figure: &Figure) {
     let more = icon_only(ui, icons::ICON_MORE_VERT, "This plot", true);
     Popup::menu(&more).show(|ui| {
         if ui.button(cursors_name(plots)).clicked() {
-            switch_cursors(plots);
+            plots.view.switch_cursors(figure);
             ui.close();
         }
         if ui.button("Reset view").clicked() {
-            plots.panels.entry(plots.tab).or_default().reset();
+            plots.view.reset();
             ui.close();
         }
         ui.separator();
@@ -250,52 +141,53 @@ fn formats(ui: &mut Ui, plots: &mut PlotState) {
 }
 
 fn cursors_name(plots: &PlotState) -> &'static str {
-    let panel = plots.panels.get(&plots.tab);
-    match panel.is_some_and(|panel| panel.cursors.is_some()) {
+    match plots.view.cursors.is_some() {
         true => "Hide cursors",
         false => "Show cursors",
     }
-}
-
-fn switch_cursors(plots: &mut PlotState) {
-    let panel = plots.panels.entry(plots.tab).or_default();
-    panel.cursors = match panel.cursors {
-        Some(_) => None,
-        None => Some([0.25, 0.75]),
-    };
 }
 
 /// The plot as it is seen now.
 fn file(
     ui: &Ui,
     model: &Model,
-    plots: &mut PlotState,
-    figure: &Arc<Figure>,
+    plots: &PlotState,
+    figure: &Figure,
     format: Format,
 ) -> Option<PlotFile> {
-    let name = plots.tab.title();
-    let (generation, selection) = (plots.generation, model.selection);
-    let panel = plots.panels.get_mut(&plots.tab)?;
-    // On white, whatever the theme is.
-    let palette = theme::palette(Theme::Light);
-    let colours = colours(palette);
-    let plot = panel.plot(ui, figure, generation, selection, &colours)?;
+    let name = plots.kind.title;
+    let selection = model.selection;
+    let drawn = plots.view.drawn?;
+    let figure = plots.view.visible(figure);
+    let view = drawn.scale.view;
     Some(match format {
-        Format::Csv => PlotFile::Text(csv(figure, plot.layout.scale.view)),
+        Format::Csv => PlotFile::Text(csv(&figure, view)),
         Format::Svg => {
-            let whole = plot.layout.whole.expand(8.0);
-            let drawing = Drawing::record(name, whole, 1.0, |canvas| {
-                canvas.fill(whole, palette.raised);
-                plot.draw(canvas);
+            // On white, whatever the theme is.
+            let palette = theme::palette(Theme::Light);
+            let whole = egui::Rect::from_min_size(egui::Pos2::ZERO, drawn.size);
+            let layout = PlotLayout::new(&figure, view, whole, &text_width(ui.painter()));
+            let outer = whole.expand(8.0);
+            let drawing = Drawing::record(name, outer, 1.0, |canvas| {
+                canvas.fill(outer, palette.raised);
+                let resolution = ui.pixels_per_point();
+                draw(
+                    canvas,
+                    &figure,
+                    &layout,
+                    selection,
+                    &colours(palette),
+                    resolution,
+                );
             });
             PlotFile::Text(drawing.svg_file())
         }
         Format::Png => {
             let picture = PlotPicture {
-                figure: Arc::clone(figure),
-                view: plot.layout.scale.view,
+                figure: Arc::new(figure),
+                view,
                 selection,
-                aspect: plot.layout.whole.aspect_ratio(),
+                aspect: drawn.size.x / drawn.size.y,
                 render: print::png,
             };
             PlotFile::Picture(picture)

@@ -1,23 +1,20 @@
 //! Plots below the 3D view, and small plots for panels.
 
 mod bar;
-mod dense;
 mod dock;
 mod hit;
-mod panel;
+mod kind;
 mod print;
 mod scope;
 mod screen;
 pub mod small;
 mod sources;
 mod statistics;
-mod straighten;
-mod tab;
+mod view;
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use egui::{Spinner, Ui};
+use egui::{Id, Spinner, Ui};
 
 use crate::model::command::{Format, Outbox, PlotCommand, ViewCommand};
 use crate::model::edit::Edit;
@@ -25,45 +22,44 @@ use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Preparation, Prepared, same};
 use crate::model::{Model, OpenSession, Selection};
 use crate::widgets::{Verdict, empty, verdict};
+use dock::PlotId;
 pub use dock::{Panes, show, show_detached};
-use panel::{Done, Panel, Shown};
-use sources::course::Reading;
-use sources::residuals::Unit;
+use kind::{Content, PlotOptions, Source, Unavailable};
+pub use kind::{PLOTS, PlotKind, find};
 pub use sources::residuals::of_both as residuals_of_both;
-use sources::tensions::Shown as Tensions;
 use sources::variable::Choice;
-pub use tab::Tab;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::plot::Figure;
+use view::{PlotEvent, PlotInput, PlotView};
 
 /// State of one plot among several.
-#[derive(Debug, Default)]
-pub struct PlotState {
-    tab: Tab,
-    unit: Unit,
-    tensions: Tensions,
-    course: Reading,
-    choice: Option<Choice>,
-    elongation: Option<usize>,
+#[derive(Debug)]
+pub(crate) struct PlotState {
+    kind: &'static PlotKind,
+    /// Distinguishes plots of the same kind.
+    copy: u8,
+    options: PlotOptions,
     statistics: statistics::Statistics,
-    /// The session that the panels belong to.
+    scope: scope::ScopeState,
+    /// The session that zoom and cursors belong to.
     session: Option<u64>,
-    panels: BTreeMap<Tab, Panel>,
+    view: PlotView,
+    /// Counts changes of the options, with each of which everything is shown again.
+    arrangement: u64,
     figure: Option<(FigureOf, Arc<Figure>)>,
     generation: u64,
     /// What a task computed for the plots.
-    pub preparation: Option<Preparation>,
+    preparation: Option<Preparation>,
     /// The format in which it is to be saved.
     saving: Option<Format>,
     is_hovered: bool,
-    scope: scope::ScopeState,
 }
 
 /// What a figure depends on.
 #[derive(Debug, Clone)]
 struct FigureOf {
     session: (u64, u64),
-    options: (Tab, Unit, Tensions, Reading, Option<Choice>, Option<usize>),
+    options: PlotOptions,
     fit: Option<Arc<Identification>>,
     diagnosed: Option<Arc<Diagnosed>>,
     prepared: Option<Arc<Prepared>>,
@@ -90,18 +86,15 @@ fn pane(
     let Some(open) = &model.open else {
         return;
     };
-    if plots.tab == Tab::Statistics
-        && let Some(fit) = open.fit()
-    {
-        let shared = (model.selection, hovered);
-        statistics::show(ui, fit, &mut plots.statistics, shared, outbox);
-        return;
-    }
-    if plots.tab == Tab::Scope {
-        return scope::show(ui, model, &mut plots.scope, outbox);
-    }
-    match plots.figure(open) {
-        Ok(figure) => plot(ui, model, plots, &figure, hovered, outbox),
+    let figure = match plots.kind.content {
+        Content::Own(show) => match (plots.kind.missing)(open) {
+            Some(why) => return empty(ui, why),
+            None => return show(ui, model, plots, hovered, outbox),
+        },
+        Content::Figure(figure) => figure,
+    };
+    match plots.figure(open, figure) {
+        Ok(figure) => plot(ui, (model, open), plots, &figure, hovered, outbox),
         Err(Unavailable::Empty(why)) => empty(ui, why),
         Err(Unavailable::Failed(why)) => failed(ui, plots, &why),
         Err(Unavailable::Unprepared) => {
@@ -109,16 +102,6 @@ fn pane(
             ui.centered_and_justified(|ui| ui.add(Spinner::new()));
         }
     }
-}
-
-/// Why there is no figure.
-enum Unavailable {
-    /// There are no data.
-    Empty(&'static str),
-    /// A task has to prepare it first.
-    Unprepared,
-    /// The task could not.
-    Failed(String),
 }
 
 fn failed(ui: &mut Ui, plots: &mut PlotState, why: &str) {
@@ -134,35 +117,42 @@ fn failed(ui: &mut Ui, plots: &mut PlotState, why: &str) {
 
 fn plot(
     ui: &mut Ui,
-    model: &Model,
+    (model, open): (&Model, &OpenSession),
     plots: &mut PlotState,
     figure: &Arc<Figure>,
     hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
-    bar::options(ui, model, plots, figure, outbox);
-    let panel = plots.panels.entry(plots.tab).or_default();
-    let shown = Shown {
-        name: &format!("Plot: {}", plots.tab.title()),
+    bar::options(ui, (model, open), plots, figure, outbox);
+    let title = plots.kind.title;
+    let id = (title, plots.copy, plots.session, plots.arrangement);
+    let input = PlotInput {
+        name: &format!("Plot: {title}"),
+        id: Id::unique(id),
         figure,
         generation: plots.generation,
+        whole: figure.whole(),
         selection: model.selection,
+        size: ui.available_size(),
+        link: Some(Id::unique((plots.session, figure.x.title()))),
+        is_docked: true,
     };
-    let frame = panel.show(ui, &shown);
-    for done in frame.done {
-        match done {
-            Done::Selected(selection) => outbox.send(ViewCommand::Select(selection)),
-            Done::Excluded(pose) => outbox.send(toggled(model.open.as_ref(), pose)),
+    let output = plots.view.show(ui, &input);
+    for event in output.events {
+        match event {
+            PlotEvent::Selected(selection) => outbox.send(ViewCommand::Select(selection)),
+            PlotEvent::Excluded(pose) => outbox.send(toggled(open, pose)),
+            PlotEvent::Save(format) => plots.saving = Some(format),
         }
     }
-    if frame.hovered.is_some() || plots.is_hovered {
-        *hovered = frame.hovered.unwrap_or_default();
+    if output.hovered.is_some() || plots.is_hovered {
+        *hovered = output.hovered.unwrap_or_default();
     }
-    plots.is_hovered = frame.hovered.is_some();
+    plots.is_hovered = output.hovered.is_some();
 }
 
-fn toggled(open: Option<&OpenSession>, pose: i64) -> Edit {
-    if open.is_some_and(|open| open.session().excluded().contains(&pose)) {
+fn toggled(open: &OpenSession, pose: i64) -> Edit {
+    if open.session().excluded().contains(&pose) {
         Edit::Include(pose)
     } else {
         Edit::Exclude(pose)
@@ -171,17 +161,22 @@ fn toggled(open: Option<&OpenSession>, pose: i64) -> Edit {
 
 impl PlotState {
     /// A plot that was not shown yet.
-    fn of(tab: Tab) -> Self {
+    fn of(PlotId { kind, copy }: PlotId) -> Self {
         Self {
-            tab,
-            ..Self::default()
+            kind,
+            copy,
+            options: PlotOptions::default(),
+            statistics: statistics::Statistics::default(),
+            scope: scope::ScopeState::default(),
+            session: None,
+            view: PlotView::default(),
+            arrangement: 0,
+            figure: None,
+            generation: 0,
+            preparation: None,
+            saving: None,
+            is_hovered: false,
         }
-    }
-
-    /// The panel of the present plot, and the axis along x of what it shows.
-    fn along(&mut self) -> Option<(String, &mut Panel)> {
-        let title = self.figure.as_ref().map(|(_, figure)| figure.x.title())?;
-        Some((title, self.panels.get_mut(&self.tab)?))
     }
 
     /// What a task prepared, if it did.
@@ -193,7 +188,7 @@ impl PlotState {
     fn settle(&mut self, open: &OpenSession) {
         // What is zoomed or measured with cursors belongs to its session.
         if self.session.replace(open.id()) != Some(open.id()) {
-            self.panels.clear();
+            self.view = PlotView::default();
         }
         let (fit, diagnosed) = (open.fit(), open.diagnosis());
         let is_old = |preparation: &Preparation| !preparation.is_of(fit, diagnosed);
@@ -201,28 +196,25 @@ impl PlotState {
             self.preparation = None;
         }
         if let Some(prepared) = self.prepared() {
-            let known = self
-                .choice
-                .filter(|choice| choice.values(prepared).is_some());
-            self.choice = known.or_else(|| Choice::first(prepared, diagnosed.map(Arc::as_ref)));
+            let known = self.options.choice;
+            let known = known.filter(|choice| choice.values(prepared).is_some());
+            self.options.choice =
+                known.or_else(|| Choice::first(prepared, diagnosed.map(Arc::as_ref)));
         }
     }
 
-    /// The figure of the present tab, computed again only if what it depends on has changed.
-    fn figure(&mut self, open: &OpenSession) -> Result<Arc<Figure>, Unavailable> {
-        if let Some(why) = self.tab.missing(open) {
+    /// The figure, computed again only if what it depends on has changed.
+    fn figure(
+        &mut self,
+        open: &OpenSession,
+        compute: fn(&Source<'_>) -> Result<Figure, Unavailable>,
+    ) -> Result<Arc<Figure>, Unavailable> {
+        if let Some(why) = (self.kind.missing)(open) {
             return Err(Unavailable::Empty(why));
         }
         let key = FigureOf {
             session: (open.id(), open.revision()),
-            options: (
-                self.tab,
-                self.unit,
-                self.tensions,
-                self.course,
-                self.choice,
-                self.elongation,
-            ),
+            options: self.options,
             fit: open.fit().cloned(),
             diagnosed: open.diagnosis().cloned(),
             prepared: self.prepared().cloned(),
@@ -232,56 +224,19 @@ impl PlotState {
         {
             return Ok(Arc::clone(figure));
         }
-        let figure = Arc::new(self.compute(open)?);
+        let figure = Arc::new(compute(&Source {
+            open,
+            options: self.options,
+            preparation: self.preparation.as_ref(),
+        })?);
         self.generation += 1;
         // The same plot of something else has another range.
-        let is_other = self
-            .figure
-            .as_ref()
-            .is_some_and(|(of, _)| of.options.0 == key.options.0 && of.options != key.options);
-        if is_other && let Some(panel) = self.panels.get_mut(&self.tab) {
-            panel.reset();
+        let before = self.figure.as_ref().map(|(of, _)| of.options);
+        if before.is_some_and(|before| before != key.options) {
+            self.view = PlotView::default();
+            self.arrangement += 1;
         }
         self.figure = Some((key, Arc::clone(&figure)));
         Ok(figure)
-    }
-
-    fn compute(&self, open: &OpenSession) -> Result<Figure, Unavailable> {
-        let excluded = open.session().excluded();
-        let nothing = Unavailable::Empty("Nothing is identified.");
-        let prepared = || match self.preparation.as_ref().map(|p| &p.result) {
-            Some(Ok(prepared)) => Ok(prepared),
-            Some(Err(why)) => Err(Unavailable::Failed(why.clone())),
-            None => Err(Unavailable::Unprepared),
-        };
-        Ok(match self.tab {
-            Tab::Variable => {
-                let prepared = prepared()?;
-                let choice = self
-                    .choice
-                    .ok_or(Unavailable::Empty("No variable changes over these poses."))?;
-                let diagnosed = open.diagnosis().map(Arc::as_ref);
-                sources::variable::figure(prepared, diagnosed, choice, excluded)
-            }
-            Tab::BeforeAfter => sources::before_after::figure(prepared()?),
-            Tab::Scope => return Err(nothing),
-            Tab::Elongation => sources::elongation::figure(open.session(), self.elongation),
-            Tab::Residuals => {
-                sources::residuals::lengths(open.fit().ok_or(nothing)?, self.unit, excluded)
-            }
-            Tab::Laser => {
-                sources::residuals::laser(open.fit().ok_or(nothing)?, self.unit, excluded)
-            }
-            Tab::External => {
-                sources::residuals::external(open.fit().ok_or(nothing)?, self.unit, excluded)
-            }
-            Tab::Tensions => {
-                sources::tensions::figure(open.fit().ok_or(nothing)?, self.tensions, excluded)
-            }
-            Tab::Course => sources::course::figure(open.session(), self.course),
-            Tab::Convergence => sources::convergence::figure(open.fit().ok_or(nothing)?),
-            Tab::Correlation => sources::correlation::figure(open.fit().ok_or(nothing)?),
-            Tab::Statistics => return Err(nothing),
-        })
     }
 }

@@ -1,8 +1,8 @@
 //! A plot as a picture for print.
 
 use egui::{Rect, Theme, vec2};
-use tautline_workflow::plot::draw::TEXT;
-use tautline_workflow::plot::{Layout, Plot, VisiblePoints};
+use tautline_workflow::plot::Layout;
+use tautline_workflow::plot::draw::{self, TEXT};
 
 use super::screen::{Screen, colours, text_width};
 use crate::model::command::PlotPicture;
@@ -33,14 +33,14 @@ pub fn png(picture: &PlotPicture) -> Result<Vec<u8>, String> {
     let colours = colours(palette);
     let image = offscreen::render((size, scale), Theme::Light, |ui, rect| {
         ui.painter().rect_filled(rect, 0.0, palette.raised);
-        draw(ui, rect.shrink(MARGIN), picture, &colours);
+        paint(ui, rect.shrink(MARGIN), picture, &colours);
     });
     let image = image.map_err(|error| format!("{error}; save the plot as SVG instead"))?;
     let image = image::DynamicImage::ImageRgba8(image).to_rgb8();
     encoded(&image).map_err(|error| error.to_string())
 }
 
-fn draw(
+fn paint(
     ui: &egui::Ui,
     whole: Rect,
     picture: &PlotPicture,
@@ -49,14 +49,9 @@ fn draw(
     let (figure, selection) = (&*picture.figure, picture.selection);
     let painter = ui.painter().clone();
     let layout = Layout::new(figure, picture.view, whole, &text_width(&painter));
-    let plot = Plot {
-        figure,
-        layout: &layout,
-        seen: &VisiblePoints::new(figure, &layout.scale, selection, ui.pixels_per_point()),
-        selection,
-        colours,
-    };
-    plot.draw(&mut Screen::new(painter));
+    let mut canvas = Screen::new(painter);
+    let resolution = ui.pixels_per_point();
+    draw::draw(&mut canvas, figure, &layout, selection, colours, resolution);
 }
 
 /// As PNG that knows its size on paper.

@@ -1,19 +1,25 @@
 //! The live scope: what the controller reads, as it comes, and how fast it changes against what counts as still.
 
-use egui::{Align, Rect, Role, Sense, Theme, Ui, UiBuilder, WidgetInfo, vec2};
-use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Series};
+use egui::{Align, Id, Rect, Ui, UiBuilder, vec2};
+use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink};
 use tautline_workflow::plot::round::round_up;
-use tautline_workflow::plot::scale::Scale;
-use tautline_workflow::plot::{Layout, Plot, VisiblePoints};
 use tautline_workflow::wording::cable_label;
 
-use super::dense::{PictureTexture, traces as picture_of};
-use super::screen::{Screen, colours, text_width};
-use crate::model::command::{Outbox, ViewCommand};
+use super::view::{PlotInput, PlotView};
 use crate::model::link::scope::{Channel, Extent, Reading, SPAN_S, Scope};
-use crate::model::{Memo, Model, Selection};
+use crate::model::{Memo, Model};
 use crate::theme::{self, GRID};
+use crate::views::plots::kind::{Content, PlotKind, no_options};
 use crate::widgets::empty;
+
+pub(crate) static PLOT: PlotKind = PlotKind {
+    id: "scope",
+    title: "Live scope",
+    // It shows itself what it waits for.
+    missing: |_| None,
+    options: no_options,
+    content: Content::Own(|ui, model, plots, _, _| show(ui, model, &mut plots.scope)),
+};
 
 /// Decades of the speed that are shown; the robot counts as still below 1, and is far from it above the last.
 const DECADES: [f64; 2] = [-2.0, 3.0];
@@ -49,18 +55,13 @@ impl Graph {
     }
 }
 
-/// A graph: its figure, the same without the points of its curves, which are a picture of their own, and the range along y.
+/// A graph with its figure and the range along y.
 #[derive(Debug)]
 struct Shown {
     graph: Graph,
     figure: Figure,
-    bare: Figure,
     y: [f64; 2],
 }
-
-/// The curves of a graph as a texture, by what they depend on: the moment, the selected cable, the scale, pixels per point,
-/// the theme.
-type Traces = Memo<(i64, Option<usize>, Scale, f32, Theme), Option<PictureTexture>>;
 
 /// State of the scope between frames.
 #[derive(Debug, Default)]
@@ -69,11 +70,11 @@ pub struct ScopeState {
     chosen: Graph,
     /// The graphs, by what they depend on: the moment and the selected cable.
     graphs: Memo<(i64, Option<usize>), Vec<Shown>>,
-    traces: [Traces; Graph::ALL.len()],
+    views: [PlotView; Graph::ALL.len()],
 }
 
 /// Draws the scope.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState, outbox: &mut Outbox) {
+fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
     let moment = model.link.scope(Scope::moment).flatten();
     let Some(key) = moment.map(|moment| (moment, model.selection.cable)) else {
         let text = "Readings of the controller appear here as they come: tensions, laser, revolutions, and how fast \
@@ -105,17 +106,24 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState, outbox: &mut Out
     let columns = shown.len().clamp(1, 2);
     let lines = shown.len().div_ceil(columns).max(1);
     let size = whole.size() / vec2(columns as f32, lines as f32);
-    let mut clicked = None;
     for (place, one) in shown.into_iter().enumerate() {
         let at = vec2((place % columns) as f32, (place / columns) as f32) * size;
         let rect = Rect::from_min_size(whole.min + at, size);
-        let traces = &mut state.traces[one.graph as usize];
-        clicked = draw(ui, rect, (one, key.0), traces, model.selection).or(clicked);
+        let mut inner = ui.new_child(UiBuilder::new().id_salt(place).max_rect(rect));
+        let input = PlotInput {
+            name: &format!("Live: {}", one.graph.title()),
+            id: Id::unique(("live scope", one.graph as u8)),
+            figure: &one.figure,
+            generation: key.0.unsigned_abs(),
+            whole: [[-SPAN_S, 0.0], one.y],
+            selection: model.selection,
+            size,
+            link: Some(Id::unique("live scope")),
+            is_docked: false,
+        };
+        state.views[one.graph as usize].show(&mut inner, &input);
     }
     ui.advance_cursor_after_rect(whole);
-    if let Some(cable) = clicked {
-        outbox.send(ViewCommand::Select(model.selection.with_cable(cable)));
-    }
 }
 
 /// What goes on, and the choice of a graph where there is no room for all.
@@ -139,75 +147,12 @@ fn head(ui: &mut Ui, model: &Model, (fits_all, graphs): (bool, &[Shown]), chosen
     });
 }
 
-/// Draws a graph of a moment; gives the cable whose number was clicked.
-fn draw(
-    ui: &mut Ui,
-    rect: Rect,
-    (shown, moment): (&Shown, i64),
-    traces: &mut Traces,
-    selection: Selection,
-) -> Option<usize> {
-    let Shown {
-        graph,
-        figure,
-        bare,
-        y,
-    } = shown;
-    let mut inner = ui.new_child(UiBuilder::new().id_salt(*graph as u8).max_rect(rect));
-    let (whole, response) = inner.allocate_exact_size(rect.size(), Sense::click());
-    let name = format!("Live: {}", graph.title());
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
-    let painter = inner.painter_at(whole);
-    let view = [[-SPAN_S, 0.0], *y];
-    let inside = whole.shrink2(vec2(GRID, 0.5 * GRID));
-    let layout = Layout::new(figure, view, inside, &text_width(&painter));
-    let scale = layout.scale;
-    let pixels_per_point = ui.ctx().pixels_per_point();
-    let colours = colours(theme::of(ui));
-    let key = (moment, selection.cable, scale, pixels_per_point, ui.theme());
-    let picture = traces.get(key, || {
-        let most = ui.input(|input| input.max_texture_side);
-        let picture = picture_of(&scale, &figure.curves, &colours, (pixels_per_point, most))?;
-        Some(PictureTexture::new(ui.ctx(), picture))
-    });
-    let figure = if picture.is_some() { bare } else { figure };
-    let plot = Plot {
-        figure,
-        layout: &layout,
-        seen: &VisiblePoints::new(figure, &scale, selection, pixels_per_point),
-        selection,
-        colours: &colours,
-    };
-    let mut screen = Screen::new(painter);
-    plot.draw_behind(&mut screen);
-    if let Some(PictureTexture { texture, rect }) = picture {
-        screen.picture(texture.id(), *rect);
-    }
-    plot.draw_before(&mut screen);
-    drop(screen);
-    let at = response
-        .interact_pointer_pos()
-        .filter(|_| response.clicked())?;
-    let entry = layout.legend.iter().find(|entry| entry.rect.contains(at))?;
-    entry.cable
-}
-
 /// The graphs that a robot has readings for.
 fn graphs(scope: &Scope, cable: Option<usize>) -> Vec<Shown> {
     let graphs = Graph::ALL.map(|graph| {
         let figure = figure(scope, graph, cable);
-        let mut bare = figure.clone();
-        // Their names stay, for the legend.
-        for curve in &mut bare.curves {
-            curve.points.clear();
-        }
         let y = along_y(graph, &figure);
-        Shown {
-            graph,
-            figure,
-            bare,
-            y,
-        }
+        Shown { graph, figure, y }
     });
     let has_readings = |shown: &Shown| shown.figure.curves.iter().any(|c| !c.points.is_empty());
     graphs.into_iter().filter(has_readings).collect()
@@ -274,12 +219,11 @@ fn cables(
             _ => Ink::Cable(index),
         };
         let points = line(scope.extents(channel(index)), |value| value);
-        figure.curves.push(curve("", ink, points));
+        let name = scope.names().nth(index).unwrap_or_default();
+        figure
+            .curves
+            .push(curve(&cable_label(index, name), ink, points));
     }
-    // Without points, for the legend.
-    let names = scope.names().enumerate();
-    let series = names.map(|(k, name)| Series::of_cable(k, cable_label(k, name), Vec::new()));
-    figure.series.extend(series);
 }
 
 fn curve(name: &str, ink: Ink, points: Vec<[f64; 2]>) -> Curve {

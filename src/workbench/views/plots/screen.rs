@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, TextureId};
+use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape};
 use tautline_workflow::plot::draw::TEXT;
 use tautline_workflow::plot::{Canvas, Colours, Stroke};
 
-use super::straighten::straightened;
 use crate::theme::Palette;
 
 /// Colours of plots in a theme.
@@ -35,14 +34,12 @@ pub fn text_width(painter: &Painter) -> impl Fn(&str) -> f32 + '_ {
     }
 }
 
-/// By how much a line on the screen may differ from that of all its points (pixels).
-const TOLERANCE: f32 = 0.3;
-
 /// The screen. Rectangles that follow each other are one mesh: heat maps and dense data have thousands.
 pub struct Screen {
     painter: Painter,
     whole: Rect,
     rects: Mesh,
+    shapes: Vec<Shape>,
 }
 
 impl Screen {
@@ -53,28 +50,37 @@ impl Screen {
             whole: painter.clip_rect(),
             painter,
             rects: Mesh::default(),
+            shapes: Vec::new(),
         }
     }
 
-    /// A picture that fills a rectangle.
-    pub fn picture(&mut self, texture: TextureId, rect: Rect) {
-        let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-        self.flushed().image(texture, rect, whole, Color32::WHITE);
+    /// The shapes so far, instead of painting them.
+    pub fn into_shapes(mut self) -> Vec<Shape> {
+        self.end_mesh();
+        std::mem::take(&mut self.shapes)
     }
 
-    /// The painter, once the rectangles so far are painted.
-    fn flushed(&mut self) -> &mut Painter {
+    fn end_mesh(&mut self) {
         if !self.rects.is_empty() {
             let rects = std::mem::take(&mut self.rects);
-            self.painter.add(Shape::Mesh(Arc::new(rects)));
+            self.shapes.push(Shape::Mesh(Arc::new(rects)));
         }
-        &mut self.painter
+    }
+
+    fn add(&mut self, shape: impl Into<Shape>) {
+        self.end_mesh();
+        self.shapes.push(shape.into());
+    }
+
+    fn paint(&mut self) {
+        self.end_mesh();
+        self.painter.extend(self.shapes.drain(..));
     }
 }
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        self.flushed();
+        self.paint();
     }
 }
 
@@ -84,8 +90,9 @@ fn stroke(stroke: Stroke) -> egui::Stroke {
 
 impl Canvas for Screen {
     fn clip(&mut self, part: Option<Rect>) {
+        self.paint();
         let part = part.map_or(self.whole, |part| part.intersect(self.whole));
-        self.flushed().set_clip_rect(part);
+        self.painter.set_clip_rect(part);
     }
 
     fn fill(&mut self, rect: Rect, colour: Color32) {
@@ -93,30 +100,32 @@ impl Canvas for Screen {
     }
 
     fn line(&mut self, places: &[Pos2], line: Stroke, dashed: bool) {
-        let (painter, line) = (self.flushed(), stroke(line));
+        let line = stroke(line);
         if dashed {
-            painter.extend(Shape::dashed_line(places, line, 5.0, 4.0));
+            self.end_mesh();
+            self.shapes
+                .extend(Shape::dashed_line(places, line, 5.0, 4.0));
         } else {
-            let tolerance = TOLERANCE / painter.pixels_per_point();
-            painter.line(straightened(places, tolerance), line);
+            self.add(Shape::line(places.to_vec(), line));
         }
     }
 
     fn polygon(&mut self, corners: Vec<Pos2>, colour: Color32) {
-        self.flushed()
-            .add(Shape::convex_polygon(corners, colour, egui::Stroke::NONE));
+        self.add(Shape::convex_polygon(corners, colour, egui::Stroke::NONE));
     }
 
     fn disc(&mut self, centre: Pos2, radius: f32, colour: Color32) {
-        self.flushed().circle_filled(centre, radius, colour);
+        self.add(Shape::circle_filled(centre, radius, colour));
     }
 
     fn ring(&mut self, centre: Pos2, radius: f32, line: Stroke) {
-        self.flushed().circle_stroke(centre, radius, stroke(line));
+        self.add(Shape::circle_stroke(centre, radius, stroke(line)));
     }
 
     fn text(&mut self, at: Pos2, align: Align2, text: &str, size: f32, colour: Color32) {
-        self.flushed()
-            .text(at, align, text, FontId::proportional(size), colour);
+        let font = FontId::proportional(size);
+        let galley = self.painter.layout_no_wrap(text.to_owned(), font, colour);
+        let rect = align.anchor_size(at, galley.size());
+        self.add(Shape::galley(rect.min, galley, colour));
     }
 }

@@ -1,31 +1,13 @@
-//! Small plots for panels: fixed height, no zoom; labels under the pointer, clicks select.
+//! Plots in panels: fixed height, zoomed by Ctrl and the wheel, by a box or by their axes; a click selects.
 
-use egui::{Rect, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{Ui, vec2};
+use tautline_workflow::plot::Figure;
 
-use tautline_workflow::plot::{Figure, Layout, Plot, VisiblePoints};
-
-use super::hit::{nearest, selects, words};
-use super::screen::{Screen, colours, text_width};
+use super::view::{PlotEvent, PlotInput, PlotView};
 use crate::model::Selection;
-use crate::theme;
 
-/// Draws a figure over the whole width of a panel, `height` points high; `name` is its accessible name. Gives what a
-/// click on a point selects: its cable and pose, where it has them.
-///
-/// ```text
-/// let figure = Figure {
-///     x: Axis::new("Length", "m"),
-///     y: Axis::new("Residual", "mm"),
-///     series: vec![Series::of_cable(0, "cable-1", points)],
-///     bands: vec![Band { name: "within 0.1 mm".into(), y: [-0.1, 0.1] }],
-///     curves: vec![Curve { name: "fit".into(), ink: Ink::Text, dashed: false, points: line }],
-///     has_zero_line: true,
-///     ..Figure::default()
-/// };
-/// if let Some(selection) = small::show(ui, "Residuals of winch 1", &figure, 160.0, state.selection) {
-///     state.outbox.send(ViewCommand::Select(selection));
-/// }
-/// ```
+/// Draws a figure over the whole width of a panel, `height` points high; `name` is its accessible name. Returns the cable
+/// and pose of a clicked point.
 pub fn show(
     ui: &mut Ui,
     name: &str,
@@ -33,39 +15,34 @@ pub fn show(
     height: f32,
     selection: Selection,
 ) -> Option<Selection> {
-    let size = vec2(ui.available_width(), height);
-    let (whole, response) = ui.allocate_exact_size(size, Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
-    if !ui.is_rect_visible(whole) {
-        return None;
-    }
-    let painter = ui.painter_at(whole);
-    let layout = Layout::new(figure, figure.whole(), inside(whole), &text_width(&painter));
-    let scale = &layout.scale;
-    let plot = Plot {
+    let id = ui.make_persistent_id(name);
+    let kept = ui.data(|data| data.get_temp::<std::sync::Arc<egui::mutex::Mutex<PlotView>>>(id));
+    let view = kept.unwrap_or_default();
+    let input = PlotInput {
+        name,
+        id: id.with("plot"),
         figure,
-        layout: &layout,
-        seen: &VisiblePoints::new(figure, scale, selection, ui.ctx().pixels_per_point()),
+        generation: ui.ctx().cumulative_pass_nr(),
+        whole: figure.whole(),
         selection,
-        colours: &colours(theme::of(ui)),
+        size: vec2(ui.available_width(), height),
+        link: None,
+        is_docked: false,
     };
-    plot.draw(&mut Screen::new(painter));
-    let hit = nearest(figure, scale, response.hover_pos()?, selection)?;
-    let clicked = response.clicked();
-    response.on_hover_text_at_pointer(words(figure, hit, scale));
-    clicked.then(|| selects(figure, hit))
+    let output = view.lock().show(ui, &input);
+    ui.data_mut(|data| data.insert_temp(id, view));
+    output.events.into_iter().find_map(|event| match event {
+        PlotEvent::Selected(selection) if !selection.is_empty() => Some(selection),
+        _ => None,
+    })
 }
-
-fn inside(whole: Rect) -> Rect {
-    whole.shrink2(vec2(1.0, 2.0))
-}
-
 #[cfg(test)]
 mod tests {
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
 
     use super::*;
+    use crate::theme;
     use tautline_workflow::plot::figure::{Axis, Band, Curve, Ink, Point, Series};
 
     fn figure() -> Figure {
@@ -98,19 +75,20 @@ mod tests {
         let mut harness = Harness::builder()
             .with_size(vec2(320.0, 180.0))
             .build_ui_state(
-                |ui, clicked: &mut Option<Selection>| {
+                |ui, (clicked, id): &mut (Option<Selection>, Option<egui::Id>)| {
                     theme::install(ui.ctx());
+                    *id = Some(ui.make_persistent_id("Winch 3").with("plot"));
                     let found = show(ui, "Winch 3", &figure(), 160.0, Selection::default());
                     *clicked = found.or(*clicked);
                 },
-                None,
+                (None, None),
             );
         harness.run();
         let rect = harness.get_by_label("Winch 3").rect();
-        let width = |text: &str| 6.0 * text.len() as f32;
-        let layout = Layout::new(&figure(), figure().whole(), inside(rect), &width);
-        let scale = layout.scale;
-        assert!(rect.contains_rect(scale.rect), "{layout:?} in {rect:?}");
+        let id = harness.state().1.expect("drawn");
+        let memory = egui_plot::PlotMemory::load(&harness.ctx, id).expect("drawn");
+        let scale = super::super::view::scale_of(&memory.transform());
+        assert!(rect.contains_rect(scale.rect), "{scale:?} in {rect:?}");
         let place = scale.place(2.0, -0.05);
         harness.hover_at(place);
         harness.drag_at(place);
@@ -120,6 +98,6 @@ mod tests {
             cable: Some(2),
             pose: Some(2),
         };
-        assert_eq!(*harness.state(), Some(expected));
+        assert_eq!(harness.state().0, Some(expected));
     }
 }

@@ -14,7 +14,7 @@ use tautline_core::diagnosis::Quantity;
 use tautline_core::measurement::Variable;
 use tautline_session::{PlotArea, Plots};
 
-use super::{Choice, PlotState, Tab};
+use super::{Choice, PLOTS, PlotOptions, PlotState, scope, sources};
 use crate::model::command::Outbox;
 use crate::model::part::Part;
 use crate::model::plot_preparation::Preparation;
@@ -42,9 +42,6 @@ pub struct Panes {
     known: Plots,
 }
 
-/// What plots show along x, if not everything.
-type Along = BTreeMap<PlotId, Option<[f64; 2]>>;
-
 impl Default for Panes {
     fn default() -> Self {
         Self::of(&Plots::default())
@@ -57,7 +54,7 @@ impl Panes {
     pub fn of(plots: &Plots) -> Self {
         let detached = plots.detached.iter().filter_map(|name| PlotId::named(name));
         let detached: BTreeSet<PlotId> = detached.collect();
-        let mut all: BTreeSet<PlotId> = Tab::ALL.map(PlotId::first).into();
+        let mut all: BTreeSet<PlotId> = PLOTS.map(PlotId::first).into();
         all.extend(&detached);
         all.extend(plots.area.iter().flat_map(named));
         let docked: Vec<PlotId> = all.difference(&detached).copied().collect();
@@ -70,7 +67,7 @@ impl Panes {
             ),
             single: tree::tree("plots in one place", &usual, &docked),
             detached,
-            plots: all.iter().map(|id| (*id, PlotState::of(id.tab))).collect(),
+            plots: all.iter().map(|id| (*id, PlotState::of(*id))).collect(),
             before_scope: [None; 2],
             known: Plots::default(),
         };
@@ -110,10 +107,10 @@ impl Panes {
     /// Shows residuals of a kind of reading along a variable: in a plot that shows such already, or in the first.
     pub fn show_along(&mut self, quantity: Quantity, cable: Option<usize>, variable: Variable) {
         let mut shown = tree::shown(&self.docked).into_iter();
-        let shown = shown.find(|id| id.tab == Tab::Variable);
-        let id = shown.unwrap_or(PlotId::first(Tab::Variable));
+        let shown = shown.find(|id| id.kind == &sources::variable::PLOT);
+        let id = shown.unwrap_or(PlotId::first(&sources::variable::PLOT));
         if let Some(plot) = self.plots.get_mut(&id) {
-            plot.choice = Some(Choice {
+            plot.options.choice = Some(Choice {
                 quantity,
                 cable,
                 variable,
@@ -129,7 +126,7 @@ impl Panes {
 
     /// Shows the live scope, unless it is shown already.
     pub fn show_scope(&mut self) {
-        let scope = PlotId::first(Tab::Scope);
+        let scope = PlotId::first(&scope::PLOT);
         let before = self.bring_forward(scope);
         for (kept, before) in self.before_scope.iter_mut().zip(before) {
             *kept = before.filter(|id| *id != scope).or(*kept);
@@ -138,7 +135,7 @@ impl Panes {
 
     /// Where the scope came by itself, the plot that was there before comes back.
     pub fn leave_scope(&mut self) {
-        let scope = PlotId::first(Tab::Scope);
+        let scope = PlotId::first(&scope::PLOT);
         let before = std::mem::take(&mut self.before_scope);
         for (tree, before) in [&mut self.docked, &mut self.single].into_iter().zip(before) {
             if let Some(before) = before.filter(|_| tree::shown(tree).contains(&scope)) {
@@ -147,48 +144,18 @@ impl Panes {
         }
     }
 
-    /// The range along x of a plot, with the title of its axis.
+    /// The range along x of the first plot of a kind, given by its name, with the title of its axis.
     #[must_use]
-    pub fn range(&mut self, tab: Tab) -> Option<(String, [f64; 2])> {
-        let (title, panel) = self.plots.get_mut(&PlotId::first(tab))?.along()?;
-        Some((title, panel.drawn.as_ref()?.scale.view[0]))
+    pub fn range(&self, kind: &str) -> Option<(String, [f64; 2])> {
+        let plot = self.plots.get(&PlotId::named(kind)?)?;
+        let (_, figure) = plot.figure.as_ref()?;
+        Some((figure.x.title(), plot.view.drawn?.scale.view[0]))
     }
 
     /// How many plots stand above each other.
     #[must_use]
     pub fn rows(&self) -> usize {
         tree::area(&self.docked).map_or(1, |area| rows(&area))
-    }
-
-    /// What all plots show along x.
-    fn along(&mut self) -> Along {
-        let range = |(id, plot): (&PlotId, &mut PlotState)| {
-            (*id, plot.along().and_then(|(_, panel)| panel.along()))
-        };
-        self.plots.iter_mut().map(range).collect()
-    }
-
-    /// Lets the others follow the plot whose range along x has just been changed.
-    fn link(&mut self, before: &Along) {
-        let now = self.along();
-        let changed = now
-            .iter()
-            .find(|(id, range)| before.get(*id) != Some(*range));
-        let Some((from, range)) = changed else {
-            return;
-        };
-        let title = self.plots.get_mut(from).and_then(PlotState::along);
-        let Some(title) = title.map(|(title, _)| title) else {
-            return;
-        };
-        for (id, plot) in &mut self.plots {
-            if let Some((other, panel)) = plot.along()
-                && id != from
-                && other == title
-            {
-                panel.follow(*range);
-            }
-        }
     }
 
     fn apply(&mut self, wish: Wish) {
@@ -204,12 +171,16 @@ impl Panes {
                 let free = (1..u8::MAX).map(|copy| PlotId { copy, ..of });
                 let mut free = free.filter(|id| !self.plots.contains_key(id));
                 if let Some(id) = free.next() {
-                    let choice = self.plots.get(&of).and_then(|plot| plot.choice);
+                    let choice = self.plots.get(&of).and_then(|plot| plot.options.choice);
                     let preparation = self.plots.get(&of).and_then(|p| p.preparation.clone());
-                    let plot = PlotState {
+                    let options = PlotOptions {
                         choice,
+                        ..PlotOptions::default()
+                    };
+                    let plot = PlotState {
+                        options,
                         preparation,
-                        ..PlotState::of(id.tab)
+                        ..PlotState::of(id)
                     };
                     self.plots.insert(id, plot);
                     self.dock(id);
@@ -264,7 +235,7 @@ fn rows(area: &PlotArea) -> usize {
 fn restore(area: &mut PlotArea, plot: PlotId) {
     match area {
         PlotArea::Tabs { plots, shown } => {
-            if shown.as_deref() == Some(Tab::Scope.name()) && plots.contains(&plot.name()) {
+            if shown.as_deref() == Some(scope::PLOT.id) && plots.contains(&plot.name()) {
                 *shown = Some(plot.name());
             }
         }
@@ -292,7 +263,6 @@ pub fn show(
     for plot in panes.plots.values_mut() {
         plot.settle(open);
     }
-    let before = panes.along();
     let mut dock = Dock {
         model,
         open,
@@ -311,7 +281,7 @@ pub fn show(
         empty(ui, "All plots are in windows of their own.");
     } else {
         let dragged = tree.dragged_id(ui.ctx());
-        let places = tree::stand_in(tree, |tab| tab.missing(open).is_none());
+        let places = tree::stand_in(tree, |kind| (kind.missing)(open).is_none());
         tree.ui(&mut dock, ui);
         tree::stand_back(tree, &places);
         if let Some(dragged) = dragged.filter(|_| ui.input(|input| input.pointer.any_released())) {
@@ -322,7 +292,6 @@ pub fn show(
     if let Some(wish) = dock.wish {
         panes.apply(wish);
     }
-    panes.link(&before);
 }
 
 #[cfg(test)]
@@ -334,22 +303,25 @@ mod tests {
         let mut panes = Panes::default();
         panes.show_scope();
         assert_eq!(panes.changed(), None);
-        assert_eq!(tree::shown(&panes.docked), [PlotId::first(Tab::Scope)]);
+        assert_eq!(tree::shown(&panes.docked), [PlotId::first(&scope::PLOT)]);
         panes.leave_scope();
-        assert_eq!(tree::shown(&panes.docked), [PlotId::first(Tab::Residuals)]);
+        assert_eq!(
+            tree::shown(&panes.docked),
+            [PlotId::first(&sources::residuals::PLOT)]
+        );
         assert_eq!(panes.changed(), None);
     }
 
     #[test]
     fn an_arrangement_is_restored_with_copies_and_detached_plots() {
         let mut panes = Panes::default();
-        let variable = PlotId::first(Tab::Variable);
+        let variable = PlotId::first(&sources::variable::PLOT);
         panes.apply(Wish::Another(variable));
         assert_eq!(panes.rows(), 1);
         panes.apply(Wish::Arrange(Preset::Four));
         assert_eq!(panes.rows(), 2);
         panes.apply(Wish::Arrange(Preset::Two));
-        panes.apply(Wish::Detach(PlotId::first(Tab::Laser)));
+        panes.apply(Wish::Detach(PlotId::first(&sources::laser::PLOT)));
         let kept = panes.changed().expect("it has changed");
         assert_eq!(kept.detached, ["laser"]);
         let mut restored = Panes::of(&kept);
@@ -360,7 +332,7 @@ mod tests {
             ..variable
         };
         assert!(restored.plots.contains_key(&copy));
-        restored.dock(PlotId::first(Tab::Laser));
+        restored.dock(PlotId::first(&sources::laser::PLOT));
         restored.apply(Wish::Close(copy));
         assert!(!restored.plots.contains_key(&copy) && restored.detached.is_empty());
     }

@@ -1,12 +1,12 @@
 //! Which plot is meant: there can be several that show the same.
 
-use super::super::Tab;
+use super::super::{PlotKind, find};
 
 /// A plot among all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PlotId {
     /// What it shows.
-    pub tab: Tab,
+    pub kind: &'static PlotKind,
     /// Counts plots that show the same.
     pub copy: u8,
 }
@@ -14,29 +14,29 @@ pub struct PlotId {
 impl PlotId {
     /// The only one of its kind, or the first.
     #[must_use]
-    pub fn first(tab: Tab) -> Self {
-        Self { tab, copy: 0 }
+    pub fn first(kind: &'static PlotKind) -> Self {
+        Self { kind, copy: 0 }
     }
 
     /// What preferences call it.
     #[must_use]
     pub fn name(self) -> String {
         match self.copy {
-            0 => self.tab.name().to_owned(),
-            copy => format!("{} {}", self.tab.name(), u32::from(copy) + 1),
+            0 => self.kind.id.to_owned(),
+            copy => format!("{} {}", self.kind.id, u32::from(copy) + 1),
         }
     }
 
     /// The plot that preferences call so.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        if let Some(tab) = Tab::named(name) {
-            return Some(Self::first(tab));
+        if let Some(kind) = find(name) {
+            return Some(Self::first(kind));
         }
         let (name, number) = name.rsplit_once(' ')?;
         let copy = number.parse::<u8>().ok()?.checked_sub(1)?;
         Some(Self {
-            tab: Tab::named(name)?,
+            kind: find(name)?,
             copy,
         })
     }
@@ -45,8 +45,8 @@ impl PlotId {
     #[must_use]
     pub fn title(self) -> String {
         match self.copy {
-            0 => self.tab.title().to_owned(),
-            copy => format!("{} {}", self.tab.title(), u32::from(copy) + 1),
+            0 => self.kind.title.to_owned(),
+            copy => format!("{} {}", self.kind.title, u32::from(copy) + 1),
         }
     }
 }
@@ -54,12 +54,13 @@ impl PlotId {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::views::plots::PLOTS;
 
     #[test]
     fn names_of_plots_read_back() {
         for copy in [0, 1, 9] {
-            for tab in Tab::ALL {
-                let id = PlotId { tab, copy };
+            for kind in PLOTS {
+                let id = PlotId { kind, copy };
                 assert_eq!(PlotId::named(&id.name()), Some(id));
             }
         }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
-use super::super::{PlotState, Tab, pane};
+use super::super::{PlotState, pane, sources};
 use super::PlotId;
 use super::tree::Preset;
 use crate::model::command::{Outbox, ViewCommand};
@@ -97,7 +97,8 @@ impl Dock<'_> {
             self.wish = Some(Wish::Detach(plot));
             ui.close();
         }
-        if plot.tab == Tab::Variable && ui.button("Another plot by variable").clicked() {
+        if plot.kind == &sources::variable::PLOT && ui.button("Another plot by variable").clicked()
+        {
             self.wish = Some(Wish::Another(plot));
             ui.close();
         }
@@ -112,7 +113,7 @@ impl Dock<'_> {
         let button = icon_only(ui, icons::ICON_EXPAND_MORE, "More plots", true);
         Popup::menu(&button).show(|ui| {
             for plot in hidden.iter().filter_map(|tile| tiles.get_pane(tile)) {
-                let missing = plot.tab.missing(self.open);
+                let missing = (plot.kind.missing)(self.open);
                 let entry = ui.add_enabled(missing.is_none(), Button::new(plot.title()));
                 if entry.clicked() {
                     self.wish = Some(Wish::Show(*plot));
@@ -145,7 +146,7 @@ impl Behavior<PlotId> for Dock<'_> {
         let state = self
             .plots
             .entry(*plot)
-            .or_insert_with(|| PlotState::of(plot.tab));
+            .or_insert_with(|| PlotState::of(*plot));
         ui.add_space(0.5 * GRID);
         pane(ui, self.model, state, self.hovered, self.outbox);
         UiResponse::None
@@ -167,7 +168,7 @@ impl Behavior<PlotId> for Dock<'_> {
         let Some(plot) = plot.filter(|_| !self.hidden.contains(&tile)) else {
             return ui.allocate_response(Vec2::ZERO, Sense::hover());
         };
-        let missing = plot.tab.missing(self.open);
+        let missing = (plot.kind.missing)(self.open);
         let is_enabled = missing.is_none();
         let galley = galley(ui, plot);
         let size = vec2(width(ui, plot), ui.available_height());

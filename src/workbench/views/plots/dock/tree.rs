@@ -6,14 +6,19 @@ use egui::Id;
 use egui_tiles::{Container, ContainerKind, Linear, LinearDir, Tabs, Tile, TileId, Tiles};
 use tautline_session::{PlotArea, PlotShare};
 
-use super::super::Tab;
+use super::super::{PlotKind, scope, sources};
 use super::PlotId;
 
 /// Areas of plots.
 pub type Tree = egui_tiles::Tree<PlotId>;
 
 /// Plots that are seen first, from the upper left.
-const FIRST: [Tab; 4] = [Tab::Residuals, Tab::Tensions, Tab::Variable, Tab::Laser];
+static FIRST: [&PlotKind; 4] = [
+    &sources::residuals::PLOT,
+    &sources::tensions::PLOT,
+    &sources::variable::PLOT,
+    &sources::laser::PLOT,
+];
 
 /// An arrangement to begin with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,14 +51,14 @@ impl Preset {
             Self::Two => 2,
             Self::Four => 4,
         };
-        let first = FIRST[..count].iter().map(|tab| PlotId::first(*tab));
+        let first = FIRST[..count].iter().map(|kind| PlotId::first(kind));
         let first: Vec<PlotId> = first.filter(|plot| plots.contains(plot)).collect();
         let mut places: Vec<Vec<PlotId>> = first.iter().map(|plot| vec![*plot]).collect();
         places.resize(count, Vec::new());
         // The scope comes by itself: it is the first of the others.
         let mut others: Vec<PlotId> = plots.to_vec();
         others.retain(|plot| !first.contains(plot));
-        others.sort_by_key(|plot| plot.tab != Tab::Scope);
+        others.sort_by_key(|plot| plot.kind != &scope::PLOT);
         for (k, plot) in others.into_iter().enumerate() {
             places[k % count].push(plot);
         }
@@ -170,17 +175,21 @@ pub type StandIn = (TileId, TileId, TileId);
 
 /// Lets other plots be seen where those in front have nothing to show: the residuals, which say how to get there, or the
 /// first that has something to show. The live scope, which always has, comes by itself.
-pub fn stand_in(tree: &mut Tree, has_data: impl Fn(Tab) -> bool) -> Vec<StandIn> {
+pub fn stand_in(tree: &mut Tree, has_data: impl Fn(&'static PlotKind) -> bool) -> Vec<StandIn> {
     let instead = |tabs: &Tabs| {
-        let plot = |tile: &TileId| tree.tiles.get_pane(tile).map(|plot| plot.tab);
+        let plot = |tile: &TileId| tree.tiles.get_pane(tile).map(|plot| plot.kind);
         let chosen = tabs.active?;
-        if plot(&chosen).is_none_or(|tab| tab == Tab::Residuals || has_data(tab)) {
+        if plot(&chosen).is_none_or(|kind| kind == &sources::residuals::PLOT || has_data(kind)) {
             return None;
         }
         let others = tabs.children.iter();
-        let others: Vec<(TileId, Tab)> = others.filter_map(|t| Some((*t, plot(t)?))).collect();
-        let residuals = others.iter().find(|(_, tab)| *tab == Tab::Residuals);
-        let shows = |(_, tab): &&(TileId, Tab)| *tab != Tab::Scope && has_data(*tab);
+        let others: Vec<(TileId, &'static PlotKind)> =
+            others.filter_map(|t| Some((*t, plot(t)?))).collect();
+        let residuals = others
+            .iter()
+            .find(|(_, kind)| *kind == &sources::residuals::PLOT);
+        let shows =
+            |(_, kind): &&(TileId, &'static PlotKind)| *kind != &scope::PLOT && has_data(kind);
         let (seen, _) = residuals.or_else(|| others.iter().find(shows))?;
         Some((chosen, *seen))
     };
@@ -298,7 +307,7 @@ mod tests {
     use super::*;
 
     fn all() -> Vec<PlotId> {
-        Tab::ALL.map(PlotId::first).to_vec()
+        PLOTS.map(PlotId::first).to_vec()
     }
 
     #[test]
@@ -330,25 +339,25 @@ mod tests {
     fn a_plot_without_data_is_replaced_until_it_has_some() {
         let one = Preset::One.area(&all());
         let mut tree = tree("test", &one, &all());
-        let external = PlotId::first(Tab::External);
+        let external = PlotId::first(&sources::external::PLOT);
         bring_forward(&mut tree, external);
         let chosen = area(&tree);
-        let places = stand_in(&mut tree, |tab| tab != Tab::External);
-        assert_eq!(shown(&tree), [PlotId::first(Tab::Residuals)]);
+        let places = stand_in(&mut tree, |kind| kind != &sources::external::PLOT);
+        assert_eq!(shown(&tree), [PlotId::first(&sources::residuals::PLOT)]);
         stand_back(&mut tree, &places);
         assert_eq!(area(&tree), chosen, "preferences keep what was chosen");
         assert!(stand_in(&mut tree, |_| true).is_empty());
         // Without the residuals the first that has data; what is chosen meanwhile stays.
-        remove(&mut tree, PlotId::first(Tab::Residuals));
-        let places = stand_in(&mut tree, |tab| {
-            [Tab::Elongation, Tab::Scope].contains(&tab)
+        remove(&mut tree, PlotId::first(&sources::residuals::PLOT));
+        let places = stand_in(&mut tree, |kind| {
+            [&sources::elongation::PLOT, &scope::PLOT].contains(&kind)
         });
-        assert_eq!(shown(&tree), [PlotId::first(Tab::Elongation)]);
-        bring_forward(&mut tree, PlotId::first(Tab::Scope));
+        assert_eq!(shown(&tree), [PlotId::first(&sources::elongation::PLOT)]);
+        bring_forward(&mut tree, PlotId::first(&scope::PLOT));
         stand_back(&mut tree, &places);
-        assert_eq!(shown(&tree), [PlotId::first(Tab::Scope)]);
+        assert_eq!(shown(&tree), [PlotId::first(&scope::PLOT)]);
         bring_forward(&mut tree, external);
-        assert!(stand_in(&mut tree, |tab| tab == Tab::Scope).is_empty());
+        assert!(stand_in(&mut tree, |kind| kind == &scope::PLOT).is_empty());
     }
 
     #[test]
@@ -377,7 +386,7 @@ mod tests {
             })
             .collect();
         assert_eq!(plots.len(), 2);
-        assert_eq!(plots[0].len() + plots[1].len(), Tab::ALL.len());
+        assert_eq!(plots[0].len() + plots[1].len(), PLOTS.len());
         assert_eq!(
             (plots[0][0].as_str(), plots[1][0].as_str()),
             ("laser", "residuals")

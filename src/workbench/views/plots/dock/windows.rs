@@ -23,7 +23,6 @@ pub fn show_detached(
     let Some(open) = &model.open else {
         return;
     };
-    let before = panes.along();
     for id in panes.detached.clone() {
         let Some(plot) = panes.plots.get_mut(&id) else {
             continue;
@@ -58,7 +57,6 @@ pub fn show_detached(
             panes.dock(id);
         }
     }
-    panes.link(&before);
     // What is being dragged is kept once it is let go.
     if !ui.input(|input| input.pointer.any_down())
         && let Some(plots) = panes.changed()

@@ -3,9 +3,21 @@
 use tautline_core::estimation::Observation;
 
 use crate::model::plot_preparation::Prepared;
+use crate::views::plots::kind::{Content, PlotKind, no_options};
 use tautline_workflow::identification::{Identification, all_readings};
 use tautline_workflow::plot::figure::{Axis, Columns, Curve, Figure, Ink};
 use tautline_workflow::plot::histogram;
+
+pub(crate) static PLOT: PlotKind = PlotKind {
+    id: "before-after",
+    title: "Before and after",
+    missing: |open| {
+        let is_missing = open.diagnosis().is_none();
+        is_missing.then_some("Residuals before and after appear here after a diagnosis.")
+    },
+    options: no_options,
+    content: Content::Figure(|source| Ok(figure(source.prepared()?))),
+};
 
 /// Half of the width that is shown (standard deviations); what is beyond counts in the outermost columns.
 const MOST: f64 = 6.0;
@@ -23,7 +35,7 @@ pub fn figure(prepared: &Prepared) -> Figure {
         columns.push(after);
     }
     Figure {
-        x: Axis::new("Residual (outermost bins: beyond 6)", "standard deviations"),
+        x: Axis::new("Residual (ends: beyond 6)", "standard deviations"),
         y: Axis::new("Density", ""),
         columns,
         curves: vec![Curve {

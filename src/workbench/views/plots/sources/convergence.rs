@@ -1,7 +1,19 @@
 //! Chi-square after each step of an identification.
 
+use crate::views::plots::kind::{Content, PlotKind, no_options};
 use tautline_workflow::identification::Identification;
 use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
+
+pub(crate) static PLOT: PlotKind = PlotKind {
+    id: "convergence",
+    title: "Convergence",
+    missing: |open| {
+        let has_steps = open.fit().is_some_and(|fit| !fit.steps.is_empty());
+        (!has_steps).then_some("The convergence of the identification appears here.")
+    },
+    options: no_options,
+    content: Content::Figure(|source| Ok(figure(source.fit()?))),
+};
 
 /// The way of a fit to its solution.
 #[must_use]

@@ -2,8 +2,23 @@
 
 use tautline_core::estimation::{Parameter, ParameterId};
 
+use crate::views::plots::kind::{Content, PlotKind, no_options};
 use tautline_workflow::identification::Identification;
 use tautline_workflow::plot::figure::{Axis, ColourScale, Figure, HeatMap};
+
+pub(crate) static PLOT: PlotKind = PlotKind {
+    id: "correlation",
+    title: "Correlation",
+    missing: |open| match open.fit() {
+        Some(fit) if fit.solution.covariance.is_some() => None,
+        Some(_) => {
+            Some("The readings do not determine all parameters, so there are no correlations.")
+        }
+        None => Some("Correlations of the parameters appear here after identification."),
+    },
+    options: no_options,
+    content: Content::Figure(|source| Ok(figure(source.fit()?))),
+};
 
 /// Cable that a parameter belongs to.
 fn cable_of(parameter: &Parameter) -> Option<usize> {

@@ -8,6 +8,28 @@ use tautline_session::Session;
 use tautline_workflow::plot::figure::{Axis, Figure, Ink, Marker, Point, Series};
 
 use super::TIME;
+use crate::views::plots::bar::choose;
+use crate::views::plots::kind::{Content, PlotKind};
+
+pub(crate) static PLOT: PlotKind = PlotKind {
+    id: "course",
+    title: "Over time",
+    missing: |open| {
+        let is_missing = !has_times(open.session());
+        is_missing
+            .then_some("Readings over time appear here once a recording in motion is imported.")
+    },
+    options: |ui, plots, open, is_narrow| {
+        let known = Reading::of(open.session());
+        choose(
+            ui,
+            ("Readings", is_narrow),
+            &known,
+            &mut plots.options.course,
+        );
+    },
+    content: Content::Figure(|source| Ok(figure(source.open.session(), source.options.course))),
+};
 
 /// What is shown over time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -53,7 +75,7 @@ const APART_S: f64 = 1.0;
 
 /// Whether readings were recorded over time.
 #[must_use]
-pub fn has_times(session: &Session) -> bool {
+fn has_times(session: &Session) -> bool {
     let times = &session.measurements.time_s;
     let close = times.windows(2).filter(|pair| pair[1] - pair[0] < APART_S);
     2 * close.count() > times.len() && !Reading::of(session).is_empty()

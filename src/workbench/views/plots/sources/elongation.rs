@@ -3,11 +3,40 @@
 use tautline_core::cable::ElongationSurface;
 use tautline_session::Session;
 
+use crate::views::plots::bar::combo;
+use crate::views::plots::kind::{Content, PlotKind};
 use tautline_workflow::plot::contour::contours;
 use tautline_workflow::plot::figure::{
     Axis, ColourScale, Curve, Figure, HeatMap, Ink, Marker, Point, Series,
 };
 use tautline_workflow::plot::scale::{fixed, ticks};
+
+pub(crate) static PLOT: PlotKind = PlotKind {
+    id: "elongation",
+    title: "Elongation",
+    missing: |open| {
+        let is_missing = !has_any(open.session());
+        is_missing
+            .then_some("The elongation of the cables appears here once it is fitted in phase 2.")
+    },
+    options: |ui, plots, open, _| {
+        let cables = open.session().robot.cables.iter().enumerate();
+        let with: Vec<(usize, &str)> = cables
+            .filter(|(_, cable)| cable.cable.elongation_surface.is_some())
+            .map(|(index, cable)| (index, cable.name.as_str()))
+            .collect();
+        if with.len() > 1 {
+            let chosen = plots.options.elongation.unwrap_or(with[0].0);
+            let name = with.iter().find(|(k, _)| *k == chosen);
+            combo(ui, "Cable", name.map_or("", |(_, name)| name), |ui| {
+                for (index, name) in &with {
+                    ui.selectable_value(&mut plots.options.elongation, Some(*index), *name);
+                }
+            });
+        }
+    },
+    content: Content::Figure(|source| Ok(figure(source.open.session(), source.options.elongation))),
+};
 
 /// Cells along each axis.
 const CELLS: usize = 64;
@@ -26,7 +55,7 @@ fn surface(session: &Session, cable: usize) -> Option<&ElongationSurface> {
 
 /// Whether there is anything to show.
 #[must_use]
-pub fn has_any(session: &Session) -> bool {
+fn has_any(session: &Session) -> bool {
     let cables = 0..session.robot.cables.len();
     !session.phases.elongation.is_empty()
         || cables.into_iter().any(|c| surface(session, c).is_some())

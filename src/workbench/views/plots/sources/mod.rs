@@ -5,6 +5,8 @@ pub mod convergence;
 pub mod correlation;
 pub mod course;
 pub mod elongation;
+pub mod external;
+pub mod laser;
 pub mod residuals;
 pub mod tensions;
 pub mod variable;

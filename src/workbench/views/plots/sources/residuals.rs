@@ -1,12 +1,34 @@
-//! Residuals of cable lengths, of the laser and of an external instrument over poses.
+//! Residuals of cable lengths over poses, and what those of other readings share with them.
 
 use std::collections::BTreeSet;
 
+use egui::Ui;
 use tautline_core::estimation::{Observation, ObservationKind};
 
 use super::{POSE, over_pose};
+use crate::model::OpenSession;
+use crate::views::plots::PlotState;
+use crate::views::plots::bar::choose;
+use crate::views::plots::kind::{Content, PlotKind, Source, Unavailable};
 use tautline_workflow::identification::{Identification, RESIDUAL};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
+
+pub(crate) static PLOT: PlotKind = PlotKind {
+    id: "residuals",
+    title: "Residuals",
+    missing: |open| {
+        let is_missing = open.fit().is_none();
+        is_missing.then_some("Residuals of all cables appear here after identification.")
+    },
+    options: choose_unit,
+    content: Content::Figure(|source| {
+        Ok(lengths(
+            source.fit()?,
+            source.options.unit,
+            source.excluded(),
+        ))
+    }),
+};
 
 /// Unit of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -60,7 +82,7 @@ fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
 
 /// Residuals of the lengths of all cables.
 #[must_use]
-pub fn lengths(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
+fn lengths(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
     let cables = &fit.dataset.robot.cables;
     let named = cable_points(fit, unit, excluded)
         .into_iter()
@@ -129,32 +151,12 @@ fn cable_points(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> V
     points
 }
 
-/// Residuals of the laser.
-#[must_use]
-pub fn laser(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
-    let series = [("laser", Ink::Accent, Marker::Circle, ObservationKind::Laser)];
-    of_kinds(fit, unit, excluded, &series)
-}
-
-/// Residuals of positions by an external instrument, along each axis.
-#[must_use]
-pub fn external(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
-    let axis = ObservationKind::TrackerPosition;
-    let series = [
-        ("x", Ink::Accent, Marker::Circle, axis(0)),
-        ("y", Ink::Warning, Marker::Square, axis(1)),
-        ("z", Ink::Good, Marker::Triangle, axis(2)),
-    ];
-    of_kinds(fit, unit, excluded, &series)
-}
-
 /// Residuals of readings of these kinds, each a series of its own.
-fn of_kinds(
-    fit: &Identification,
-    unit: Unit,
-    excluded: &BTreeSet<i64>,
+pub(super) fn of_kinds(
+    source: &Source<'_>,
     kinds: &[(&str, Ink, Marker, ObservationKind)],
-) -> Figure {
+) -> Result<Figure, Unavailable> {
+    let (fit, unit, excluded) = (source.fit()?, source.options.unit, source.excluded());
     let all = &fit.analysis.observations;
     let point = |reading: &Observation| {
         let value = unit.value(reading)?;
@@ -166,5 +168,14 @@ fn of_kinds(
     });
     let is_shown = |reading: &&Observation| kinds.iter().any(|(.., kind)| reading.kind == *kind);
     let band = unit.band(all.iter().filter(is_shown));
-    over_poses(unit, band, series.collect())
+    Ok(over_poses(unit, band, series.collect()))
+}
+
+/// The choice of the unit.
+pub(super) fn choose_unit(ui: &mut Ui, plots: &mut PlotState, _: &OpenSession, is_narrow: bool) {
+    let units = [
+        (Unit::Deviations, "Standard deviations"),
+        (Unit::Millimetres, "Millimetres"),
+    ];
+    choose(ui, ("Unit", is_narrow), &units, &mut plots.options.unit);
 }

@@ -5,8 +5,39 @@ use std::collections::BTreeSet;
 use tautline_core::diagnosis::Quantity;
 
 use super::{POSE, over_pose};
+use crate::views::plots::bar::choose;
+use crate::views::plots::kind::{Content, PlotKind};
 use tautline_workflow::identification::{Identification, RESIDUAL, readings_of};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
+
+pub(crate) static PLOT: PlotKind = PlotKind {
+    id: "tensions",
+    title: "Tensions",
+    missing: |open| {
+        let fit = open.fit();
+        let has_forces = fit.is_some_and(|fit| !fit.dataset.measurements.force_n.is_empty());
+        (!has_forces).then_some("Tensions appear here after an identification with force readings.")
+    },
+    options: |ui, plots, _, is_narrow| {
+        let shown = [
+            (Shown::Measured, "Measured"),
+            (Shown::Residuals, "Residuals"),
+        ];
+        choose(
+            ui,
+            ("Tensions shown", is_narrow),
+            &shown,
+            &mut plots.options.tensions,
+        );
+    },
+    content: Content::Figure(|source| {
+        Ok(figure(
+            source.fit()?,
+            source.options.tensions,
+            source.excluded(),
+        ))
+    }),
+};
 
 /// What is shown of tensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

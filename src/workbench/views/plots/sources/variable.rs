@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use egui::Ui;
 use nalgebra::DVector;
 use tautline_core::diagnosis::{Quantity, smooth_functions};
 use tautline_core::measurement::Variable;
@@ -9,9 +10,35 @@ use tautline_core::measurement::Variable;
 use super::at_row;
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Prepared, residuals};
+use crate::views::plots::PlotState;
+use crate::views::plots::bar::combo_within;
+use crate::views::plots::kind::{Content, PlotKind, Unavailable};
 use tautline_workflow::identification::{Identification, RESIDUAL};
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::plot::gaps::without_gaps;
+
+pub(crate) static PLOT: PlotKind = PlotKind {
+    id: "variable",
+    title: "By variable",
+    missing: |open| {
+        let is_missing = open.fit().is_none() && open.diagnosis().is_none();
+        is_missing.then_some(
+            "Residuals against length, tension, time and other variables appear here after identification.",
+        )
+    },
+    options: |ui, plots, _, is_narrow| choose(ui, plots, is_narrow),
+    content: Content::Figure(|source| {
+        let prepared = source.prepared()?;
+        let nothing = Unavailable::Empty("No variable changes over these poses.");
+        let choice = source.options.choice.ok_or(nothing)?;
+        Ok(figure(
+            prepared,
+            source.diagnosed(),
+            choice,
+            source.excluded(),
+        ))
+    }),
+};
 
 /// Places along a fitted curve.
 const PLACES: usize = 120;
@@ -72,6 +99,65 @@ impl Choice {
     }
 }
 
+/// Width of a button that opens a menu, with the space before it (points).
+const MENU: f32 = 72.0;
+
+fn choose(ui: &mut Ui, plots: &mut PlotState, is_narrow: bool) {
+    if let (Some(prepared), Some(choice)) = (plots.prepared().cloned(), plots.options.choice) {
+        let room = ui.available_width() - MENU - ui.spacing().item_spacing.x;
+        let width = is_narrow.then_some(0.5 * room);
+        plots.options.choice = Some(along(ui, &prepared, choice, width));
+    }
+}
+
+/// Which readings along which variable, each choice so wide.
+fn along(ui: &mut Ui, prepared: &Prepared, mut choice: Choice, width: Option<f32>) -> Choice {
+    let name = |quantity: Quantity, cable: Option<usize>| {
+        let cables = &prepared.base.dataset.robot.cables;
+        match cable.and_then(|index| cables.get(index)) {
+            Some(cable) => format!("{} of {}", capitalised(quantity.name()), cable.name),
+            None => capitalised(quantity.name()),
+        }
+    };
+    let before = (choice.quantity, choice.cable);
+    let readings = name(choice.quantity, choice.cable);
+    combo_within(ui, ("Readings", width), &readings, |ui| {
+        for group in &prepared.along {
+            let is_chosen = (group.quantity, group.cable) == (choice.quantity, choice.cable);
+            if ui
+                .selectable_label(is_chosen, name(group.quantity, group.cable))
+                .clicked()
+            {
+                (choice.quantity, choice.cable) = (group.quantity, group.cable);
+            }
+        }
+    });
+    let group = prepared
+        .along
+        .iter()
+        .find(|g| (g.quantity, g.cable) == (choice.quantity, choice.cable));
+    let variables = group.map_or(&[][..], |group| &group.variables);
+    if (choice.quantity, choice.cable) != before
+        && !variables
+            .iter()
+            .any(|(variable, _)| *variable == choice.variable)
+        && let Some((first, _)) = variables.first()
+    {
+        choice.variable = *first;
+    }
+    let variable = capitalised(choice.variable.name());
+    combo_within(ui, ("Along", width), &variable, |ui| {
+        for (variable, _) in variables {
+            ui.selectable_value(
+                &mut choice.variable,
+                *variable,
+                capitalised(variable.name()),
+            );
+        }
+    });
+    choice
+}
+
 /// Name and unit of a variable as a person reads it, and the factor from SI.
 fn axis(variable: Variable) -> (Axis, f64) {
     let (unit, factor) = match variable {
@@ -90,7 +176,7 @@ fn axis(variable: Variable) -> (Axis, f64) {
 
 /// A name with a capital at its start.
 #[must_use]
-pub fn capitalised(name: &str) -> String {
+fn capitalised(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or_else(String::new, |first| {
         first.to_uppercase().chain(letters).collect()

@@ -16,9 +16,33 @@ use tautline_workflow::wording::count;
 use crate::model::command::{Outbox, ViewCommand};
 use crate::model::{Memo, Selection};
 use crate::theme::{self, GRID};
+use crate::views::plots::kind::{Content, PlotKind, no_options};
 use crate::widgets::{icon_button, icon_only, muted};
 use columns::VisibleColumns;
 use rows::{Head, Listed, Of, Order, Row, arranged, rows_of, text};
+
+pub(crate) static PLOT: PlotKind = PlotKind {
+    id: "statistics",
+    title: "Statistics",
+    missing: |open| {
+        let is_missing = open.fit().is_none();
+        is_missing.then_some(
+            "Redundancies, smallest detectable errors and intervals appear here after identification.",
+        )
+    },
+    options: no_options,
+    content: Content::Own(|ui, model, plots, hovered, outbox| {
+        if let Some(fit) = model.open.as_ref().and_then(|open| open.fit()) {
+            show(
+                ui,
+                fit,
+                &mut plots.statistics,
+                (model.selection, hovered),
+                outbox,
+            );
+        }
+    }),
+};
 
 /// Width (points) below which the buttons have icons alone.
 const NARROW: f32 = 480.0;
@@ -38,7 +62,7 @@ pub struct Statistics {
 }
 
 /// Draws the table; `hovered` is what is under the pointer, in all views.
-pub fn show(
+fn show(
     ui: &mut Ui,
     fit: &Arc<Identification>,
     state: &mut Statistics,
