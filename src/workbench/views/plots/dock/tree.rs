@@ -305,6 +305,7 @@ fn area_of(tree: &Tree, tile: TileId) -> Option<PlotArea> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::views::plots::PLOTS;
 
     fn all() -> Vec<PlotId> {
         PLOTS.map(PlotId::first).to_vec()
