@@ -32,13 +32,11 @@ pub struct Palette {
     pub hovered: Color32,
     /// Thin lines between parts.
     pub line: Color32,
-    /// Text.
     pub text: Color32,
     /// Units, hints, what is less important.
     pub muted: Color32,
     /// The one accent: the next step, what is selected.
     pub accent: Color32,
-    /// Text on the accent.
     pub on_accent: Color32,
     /// Passed.
     pub good: Color32,

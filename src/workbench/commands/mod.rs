@@ -26,7 +26,6 @@ use crate::model::edit::Edit;
 use crate::model::messages::Cause;
 use crate::model::{Model, OpenSession, UiRequest};
 
-/// Performs a command.
 pub fn perform(model: &mut Model, command: Command) {
     match command {
         Command::File(command) => file::perform(model, command),

@@ -294,7 +294,6 @@ fn finish(model: &mut Model) {
     }
 }
 
-/// Keeps the recipe in the open session.
 fn keep(open: &mut OpenSession, recipe: &Recipe, done: &str) {
     open.log(LogPhase::Poses, format!("{done}."));
     let record = importing::recipe_record(open.session(), recipe, clock::now());

@@ -7,11 +7,9 @@ use tautline_workflow::accuracy;
 /// One figure of accuracy (m), before and after.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// What it is.
     pub name: String,
     /// Before the adjustment.
     pub before_m: Option<f64>,
-    /// After it.
     pub after_m: Option<f64>,
 }
 
@@ -23,7 +21,6 @@ impl Figure {
     }
 }
 
-/// All figures.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Figures {
     /// In the order of the table.

@@ -35,7 +35,6 @@ impl Side {
 /// Where a session comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Source {
-    /// It is the open one.
     Open,
     /// A session file, or a dataset folder.
     File(PathBuf),
@@ -44,13 +43,11 @@ pub enum Source {
 /// One of the two sessions.
 #[derive(Debug)]
 pub struct Run {
-    /// Its name.
     pub name: String,
     /// Time of its last measurement.
     pub measured: Option<Timestamp>,
     /// Where it comes from.
     pub source: Source,
-    /// Its identification.
     pub fit: Arc<Identification>,
     /// Number of the inputs of the open session, if it is that one.
     pub inputs: Option<u64>,
@@ -137,7 +134,6 @@ impl ComparisonState {
         self.number == number
     }
 
-    /// Takes a result.
     pub fn take(&mut self, result: Result<Arc<Compared>, String>) {
         if let Ok(compared) = &result {
             self.known = Some(Arc::clone(compared));

@@ -132,7 +132,6 @@ pub(crate) struct SaveDraft {
     pub(crate) content: SaveContent,
 }
 
-/// What is saved.
 #[derive(Debug, Clone)]
 pub(crate) enum SaveContent {
     Session,

@@ -63,7 +63,6 @@ pub struct Before {
     pub missed: Option<f64>,
     /// Chi-square.
     pub chi2: f64,
-    /// Its degrees of freedom.
     pub degrees_of_freedom: f64,
 }
 
@@ -71,7 +70,6 @@ pub struct Before {
 #[derive(Debug)]
 pub(crate) struct Adding {
     pub(crate) effects: Vec<EffectSetting>,
-    /// Number of the inputs that have them.
     pub(crate) inputs: u64,
     /// Place of the edit in the history.
     pub(crate) place: u64,

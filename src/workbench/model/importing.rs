@@ -60,14 +60,12 @@ pub struct OpenImport {
     pub uses: BTreeMap<(usize, String), String>,
     /// The last cut; of an older revision while a new one is made.
     pub cut: Option<Arc<Cut>>,
-    /// The channel that is shown.
     pub shown: ChannelPlace,
     /// Whether its poses are in a session, so that the next file begins another import.
     pub is_taken: bool,
 }
 
 impl OpenImport {
-    /// An import of sources.
     #[must_use]
     pub fn new(sources: Vec<Source>, known: Option<Recipe>, robot: &Robot) -> Self {
         let draft = Draft::new(sources, known, robot);
@@ -87,7 +85,6 @@ impl OpenImport {
         open
     }
 
-    /// Adds sources.
     pub fn add(&mut self, more: Vec<Source>, robot: &Robot) {
         self.draft.add(more, robot);
         self.outlines = Arc::new(Outlines::of(self.draft.sources()));
@@ -126,7 +123,6 @@ impl OpenImport {
         })
     }
 
-    /// The channel of this name.
     fn place(&self, series: usize, name: &str) -> Option<ChannelPlace> {
         let one = self.all_series().nth(series)?;
         let channel = one.channels.iter().position(|known| known.name == name)?;

@@ -2,7 +2,6 @@
 
 use super::phase::{Phase, Screen};
 
-/// A page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Page {
     /// How to begin, and what is where.
@@ -90,7 +89,6 @@ impl Page {
         self.file().0
     }
 
-    /// Its text.
     #[must_use]
     pub fn text(self) -> &'static str {
         self.file().1

@@ -13,7 +13,6 @@ impl<K, T> Default for Memo<K, T> {
 }
 
 impl<K: PartialEq, T> Memo<K, T> {
-    /// The value of this key.
     pub fn get(&mut self, key: K, compute: impl FnOnce() -> T) -> &T {
         let kept = match self.kept.take() {
             Some((of, value)) if of == key => (key, value),

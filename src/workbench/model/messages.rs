@@ -35,10 +35,8 @@ pub(crate) enum Cause {
     Comparison,
 }
 
-/// One message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
-    /// When.
     pub time: Timestamp,
     /// How much it matters.
     pub severity: Severity,

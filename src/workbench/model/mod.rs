@@ -92,7 +92,6 @@ pub struct Model {
     pub options: Options,
     /// Where fonts, theme and the window are set.
     pub context: egui::Context,
-    /// The open session.
     pub open: Option<OpenSession>,
     /// What the window shows.
     pub screen: Screen,

@@ -38,7 +38,6 @@ pub struct Computed<T> {
 /// A diagnosis with its plots.
 #[derive(Debug)]
 pub struct PlottedDiagnosis {
-    /// The diagnosis.
     pub diagnosed: Arc<Diagnosed>,
     /// Plots of the dependences, by their indices.
     pub dependences: BTreeMap<usize, Figure>,
@@ -88,7 +87,6 @@ impl DiagnosisOfModel {
 /// The last identification that the session keeps from before.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Stored {
-    /// There is none.
     #[default]
     None,
     /// It is of the data that the session was opened with.
@@ -188,7 +186,6 @@ impl OpenSession {
         self.id
     }
 
-    /// What is in it.
     #[must_use]
     pub fn session(&self) -> &Session {
         &self.session
@@ -326,7 +323,6 @@ impl OpenSession {
         self.lasting += 1;
     }
 
-    /// Adds a result to the session.
     pub fn add_result(&mut self, result: ResultRecord) {
         self.session.add_result(result);
         self.revision += 1;

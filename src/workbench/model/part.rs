@@ -8,12 +8,10 @@ pub enum Part {
     Panel,
     /// The robot in 3D.
     Robot,
-    /// Plots.
     Plots,
 }
 
 impl Part {
-    /// All of them.
     pub const ALL: [Self; 3] = [Self::Panel, Self::Robot, Self::Plots];
 
     /// Label in the window.

@@ -45,7 +45,6 @@ impl Phase {
         Self::Adjustment,
     ];
 
-    /// Number, from 1.
     #[must_use]
     pub fn number(self) -> usize {
         self as usize + 1
@@ -121,7 +120,6 @@ pub struct PhaseStatus {
 }
 
 impl PhaseStatus {
-    /// A status.
     #[must_use]
     pub fn new(progress: Progress, line: impl Into<String>) -> Self {
         Self {

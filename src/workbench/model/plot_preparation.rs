@@ -23,7 +23,6 @@ pub struct Along {
     pub variables: Vec<(Variable, Vec<f64>)>,
 }
 
-/// What was prepared.
 #[derive(Debug)]
 pub struct Prepared {
     /// The fit of the model as it is.

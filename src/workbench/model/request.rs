@@ -37,9 +37,7 @@ pub enum UiRequest {
 /// What a command changes of the connection dialog.
 #[derive(Debug)]
 pub enum ConnectionRequest {
-    /// Opens it.
     Open,
-    /// Closes it.
     Close,
     /// Closes it if it waits for the connection that was made.
     Connected,

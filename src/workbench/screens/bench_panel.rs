@@ -29,7 +29,6 @@ pub struct TableInput {
 
 /// The open session with the calibration from its tables, and where commands go.
 pub struct Bench<'a> {
-    /// The open session.
     pub open: &'a OpenSession,
     /// The fits of its tables.
     pub calibration: &'a Calibration,
@@ -78,12 +77,10 @@ impl<'a> Bench<'a> {
         self.outbox.send(Command::Refuse(message));
     }
 
-    /// The session.
     pub fn session(&self) -> &'a Session {
         self.open.session()
     }
 
-    /// The robot.
     pub fn robot(&self) -> &'a Robot {
         &self.open.session().robot
     }
@@ -174,7 +171,6 @@ impl<'a> Bench<'a> {
             .unwrap_or_else(|| first.map_or(0, |one| one.cable))
     }
 
-    /// The cell that names a cable.
     pub fn cable_cell(&self, ui: &Ui, cable: usize) -> Cell {
         Cell::new(self.cable_name(cable)).with_dot(theme::of(ui).cable(cable))
     }
@@ -211,7 +207,6 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// The cell of a verdict.
 pub fn verdict_cell(ui: &Ui, passed: bool) -> Cell {
     let palette = theme::of(ui);
     if passed {

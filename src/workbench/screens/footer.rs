@@ -6,7 +6,6 @@ use crate::model::command::Outbox;
 use crate::model::next_step::{Action, KEYS, NextStep};
 use crate::theme::{self, GRID};
 
-/// Draws it.
 pub fn show(ui: &mut Ui, step: NextStep, outbox: &mut Outbox) {
     let palette = theme::of(ui);
     ui.spacing_mut().item_spacing.y = 1.5 * GRID;

@@ -101,7 +101,6 @@ fn out_of_date(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     }
 }
 
-/// The heading of a report.
 fn head(ui: &mut Ui, choice: &mut ReportChoice) {
     section(ui, "Heading");
     Grid::new("head of the report")

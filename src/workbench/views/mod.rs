@@ -19,15 +19,12 @@ use robot_3d::drawing::FrameLook;
 pub struct ViewStates {
     /// What is under the pointer, in all views.
     pub hovered: Selection,
-    /// Of the robot in 3D.
     pub robot_3d: robot_3d::Robot3d,
     /// Of the two robots in 3D that are compared.
     pub compared_3d: robot_3d::Robot3d,
     /// Of the time line.
     pub timeline: timeline::TimelineState,
-    /// Of the plots.
     pub plots: plots::Panes,
-    /// Of the manual.
     pub manual: manual::Manual,
 }
 

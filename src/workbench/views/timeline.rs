@@ -24,7 +24,6 @@ const WORDS: f32 = 120.0;
 /// Least distance of two marks (points).
 const APART: f32 = 3.0;
 
-/// State of the timeline.
 #[derive(Debug, Default)]
 pub struct TimelineState {
     /// When the present pose was reached, while poses are played (s).

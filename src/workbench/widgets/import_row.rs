@@ -11,7 +11,6 @@ use crate::theme::GRID;
 /// How a file is to be imported.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Import {
-    /// From a path.
     Path(PathBuf),
     /// By a dialog.
     Browse,

@@ -9,7 +9,6 @@ use tautline_workflow::wording::units::fixed;
 /// What was typed into a field for a number.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Entered {
-    /// A number.
     Value(f64),
     /// Nothing, in a field that may be empty.
     Nothing,

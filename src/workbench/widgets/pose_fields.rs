@@ -7,7 +7,6 @@ use tautline_session::CheckPose;
 use super::{muted, parse_number};
 use crate::theme::GRID;
 
-/// Names of the fields.
 const FIELDS: [&str; 6] = ["x", "y", "z", "Roll", "Pitch", "Yaw"];
 
 /// What is typed: position (mm) and angles (degrees).
@@ -19,7 +18,6 @@ pub struct PoseFields {
 /// What happened to the fields.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PoseFieldsResponse {
-    /// One of them was left.
     pub left: bool,
 }
 

@@ -80,9 +80,7 @@ impl RowField {
 pub enum RowsEdit {
     /// Changed a number: row, column, new value.
     Set(usize, usize, Option<f64>),
-    /// Added rows.
     Add(Vec<Numbers>),
-    /// Removed a row.
     Remove(usize),
     /// Typed something that cannot be understood; one sentence.
     Wrong(String),
@@ -121,14 +119,12 @@ impl RowsEdit {
     }
 }
 
-/// The rows of an editor.
 #[derive(Debug, Clone, Copy)]
 pub struct Rows<'a> {
     /// What a row is, such as "Pair".
     pub noun: &'a str,
     /// Its columns.
     pub fields: &'a [RowField],
-    /// Its rows.
     pub rows: &'a [Numbers],
     /// Title and unit of the remarks; may be empty.
     pub remarks: (&'a str, &'a str),

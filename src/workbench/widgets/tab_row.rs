@@ -3,7 +3,6 @@
 use egui::{Button, Popup, Role, TextStyle, Ui, WidgetInfo, WidgetText};
 use egui_material_icons::icons;
 
-/// A tab.
 #[derive(Debug, Clone, Copy)]
 pub struct TabOf<T> {
     /// What it stands for.

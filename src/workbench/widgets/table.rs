@@ -16,7 +16,6 @@ pub struct Column<'a> {
 }
 
 impl<'a> Column<'a> {
-    /// A column of words.
     #[must_use]
     pub const fn words(title: &'a str) -> Self {
         Self {
@@ -37,7 +36,6 @@ impl<'a> Column<'a> {
     }
 }
 
-/// A cell.
 #[derive(Debug, Clone, Default)]
 pub struct Cell {
     text: String,

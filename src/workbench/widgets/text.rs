@@ -5,12 +5,10 @@ use egui_material_icons::{MaterialIcon, icons};
 
 use crate::theme::{self, GRID};
 
-/// Title of a panel.
 pub fn heading(ui: &mut Ui, text: &str) -> Response {
     ui.heading(text)
 }
 
-/// Title of a part of a panel.
 pub fn section(ui: &mut Ui, text: &str) -> Response {
     ui.add_space(2.0 * GRID);
     ui.label(RichText::new(text).font(theme::strong(13.0)))
@@ -38,7 +36,6 @@ pub fn value(ui: &mut Ui, name: &str, number: &str, unit: &str) {
 pub enum Verdict {
     /// Passed.
     Good,
-    /// Doubtful.
     Doubtful,
     /// Failed.
     Bad,

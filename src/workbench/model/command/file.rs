@@ -17,7 +17,6 @@ pub enum FileCommand {
     New(Template),
     /// Begins a session with a robot that the operator described.
     NewRobot(Box<Robot>),
-    /// Asks for a file to open.
     AskOpen,
     /// Opens a session, begins one with a robot or a dataset folder, or imports a table.
     Open(PathBuf),
@@ -73,7 +72,6 @@ impl Leaving {
 /// A session that is to be opened.
 #[derive(Debug)]
 pub struct Opening {
-    /// The session.
     pub session: Session,
     /// Its file, if it has one.
     pub path: Option<PathBuf>,
@@ -88,7 +86,6 @@ pub struct Opening {
 pub enum FileOutcome {
     /// A file or folder was read.
     Read {
-        /// Its path.
         path: PathBuf,
         /// What it is, or one sentence; `None` where reading was stopped.
         result: Result<Option<Loaded<Opened>>, String>,
@@ -99,7 +96,6 @@ pub enum FileOutcome {
     UnsavedSessions(Result<Vec<UnsavedSession>, String>),
     /// A session was written.
     Saved {
-        /// Its file.
         path: PathBuf,
         /// Id of the session and the revision that was written.
         state: (u64, u64),

@@ -35,14 +35,11 @@ pub enum IdentificationCommand {
 pub enum IdentificationOutcome {
     /// Of the check before it.
     Checked {
-        /// Number of the inputs.
         inputs: u64,
         /// The check.
         readiness: Box<Readiness>,
     },
-    /// Of an identification.
     Identified {
-        /// Number of the inputs.
         inputs: u64,
         /// The record for the session; none where the session has it already.
         record: Option<Box<ResultRecord>>,
@@ -51,7 +48,6 @@ pub enum IdentificationOutcome {
     },
     /// Of a diagnosis.
     Diagnosed {
-        /// Number of the inputs.
         inputs: u64,
         /// The diagnosis, or one sentence; `None` if it was stopped.
         result: Result<Option<Box<DiagnosisResult>>, String>,

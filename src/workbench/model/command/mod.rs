@@ -58,7 +58,6 @@ pub enum Command {
     Plot(PlotCommand),
     /// Measuring, adjusting, verifying.
     Robot(RobotCommand),
-    /// The report.
     Report(ReportCommand),
     /// Two sessions side by side.
     Compare(CompareCommand),
@@ -97,9 +96,7 @@ pub enum Outcome {
     Written(PathBuf, Result<Option<String>, String>),
     /// The task panicked.
     Panicked {
-        /// Its title.
         task: String,
-        /// The panic.
         caught_panic: CaughtPanic,
     },
 }
@@ -142,7 +139,6 @@ pub struct Outbox {
 }
 
 impl Outbox {
-    /// Gives a command.
     pub fn send(&mut self, command: impl Into<Command>) {
         self.commands.push(command.into());
     }

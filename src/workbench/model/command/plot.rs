@@ -19,7 +19,6 @@ pub enum PlotCommand {
     Save(PathBuf, PlotFile),
 }
 
-/// A plot as a file.
 #[derive(Debug, Clone)]
 pub enum PlotFile {
     /// A table or a drawing.
@@ -50,14 +49,12 @@ pub struct PlotPicture {
 pub enum Format {
     /// A table.
     Csv,
-    /// A drawing.
     Svg,
     /// A picture of the size of a page.
     Png,
 }
 
 impl Format {
-    /// All of them.
     pub const ALL: [Self; 3] = [Self::Csv, Self::Svg, Self::Png];
 
     /// What the operator reads.

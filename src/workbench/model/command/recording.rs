@@ -11,7 +11,6 @@ use crate::model::importing::{ChannelPlace, Cut};
 /// Title of reading files of other programs.
 pub const READING: &str = "Reading";
 
-/// Title of cutting them into poses.
 pub const CUTTING: &str = "Cutting into poses";
 
 /// Title of finding clocks.
@@ -38,15 +37,12 @@ pub enum RecordingCommand {
     Apply(usize),
     /// Finds offset and drift of the clocks.
     AlignClocks,
-    /// Shows a channel.
     ShowChannel(ChannelPlace),
     /// Asks for the file of a recipe.
     AskRecipe,
     /// Uses a recipe from a file.
     UseRecipe(PathBuf),
-    /// Asks where to save the recipe.
     AskSaveRecipe,
-    /// Saves the recipe.
     SaveRecipe(PathBuf),
     /// Puts the poses into the session, or into a new one where it has poses already.
     Finish,

@@ -95,7 +95,6 @@ pub enum RobotCommand {
 /// Values that are to be written, while that is to be confirmed.
 #[derive(Debug, Clone, Default)]
 pub struct WriteDraft {
-    /// Number of values.
     pub values: usize,
     /// Operator who writes them.
     pub operator: String,
@@ -106,7 +105,6 @@ pub struct WriteDraft {
 /// What to expect of planned poses.
 #[derive(Debug)]
 pub struct PlanOutlook {
-    /// Id of the session.
     pub session_id: u64,
     /// The poses; none where planning them failed.
     pub plan: Vec<PlannedPose>,

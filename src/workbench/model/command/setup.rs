@@ -11,9 +11,7 @@ pub const CHECKING: &str = "Checking symbols";
 /// What the connection dialog asks for.
 #[derive(Debug, Clone)]
 pub enum Setup {
-    /// Opens it.
     Open,
-    /// Closes it.
     Close,
     /// Stores the settings in the session, and for the next one in the preferences.
     Save(Box<(Connection, LaserSettings)>),

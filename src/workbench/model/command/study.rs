@@ -11,9 +11,7 @@ pub const SIMULATING: &str = "Simulating";
 /// A robot with a question of *Which sensor?*.
 #[derive(Debug, Clone)]
 pub struct AskedRobot {
-    /// The robot.
     pub robot: Robot,
-    /// What is asked.
     pub question: Question,
 }
 

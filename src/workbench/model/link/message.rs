@@ -162,7 +162,6 @@ pub enum Doing {
     /// No run.
     #[default]
     Nothing,
-    /// On the way.
     Moving,
     /// Waiting for the platform to stand still.
     Settling {
@@ -187,7 +186,6 @@ pub enum Doing {
         /// Wanted.
         of: usize,
     },
-    /// Verifying.
     Verifying {
         /// Targets commanded so far.
         done: usize,
@@ -206,7 +204,6 @@ pub enum Doing {
 /// A lost connection, while it is being re-established.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lost {
-    /// Why.
     pub why: String,
     /// When the next attempt is made.
     pub due: Instant,

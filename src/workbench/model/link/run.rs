@@ -42,7 +42,6 @@ pub struct RunLog {
     last: Option<i64>,
     /// When poses were measured, by the controller's clock (s).
     times_s: Vec<f64>,
-    /// How it ended.
     pub ended: Option<Result<(), String>>,
     /// Whether it ended because the controller was restarted.
     pub restarted: bool,

@@ -31,14 +31,12 @@ pub enum Channel {
 pub enum Reading {
     /// Cable lengths.
     Length,
-    /// Tensions.
     Tension,
     /// Laser distance.
     Laser,
 }
 
 impl Reading {
-    /// All.
     pub const ALL: [Self; 3] = [Self::Length, Self::Tension, Self::Laser];
 
     /// Its rate among those of all kinds (m/s, N/s, m/s).
@@ -98,7 +96,6 @@ impl Scope {
         }
     }
 
-    /// Number of cables.
     #[must_use]
     pub fn cables(&self) -> usize {
         self.robot.cable_count()

@@ -81,7 +81,6 @@ impl Work {
 /// A measuring run, with what new poses are compared with.
 pub(super) struct Measuring {
     pub run: MeasuringRun,
-    /// Where its poses are.
     pub poses: HashMap<i64, Pose>,
     pub predictor: Predictor,
     pub per_revolution_m: Vec<f64>,

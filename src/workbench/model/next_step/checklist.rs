@@ -15,7 +15,6 @@ pub enum Item {
     MeasureBefore,
     /// What would change in the controller.
     Review,
-    /// Writing it.
     Write,
     /// The accuracy with the identified values.
     MeasureAfter,
@@ -51,7 +50,6 @@ impl Item {
 pub enum CheckState {
     /// Done, and good.
     Done,
-    /// The one that is next.
     Next,
     /// It needs one before it.
     Later,
@@ -64,7 +62,6 @@ pub enum CheckState {
 /// A line with its result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Check {
-    /// Which.
     pub item: Item,
     /// How far it is.
     pub state: CheckState,

@@ -30,7 +30,6 @@ pub fn elongation(open: &OpenSession) -> PhaseStatus {
     }
 }
 
-/// The pulleys.
 #[must_use]
 pub fn pulleys(open: &OpenSession) -> PhaseStatus {
     let cables = &open.session().robot.cables;

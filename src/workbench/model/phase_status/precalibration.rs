@@ -25,7 +25,6 @@ pub fn whole(calibration: &Calibration) -> PhaseStatus {
         .unwrap_or_else(|| PhaseStatus::new(Progress::NotStarted, "nominal values"))
 }
 
-/// The winches.
 #[must_use]
 pub fn winches(calibration: &Calibration) -> PhaseStatus {
     let passed = passed(&calibration.winches, |fit| fit.passed);
@@ -34,7 +33,6 @@ pub fn winches(calibration: &Calibration) -> PhaseStatus {
     share(passed, noun, &limit, &calibration.with_winches)
 }
 
-/// The force sensors.
 #[must_use]
 pub fn force_sensors(calibration: &Calibration) -> PhaseStatus {
     let passed = passed(&calibration.force_sensors, |fit| fit.passed);

@@ -8,7 +8,6 @@ use crate::model::Model;
 use crate::model::next_step::{Check, CheckState, checklist};
 use crate::theme::{self, GRID, Palette};
 
-/// Draws it.
 pub(super) fn show(ui: &mut Ui, model: &Model, differences: &[Difference]) {
     let Some(open) = &model.open else {
         return;

@@ -42,7 +42,6 @@ pub struct PanelState {
     typed: typed::Typed,
 }
 
-/// Draws the panel.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     heading(ui, "Adjustment");
     if model.link.verifying.is_some() {

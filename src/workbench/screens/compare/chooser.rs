@@ -24,7 +24,6 @@ const NAME: f32 = 5.0 * GRID;
 /// Width (points) below which the title is short.
 const NARROW: f32 = 560.0;
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         let is_narrow = ui.available_width() < NARROW;

@@ -15,7 +15,6 @@ use tautline_workflow::wording::units::{
     decimals, display_unit, fixed, quantity, unit_of, with_sd,
 };
 
-/// Draws the parts.
 pub fn show(ui: &mut Ui, compared: &Compared) {
     let comparison = &compared.comparison;
     effects(ui, comparison);

@@ -15,7 +15,6 @@ use crate::widgets::parse_number;
 /// What the session has at present.
 #[derive(Debug, Clone)]
 pub struct Present {
-    /// The robot.
     pub robot: Robot,
     /// How its controller is reached.
     pub connection: Connection,
@@ -26,7 +25,6 @@ pub struct Present {
 }
 
 impl Present {
-    /// What a session has.
     #[must_use]
     pub fn of(session: &Session) -> Self {
         Self {
@@ -45,11 +43,9 @@ pub struct Draft {
     pub session_id: u64,
     /// The part that is shown.
     pub part: Part,
-    /// Kind of controller.
     pub kind: ControllerKind,
     /// Folder of a recording.
     pub folder: String,
-    /// Its speed.
     pub speed: String,
     /// Address of an ADS controller.
     pub host: String,
@@ -57,7 +53,6 @@ pub struct Draft {
     pub port: String,
     /// Its AMS Net ID.
     pub net_id: String,
-    /// Its AMS port.
     pub ams_port: String,
     /// Timeout (s).
     pub timeout: String,
@@ -69,7 +64,6 @@ pub struct Draft {
     ads: Names,
     /// Nodes of OPC UA.
     nodes: Names,
-    /// The laser.
     pub laser: LaserDraft,
     /// Why connecting failed last.
     pub refused: Option<String>,

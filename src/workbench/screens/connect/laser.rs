@@ -14,7 +14,6 @@ use crate::widgets::{Verdict, choice, muted, section, verdict};
 /// Where the distance comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LaserFrom {
-    /// The controller.
     Controller,
     /// The operator.
     Manual,

@@ -13,21 +13,16 @@ pub enum Field {
     Port,
     /// Its AMS Net ID.
     NetId,
-    /// Its AMS port.
     AmsPort,
-    /// Timeout.
     Timeout,
     /// Address of an OPC UA controller.
     Url,
-    /// Its timeout.
     UrlTimeout,
     /// A row of the symbols.
     Symbol(usize),
     /// Something of all symbols.
     Symbols,
-    /// Host of the laser.
     LaserHost,
-    /// Port of the laser.
     LaserPort,
     /// Serial port of the laser.
     Device,
@@ -40,7 +35,6 @@ pub enum Field {
 }
 
 impl Field {
-    /// Where the field is.
     #[must_use]
     pub fn part(self) -> Part {
         match self {
@@ -62,9 +56,7 @@ pub enum Part {
     /// Kind and place of the controller.
     #[default]
     Controller,
-    /// Names of its symbols.
     Symbols,
-    /// The laser.
     Laser,
 }
 

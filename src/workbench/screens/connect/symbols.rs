@@ -15,7 +15,6 @@ use tautline_workflow::wording::{count, sentence};
 /// Width (points) from which on the columns have room beside each other.
 const WIDE: f32 = 560.0;
 
-/// A row.
 #[derive(Debug, Clone)]
 struct Row {
     need: Need,
@@ -32,14 +31,12 @@ pub struct SymbolRows {
     rows: Vec<Row>,
     /// What the table does not show: offsets, elements, how orientations are written.
     base: SymbolMapping,
-    /// Names of the cables.
     cables: Vec<String>,
     /// Answer of the controller, or the reason why there is none.
     pub checked: Option<Result<Vec<SymbolCheck>, String>>,
 }
 
 impl SymbolRows {
-    /// The rows of a mapping.
     #[must_use]
     pub fn of(mapping: &SymbolMapping, robot: &Robot) -> Self {
         let mut rows: Vec<Row> = Need::FIXED

@@ -103,7 +103,6 @@ pub fn title(ui: &mut Ui, text: &str) {
     ui.add(egui::Label::new(RichText::new(text).font(theme::strong(14.0))).wrap());
 }
 
-/// A paragraph.
 pub fn paragraph(ui: &mut Ui, text: &str) {
     ui.add(egui::Label::new(text).wrap());
 }

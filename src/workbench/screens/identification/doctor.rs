@@ -13,7 +13,6 @@ use tautline_workflow::documents::diagnosis::{Diagnosed, adequacy};
 use tautline_workflow::wording::local_time::date_and_time;
 use tautline_workflow::wording::{p_value, sentence};
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     muted(
         ui,

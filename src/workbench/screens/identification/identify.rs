@@ -32,7 +32,6 @@ const METHODS: [(Method, &str, &str, &str); 3] = [
     ),
 ];
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     section(ui, "Method");
     method(ui, panel);

@@ -39,7 +39,6 @@ pub struct PanelState {
     pub half: Half,
     /// Whether the table shows every coordinate.
     show_axes: bool,
-    /// Which of them is open.
     pub open: Option<usize>,
     /// Whether it is said in full what the data cannot show.
     show_invisible: bool,
@@ -62,7 +61,6 @@ struct Panel<'a> {
     memory: &'a mut PanelState,
 }
 
-/// Draws the panel.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     heading(ui, "Identification");
     let Some(open) = &model.open else {

@@ -17,7 +17,6 @@ use tautline_workflow::identification::{FitVerdict, Identification, entry_point_
 use tautline_workflow::wording::units::with_sd;
 use tautline_workflow::wording::{p_value, ratio, sentence};
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let Some(fit) = panel.open.fit().cloned() else {
         return;

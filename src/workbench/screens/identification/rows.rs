@@ -5,7 +5,6 @@ use egui::{Align2, Color32, FontId, Response, Role, Sense, Ui, Vec2, WidgetInfo,
 use crate::theme::{self, GRID};
 use tautline_workflow::wording::units::mm;
 
-/// One cell.
 pub struct Cell {
     text: String,
     colour: Option<Color32>,

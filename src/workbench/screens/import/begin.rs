@@ -13,7 +13,6 @@ use crate::theme::GRID;
 use crate::widgets::{heading, icon_button, muted, page, section};
 use egui_material_icons::icons;
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     page(ui, 8.0 * GRID, |ui| {
         heading(ui, "Import files of other programs");

@@ -20,7 +20,6 @@ const UNIT: f32 = 12.0 * GRID;
 const COURSE: f32 = 32.0 * GRID;
 const USE: f32 = 26.0 * GRID;
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;

@@ -9,7 +9,6 @@ use crate::model::command::{CUTTING, RecordingCommand};
 use crate::theme;
 use crate::widgets::{Verdict, icon_button, muted, primary, section, verdict};
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     section(ui, "Check");
     let Some(cut) = bench.open.cut.clone() else {

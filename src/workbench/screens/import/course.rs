@@ -8,7 +8,6 @@ use crate::model::Selection;
 use crate::views::plots::small;
 use crate::widgets::empty;
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, bench: &Bench<'_>) {
     let place = bench.open.shown;
     let series = bench.open.all_series().nth(place.series);

@@ -53,7 +53,6 @@ const THRESHOLDS: [Threshold; 4] = [
     },
 ];
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     section(ui, "Poses");
     let recipe = bench.open.draft.recipe();

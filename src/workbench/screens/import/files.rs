@@ -9,7 +9,6 @@ use crate::model::importing::OpenImport;
 use crate::theme::{self, GRID};
 use crate::widgets::{heading, icon_button, icon_only, muted};
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, import: &OpenImport, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         heading(ui, "Import");

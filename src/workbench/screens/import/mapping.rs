@@ -7,7 +7,6 @@ use super::{Bench, KnownPattern, PanelState};
 use crate::theme::GRID;
 use crate::widgets::{Entered, Number, checkbox, choice, heading, muted, number};
 
-/// What is not used.
 const UNUSED: &str = "Not used";
 
 /// The channel that is shown.
@@ -21,7 +20,6 @@ struct Shown<'a> {
     pattern: Option<(String, usize)>,
 }
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
     let open = bench.open;
     let place = open.shown;

@@ -38,7 +38,6 @@ pub struct PanelState {
 /// The pattern of the channels that belong to one.
 #[derive(Debug)]
 struct KnownPattern {
-    /// The one.
     of: ChannelPlace,
     /// Number of files when it was found.
     files: usize,

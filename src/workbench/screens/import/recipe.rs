@@ -8,7 +8,6 @@ use crate::model::command::RecordingCommand;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, icon_button, icon_only, muted, section, verdict};
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, panel: &mut PanelState) {
     section(ui, "Recipe");
     muted(ui, bench.open.draft.origin());

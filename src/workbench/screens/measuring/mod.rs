@@ -63,7 +63,6 @@ impl Default for PanelState {
     }
 }
 
-/// Draws the panel.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     heading(ui, "Measuring");
     if model.link.is_under_way() {

@@ -10,7 +10,6 @@ use tautline_session::Session;
 pub enum PhaseStatus {
     /// Still to be measured.
     Planned,
-    /// Measured.
     Measured,
     /// Measured, but left out.
     Excluded,
@@ -21,7 +20,6 @@ pub enum PhaseStatus {
 /// One pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
-    /// Its label.
     pub label: i64,
     /// Where it was or is to be commanded (mm); `None` where nothing was noted.
     pub position_mm: Option<[f64; 3]>,

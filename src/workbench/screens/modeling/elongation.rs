@@ -34,7 +34,6 @@ const NEAR: f64 = 0.02;
 /// Points of a drawn slice.
 const STEPS: usize = 32;
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     bench.import(ui, Table::Elongation, &mut input.path);
     let calibration = bench.calibration;

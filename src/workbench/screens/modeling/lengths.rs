@@ -17,7 +17,6 @@ const BAR: f32 = 3.0 * GRID;
 /// Least width of a part that is not zero (points).
 const LEAST: f32 = 3.0;
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     let Some(shown) = pose::shown(bench) else {
         muted(

@@ -47,7 +47,6 @@ impl PanelState {
     }
 }
 
-/// Draws the panel.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let purpose = "The cable between drum and platform.";
     let Some(mut bench) = Bench::begin(ui, "Modeling", purpose, model, outbox) else {

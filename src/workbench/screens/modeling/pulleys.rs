@@ -15,7 +15,6 @@ use crate::widgets::{
 };
 use tautline_workflow::wording::units::fixed;
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     let chosen = bench.selection.cable;
     let chosen = chosen

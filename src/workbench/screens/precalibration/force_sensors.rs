@@ -13,7 +13,6 @@ const FIELDS: [RowField; 2] = [
     RowField::new("Load", "N", 3).accepting(|value| value >= 0.0, "a load of 0 or more"),
 ];
 
-/// The force sensors.
 pub struct ForceSensors;
 
 impl ByPairs for ForceSensors {

@@ -28,7 +28,6 @@ pub struct HomeInput {
     pose: PoseInput,
 }
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut HomeInput) {
     if !bench.session().phases.home_poses.is_empty() {
         home_poses::mean(ui, bench);

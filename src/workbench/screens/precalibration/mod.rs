@@ -39,7 +39,6 @@ pub struct PanelState {
     home: HomeInput,
 }
 
-/// Draws the panel.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let purpose = "Without measurements, nominal values are used.";
     let Some(mut bench) = Bench::begin(ui, "Pre-calibration", purpose, model, outbox) else {

@@ -16,7 +16,6 @@ use tautline_workflow::wording::units::{fixed, signed};
 
 /// A pair of a table.
 pub trait Pair: Sized {
-    /// Its cable.
     fn cable(&self) -> usize;
 
     /// Its numbers in the order of the columns (SI units).
@@ -57,7 +56,6 @@ pub struct Fitted {
 pub struct Words {
     /// The file of its table.
     pub table: Table,
-    /// One of them, as a title.
     pub one: &'static str,
     /// Several, in a sentence.
     pub several: &'static str,
@@ -83,7 +81,6 @@ pub struct Words {
 
 /// A kind of instruments that are calibrated by pairs.
 pub trait ByPairs {
-    /// A pair.
     type Pair: Pair;
     /// What is fitted for a cable.
     type Fit;
@@ -112,7 +109,6 @@ pub trait ByPairs {
     fn proposal(calibration: &Calibration) -> &Proposal;
 }
 
-/// Draws the part.
 pub fn show<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
     bench.import(ui, I::WORDS.table, &mut input.path);
     let fits = I::fits(bench.calibration);
@@ -283,7 +279,6 @@ fn pairs<I: ByPairs>(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize, input: &
     }
 }
 
-/// Changes the pairs of a cable.
 fn change<P: Pair>(pairs: &mut Vec<P>, cable: usize, edit: RowsEdit) {
     let is_shown = |pair: &P| pair.cable() == cable;
     edit.apply(pairs, is_shown, P::numbers, |numbers| P::of(cable, numbers));

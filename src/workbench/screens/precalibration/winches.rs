@@ -14,7 +14,6 @@ const FIELDS: [RowField; 3] = [
     RowField::new("Tension", "N", 1).optional(),
 ];
 
-/// The winches.
 pub struct Winches;
 
 impl ByPairs for Winches {

@@ -32,7 +32,6 @@ fn recent(state: &State) -> Vec<Item> {
         .collect()
 }
 
-/// All of them.
 pub fn lines(state: &State) -> Vec<Item> {
     let open = state.model.open.is_some();
     let session = state.model.open.as_ref().map(|open| open.session());

@@ -13,7 +13,6 @@ use crate::model::manual::Page;
 use crate::model::next_step;
 use crate::model::phase::Screen;
 
-/// A menu.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Menu {
     /// Files and the program.
@@ -58,7 +57,6 @@ impl Menu {
 /// A line of a menu.
 #[derive(Debug, Clone)]
 pub struct Item {
-    /// Where it is.
     pub menu: Menu,
     /// The menu below this one in which it is, if any.
     pub(crate) group: Option<&'static str>,

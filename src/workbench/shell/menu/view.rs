@@ -8,7 +8,6 @@ use crate::model::command::{PoseStep, ViewCommand};
 use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
 
-/// All of them.
 pub fn lines(state: &State) -> Vec<Item> {
     let open = state.model.open.is_some();
     let digits = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];

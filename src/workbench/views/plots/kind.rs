@@ -36,7 +36,6 @@ pub static PLOTS: [&PlotKind; 12] = [
     &scope::PLOT,
 ];
 
-/// A kind of plot.
 pub struct PlotKind {
     /// Name in preferences.
     pub(crate) id: &'static str,

@@ -73,7 +73,6 @@ pub struct ScopeState {
     views: [PlotView; Graph::ALL.len()],
 }
 
-/// Draws the scope.
 fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
     let moment = model.link.scope(Scope::moment).flatten();
     let Some(key) = moment.map(|moment| (moment, model.selection.cable)) else {

@@ -43,7 +43,6 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// Paints with a painter.
     #[must_use]
     pub fn new(painter: Painter) -> Self {
         Self {

@@ -144,7 +144,6 @@ impl PlotView {
             || of_cable.is_some_and(|one| self.hidden.contains(&one.name))
     }
 
-    /// Draws the plot.
     pub(crate) fn show(&mut self, ui: &mut Ui, input: &PlotInput<'_>) -> PlotOutput {
         let (outer, whole) = ui.allocate_exact_size(input.size, Sense::hover());
         whole.widget_info(|| WidgetInfo::labeled(Role::Image, true, input.name));

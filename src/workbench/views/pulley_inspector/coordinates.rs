@@ -64,7 +64,6 @@ fn heads(ui: &mut Ui, palette: &Palette) {
     });
 }
 
-/// Where the bars are in a row.
 fn bars(row: Rect) -> Rect {
     let (left, right) = (row.left() + AXIS, row.right() - VALUE - PRIOR);
     Rect::from_min_max(

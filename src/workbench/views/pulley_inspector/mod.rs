@@ -67,7 +67,6 @@ pub fn inspected(model: &Model) -> Option<(&OpenSession, usize)> {
     Some((open, cable))
 }
 
-/// Draws the inspector.
 pub fn show(
     ui: &mut Ui,
     model: &Model,

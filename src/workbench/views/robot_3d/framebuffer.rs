@@ -19,9 +19,7 @@ pub struct PixelBox {
     pub left: i32,
     /// Lower edge.
     pub bottom: i32,
-    /// Width.
     pub width: i32,
-    /// Height.
     pub height: i32,
 }
 

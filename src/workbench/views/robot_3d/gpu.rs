@@ -16,9 +16,7 @@ use super::mesh::Triangles;
 /// What a picture depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PictureKey {
-    /// Number of the drawing.
     pub drawing: u64,
-    /// The camera.
     pub camera: Camera,
     /// Pixels.
     pub size: [u32; 2],

@@ -193,7 +193,6 @@ impl Triangles {
         self.fan(&base, rim, &-direction, colour);
     }
 
-    /// A disc.
     pub fn disc(&mut self, centre: &Vec3, normal: &Vec3, radius_m: f64, colour: [f32; 4]) {
         let rim = spokes(normal).map(|spoke| centre + spoke * radius_m);
         self.fan(centre, rim, normal, colour);

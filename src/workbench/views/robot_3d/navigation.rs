@@ -20,7 +20,6 @@ enum Goal {
     Inspect(usize),
     /// To a pulley among its neighbours.
     Frame(usize),
-    /// To the platform.
     Platform,
     /// To where it was before pulleys were inspected.
     Back,

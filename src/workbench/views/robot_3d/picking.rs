@@ -20,22 +20,18 @@ pub enum Thing {
     Cable(usize),
     /// The pulley of a cable.
     Pulley(usize),
-    /// The platform.
     Platform,
     /// A measured pose, by its label.
     Pose(i64),
-    /// The spot of the laser.
     LaserSpot,
 }
 
 /// A picture of which the pointer is over a part.
 #[derive(Debug, Clone, Copy)]
 pub struct Picture<'a> {
-    /// What it shows.
     pub scene: &'a Scene,
     /// What is drawn of it.
     pub options: &'a Options,
-    /// From where.
     pub camera: &'a Camera,
     /// Width and height (points of the screen).
     pub size: [f64; 2],

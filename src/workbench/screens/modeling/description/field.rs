@@ -47,7 +47,6 @@ impl<'a> Field<'a> {
 /// A number that every cable, or part of a cable, has: field, value, and how it is set.
 pub type OfEvery<'a, T> = (Field<'a>, f64, fn(&mut T, f64));
 
-/// A grid of fields.
 pub fn grid(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
     Grid::new(name)
         .num_columns(2)

@@ -12,7 +12,6 @@ use crate::widgets::{checkbox, section};
 /// Degrees in a radian.
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
-/// Draws the part.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     section(ui, "Instruments");
     forces(ui, bench);

@@ -213,7 +213,6 @@ impl Panes {
     }
 }
 
-/// The plots that an area names.
 fn named(area: &PlotArea) -> Vec<PlotId> {
     match area {
         PlotArea::Tabs { plots, .. } => plots.iter().filter_map(|n| PlotId::named(n)).collect(),

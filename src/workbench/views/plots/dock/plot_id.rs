@@ -5,7 +5,6 @@ use super::super::{PlotKind, find};
 /// A plot among all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PlotId {
-    /// What it shows.
     pub kind: &'static PlotKind,
     /// Counts plots that show the same.
     pub copy: u8,

@@ -47,7 +47,6 @@ pub struct Dock<'a> {
     pub plots: &'a mut BTreeMap<PlotId, PlotState>,
     pub hovered: &'a mut Selection,
     pub outbox: &'a mut Outbox,
-    /// Where they are.
     pub area: Rect,
     /// Tabs for which there is no room.
     pub hidden: HashSet<TileId>,

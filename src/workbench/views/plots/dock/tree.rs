@@ -32,7 +32,6 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// All of them.
     pub const ALL: [Self; 3] = [Self::One, Self::Two, Self::Four];
 
     /// Label in the window.

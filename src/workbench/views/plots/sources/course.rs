@@ -39,7 +39,6 @@ pub enum Reading {
     Lengths,
     /// What the force sensors read, as tension.
     Tensions,
-    /// The laser.
     Laser,
     /// The position by an external instrument.
     Position,

@@ -32,7 +32,6 @@ fn at_row(dataset: &Dataset, excluded: &BTreeSet<i64>, row: usize, x: f64, y: f6
     }
 }
 
-/// A point over its pose.
 fn over_pose(dataset: &Dataset, excluded: &BTreeSet<i64>, row: usize, y: f64) -> Point {
     let label = dataset.measurements.labels.get(row);
     let x = label.map_or(f64::NAN, |label| *label as f64);

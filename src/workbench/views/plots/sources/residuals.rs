@@ -36,7 +36,6 @@ pub enum Unit {
     /// Their own standard deviations.
     #[default]
     Deviations,
-    /// Millimetres.
     Millimetres,
 }
 

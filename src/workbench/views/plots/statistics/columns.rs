@@ -8,7 +8,6 @@ use super::rows::Head;
 /// Smallest width of a column of names (points).
 const LEAST: f32 = 72.0;
 
-/// The visible columns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VisibleColumns {
     /// Those that name the row, with their widths (points).

@@ -16,7 +16,6 @@ use crate::model::plot_preparation::same;
 /// What the table lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Listed {
-    /// All readings.
     #[default]
     Readings,
     /// All identified values.
@@ -47,7 +46,6 @@ impl Listed {
 
 /// The heading of a column.
 pub struct Head {
-    /// What it says.
     pub title: &'static str,
     /// What the numbers of the column are.
     pub help: &'static str,
@@ -159,9 +157,7 @@ pub struct Order {
 /// What the rows depend on.
 #[derive(Debug, Clone)]
 pub struct Of {
-    /// What is listed.
     pub listed: Listed,
-    /// Of which fit.
     pub fit: Arc<Identification>,
 }
 

@@ -85,7 +85,6 @@ impl Projection {
         }
     }
 
-    /// The other one.
     #[must_use]
     pub fn other(self) -> Self {
         match self {

@@ -65,7 +65,6 @@ pub fn is_drawn(one: Band, scene: &Scene, options: &Options) -> bool {
     (0..scene.cables.len()).any(|index| band(one, scene, index, options).is_some())
 }
 
-/// Colour of a band.
 #[must_use]
 pub fn band_colour(band: Band, palette: &Palette) -> egui::Color32 {
     match band {

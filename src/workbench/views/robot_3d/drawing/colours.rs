@@ -8,7 +8,6 @@ use crate::theme::Palette;
 use crate::views::robot_3d::scene::{CableView, Displacement, Scene, Significance};
 use tautline_workflow::report::tolerance::Conformity;
 
-/// Colour of a cable.
 #[must_use]
 pub fn cable_colour(
     cable: &CableView,
@@ -50,7 +49,6 @@ pub fn tension_range(scene: &Scene) -> Option<[f64; 2]> {
     (low <= high).then_some([low, high])
 }
 
-/// Colour of a significance.
 #[must_use]
 pub fn significance_colour(significance: Significance, palette: &Palette) -> Color32 {
     match significance {

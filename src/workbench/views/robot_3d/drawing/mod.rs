@@ -42,9 +42,7 @@ pub struct Drawing {
     pub solids: Triangles,
     /// Parts to look through.
     pub glass: Triangles,
-    /// Lines.
     pub lines: Lines,
-    /// Points.
     pub points: Points,
     /// Planned and measured poses.
     pub poses: Arc<Points>,

@@ -6,20 +6,17 @@ use tautline_core::geometry::Vec3;
 
 use crate::views::robot_3d::scene::Scene;
 
-/// By what cables are coloured.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum CableColour {
     /// Every cable has its own.
     #[default]
     Own,
-    /// By tension.
     Tension,
     /// By the residual of its length.
     Residual,
 }
 
 impl CableColour {
-    /// All.
     pub const ALL: [Self; 3] = [Self::Own, Self::Tension, Self::Residual];
 
     /// Label in the window.
@@ -45,7 +42,6 @@ pub enum ArrowColour {
 }
 
 impl ArrowColour {
-    /// All.
     pub const ALL: [Self; 3] = [Self::Significance, Self::Length, Self::Tolerance];
 
     /// Label in the window.
@@ -67,12 +63,10 @@ pub enum FrameLook {
     Solid,
     /// What is behind them can be seen.
     Transparent,
-    /// Not at all.
     Hidden,
 }
 
 impl FrameLook {
-    /// All.
     pub const ALL: [Self; 3] = [Self::Solid, Self::Transparent, Self::Hidden];
 
     /// Label in the window.
@@ -89,7 +83,6 @@ impl FrameLook {
 /// What is drawn and how.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// By what cables are coloured.
     pub colour: CableColour,
     /// By what displacements are coloured.
     pub arrow_colour: ArrowColour,

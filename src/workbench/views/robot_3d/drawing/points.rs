@@ -18,7 +18,6 @@ pub struct Lines {
     pub from: Vec<[f32; 3]>,
     /// End (m).
     pub to: Vec<[f32; 3]>,
-    /// Colour.
     pub colours: Vec<[f32; 4]>,
     /// Width (points of the screen).
     pub widths: Vec<f32>,
@@ -38,7 +37,6 @@ impl Lines {
 pub struct Points {
     /// Centre (m).
     pub centres: Vec<[f32; 3]>,
-    /// Colour.
     pub colours: Vec<[f32; 4]>,
     /// Diameter and width of the ring, 0 for a disc (points of the screen); radius (m) that replaces the point once it
     /// is seen larger, 0 for none.

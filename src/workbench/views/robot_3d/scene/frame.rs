@@ -29,7 +29,6 @@ pub struct FrameBox {
     pub corners: Vec<Vec3>,
     /// Its diagonal (m).
     pub size_m: f64,
-    /// The floor.
     pub floor: Floor,
 }
 

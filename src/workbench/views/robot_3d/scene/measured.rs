@@ -6,10 +6,8 @@ use tautline_core::geometry::Vec3;
 
 use super::bounds;
 
-/// A measured pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredPose {
-    /// Its label.
     pub label: i64,
     /// Where the platform was, fitted if possible (m).
     pub position: Vec3,

@@ -157,13 +157,11 @@ pub struct Scene {
     pub frame: FrameBox,
     /// The cables with their pulleys.
     pub cables: Vec<CableView>,
-    /// The platform.
     pub platform: PlatformBox,
     /// The laser, if the robot has one.
     pub laser: Option<LaserView>,
     /// Beams of the home platform's sensors, from the sensor to its plane (m).
     pub home_beams: Vec<[Vec3; 2]>,
-    /// Measured poses.
     pub measured: Arc<MeasuredPoses>,
     /// Planned poses (m).
     pub planned: Vec<Vec3>,

@@ -44,7 +44,6 @@ impl PlatformBox {
     }
 }
 
-/// The laser of `robot` at `pose`.
 pub fn laser(robot: &Robot, pose: &Pose) -> Option<LaserView> {
     let laser = robot.laser?;
     let from = pose.transform(&laser.origin_m.into());
