@@ -7,9 +7,9 @@ use tautline_core::estimation::Progress;
 use tautline_session::{Session, import};
 
 use super::file_dialog::pick;
+use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{COMPARING, CompareCommand, CompareOutcome};
 use crate::model::comparison::{Compared, Run, Side, Source};
-use crate::model::file_choice::FileRequest;
 use crate::model::messages::Cause;
 use crate::model::phase::Screen;
 use crate::model::tasks::TaskHandle;

@@ -13,13 +13,13 @@ use tautline_session::{
 use super::file_dialog::pick;
 use super::file_tasks::{ask_save, written};
 use super::{recording, robot, tables};
+use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome};
-use crate::model::dialogs::{LeavingDraft, SaveContent, SaveForm};
+use crate::model::dialogs::{LeavingDraft, SaveContent};
 use crate::model::edit::same_effect;
-use crate::model::file_choice::FileRequest;
-use crate::model::link::DriverCommand;
 use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
+use crate::model::save_form::SaveForm;
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::importing::{Opened, open as open_any};
 use tautline_workflow::planning::missing_labels;
@@ -216,8 +216,7 @@ pub(super) fn leave(model: &mut Model, draft: impl Into<LeavingDraft>) {
             model.open = None;
             model.context.send_viewport_cmd(ViewportCommand::Close);
         }
-        Leaving::Disconnect => model.link.send(DriverCommand::Disconnect),
-        Leaving::Connect(arms) => robot::connect(model, arms),
+        Leaving::Robot(command) => robot::perform(model, command),
     }
 }
 

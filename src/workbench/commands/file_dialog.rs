@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use super::file_tasks::usual_folder;
 use crate::model::Model;
+use crate::model::command::file_choice::{FileChoice, FileRequest, Wanted};
 use crate::model::command::{Command, Outcome};
-use crate::model::file_choice::{FileChoice, FileRequest, Wanted};
 
 /// Asks for a file on a thread of its own; with the one that is chosen, `command` is done.
 pub fn pick<C: Into<Command>>(

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::model::command::Outcome;
-use crate::model::dialogs::{SaveContent, SaveDraft, SaveForm};
+use crate::model::dialogs::{SaveContent, SaveDraft};
 use crate::model::messages::{Cause, Severity};
+use crate::model::save_form::SaveForm;
 use crate::model::{Model, OpenSession};
 
 /// Where files are looked for and saved at first: the folder of the open session, or of the one that was open last.

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use tautline_session::Loaded;
 
 use super::file_dialog::pick;
+use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{ImportCommand, ImportOutcome, Outcome};
 use crate::model::edit::Edit;
-use crate::model::file_choice::FileRequest;
 use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
 use crate::model::{Model, UiRequest};

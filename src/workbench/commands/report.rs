@@ -7,11 +7,11 @@ use std::sync::Arc;
 use super::file_dialog::pick;
 use super::file_tasks::write;
 use crate::model::Model;
+use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{ReportCommand, ReportDraft};
 use crate::model::comparison::{Compared, Source};
-use crate::model::dialogs::SaveForm;
-use crate::model::file_choice::FileRequest;
 use crate::model::phase::Screen;
+use crate::model::save_form::SaveForm;
 use tautline_workflow::clock;
 use tautline_workflow::report::{
     ComparisonInput, ReportChoice, ReportFormat, ReportInput, completed, write_comparison,

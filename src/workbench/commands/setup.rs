@@ -7,10 +7,10 @@ use tautline_workflow::controllers::check_symbols;
 
 use super::file_dialog::pick;
 use super::file_tasks::{ask_save, write};
+use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{CHECKING, RobotCommand, Setup, SetupOutcome};
 use crate::model::dialogs::SaveContent;
 use crate::model::edit::Edit;
-use crate::model::file_choice::FileRequest;
 use crate::model::messages::Severity;
 use crate::model::{ConnectionRequest, Model, UiRequest};
 

@@ -7,8 +7,8 @@ use tautline_workflow::clock;
 
 use super::file_dialog::pick;
 use crate::model::Model;
+use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{AskedRobot, Outcome, SIMULATING, StudyCommand};
-use crate::model::file_choice::FileRequest;
 
 pub(super) fn perform(model: &mut Model, command: StudyCommand) {
     match command {

@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use tautline_session::{SymbolMapping, link_target};
+use tautline_session::SymbolMapping;
 
+use super::command::file_choice::FileChooser;
 use super::command::{
     Command, Export, FileCommand, Leaving, PlotCommand, PlotFile, RecordingCommand, ReportDraft,
     RobotCommand, Setup, WriteDraft,
 };
-use super::file_choice::FileChooser;
 use super::manual;
+use super::save_form::SaveForm;
 
 /// Dialogs above the screen.
 #[derive(Debug, Default)]
@@ -78,51 +79,6 @@ impl From<Leaving> for LeavingDraft {
             may_disarm: false,
         }
     }
-}
-
-/// The path of a file to write, and what became of writing it.
-#[derive(Debug, Clone, Default)]
-pub struct SaveForm {
-    /// The path as it is typed.
-    pub path: String,
-    /// The file that is being written.
-    pub(crate) writing: Option<PathBuf>,
-    /// Why it was not written.
-    pub(crate) failure: Option<String>,
-}
-
-impl SaveForm {
-    /// A form that suggests a path.
-    pub(crate) fn new(path: &Path) -> Self {
-        Self {
-            path: absolute(path).display().to_string(),
-            ..Self::default()
-        }
-    }
-
-    /// The file that is meant, behind links; `None` while nothing is typed.
-    pub(crate) fn target(&self) -> Option<PathBuf> {
-        let typed = self.path.trim();
-        (!typed.is_empty()).then(|| link_target(&absolute(Path::new(typed))))
-    }
-
-    pub(crate) fn can_save(&self) -> bool {
-        self.writing.is_none() && self.target().is_some()
-    }
-
-    /// Waits until this file is written.
-    pub(crate) fn begin(&mut self, path: PathBuf) {
-        self.writing = Some(path);
-        self.failure = None;
-    }
-
-    fn waits_for(&self, path: &Path) -> bool {
-        self.writing.as_deref() == Some(path)
-    }
-}
-
-fn absolute(path: &Path) -> PathBuf {
-    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 /// A file that is to be saved.

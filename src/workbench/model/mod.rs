@@ -7,7 +7,6 @@ pub mod command;
 pub mod comparison;
 pub mod dialogs;
 pub mod edit;
-pub(crate) mod file_choice;
 pub(crate) mod findings;
 pub mod fit_progress;
 pub mod importing;
@@ -24,6 +23,7 @@ pub mod phase;
 pub mod phase_status;
 pub mod plot_preparation;
 mod request;
+pub mod save_form;
 mod session_lock;
 pub mod tasks;
 

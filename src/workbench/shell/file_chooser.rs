@@ -3,7 +3,7 @@
 use egui::{Context, Id, LayerId, Order, Role, Ui};
 
 use super::state::State;
-use crate::model::file_choice::WINDOW;
+use crate::model::command::file_choice::WINDOW;
 use crate::widgets::backdrop;
 
 /// Draws it while it is open; whether it is. It stands in for the dialog that asks for the file.

@@ -8,7 +8,8 @@ use egui_material_icons::icons;
 use super::state::State;
 use crate::model::OpenSession;
 use crate::model::command::FileCommand;
-use crate::model::dialogs::{SaveContent, SaveForm};
+use crate::model::dialogs::SaveContent;
+use crate::model::save_form::SaveForm;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, modal, muted, primary, verdict};
 

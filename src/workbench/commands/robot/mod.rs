@@ -8,8 +8,8 @@ mod run;
 use tautline_link::ParameterInfo;
 use tautline_session::Phase as LogPhase;
 
-use crate::commands::{file, setup};
-use crate::model::command::{Leaving, RobotCommand};
+use crate::commands::setup;
+use crate::model::command::RobotCommand;
 use crate::model::link::{Connected, DriverCommand, DriverEvent};
 use crate::model::messages::{Cause, full_sentence};
 use crate::model::{ConnectionRequest, Model, OpenSession, UiRequest};
@@ -26,8 +26,8 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::RemovePlanned(label) => plan::remove(model, label),
         RobotCommand::AddCurrent => plan::add_current(model),
         RobotCommand::Setup(setup) => setup::perform(model, setup),
-        RobotCommand::Connect => file::leave(model, Leaving::Connect(false)),
-        RobotCommand::ConnectAndArm => file::leave(model, Leaving::Connect(true)),
+        RobotCommand::Connect => connect(model, false),
+        RobotCommand::ConnectAndArm => connect(model, true),
         RobotCommand::TryNow => model.link.send(DriverCommand::TryNow),
         RobotCommand::LaserDistance(label, distance_m) => {
             model
@@ -37,7 +37,7 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::TypedPose(number, pose) => {
             model.link.send(DriverCommand::TypedPose(number, pose));
         }
-        RobotCommand::Disconnect => file::leave(model, Leaving::Disconnect),
+        RobotCommand::Disconnect => model.link.send(DriverCommand::Disconnect),
         RobotCommand::Arm => {
             model.link.send(DriverCommand::Arm);
             adjust::settle(model);
@@ -76,7 +76,7 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
 }
 
 /// Connects to the controller of the session's settings; `arms` arms it if it is simulated.
-pub(super) fn connect(model: &mut Model, arms: bool) {
+fn connect(model: &mut Model, arms: bool) {
     let Some(open) = &model.open else {
         return;
     };

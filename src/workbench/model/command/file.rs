@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::RobotCommand;
 use tautline_core::effect::EffectSetting;
 use tautline_core::robot::Robot;
 use tautline_session::{Loaded, Session, UnsavedSession};
@@ -56,16 +57,14 @@ pub enum Leaving {
     Close,
     /// The program ends.
     Quit,
-    /// The connection ends.
-    Disconnect,
-    /// The controller of the session's settings is connected instead; a simulated one is armed if this is set.
-    Connect(bool),
+    /// A command that ends the connection, perhaps for another one.
+    Robot(RobotCommand),
 }
 
 impl Leaving {
     /// Whether the session is left with its connection.
     pub(crate) fn ends_session(&self) -> bool {
-        !matches!(self, Self::Disconnect | Self::Connect(_))
+        !matches!(self, Self::Robot(_))
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod compare;
 mod file;
+pub(crate) mod file_choice;
 mod identification;
 mod import;
 mod plot;
@@ -33,8 +34,8 @@ use std::path::PathBuf;
 
 use super::caught_panic::CaughtPanic;
 use super::edit::Edit;
-use super::file_choice::FileChoice;
 use super::plot_preparation::Preparation;
+use file_choice::FileChoice;
 
 #[derive(Debug, Clone)]
 pub enum Command {

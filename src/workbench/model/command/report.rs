@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use crate::model::dialogs::SaveForm;
+use crate::model::save_form::SaveForm;
 use tautline_workflow::report::{ReportChoice, ReportFormat};
 
 /// Saves the report of the session.

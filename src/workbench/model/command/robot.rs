@@ -92,6 +92,13 @@ pub enum RobotCommand {
     Reveal,
 }
 
+impl RobotCommand {
+    /// Whether a connection ends with it.
+    pub(crate) fn disconnects(&self) -> bool {
+        matches!(self, Self::Connect | Self::ConnectAndArm | Self::Disconnect)
+    }
+}
+
 /// Values that are to be written, while that is to be confirmed.
 #[derive(Debug, Clone, Default)]
 pub struct WriteDraft {

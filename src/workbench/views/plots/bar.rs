@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use egui::{Align, ComboBox, Layout, Popup, Role, Theme, Ui, WidgetInfo, vec2};
+use egui::{Align, Layout, Popup, Theme, Ui};
 use egui_material_icons::icons;
 
+use super::kind::OptionsInput;
 use super::screen::colours;
 use super::screen::text_width;
 use super::sources::variable;
@@ -32,7 +33,13 @@ pub fn options(
     ui.horizontal(|ui| {
         // Two choices leave no room for buttons.
         let has_menu = is_narrow && plots.kind == &variable::PLOT;
-        (plots.kind.options)(ui, plots, open, is_narrow);
+        let prepared = plots.prepared().cloned();
+        let input = OptionsInput {
+            open,
+            prepared: prepared.as_deref(),
+            is_narrow,
+        };
+        (plots.kind.options)(ui, &mut plots.options, &input);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if has_menu {
                 menu(ui, plots, figure);
@@ -52,54 +59,6 @@ pub fn options(
     if let Some(text) = plots.view.reading(figure) {
         ui.add(egui::Label::new(text).wrap());
     }
-}
-
-/// One of several: beside each other, or in a menu where there is no room.
-pub(super) fn choose<T: Copy + PartialEq>(
-    ui: &mut Ui,
-    (name, is_narrow): (&str, bool),
-    all: &[(T, &str)],
-    chosen: &mut T,
-) {
-    let add = |ui: &mut Ui, chosen: &mut T| {
-        for (value, title) in all {
-            ui.selectable_value(chosen, *value, *title);
-        }
-    };
-    if !is_narrow {
-        add(ui, chosen);
-        return;
-    }
-    let selected = all.iter().find(|(value, _)| value == chosen);
-    let selected = selected.map_or("", |(_, title)| title);
-    combo(ui, name, selected, |ui| add(ui, chosen));
-}
-
-pub(super) fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
-    combo_within(ui, (name, None), selected, add);
-}
-
-/// As wide as its text, or so wide.
-pub(super) fn combo_within(
-    ui: &mut Ui,
-    (name, width): (&str, Option<f32>),
-    selected: &str,
-    add: impl FnOnce(&mut Ui),
-) {
-    let shown = ComboBox::from_id_salt(name).selected_text(selected);
-    let shown = match width {
-        // A text is cut where its place ends, whatever width is asked for.
-        Some(width) => {
-            let size = vec2(width, ui.spacing().interact_size.y);
-            let shown = shown.width(width).truncate();
-            ui.allocate_ui(size, |ui| shown.show_ui(ui, add)).inner
-        }
-        None => shown.show_ui(ui, add),
-    };
-    let text = format!("{name}: {selected}");
-    shown
-        .response
-        .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &text));
 }
 
 fn buttons(ui: &mut Ui, plots: &mut PlotState, figure: &Figure) {

@@ -1,6 +1,5 @@
-//! The kinds of plots: one static in a file of its own each, one line in the list.
+//! What a kind of plot is: names, options and content.
 
-use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
@@ -9,32 +8,10 @@ use egui::Ui;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::plot::Figure;
 
-use super::PlotState;
-use super::sources::{
-    before_after, convergence, correlation, course, elongation, external, laser, residuals,
-    tensions, variable,
-};
-use super::{scope, statistics};
-use crate::model::command::Outbox;
+use super::choices::{CourseReading, ResidualUnit, TensionsShown, VariableChoice};
+use crate::model::OpenSession;
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Preparation, Prepared};
-use crate::model::{Model, OpenSession, Selection};
-
-/// All kinds, from the left.
-pub static PLOTS: [&PlotKind; 12] = [
-    &residuals::PLOT,
-    &variable::PLOT,
-    &laser::PLOT,
-    &tensions::PLOT,
-    &external::PLOT,
-    &convergence::PLOT,
-    &correlation::PLOT,
-    &elongation::PLOT,
-    &before_after::PLOT,
-    &course::PLOT,
-    &statistics::PLOT,
-    &scope::PLOT,
-];
 
 pub struct PlotKind {
     /// Name in preferences.
@@ -44,15 +21,25 @@ pub struct PlotKind {
     /// Why there is nothing to show, if there is not.
     pub(crate) missing: fn(&OpenSession) -> Option<&'static str>,
     /// Adds the choices above the plot; they are menus if there is little room.
-    pub(crate) options: fn(&mut Ui, &mut PlotState, &OpenSession, bool),
+    pub(crate) options: fn(&mut Ui, &mut PlotOptions, &OptionsInput<'_>),
     pub(crate) content: Content,
 }
 
 /// What a plot shows below its options.
 pub(crate) enum Content {
     Figure(fn(&Source<'_>) -> Result<Figure, Unavailable>),
-    /// A view of its own, with what is under the pointer in all views.
-    Own(fn(&mut Ui, &Model, &mut PlotState, &mut Selection, &mut Outbox)),
+    /// The table of statistics.
+    Statistics,
+    /// Live readings of the controller.
+    Scope,
+}
+
+/// What options depend on.
+pub(crate) struct OptionsInput<'a> {
+    pub(crate) open: &'a OpenSession,
+    pub(crate) prepared: Option<&'a Prepared>,
+    /// Choices are menus.
+    pub(crate) is_narrow: bool,
 }
 
 /// Why there is no figure.
@@ -68,10 +55,10 @@ pub(crate) enum Unavailable {
 /// Choices above the plots.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct PlotOptions {
-    pub(crate) unit: residuals::Unit,
-    pub(crate) tensions: tensions::Shown,
-    pub(crate) course: course::Reading,
-    pub(crate) choice: Option<variable::Choice>,
+    pub(crate) unit: ResidualUnit,
+    pub(crate) tensions: TensionsShown,
+    pub(crate) course: CourseReading,
+    pub(crate) choice: Option<VariableChoice>,
     pub(crate) elongation: Option<usize>,
 }
 
@@ -106,19 +93,7 @@ impl<'a> Source<'a> {
 }
 
 /// For plots without choices.
-pub(crate) fn no_options(_: &mut Ui, _: &mut PlotState, _: &OpenSession, _: bool) {}
-
-/// The kind with this name in preferences.
-#[must_use]
-pub fn find(id: &str) -> Option<&'static PlotKind> {
-    PLOTS.into_iter().find(|kind| kind.id == id)
-}
-
-impl PlotKind {
-    fn place(&self) -> Option<usize> {
-        PLOTS.iter().position(|kind| kind.id == self.id)
-    }
-}
+pub(crate) fn no_options(_: &mut Ui, _: &mut PlotOptions, _: &OptionsInput<'_>) {}
 
 impl PartialEq for PlotKind {
     fn eq(&self, other: &Self) -> bool {
@@ -127,18 +102,6 @@ impl PartialEq for PlotKind {
 }
 
 impl Eq for PlotKind {}
-
-impl PartialOrd for PlotKind {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for PlotKind {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.place().cmp(&other.place())
-    }
-}
 
 impl fmt::Debug for PlotKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,9 +1,11 @@
 //! Plots below the 3D view, and small plots for panels.
 
 mod bar;
+mod choices;
 mod dock;
 mod hit;
 mod kind;
+mod list;
 mod print;
 mod scope;
 mod screen;
@@ -22,12 +24,13 @@ use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Preparation, Prepared, same};
 use crate::model::{Model, OpenSession, Selection};
 use crate::widgets::{Verdict, empty, verdict};
+use choices::VariableChoice;
 use dock::PlotId;
 pub use dock::{Panes, show, show_detached};
+pub use kind::PlotKind;
 use kind::{Content, PlotOptions, Source, Unavailable};
-pub use kind::{PLOTS, PlotKind, find};
+pub use list::{PLOTS, find};
 pub use sources::residuals::of_both as residuals_of_both;
-use sources::variable::Choice;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::plot::Figure;
 use view::{PlotEvent, PlotInput, PlotView};
@@ -87,11 +90,17 @@ fn pane(
         return;
     };
     let figure = match plots.kind.content {
-        Content::Own(show) => match (plots.kind.missing)(open) {
-            Some(why) => return empty(ui, why),
-            None => return show(ui, model, plots, hovered, outbox),
-        },
         Content::Figure(figure) => figure,
+        Content::Scope => return scope::show(ui, model, &mut plots.scope),
+        Content::Statistics => {
+            return match ((plots.kind.missing)(open), open.fit()) {
+                (None, Some(fit)) => {
+                    let state = &mut plots.statistics;
+                    statistics::show(ui, fit, state, (model.selection, hovered), outbox);
+                }
+                (why, _) => empty(ui, why.unwrap_or_default()),
+            };
+        }
     };
     match plots.figure(open, figure) {
         Ok(figure) => plot(ui, (model, open), plots, &figure, hovered, outbox),
@@ -199,7 +208,7 @@ impl PlotState {
             let known = self.options.choice;
             let known = known.filter(|choice| choice.values(prepared).is_some());
             self.options.choice =
-                known.or_else(|| Choice::first(prepared, diagnosed.map(Arc::as_ref)));
+                known.or_else(|| VariableChoice::first(prepared, diagnosed.map(Arc::as_ref)));
         }
     }
 

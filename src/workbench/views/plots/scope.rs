@@ -18,7 +18,7 @@ pub(crate) static PLOT: PlotKind = PlotKind {
     // It shows itself what it waits for.
     missing: |_| None,
     options: no_options,
-    content: Content::Own(|ui, model, plots, _, _| show(ui, model, &mut plots.scope)),
+    content: Content::Scope,
 };
 
 /// Decades of the speed that are shown; the robot counts as still below 1, and is far from it above the last.
@@ -73,7 +73,7 @@ pub struct ScopeState {
     views: [PlotView; Graph::ALL.len()],
 }
 
-fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
+pub(super) fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
     let moment = model.link.scope(Scope::moment).flatten();
     let Some(key) = moment.map(|moment| (moment, model.selection.cable)) else {
         let text = "Readings of the controller appear here as they come: tensions, laser, revolutions, and how fast \

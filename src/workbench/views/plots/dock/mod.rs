@@ -14,7 +14,7 @@ use tautline_core::diagnosis::Quantity;
 use tautline_core::measurement::Variable;
 use tautline_session::{PlotArea, Plots};
 
-use super::{Choice, PLOTS, PlotOptions, PlotState, scope, sources};
+use super::{PLOTS, PlotOptions, PlotState, VariableChoice, scope, sources};
 use crate::model::command::Outbox;
 use crate::model::part::Part;
 use crate::model::plot_preparation::Preparation;
@@ -110,7 +110,7 @@ impl Panes {
         let shown = shown.find(|id| id.kind == &sources::variable::PLOT);
         let id = shown.unwrap_or(PlotId::first(&sources::variable::PLOT));
         if let Some(plot) = self.plots.get_mut(&id) {
-            plot.options.choice = Some(Choice {
+            plot.options.choice = Some(VariableChoice {
                 quantity,
                 cable,
                 variable,

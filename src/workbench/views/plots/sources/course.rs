@@ -8,7 +8,7 @@ use tautline_session::Session;
 use tautline_workflow::plot::figure::{Axis, Figure, Ink, Marker, Point, Series};
 
 use super::TIME;
-use crate::views::plots::bar::choose;
+use crate::views::plots::choices::{CourseReading, choose};
 use crate::views::plots::kind::{Content, PlotKind};
 
 pub(crate) static PLOT: PlotKind = PlotKind {
@@ -19,32 +19,19 @@ pub(crate) static PLOT: PlotKind = PlotKind {
         is_missing
             .then_some("Readings over time appear here once a recording in motion is imported.")
     },
-    options: |ui, plots, open, is_narrow| {
-        let known = Reading::of(open.session());
+    options: |ui, options, input| {
+        let known = CourseReading::of(input.open.session());
         choose(
             ui,
-            ("Readings", is_narrow),
+            ("Readings", input.is_narrow),
             &known,
-            &mut plots.options.course,
+            &mut options.course,
         );
     },
     content: Content::Figure(|source| Ok(figure(source.open.session(), source.options.course))),
 };
 
-/// What is shown over time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Reading {
-    /// How much longer each cable is than at the first pose.
-    #[default]
-    Lengths,
-    /// What the force sensors read, as tension.
-    Tensions,
-    Laser,
-    /// The position by an external instrument.
-    Position,
-}
-
-impl Reading {
+impl CourseReading {
     const ALL: [(Self, &'static str); 4] = [
         (Self::Lengths, "Lengths"),
         (Self::Tensions, "Tensions"),
@@ -77,14 +64,14 @@ const APART_S: f64 = 1.0;
 fn has_times(session: &Session) -> bool {
     let times = &session.measurements.time_s;
     let close = times.windows(2).filter(|pair| pair[1] - pair[0] < APART_S);
-    2 * close.count() > times.len() && !Reading::of(session).is_empty()
+    2 * close.count() > times.len() && !CourseReading::of(session).is_empty()
 }
 
 /// Readings over time; those of another kind where these were not recorded.
 #[must_use]
-pub fn figure(session: &Session, wanted: Reading) -> Figure {
+pub fn figure(session: &Session, wanted: CourseReading) -> Figure {
     let (robot, data) = (&session.robot, &session.measurements);
-    let known = Reading::of(session);
+    let known = CourseReading::of(session);
     let is_known = known.iter().any(|(reading, _)| *reading == wanted);
     let reading = match known.first() {
         Some((first, _)) if !is_known => *first,
@@ -103,7 +90,7 @@ pub fn figure(session: &Session, wanted: Reading) -> Figure {
         series.collect::<Vec<_>>()
     };
     let (y, series) = match reading {
-        Reading::Lengths => {
+        CourseReading::Lengths => {
             let change = |cable: &Cable, index: usize, row: usize| {
                 length_m(data, (cable, index), row) - length_m(data, (cable, index), 0)
             };
@@ -112,19 +99,19 @@ pub fn figure(session: &Session, wanted: Reading) -> Figure {
                 of_cables(&change),
             )
         }
-        Reading::Tensions => {
+        CourseReading::Tensions => {
             let tension = |cable: &Cable, index: usize, row: usize| match cable.force_sensor {
                 Some(sensor) => sensor.tension_n(data.force_n.get(row, index)),
                 None => f64::NAN,
             };
             (Axis::new("Tension", "N"), of_cables(&tension))
         }
-        Reading::Laser => {
+        CourseReading::Laser => {
             let points = course.points(|row| data.laser_m[row]);
             let series = Series::new("Laser", Ink::Accent, Marker::Circle, points);
             (Axis::new("Laser distance", "m"), vec![series])
         }
-        Reading::Position => {
+        CourseReading::Position => {
             let axes = [
                 ("x", Ink::Accent, Marker::Circle),
                 ("y", Ink::Good, Marker::Square),

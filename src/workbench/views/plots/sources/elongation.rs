@@ -3,7 +3,7 @@
 use tautline_core::cable::ElongationSurface;
 use tautline_session::Session;
 
-use crate::views::plots::bar::combo;
+use crate::views::plots::choices::combo;
 use crate::views::plots::kind::{Content, PlotKind};
 use tautline_workflow::plot::contour::contours;
 use tautline_workflow::plot::figure::{
@@ -19,18 +19,18 @@ pub(crate) static PLOT: PlotKind = PlotKind {
         is_missing
             .then_some("The elongation of the cables appears here once it is fitted in phase 2.")
     },
-    options: |ui, plots, open, _| {
-        let cables = open.session().robot.cables.iter().enumerate();
+    options: |ui, options, input| {
+        let cables = input.open.session().robot.cables.iter().enumerate();
         let with: Vec<(usize, &str)> = cables
             .filter(|(_, cable)| cable.cable.elongation_surface.is_some())
             .map(|(index, cable)| (index, cable.name.as_str()))
             .collect();
         if with.len() > 1 {
-            let chosen = plots.options.elongation.unwrap_or(with[0].0);
+            let chosen = options.elongation.unwrap_or(with[0].0);
             let name = with.iter().find(|(k, _)| *k == chosen);
             combo(ui, "Cable", name.map_or("", |(_, name)| name), |ui| {
                 for (index, name) in &with {
-                    ui.selectable_value(&mut plots.options.elongation, Some(*index), *name);
+                    ui.selectable_value(&mut options.elongation, Some(*index), *name);
                 }
             });
         }

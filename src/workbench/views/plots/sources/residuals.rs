@@ -6,10 +6,10 @@ use egui::Ui;
 use tautline_core::estimation::{Observation, ObservationKind};
 
 use super::{POSE, over_pose};
-use crate::model::OpenSession;
-use crate::views::plots::PlotState;
-use crate::views::plots::bar::choose;
-use crate::views::plots::kind::{Content, PlotKind, Source, Unavailable};
+use crate::views::plots::choices::{ResidualUnit, choose};
+use crate::views::plots::kind::{
+    Content, OptionsInput, PlotKind, PlotOptions, Source, Unavailable,
+};
 use tautline_workflow::identification::{Identification, RESIDUAL};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Ink, Marker, Point, Series};
 
@@ -30,16 +30,7 @@ pub(crate) static PLOT: PlotKind = PlotKind {
     }),
 };
 
-/// Unit of residuals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Unit {
-    /// Their own standard deviations.
-    #[default]
-    Deviations,
-    Millimetres,
-}
-
-impl Unit {
+impl ResidualUnit {
     fn value(self, reading: &Observation) -> Option<f64> {
         match self {
             Self::Deviations => reading.normalised(),
@@ -81,7 +72,7 @@ fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
 
 /// Residuals of the lengths of all cables.
 #[must_use]
-fn lengths(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Figure {
+fn lengths(fit: &Identification, unit: ResidualUnit, excluded: &BTreeSet<i64>) -> Figure {
     let cables = &fit.dataset.robot.cables;
     let named = cable_points(fit, unit, excluded)
         .into_iter()
@@ -97,7 +88,7 @@ fn lengths(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Figure
 /// other, so a point stands for no pose.
 #[must_use]
 pub fn of_both(fits: [&Identification; 2]) -> Figure {
-    let unit = Unit::default();
+    let unit = ResidualUnit::default();
     let nothing = BTreeSet::new();
     let key = |name| Series::new(name, Ink::Text, Marker::Circle, Vec::new());
     let mut series = vec![key("A"), key("B").as_rings()];
@@ -120,7 +111,7 @@ pub fn of_both(fits: [&Identification; 2]) -> Figure {
     over_poses(unit, unit.band(readings), series)
 }
 
-fn over_poses(unit: Unit, band: Option<Band>, series: Vec<Series>) -> Figure {
+fn over_poses(unit: ResidualUnit, band: Option<Band>, series: Vec<Series>) -> Figure {
     Figure {
         x: Axis::whole(POSE),
         y: unit.axis(),
@@ -137,7 +128,11 @@ fn length_readings(fit: &Identification) -> impl Iterator<Item = &Observation> {
 }
 
 /// Residuals of the lengths of each cable.
-fn cable_points(fit: &Identification, unit: Unit, excluded: &BTreeSet<i64>) -> Vec<Vec<Point>> {
+fn cable_points(
+    fit: &Identification,
+    unit: ResidualUnit,
+    excluded: &BTreeSet<i64>,
+) -> Vec<Vec<Point>> {
     let mut points: Vec<Vec<Point>> = vec![Vec::new(); fit.dataset.robot.cable_count()];
     for reading in &fit.analysis.observations {
         if let ObservationKind::Length(cable) = reading.kind
@@ -171,10 +166,10 @@ pub(super) fn of_kinds(
 }
 
 /// The choice of the unit.
-pub(super) fn choose_unit(ui: &mut Ui, plots: &mut PlotState, _: &OpenSession, is_narrow: bool) {
+pub(super) fn choose_unit(ui: &mut Ui, options: &mut PlotOptions, input: &OptionsInput<'_>) {
     let units = [
-        (Unit::Deviations, "Standard deviations"),
-        (Unit::Millimetres, "Millimetres"),
+        (ResidualUnit::Deviations, "Standard deviations"),
+        (ResidualUnit::Millimetres, "Millimetres"),
     ];
-    choose(ui, ("Unit", is_narrow), &units, &mut plots.options.unit);
+    choose(ui, ("Unit", input.is_narrow), &units, &mut options.unit);
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use tautline_core::diagnosis::Quantity;
 
 use super::{POSE, over_pose};
-use crate::views::plots::bar::choose;
+use crate::views::plots::choices::{TensionsShown, choose};
 use crate::views::plots::kind::{Content, PlotKind};
 use tautline_workflow::identification::{Identification, RESIDUAL, readings_of};
 use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
@@ -18,16 +18,16 @@ pub(crate) static PLOT: PlotKind = PlotKind {
         let has_forces = fit.is_some_and(|fit| !fit.dataset.measurements.force_n.is_empty());
         (!has_forces).then_some("Tensions appear here after an identification with force readings.")
     },
-    options: |ui, plots, _, is_narrow| {
+    options: |ui, options, input| {
         let shown = [
-            (Shown::Measured, "Measured"),
-            (Shown::Residuals, "Residuals"),
+            (TensionsShown::Measured, "Measured"),
+            (TensionsShown::Residuals, "Residuals"),
         ];
         choose(
             ui,
-            ("Tensions shown", is_narrow),
+            ("Tensions shown", input.is_narrow),
             &shown,
-            &mut plots.options.tensions,
+            &mut options.tensions,
         );
     },
     content: Content::Figure(|source| {
@@ -39,19 +39,9 @@ pub(crate) static PLOT: PlotKind = PlotKind {
     }),
 };
 
-/// What is shown of tensions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Shown {
-    /// What the sensors read.
-    #[default]
-    Measured,
-    /// What is predicted from all readings, less what the sensors read.
-    Residuals,
-}
-
 /// Tensions of all cables.
 #[must_use]
-pub fn figure(fit: &Identification, shown: Shown, excluded: &BTreeSet<i64>) -> Figure {
+pub fn figure(fit: &Identification, shown: TensionsShown, excluded: &BTreeSet<i64>) -> Figure {
     let cables = &fit.dataset.robot.cables;
     let mut points: Vec<Vec<Point>> = vec![Vec::new(); cables.len()];
     let mut put = |row: usize, cable: usize, value: f64| {
@@ -61,7 +51,7 @@ pub fn figure(fit: &Identification, shown: Shown, excluded: &BTreeSet<i64>) -> F
     };
     let read = &fit.dataset.measurements.force_n;
     match shown {
-        Shown::Measured => {
+        TensionsShown::Measured => {
             for row in 0..read.rows() {
                 for (index, cable) in cables.iter().enumerate() {
                     if let Some(sensor) = cable.force_sensor {
@@ -70,7 +60,7 @@ pub fn figure(fit: &Identification, shown: Shown, excluded: &BTreeSet<i64>) -> F
                 }
             }
         }
-        Shown::Residuals => {
+        TensionsShown::Residuals => {
             for index in 0..cables.len() {
                 for one in readings_of(&fit.analysis, Quantity::Tension, Some(index)) {
                     put(one.row, index, one.residual());
@@ -86,7 +76,7 @@ pub fn figure(fit: &Identification, shown: Shown, excluded: &BTreeSet<i64>) -> F
         name: "3 standard deviations of the sensors".into(),
         y: [-3.0 * largest_sd, 3.0 * largest_sd],
     };
-    let is_residual = shown == Shown::Residuals;
+    let is_residual = shown == TensionsShown::Residuals;
     let named = points.into_iter().zip(cables).enumerate();
     Figure {
         x: Axis::whole(POSE),

@@ -10,9 +10,8 @@ use tautline_core::measurement::Variable;
 use super::at_row;
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Prepared, residuals};
-use crate::views::plots::PlotState;
-use crate::views::plots::bar::combo_within;
-use crate::views::plots::kind::{Content, PlotKind, Unavailable};
+use crate::views::plots::choices::{VariableChoice, combo_within};
+use crate::views::plots::kind::{Content, OptionsInput, PlotKind, PlotOptions, Unavailable};
 use tautline_workflow::identification::{Identification, RESIDUAL};
 use tautline_workflow::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use tautline_workflow::plot::gaps::without_gaps;
@@ -26,7 +25,7 @@ pub(crate) static PLOT: PlotKind = PlotKind {
             "Residuals against length, tension, time and other variables appear here after identification.",
         )
     },
-    options: |ui, plots, _, is_narrow| choose(ui, plots, is_narrow),
+    options: choose,
     content: Content::Figure(|source| {
         let prepared = source.prepared()?;
         let nothing = Unavailable::Empty("No variable changes over these poses.");
@@ -48,70 +47,24 @@ const AVERAGED: usize = 24;
 /// Legend of the residuals of the extended model.
 const AFTER: &str = "after, with the causes found";
 
-/// What is plotted along what.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Choice {
-    /// Kind of reading.
-    pub quantity: Quantity,
-    /// Cable, if the reading is a cable's.
-    pub cable: Option<usize>,
-    /// Along what.
-    pub variable: Variable,
-}
-
-impl Choice {
-    /// The strongest dependence found, or the length of the first cable.
-    #[must_use]
-    pub fn first(prepared: &Prepared, diagnosed: Option<&Diagnosed>) -> Option<Self> {
-        let found = diagnosed.and_then(|found| found.diagnosis.discrepancies.first());
-        let strongest = found.map(|d| Self {
-            quantity: d.quantity,
-            cable: d.cable,
-            variable: d.variable,
-        });
-        let known = |choice: &Self| choice.values(prepared).is_some();
-        strongest.filter(known).or_else(|| {
-            let along = prepared.along.first()?;
-            Some(Self {
-                quantity: along.quantity,
-                cable: along.cable,
-                variable: along.variables.first()?.0,
-            })
-        })
-    }
-
-    /// Whether a diagnosis found a dependence here.
-    fn is_dependence(self, diagnosed: &Diagnosed) -> bool {
-        let mut found = diagnosed.diagnosis.discrepancies.iter();
-        found.any(|d| {
-            (d.quantity, d.cable, d.variable) == (self.quantity, self.cable, self.variable)
-        })
-    }
-
-    /// Values of the variable by row, if they are known.
-    #[must_use]
-    pub fn values(self, prepared: &Prepared) -> Option<&[f64]> {
-        let mut along = prepared.along.iter();
-        let group = along.find(|a| (a.quantity, a.cable) == (self.quantity, self.cable))?;
-        let mut variables = group.variables.iter();
-        let (_, values) = variables.find(|(variable, _)| *variable == self.variable)?;
-        Some(values)
-    }
-}
-
 /// Width of a button that opens a menu, with the space before it (points).
 const MENU: f32 = 72.0;
 
-fn choose(ui: &mut Ui, plots: &mut PlotState, is_narrow: bool) {
-    if let (Some(prepared), Some(choice)) = (plots.prepared().cloned(), plots.options.choice) {
+fn choose(ui: &mut Ui, options: &mut PlotOptions, input: &OptionsInput<'_>) {
+    if let (Some(prepared), Some(choice)) = (input.prepared, options.choice) {
         let room = ui.available_width() - MENU - ui.spacing().item_spacing.x;
-        let width = is_narrow.then_some(0.5 * room);
-        plots.options.choice = Some(along(ui, &prepared, choice, width));
+        let width = input.is_narrow.then_some(0.5 * room);
+        options.choice = Some(along(ui, prepared, choice, width));
     }
 }
 
 /// Which readings along which variable, each choice so wide.
-fn along(ui: &mut Ui, prepared: &Prepared, mut choice: Choice, width: Option<f32>) -> Choice {
+fn along(
+    ui: &mut Ui,
+    prepared: &Prepared,
+    mut choice: VariableChoice,
+    width: Option<f32>,
+) -> VariableChoice {
     let name = |quantity: Quantity, cable: Option<usize>| {
         let cables = &prepared.base.dataset.robot.cables;
         match cable.and_then(|index| cables.get(index)) {
@@ -191,7 +144,7 @@ type Place = (usize, f64, f64);
 pub fn figure(
     prepared: &Prepared,
     diagnosed: Option<&Diagnosed>,
-    choice: Choice,
+    choice: VariableChoice,
     excluded: &BTreeSet<i64>,
 ) -> Figure {
     let Some(values) = choice.values(prepared) else {
@@ -248,14 +201,14 @@ fn pieces(curve: &Curve, places: &[Place]) -> Vec<Curve> {
         .collect()
 }
 
-fn places(fit: &Identification, choice: Choice, values: &[f64], factor: f64) -> Vec<Place> {
+fn places(fit: &Identification, choice: VariableChoice, values: &[f64], factor: f64) -> Vec<Place> {
     residuals(fit, choice.quantity, choice.cable)
         .into_iter()
         .filter_map(|(row, value)| Some((row, factor * values.get(row)?, value)))
         .collect()
 }
 
-fn series(choice: Choice, fit: &Identification, points: Vec<Point>) -> Series {
+fn series(choice: VariableChoice, fit: &Identification, points: Vec<Point>) -> Series {
     let cables = &fit.dataset.robot.cables;
     match choice
         .cable

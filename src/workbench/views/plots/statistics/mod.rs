@@ -31,17 +31,7 @@ pub(crate) static PLOT: PlotKind = PlotKind {
         )
     },
     options: no_options,
-    content: Content::Own(|ui, model, plots, hovered, outbox| {
-        if let Some(fit) = model.open.as_ref().and_then(|open| open.fit()) {
-            show(
-                ui,
-                fit,
-                &mut plots.statistics,
-                (model.selection, hovered),
-                outbox,
-            );
-        }
-    }),
+    content: Content::Statistics,
 };
 
 /// Width (points) below which the buttons have icons alone.
@@ -62,7 +52,7 @@ pub struct Statistics {
 }
 
 /// Draws the table; `hovered` is what is under the pointer, in all views.
-fn show(
+pub(super) fn show(
     ui: &mut Ui,
     fit: &Arc<Identification>,
     state: &mut Statistics,

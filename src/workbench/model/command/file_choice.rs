@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::command::Command;
+use super::Command;
 
 /// Name of the window of the program that asks for a file.
 pub(crate) const WINDOW: &str = "file chooser";

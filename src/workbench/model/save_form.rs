@@ -1,0 +1,50 @@
+//! The form that asks where to save a file.
+
+use std::path::{Path, PathBuf};
+
+use tautline_session::link_target;
+
+/// The path of a file to write, and what became of writing it.
+#[derive(Debug, Clone, Default)]
+pub struct SaveForm {
+    /// The path as it is typed.
+    pub path: String,
+    /// The file that is being written.
+    pub(crate) writing: Option<PathBuf>,
+    /// Why it was not written.
+    pub(crate) failure: Option<String>,
+}
+
+impl SaveForm {
+    /// A form that suggests a path.
+    pub(crate) fn new(path: &Path) -> Self {
+        Self {
+            path: absolute(path).display().to_string(),
+            ..Self::default()
+        }
+    }
+
+    /// The file that is meant, behind links; `None` while nothing is typed.
+    pub(crate) fn target(&self) -> Option<PathBuf> {
+        let typed = self.path.trim();
+        (!typed.is_empty()).then(|| link_target(&absolute(Path::new(typed))))
+    }
+
+    pub(crate) fn can_save(&self) -> bool {
+        self.writing.is_none() && self.target().is_some()
+    }
+
+    /// Waits until this file is written.
+    pub(crate) fn begin(&mut self, path: PathBuf) {
+        self.writing = Some(path);
+        self.failure = None;
+    }
+
+    pub(crate) fn waits_for(&self, path: &Path) -> bool {
+        self.writing.as_deref() == Some(path)
+    }
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}

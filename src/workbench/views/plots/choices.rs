@@ -1,0 +1,139 @@
+//! Choices above the plots, and the widgets that offer them.
+
+use egui::{ComboBox, Role, Ui, WidgetInfo, vec2};
+use tautline_core::diagnosis::Quantity;
+use tautline_core::measurement::Variable;
+
+use crate::model::open_session::Diagnosed;
+use crate::model::plot_preparation::Prepared;
+
+/// Unit of residuals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ResidualUnit {
+    /// Their own standard deviations.
+    #[default]
+    Deviations,
+    Millimetres,
+}
+
+/// What is shown of tensions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TensionsShown {
+    /// What the sensors read.
+    #[default]
+    Measured,
+    /// What is predicted from all readings, less what the sensors read.
+    Residuals,
+}
+
+/// What is shown over time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CourseReading {
+    /// How much longer each cable is than at the first pose.
+    #[default]
+    Lengths,
+    /// What the force sensors read, as tension.
+    Tensions,
+    Laser,
+    /// The position by an external instrument.
+    Position,
+}
+
+/// What is plotted along what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct VariableChoice {
+    /// Kind of reading.
+    pub quantity: Quantity,
+    /// Cable, if the reading is a cable's.
+    pub cable: Option<usize>,
+    /// Along what.
+    pub variable: Variable,
+}
+
+impl VariableChoice {
+    /// The strongest dependence found, or the length of the first cable.
+    #[must_use]
+    pub fn first(prepared: &Prepared, diagnosed: Option<&Diagnosed>) -> Option<Self> {
+        let found = diagnosed.and_then(|found| found.diagnosis.discrepancies.first());
+        let strongest = found.map(|d| Self {
+            quantity: d.quantity,
+            cable: d.cable,
+            variable: d.variable,
+        });
+        let known = |choice: &Self| choice.values(prepared).is_some();
+        strongest.filter(known).or_else(|| {
+            let along = prepared.along.first()?;
+            Some(Self {
+                quantity: along.quantity,
+                cable: along.cable,
+                variable: along.variables.first()?.0,
+            })
+        })
+    }
+
+    /// Whether a diagnosis found a dependence here.
+    pub(super) fn is_dependence(self, diagnosed: &Diagnosed) -> bool {
+        let mut found = diagnosed.diagnosis.discrepancies.iter();
+        found.any(|d| {
+            (d.quantity, d.cable, d.variable) == (self.quantity, self.cable, self.variable)
+        })
+    }
+
+    /// Values of the variable by row, if they are known.
+    #[must_use]
+    pub fn values(self, prepared: &Prepared) -> Option<&[f64]> {
+        let mut along = prepared.along.iter();
+        let group = along.find(|a| (a.quantity, a.cable) == (self.quantity, self.cable))?;
+        let mut variables = group.variables.iter();
+        let (_, values) = variables.find(|(variable, _)| *variable == self.variable)?;
+        Some(values)
+    }
+}
+
+/// One of several: beside each other, or in a menu where there is no room.
+pub(super) fn choose<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    (name, is_narrow): (&str, bool),
+    all: &[(T, &str)],
+    chosen: &mut T,
+) {
+    let add = |ui: &mut Ui, chosen: &mut T| {
+        for (value, title) in all {
+            ui.selectable_value(chosen, *value, *title);
+        }
+    };
+    if !is_narrow {
+        add(ui, chosen);
+        return;
+    }
+    let selected = all.iter().find(|(value, _)| value == chosen);
+    let selected = selected.map_or("", |(_, title)| title);
+    combo(ui, name, selected, |ui| add(ui, chosen));
+}
+
+pub(super) fn combo(ui: &mut Ui, name: &str, selected: &str, add: impl FnOnce(&mut Ui)) {
+    combo_within(ui, (name, None), selected, add);
+}
+
+/// A menu of its natural or a given width, cut where its place ends.
+pub(super) fn combo_within(
+    ui: &mut Ui,
+    (name, width): (&str, Option<f32>),
+    selected: &str,
+    add: impl FnOnce(&mut Ui),
+) {
+    let shown = ComboBox::from_id_salt(name).selected_text(selected);
+    let shown = match width {
+        // A text is cut where its place ends, whatever width is asked for.
+        Some(width) => {
+            let size = vec2(width, ui.spacing().interact_size.y);
+            let shown = shown.width(width).truncate();
+            ui.allocate_ui(size, |ui| shown.show_ui(ui, add)).inner
+        }
+        None => shown.show_ui(ui, add),
+    };
+    let text = format!("{name}: {selected}");
+    shown
+        .response
+        .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, &text));
+}
