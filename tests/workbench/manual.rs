@@ -6,6 +6,7 @@ use egui_kittest::kittest::Queryable;
 use tautline_workbench::model::command::{FileCommand, ViewCommand};
 use tautline_workbench::model::manual::Page;
 use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workflow::wording::recent_facts;
 
 use crate::measured::{Measured, give, press};
 use crate::support::{settle, workbench};
@@ -69,7 +70,10 @@ fn a_session_is_opened_again_from_the_menu() {
     assert!(harness.state().state.model.open.is_none());
     press(&mut harness, "File");
     press(&mut harness, "Open recent");
-    press(&mut harness, "mini (kept.json)");
+    let recent = &harness.state().state.model.preferences.recent()[0];
+    let title = format!("mini ({})", recent_facts(recent));
+    assert!(title.ends_with(", mini, kept.json)"), "{title}");
+    press(&mut harness, &title);
     let open = harness.state().state.model.open.as_ref();
     assert_eq!(open.and_then(|open| open.path()), Some(path.as_path()));
 }

@@ -16,7 +16,7 @@ impl Session {
             read.map(|held| (held.name.clone(), held.value)).collect();
         for adjustment in &self.adjustments {
             let is_new = holds_new(adjustment);
-            for change in adjustment.changes.iter() {
+            for change in &adjustment.changes {
                 let value = is_new.map(|is_new| if is_new { change.after } else { change.before });
                 match value {
                     Some(value) => values.insert(change.name.clone(), value),

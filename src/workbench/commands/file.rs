@@ -14,13 +14,16 @@ use super::file_dialog::pick;
 use super::file_tasks::{ask_save, written};
 use super::{recording, robot, tables};
 use crate::model::command::file_choice::FileRequest;
-use crate::model::command::{Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome};
+use crate::model::command::{
+    Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome, RobotCommand,
+};
 use crate::model::dialogs::{LeavingDraft, SaveContent};
 use crate::model::edit::same_effect;
 use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
 use crate::model::save_form::SaveForm;
 use crate::model::{Model, OpenSession, UiRequest};
+use tautline_workflow::controllers::Kind;
 use tautline_workflow::importing::{Opened, open as open_any};
 use tautline_workflow::planning::missing_labels;
 use tautline_workflow::session_file::recover_unsaved;
@@ -200,7 +203,12 @@ fn save(model: &mut Model, path: PathBuf) {
 pub(super) fn leave(model: &mut Model, draft: impl Into<LeavingDraft>) {
     let draft = draft.into();
     let loses = draft.leaving.ends_session() && model.is_unsaved();
-    if loses || model.would_disarm() && !draft.may_disarm {
+    // The simulated robot of the session is armed again at once.
+    let connected = model.link.connected.as_ref();
+    let is_simulated = connected.is_some_and(|connected| connected.rig.kind == Kind::OfSession);
+    let rearms =
+        is_simulated && matches!(draft.leaving, Leaving::Robot(RobotCommand::ConnectAndArm));
+    if loses || model.would_disarm() && !rearms && !draft.may_disarm {
         model.dialogs.leaving = Some(draft);
         return;
     }

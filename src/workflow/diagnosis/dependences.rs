@@ -296,7 +296,7 @@ mod tests {
     fn a_smooth_line_follows_a_straight_one_and_calms_noise() {
         let line = |noise: f64| -> Vec<[f64; 2]> {
             let point = |k: u32| {
-                let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+                let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
                 [f64::from(k), 2.0 * f64::from(k) + sign * noise]
             };
             (0..40).rev().map(point).collect()

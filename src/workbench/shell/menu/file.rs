@@ -8,7 +8,6 @@ use crate::model::command::{
     CompareCommand, FileCommand, RecordingCommand, ReportCommand, ViewCommand,
 };
 use crate::model::phase::Screen;
-use tautline_session::RecentSession;
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::templates::Template;
 use tautline_workflow::wording::recent_facts;
@@ -18,16 +17,11 @@ const RECENT: usize = 5;
 /// Sessions that are offered to be opened again.
 fn recent(state: &State) -> Vec<Item> {
     let recent = state.model.preferences.recent().iter().take(RECENT);
-    let is_alone = |name: &String| recent.clone().filter(|one| one.name == *name).count() == 1;
-    let title = |session: &RecentSession| match is_alone(&session.name) {
-        true => session.name.clone(),
-        false => format!("{} ({})", session.name, recent_facts(session)),
-    };
     recent
-        .clone()
         .map(|session| {
             let open = FileCommand::Open(session.path().to_owned());
-            item(Menu::File, title(session), None, true, open).within("Open recent")
+            let title = format!("{} ({})", session.name, recent_facts(session));
+            item(Menu::File, title, None, true, open).within("Open recent")
         })
         .collect()
 }
@@ -123,11 +117,12 @@ pub fn lines(state: &State) -> Vec<Item> {
     });
     let blank = item(
         Menu::File,
-        "New robot: empty table",
+        "Empty table",
         None,
         true,
         ViewCommand::Go(Screen::NewRobot),
-    );
+    )
+    .within("New robot");
     items.splice(3..3, new.into_iter().chain([blank]));
     items
 }
