@@ -157,8 +157,11 @@ fn alone_it_leads_from_twenty_demonstrations_to_the_true_cause() {
     assert!(missed.is_empty() && listed <= 1, "{listed}, {missed:#?}");
 }
 
+/// Effect, target, and values of the parameters.
+type Hidden = (&'static str, &'static str, &'static [(&'static str, f64)]);
+
 /// Two causes that are found by name.
-const TWO: [(&str, &str, &[(&str, f64)]); 2] = [
+const TWO: [Hidden; 2] = [
     ("winch_scale", "cable-3", &[("scale", 0.02)]),
     ("cable_slip", "cable-5", &[("step", 0.02), ("pose", 17.0)]),
 ];
@@ -283,7 +286,7 @@ fn an_unknown_cause_is_neither_certain_nor_added() {
     give(&mut harness, IdentificationCommand::Identify);
     give(&mut harness, IdentificationCommand::Diagnose);
     replace_findings(&mut harness, |findings| {
-        findings[0].verdict = Verdict::Unknown
+        findings[0].verdict = Verdict::Unknown;
     });
     harness.get_by_label_contains("1. Unknown cause");
     for text in [
