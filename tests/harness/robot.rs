@@ -40,7 +40,7 @@ pub fn connect_and_arm(harness: &mut Harness<'_, App>) {
     arm(harness);
 }
 
-/// Gives the controller parameters for the effects of the model, so that they can be written, and arms it again.
+/// Gives the controller parameters for the effects of the model, so that they can be written.
 ///
 /// # Panics
 /// If it has them already, or does not answer.
@@ -48,9 +48,8 @@ pub fn give_parameters(harness: &mut Harness<'_, App>) {
     press(harness, "Add these parameters to the simulated controller");
     wait(harness, "a controller that corrects effects", |state| {
         let mut held = state.model.link.parameters.iter();
-        held.any(|p| p.name.starts_with("effect.")) && !state.model.link.is_armed()
+        held.any(|p| p.name.starts_with("effect.")) && state.model.link.is_armed()
     });
-    arm(harness);
 }
 
 fn arm(harness: &mut Harness<'_, App>) {

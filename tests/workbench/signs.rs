@@ -131,8 +131,9 @@ fn saved(harness: &mut Harness<'_, App>, tab: &str, measured: &Measured) -> Vec<
     press(harness, "Save plot");
     press(harness, "Table (CSV)");
     let name = path.display().to_string();
-    type_into(harness, Role::TextInput, "Plot file", &name);
-    press(harness, "Save this plot");
+    type_into(harness, Role::TextInput, "Path of the file", &name);
+    press(harness, "Save");
+    settle(harness);
     let text = std::fs::read_to_string(&path).expect("the file");
     let line = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();
@@ -204,8 +205,9 @@ fn the_plots_below_and_the_report_show_the_residuals_of_the_table() {
         let path = measured.beside("report.html");
         give(&mut harness, ReportCommand::AskSave(ReportFormat::Html));
         let typed = path.display().to_string();
-        type_into(&mut harness, Role::TextInput, "Path of the report", &typed);
+        type_into(&mut harness, Role::TextInput, "Path of the file", &typed);
         press(&mut harness, "Save report");
+        settle(&mut harness);
         let report = plain(&std::fs::read_to_string(&path).expect("a report"));
         for reading in fit.suspects.iter().flatten().take(3) {
             let name = sentence(&reading_name(&fit.dataset.robot, reading.kind));

@@ -124,7 +124,7 @@ fn save_and_open_again(bench: &mut Bench) {
         .key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
     bench.harness.step();
     bench.harness.step();
-    let (name, text) = ("Path of the session", path.display().to_string());
+    let (name, text) = ("Path of the file", path.display().to_string());
     type_into(&mut bench.harness, Role::TextInput, name, &text);
     bench.press("Save");
     bench.settle("the saved session");

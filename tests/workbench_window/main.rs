@@ -91,7 +91,7 @@ fn turn(window: &mut Window) -> Result<()> {
 
 fn save(window: &mut Window, path: &str) -> Result<()> {
     window.command('S')?;
-    window.enter("Path of the session", path)?;
+    window.enter("Path of the file", path)?;
     window.display.strike(&[], keys::RETURN)?;
     window.text("Saved ")?;
     Ok(())

@@ -399,7 +399,10 @@ mod tests {
         let fewer = poses.select(&[0, 1]);
         session.exclude(poses.labels[2]).expect("it is measured");
         let again = Edit::Import(Arc::new(fewer.clone()), "import log.csv again".into());
-        assert_eq!(history.perform(again, &mut session, 2), Some(InputRevision::New));
+        assert_eq!(
+            history.perform(again, &mut session, 2),
+            Some(InputRevision::New)
+        );
         assert_eq!(session.measurements, fewer);
         assert!(session.excluded().is_empty(), "it is no longer there");
         history.undo(&mut session, 3).expect("a step");

@@ -167,11 +167,8 @@ fn compare(
         let free = !model.link.is_busy();
         let text = "Add these parameters to the simulated controller";
         let button = ui.add_enabled(free, Button::new(text));
-        if button
-            .on_hover_text("Reconnects; the controller must be armed again")
-            .clicked()
-        {
-            outbox.send(RobotCommand::Connect);
+        if button.on_hover_text("Connects and arms it again").clicked() {
+            outbox.send(RobotCommand::ConnectAndArm);
         }
     }
     ui.horizontal_wrapped(|ui| {

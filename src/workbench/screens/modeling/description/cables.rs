@@ -62,14 +62,18 @@ pub(crate) fn grid(
         Grid::new("names of the cables")
             .min_row_height(ROW)
             .show(ui, |ui| names(ui, table));
+        let edges = ui.make_persistent_id("right edges of the columns");
+        let known: Vec<f32> = ui.data(|data| data.get_temp(edges)).unwrap_or_default();
         ScrollArea::horizontal()
             .id_salt("numbers of the cables")
+            .max_width(whole_columns(ui.available_width(), &known))
             .show(ui, |ui| {
                 Grid::new("numbers of the cables")
                     .min_row_height(ROW)
                     .spacing([GRID, 0.0])
                     .show(ui, |ui| {
-                        let cells = numbers(ui, table, focused, may_lack);
+                        let (cells, right) = numbers(ui, table, focused, may_lack);
+                        ui.data_mut(|data| data.insert_temp(edges, right));
                         edited = edited.take().or(cells);
                     });
                 // The bar does not cover the last row.
@@ -77,6 +81,12 @@ pub(crate) fn grid(
             });
     });
     edited
+}
+
+/// Largest width that ends with a column; `edges` are the right ends of all columns (points).
+fn whole_columns(available: f32, edges: &[f32]) -> f32 {
+    let mut fitting = edges.iter().rev().filter(|edge| **edge <= available);
+    fitting.next().copied().unwrap_or(available)
 }
 
 fn names(ui: &mut Ui, table: &CableTable) {
@@ -102,18 +112,21 @@ fn head(ui: &mut Ui, title: &str, unit: &str) {
     ui.add(Label::new(text).extend().halign(Align::RIGHT));
 }
 
+/// Draws heads and numbers; returns an edit and the right ends of the columns.
 fn numbers(
     ui: &mut Ui,
     table: &CableTable,
     focused: &mut FocusedCell,
     may_lack: bool,
-) -> Option<Edited> {
+) -> (Option<Edited>, Vec<f32>) {
     let mut edited = None;
-    for column in &COLUMNS {
-        ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
-            head(ui, column.title, column.unit);
-        });
-    }
+    let left = ui.min_rect().left();
+    let heads = COLUMNS.iter().map(|column| {
+        let layout = Layout::right_to_left(Align::Min);
+        let cell = ui.with_layout(layout, |ui| head(ui, column.title, column.unit));
+        cell.response.rect.right() - left
+    });
+    let edges = heads.collect();
     ui.end_row();
     for (k, column) in COLUMNS.iter().enumerate() {
         if !column.is_common() {
@@ -147,7 +160,7 @@ fn numbers(
         }
         ui.end_row();
     }
-    edited
+    (edited, edges)
 }
 
 /// A cell of a column: what was entered, and whether it has the focus.
