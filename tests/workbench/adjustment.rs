@@ -6,8 +6,9 @@ use tautline_core::effect;
 use tautline_core::geometry::Pose;
 use tautline_session::{CheckKind, CheckPose, Outcome, Stage, Verification};
 use tautline_validation::harness::give_parameters;
-use tautline_workbench::model::command::Export;
-use tautline_workbench::model::command::{IdentificationCommand, RobotCommand};
+use tautline_workbench::model::command::{
+    Answer, Export, FileCommand, IdentificationCommand, RobotCommand,
+};
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::phase::Phase;
 
@@ -140,6 +141,7 @@ fn writing_identified_values_improves_the_accuracy() {
     }
     // Without a connection the table has the values that the session recorded.
     bench.give(RobotCommand::Disconnect);
+    bench.give(FileCommand::Answer(Answer::Discard));
     bench.wait("no controller", |state| !state.model.link.is_connected());
     let differences = bench.state().model.differences();
     for change in &written.changes {

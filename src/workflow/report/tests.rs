@@ -452,7 +452,7 @@ fn the_report_leads_with_the_model_that_was_written() {
         ["planar: the model explains the readings of 12 poses."]
     );
     for text in [
-        "Winch scale (cable-3): scale ",
+        "Winch scale (cable-3): ",
         "Found by the diagnosis of ",
         "almost certainly (99.8 %)",
         "was not diagnosed after the last change",
