@@ -137,6 +137,8 @@ impl Template {
             tracker: None,
             cables: cables(&parts, size, mass_kg * GRAVITY),
             home_platform: None,
+            tolerances: Some(PartTolerances::typical()),
+            deviations: Vec::new(),
             effects: Vec::new(),
         };
         match self {

@@ -70,9 +70,10 @@ impl<'a> Estimate<'a> {
 /// Whether the prior of a parameter describes the robot, common to both runs, rather than the run.
 fn is_shared(id: &ParameterId) -> bool {
     match id {
-        ParameterId::EntryPoint { .. } | ParameterId::PlaneOffset | ParameterId::Effect { .. } => {
-            true
-        }
+        ParameterId::EntryPoint { .. }
+        | ParameterId::PlaneOffset
+        | ParameterId::Effect { .. }
+        | ParameterId::Deviation { .. } => true,
         ParameterId::Home(_) | ParameterId::HomeTension { .. } => false,
     }
 }
@@ -99,6 +100,14 @@ fn value_and_centre(run: &Identified<'_>, parameter: &Parameter) -> (f64, f64) {
             let bound = &globals.effects[run.problem.held_effects.len() + effect];
             let neutral = bound.effect.parameters()[parameter].neutral;
             (bound.values[parameter], neutral)
+        }
+        ParameterId::Deviation {
+            deviation,
+            parameter,
+        } => {
+            let bound = &globals.deviations[run.problem.held_deviations.len() + deviation];
+            let centre = &run.problem.deviations[deviation].bound;
+            (bound.values[parameter], centre.values[parameter])
         }
     }
 }

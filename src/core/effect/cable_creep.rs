@@ -14,7 +14,11 @@ pub(super) static EFFECT: Effect = Effect {
     scope: Scope::CableOrAll,
     parameters: &[
         EffectParameter::new("c", LOGARITHMIC_STRAIN, 0.01, [0.0001, 0.01])
-            .within(0.0, f64::INFINITY),
+            .within(0.0, f64::INFINITY)
+            .with_tolerance(
+                [1e-05, 1e-05],
+                "Settling of a run-in steel rope within the first hour",
+            ),
     ],
     cause,
     workshop: |found| {

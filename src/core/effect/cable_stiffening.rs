@@ -12,7 +12,12 @@ pub(super) static EFFECT: Effect = Effect {
     id: "cable_stiffening",
     title: "Cable stiffness that depends on tension",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("c", "1", 0.5, [0.1, 0.5])],
+    parameters: &[
+        EffectParameter::new("c", "1", 0.5, [0.1, 0.5]).with_tolerance(
+            [0.02, 0.02],
+            "Curvature of the load curve of a run-in rope at working load",
+        ),
+    ],
     cause: |found| {
         found.say("{cable} {0:soften|stiffen}{s|} with load: at twice the mean tension {it stretches|they stretch} {0:%} {0:more|less} than in proportion.")
     },

@@ -8,12 +8,12 @@ pub(super) static EFFECT: Effect = Effect {
     id: "drum_growth",
     title: "Build-up of layers on the drum",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new(
-        "growth",
-        "1/rev",
-        0.01,
-        [0.00005, 0.01],
-    )],
+    parameters: &[
+        EffectParameter::new("growth", "1/rev", 0.01, [0.00005, 0.01]).with_tolerance(
+            [2e-06, 2e-06],
+            "Taper of a drum of 0.01 mm over its length, over some tens of turns",
+        ),
+    ],
     cause: |found| {
         found.say("The {drum|drums} of {winch} {does|do} not have a constant diameter: the cable per revolution, on average since home, {0:rises|falls} by {0:%} with every motor revolution.")
     },

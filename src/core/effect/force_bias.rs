@@ -8,7 +8,12 @@ pub(super) static EFFECT: Effect = Effect {
     id: "force_bias",
     title: "Bias of a force sensor",
     scope: Scope::Cable,
-    parameters: &[EffectParameter::new("bias", "N", 50.0, [2.0, 50.0])],
+    parameters: &[
+        EffectParameter::new("bias", "N", 50.0, [2.0, 50.0]).with_tolerance(
+            [0.3, 3.0],
+            "Zero of a load cell after taring: 0.03 % of 1 kN, of 10 kN on a large machine",
+        ),
+    ],
     cause: |found| {
         found.say("{force sensor} {reads|read} {0:unit} too {0:high|low}, whatever the tension.")
     },

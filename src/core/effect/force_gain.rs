@@ -7,7 +7,12 @@ pub(super) static EFFECT: Effect = Effect {
     id: "force_gain",
     title: "Gain of the force sensors",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("change", "1", 0.2, [0.02, 0.2]).within(-0.9, 2.0)],
+    parameters: &[EffectParameter::new("change", "1", 0.2, [0.02, 0.2])
+        .within(-0.9, 2.0)
+        .with_tolerance(
+            [0.005, 0.005],
+            "Load cells of 0.5 % accuracy class with their mounting",
+        )],
     cause: |found| found.say("{force sensor} {reads|read} {0:%} too {0:high|low}."),
     workshop: |found| {
         found.say("Hang known weights on {cable} and calibrate the gain of {force sensor} again.")

@@ -15,7 +15,11 @@ pub(super) static EFFECT: Effect = Effect {
     scope: Scope::Robot,
     parameters: &[
         EffectParameter::new("compliance", "m/N", 0.0001, [0.0000001, 0.0001])
-            .within(0.0, f64::INFINITY),
+            .within(0.0, f64::INFINITY)
+            .with_tolerance(
+                [3e-08, 3e-08],
+                "Bolted steel posts braced for a few tens of newtons per micrometre",
+            ),
     ],
     cause,
     workshop: |found| {

@@ -7,12 +7,12 @@ pub(super) static EFFECT: Effect = Effect {
     id: "heading_offset",
     title: "Heading offset",
     scope: Scope::Robot,
-    parameters: &[EffectParameter::new(
-        "offset",
-        "rad",
-        3.0,
-        [0.017, std::f64::consts::PI],
-    )],
+    parameters: &[
+        EffectParameter::new("offset", "rad", 3.0, [0.017, std::f64::consts::PI]).with_tolerance(
+            [0.002, 0.002],
+            "Reference direction set along an edge of the platform",
+        ),
+    ],
     cause: |found| found.say("The yaw reading of the platform is {0:deg} too {0:large|small}."),
     workshop: |found| {
         found.say(

@@ -7,13 +7,19 @@ use super::direction::{angles, product, rotation};
 use super::words::turn;
 use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
+/// Standard deviations of sound parts, for small and large machines.
+const TOLERANCE: [f64; 2] = [0.0005, 0.0005];
+const SOURCE_OF_TOLERANCE: &str = "Mounting face of an inclinometer";
+
 pub(super) static EFFECT: Effect = Effect {
     id: "inclinometer_tilt",
     title: "Tilted inclinometer",
     scope: Scope::Robot,
     parameters: &[
-        EffectParameter::new("tilt_1", "rad", 0.05, [0.0017, 0.052]),
-        EffectParameter::new("tilt_2", "rad", 0.05, [0.0017, 0.052]),
+        EffectParameter::new("tilt_1", "rad", 0.05, [0.0017, 0.052])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
+        EffectParameter::new("tilt_2", "rad", 0.05, [0.0017, 0.052])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
     ],
     cause,
     workshop: |found| {

@@ -7,13 +7,20 @@ use super::direction::tilted;
 use super::words::inclination;
 use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
+/// Standard deviations of sound parts, for small and large machines.
+const TOLERANCE: [f64; 2] = [0.002, 0.002];
+const SOURCE_OF_TOLERANCE: &str =
+    "Beam to housing and mounting face, by data sheets some milliradians";
+
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_beam_tilt",
     title: "Tilted laser beam",
     scope: Scope::Robot,
     parameters: &[
-        EffectParameter::new("tilt_1", "rad", 0.035, [0.0035, 0.035]),
-        EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
+        EffectParameter::new("tilt_1", "rad", 0.035, [0.0035, 0.035])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
+        EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
     ],
     cause,
     workshop: |found| {

@@ -7,7 +7,12 @@ pub(super) static EFFECT: Effect = Effect {
     id: "laser_bias",
     title: "Laser bias",
     scope: Scope::Robot,
-    parameters: &[EffectParameter::new("bias", "m", 0.005, [0.0005, 0.005])],
+    parameters: &[
+        EffectParameter::new("bias", "m", 0.005, [0.0005, 0.005]).with_tolerance(
+            [0.0002, 0.0002],
+            "Offset of laser distance sensors between targets of different colour",
+        ),
+    ],
     cause: |found| found.say("The laser reads {0:mm} too {0:long|short} at every pose."),
     workshop: |found| {
         found.say("Check where the laser sits on the platform, and where the target is: a displaced target looks the same.")

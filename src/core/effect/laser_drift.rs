@@ -8,7 +8,12 @@ pub(super) static EFFECT: Effect = Effect {
     id: "laser_drift",
     title: "Warm-up of the laser",
     scope: Scope::Robot,
-    parameters: &[EffectParameter::new("drift", "m", 0.005, [0.0005, 0.005])],
+    parameters: &[
+        EffectParameter::new("drift", "m", 0.005, [0.0005, 0.005]).with_tolerance(
+            [5e-05, 5e-05],
+            "Warm-up of laser distance sensors after half an hour",
+        ),
+    ],
     cause: |found| {
         found.say("The laser drifts while it warms up: in the end it reads {0:mm} {0:longer|shorter} than when it was switched on.")
     },

@@ -7,7 +7,12 @@ pub(super) static EFFECT: Effect = Effect {
     id: "laser_scale",
     title: "Laser scale",
     scope: Scope::Robot,
-    parameters: &[EffectParameter::new("scale", "1", 0.01, [0.0005, 0.01])],
+    parameters: &[
+        EffectParameter::new("scale", "1", 0.01, [0.0005, 0.01]).with_tolerance(
+            [5e-05, 5e-05],
+            "Linearity of laser distance sensors over their range",
+        ),
+    ],
     cause: |found| found.say("The laser reads distances {0:%} too {0:long|short}."),
     workshop: |found| {
         found.say("Compare the laser with a tape measure at two distances far apart, and correct its scale.")

@@ -39,6 +39,7 @@ mod laser_latency;
 mod laser_outliers;
 mod laser_scale;
 mod motion;
+mod part_deviation;
 mod payload_com;
 mod payload_mass;
 mod platform_anchor;
@@ -50,6 +51,7 @@ mod pulley_radius;
 mod setting;
 mod swivel_offset;
 mod target_tilt;
+mod tolerance;
 mod tracker_clock;
 mod tracker_frame;
 mod tracker_latency;
@@ -69,8 +71,10 @@ pub(crate) use context::{CableContext, PlatformContext, PoseContexts, sign, trav
 pub(crate) use dual::Dual;
 pub(crate) use found::{FoundEffect, Part};
 pub(crate) use motion::inertia;
+pub use part_deviation::{PartDeviation, part_deviations};
 pub(crate) use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
+pub use tolerance::{MachineClass, TypicalTolerance};
 pub use unknown::{BiasedReading, EFFECT as UNKNOWN, Shape};
 
 use crate::measurement::{Measurements, Variable};
@@ -122,6 +126,8 @@ pub struct EffectParameter {
     pub discrete: bool,
     /// Whether a discrete parameter may be omitted and is then neutral.
     pub optional: bool,
+    /// By how much a sound part deviates; `None` for a parameter that is neutral in every sound part.
+    pub tolerance: Option<TypicalTolerance>,
 }
 
 impl EffectParameter {
@@ -143,6 +149,7 @@ impl EffectParameter {
             bounds: [f64::NEG_INFINITY, f64::INFINITY],
             discrete: false,
             optional: false,
+            tolerance: None,
         }
     }
 
@@ -186,6 +193,19 @@ impl EffectParameter {
     pub const fn within(self, low: f64, high: f64) -> Self {
         Self {
             bounds: [low, high],
+            ..self
+        }
+    }
+
+    /// States by how much sound parts deviate, as standard deviations for small and for large machines.
+    #[must_use]
+    pub const fn with_tolerance(self, [small, large]: [f64; 2], source: &'static str) -> Self {
+        Self {
+            tolerance: Some(TypicalTolerance {
+                small,
+                large,
+                source,
+            }),
             ..self
         }
     }
@@ -368,6 +388,20 @@ impl Effect {
     #[must_use]
     pub fn is_estimable(&self) -> bool {
         self.parameters.iter().any(|p| !p.discrete)
+    }
+
+    /// Whether every part deviates from its description by a little of this effect, so that a tolerance can be stated:
+    /// it lasts, and readings depend on its size at first order.
+    #[must_use]
+    pub fn has_tolerance(&self) -> bool {
+        let is_smooth = |p: &EffectParameter| p.discrete || p.start == p.neutral;
+        let lasts = match self.search {
+            Search::Direct | Search::Wave { period: None, .. } => true,
+            Search::Wave { .. } | Search::FromPose(_) | Search::AtPose(_) | Search::Exchange => {
+                false
+            }
+        };
+        lasts && self.is_estimable() && self.parameters.iter().all(is_smooth)
     }
 
     /// Neutral values of its parameters.

@@ -3,14 +3,22 @@
 
 use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope};
 
+/// Standard deviations of sound parts, for small and large machines.
+const TOLERANCE: [f64; 2] = [0.001, 0.003];
+const SOURCE_OF_TOLERANCE: &str =
+    "Centre of mass from the drawing; cables and connectors are not in it";
+
 pub(super) static EFFECT: Effect = Effect {
     id: "payload_com",
     title: "Centre of mass",
     scope: Scope::Robot,
     parameters: &[
-        EffectParameter::new("x", "m", 0.05, [0.005, 0.05]),
-        EffectParameter::new("y", "m", 0.05, [0.005, 0.05]),
-        EffectParameter::new("z", "m", 0.05, [0.005, 0.05]),
+        EffectParameter::new("x", "m", 0.05, [0.005, 0.05])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
+        EffectParameter::new("y", "m", 0.05, [0.005, 0.05])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
+        EffectParameter::new("z", "m", 0.05, [0.005, 0.05])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
     ],
     cause: |found| {
         found.say("The centre of mass of the platform is off by {displacement} (platform axes).")

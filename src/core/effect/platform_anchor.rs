@@ -3,14 +3,22 @@
 
 use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope};
 
+/// Standard deviations of sound parts, for small and large machines.
+const TOLERANCE: [f64; 2] = [0.0001, 0.0003];
+const SOURCE_OF_TOLERANCE: &str =
+    "Lengths by ISO 2768-1: fine for a machined platform, medium for a large one";
+
 pub(super) static EFFECT: Effect = Effect {
     id: "platform_anchor",
     title: "Attachment point on the platform",
     scope: Scope::Cable,
     parameters: &[
-        EffectParameter::new("x", "m", 0.01, [0.001, 0.01]),
-        EffectParameter::new("y", "m", 0.01, [0.001, 0.01]),
-        EffectParameter::new("z", "m", 0.01, [0.001, 0.01]),
+        EffectParameter::new("x", "m", 0.01, [0.001, 0.01])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
+        EffectParameter::new("y", "m", 0.01, [0.001, 0.01])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
+        EffectParameter::new("z", "m", 0.01, [0.001, 0.01])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
     ],
     cause: |found| {
         found.say("The attachment {point|points} of {cable} on the platform {is|are} off by {displacement} (platform axes).")

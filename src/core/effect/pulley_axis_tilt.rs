@@ -7,13 +7,20 @@ use super::words::inclination;
 use super::{Effect, EffectParameter, FoundEffect, Scope};
 use crate::measurement::Variable;
 
+/// Standard deviations of sound parts, for small and large machines.
+const TOLERANCE: [f64; 2] = [0.004, 0.004];
+const SOURCE_OF_TOLERANCE: &str =
+    "Angles of short edges by ISO 2768-1 medium: 20 to 30 arc minutes";
+
 pub(super) static EFFECT: Effect = Effect {
     id: "pulley_axis_tilt",
     title: "Tilted pulley",
     scope: Scope::Cable,
     parameters: &[
-        EffectParameter::new("tilt_1", "rad", 0.17, [0.017, 0.17]),
-        EffectParameter::new("tilt_2", "rad", 0.17, [0.017, 0.17]),
+        EffectParameter::new("tilt_1", "rad", 0.17, [0.017, 0.17])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
+        EffectParameter::new("tilt_2", "rad", 0.17, [0.017, 0.17])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
     ],
     cause,
     workshop: |found| {

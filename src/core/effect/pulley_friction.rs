@@ -14,7 +14,7 @@ pub(super) static EFFECT: Effect = Effect {
     id: "pulley_friction",
     title: "Pulley friction",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("mu", "1", 0.1, [0.005, 0.1]).within(0.0, f64::INFINITY)],
+    parameters: &[EffectParameter::new("mu", "1", 0.1, [0.005, 0.1]).within(0.0, f64::INFINITY).with_tolerance([0.001, 0.001], "Friction of deep groove ball bearings of [0.001, 0.001]5 at the radius of the shaft, and bending of the rope")],
     cause,
     workshop: |found| {
         found.say("Clean and lubricate the {bearing|bearings} of {pulley}, and check that the cable runs freely in the groove.")

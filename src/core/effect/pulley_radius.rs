@@ -8,7 +8,12 @@ pub(super) static EFFECT: Effect = Effect {
     id: "pulley_radius",
     title: "Pulley radius",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("change", "1", 0.5, [0.05, 0.5]).within(-0.9, 2.0)],
+    parameters: &[EffectParameter::new("change", "1", 0.5, [0.05, 0.5])
+        .within(-0.9, 2.0)
+        .with_tolerance(
+            [0.005, 0.005],
+            "Groove turned to ISO 2768-1 medium, and the spread of the cable diameter",
+        )],
     cause,
     workshop: |found| {
         found.say("Measure the bottom of the groove of {pulley} with calipers, add the cable's diameter, and enter half the sum as the radius.")

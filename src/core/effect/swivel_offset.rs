@@ -7,7 +7,8 @@ pub(super) static EFFECT: Effect = Effect {
     id: "swivel_offset",
     title: "Offset of a swivel angle",
     scope: Scope::Cable,
-    parameters: &[EffectParameter::new("offset", "rad", 0.1, [0.0087, 0.087])],
+    parameters: &[EffectParameter::new("offset", "rad", 0.1, [0.0087, 0.087])
+        .with_tolerance([0.002, 0.002], "Reference mark set by eye along an edge")],
     cause: |found| {
         found.say("The swivel {angle|angles} of {pulley} {reads|read} {0:deg} too {0:large|small}.")
     },

@@ -7,13 +7,19 @@ use super::direction::tilted;
 use super::words::inclination;
 use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
 
+/// Standard deviations of sound parts, for small and large machines.
+const TOLERANCE: [f64; 2] = [0.0015, 0.0015];
+const SOURCE_OF_TOLERANCE: &str = "Angles of long edges by ISO 2768-1 medium: 10 arc minutes";
+
 pub(super) static EFFECT: Effect = Effect {
     id: "target_tilt",
     title: "Tilted target plane",
     scope: Scope::Robot,
     parameters: &[
-        EffectParameter::new("tilt_1", "rad", 0.035, [0.0035, 0.035]),
-        EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035]),
+        EffectParameter::new("tilt_1", "rad", 0.035, [0.0035, 0.035])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
+        EffectParameter::new("tilt_2", "rad", 0.035, [0.0035, 0.035])
+            .with_tolerance(TOLERANCE, SOURCE_OF_TOLERANCE),
     ],
     cause,
     workshop: |found| found.say("Check the target with a spirit level or a square, and align it."),

@@ -7,7 +7,12 @@ pub(super) static EFFECT: Effect = Effect {
     id: "winch_offset",
     title: "Winch offset",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("offset", "m", 0.15, [0.0005, 0.15])],
+    parameters: &[
+        EffectParameter::new("offset", "m", 0.15, [0.0005, 0.15]).with_tolerance(
+            [0.0002, 0.001],
+            "Zero of a length reading, set with a gauge or on a large machine with a tape",
+        ),
+    ],
     cause: |found| {
         found.say("{cable} {is|are} {0:mm} {0:longer|shorter} than {its reading says|their readings say} at every pose{revolutions: but home|}.")
     },

@@ -17,10 +17,17 @@ pub struct Globals {
     pub home_tension_error_n: Vec<f64>,
     /// Effects, the held ones before the free ones.
     pub effects: Vec<BoundEffect>,
+    /// Deviations of parts, the held ones before the estimated ones.
+    pub deviations: Vec<BoundEffect>,
 }
 
 impl Globals {
-    /// Returns `robot` with these entry points, target plane, home pose and effects.
+    /// Everything that changes the prediction: the effects, then the deviations.
+    pub(crate) fn acting(&self) -> impl Iterator<Item = &BoundEffect> + Clone {
+        self.effects.iter().chain(&self.deviations)
+    }
+
+    /// Returns `robot` with these entry points, target plane, home pose, effects and deviations.
     #[must_use]
     pub fn model(&self, robot: &Robot) -> Robot {
         let mut model = robot.clone();
@@ -34,11 +41,9 @@ impl Globals {
             home.position_m = self.home.position.into();
             home.orientation_wxyz = self.home.orientation_wxyz();
         }
-        model.effects = self
-            .effects
-            .iter()
-            .map(|bound| bound.setting(robot))
-            .collect();
+        let settings = |bound: &[BoundEffect]| bound.iter().map(|b| b.setting(robot)).collect();
+        model.effects = settings(&self.effects);
+        model.deviations = settings(&self.deviations);
         model
     }
 }

@@ -33,14 +33,23 @@ pub(super) fn direct_column(
         ParameterId::EntryPoint { cable, axis } => Some(layout.cable_column(cable) + axis),
         ParameterId::PlaneOffset => Some(layout.plane_column()),
         ParameterId::Effect { effect, parameter } => {
-            let before: usize = problem.free_effects[..effect]
-                .iter()
-                .map(|b| b.values.len())
-                .sum();
-            Some(layout.effect_column() + before + parameter)
+            Some(effect_column(layout, problem, effect) + parameter)
+        }
+        ParameterId::Deviation {
+            deviation,
+            parameter,
+        } => {
+            let index = problem.free_effects.len() + deviation;
+            Some(effect_column(layout, problem, index) + parameter)
         }
         ParameterId::Home(_) | ParameterId::HomeTension { .. } => None,
     }
+}
+
+/// First column of an estimated effect or deviation.
+fn effect_column(layout: &Layout, problem: &Problem<'_>, index: usize) -> usize {
+    let before = problem.estimated().take(index);
+    layout.effect_column() + before.map(|bound| bound.values.len()).sum::<usize>()
 }
 
 impl HomeRow {
@@ -139,9 +148,11 @@ fn length_gradient(
         ParameterId::HomeTension { cable: other } if other == cable => {
             equations.length_by_tension[cable]
         }
-        ParameterId::Effect { .. } => direct_column(id, layout, problem).map_or(0.0, |column| {
-            equations.by_effect[cable * layout.effects + column - layout.effect_column()]
-        }),
+        ParameterId::Effect { .. } | ParameterId::Deviation { .. } => {
+            direct_column(id, layout, problem).map_or(0.0, |column| {
+                equations.by_effect[cable * layout.effects + column - layout.effect_column()]
+            })
+        }
         _ => 0.0,
     };
     parameters
@@ -170,7 +181,7 @@ fn row_derivative(
         (_, Kind::Equilibrium(axis), Some(column)) => {
             equations.equilibrium_by_column[column][axis.index()]
         }
-        (ParameterId::Effect { .. }, _, Some(column)) => {
+        (ParameterId::Effect { .. } | ParameterId::Deviation { .. }, _, Some(column)) => {
             equations.by_effect[row * layout.effects + column - layout.effect_column()]
         }
         (ParameterId::PlaneOffset, Kind::Laser, _) => equations.laser_by_plane,

@@ -28,6 +28,13 @@ pub enum ParameterId {
         /// Index among its parameters.
         parameter: usize,
     },
+    /// Parameter of the estimated deviation of a part.
+    Deviation {
+        /// Index among the estimated deviations.
+        deviation: usize,
+        /// Index among its parameters.
+        parameter: usize,
+    },
 }
 
 /// One estimated parameter.

@@ -3,6 +3,7 @@
 use super::globals::Globals;
 use super::parameter::{Parameter, ParameterId};
 use super::problem::{Geometry, Problem};
+use crate::effect::BoundEffect;
 use crate::geometry::{Pose, Twist};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -22,6 +23,7 @@ impl Problem<'_> {
         push_home_tensions(self, &mut parameters);
         if self.geometry == Geometry::Estimated {
             push_effects(self, &mut parameters);
+            push_deviations(self, &mut parameters);
         }
         parameters.retain(|parameter| parameter.prior_sd != Some(0.0));
         parameters
@@ -103,23 +105,28 @@ fn push_home_tensions(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
     }
 }
 
-fn push_effects(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
+/// Name of a parameter of an effect: `Winch scale of cable-3`.
+fn effect_parameter_name(problem: &Problem<'_>, bound: &BoundEffect, parameter: usize) -> String {
     let robot = &problem.dataset.robot;
+    let on = match bound.cables.as_slice() {
+        [cable] if bound.targeted => format!(" of {}", robot.cables[*cable].name),
+        _ => String::new(),
+    };
+    let all = bound.effect.parameters();
+    // If an effect has only one parameter, its own name identifies it.
+    let which = match all.len() {
+        1 => String::new(),
+        _ => format!(", {}", all[parameter].name.replace('_', " ")),
+    };
+    format!("{}{on}{which}", bound.effect.title())
+}
+
+fn push_effects(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
     for (effect, bound) in problem.free_effects.iter().enumerate() {
-        let on = match bound.cables.as_slice() {
-            [cable] if bound.targeted => format!(" of {}", robot.cables[*cable].name),
-            _ => String::new(),
-        };
-        let all = bound.effect.parameters();
-        for (parameter, description) in all.iter().enumerate() {
-            // If an effect has only one parameter, its own name identifies it.
-            let which = match all.len() {
-                1 => String::new(),
-                _ => format!(", {}", description.name.replace('_', " ")),
-            };
+        for (parameter, description) in bound.effect.parameters().iter().enumerate() {
             parameters.push(Parameter {
                 id: ParameterId::Effect { effect, parameter },
-                name: format!("{}{on}{which}", bound.effect.title()),
+                name: effect_parameter_name(problem, bound, parameter),
                 unit: description.unit,
                 // A discrete parameter is given and counts as known exactly.
                 prior_sd: Some(if description.discrete {
@@ -127,6 +134,24 @@ fn push_effects(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
                 } else {
                     description.prior_sd
                 }),
+            });
+        }
+    }
+}
+
+fn push_deviations(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
+    for (deviation, of) in problem.deviations.iter().enumerate() {
+        let all = of.bound.effect.parameters().iter().zip(&of.prior_sd);
+        for (parameter, (description, sd)) in all.enumerate() {
+            let name = effect_parameter_name(problem, &of.bound, parameter);
+            parameters.push(Parameter {
+                id: ParameterId::Deviation {
+                    deviation,
+                    parameter,
+                },
+                name: format!("deviation: {name}"),
+                unit: description.unit,
+                prior_sd: Some(*sd),
             });
         }
     }
@@ -140,12 +165,15 @@ impl Globals {
         let entry = robot.cables.iter().map(|c| c.pulley.entry_point_m);
         let mut effects = problem.held_effects.clone();
         effects.extend(problem.free_effects.iter().cloned());
+        let mut deviations = problem.held_deviations.clone();
+        deviations.extend(problem.deviations.iter().map(|d| d.bound.clone()));
         Self {
             entry_points: entry.collect(),
             plane_offset_m: Self::nominal_plane_offset(problem),
             home: Self::nominal_home(problem),
             home_tension_error_n: vec![0.0; robot.cable_count()],
             effects,
+            deviations,
         }
     }
 
@@ -173,6 +201,13 @@ impl Globals {
                 ParameterId::Effect { effect, parameter } => {
                     self.effects[held + effect].values[parameter] += delta;
                 }
+                ParameterId::Deviation {
+                    deviation,
+                    parameter,
+                } => {
+                    let held = problem.held_deviations.len();
+                    self.deviations[held + deviation].values[parameter] += delta;
+                }
             }
         }
         self.home = self.home.perturbed(&home);
@@ -194,6 +229,13 @@ impl Globals {
             ParameterId::Effect { effect, parameter } => {
                 let bound = &self.effects[held + effect];
                 bound.values[parameter] - bound.effect.parameters()[parameter].neutral
+            }
+            ParameterId::Deviation {
+                deviation,
+                parameter,
+            } => {
+                let bound = &self.deviations[problem.held_deviations.len() + deviation];
+                bound.values[parameter] - problem.deviations[deviation].bound.values[parameter]
             }
         };
         parameters.iter().map(deviation).collect()

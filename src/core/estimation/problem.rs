@@ -4,8 +4,11 @@ use std::sync::Arc;
 
 use super::EstimationError;
 use super::solution::Solution;
-use crate::effect::{BoundEffect, EffectRequest, PoseContexts};
+use crate::effect::{
+    BoundEffect, EffectRequest, EffectSetting, PartDeviation, PoseContexts, part_deviations,
+};
 use crate::measurement::Dataset;
+use crate::robot::PartTolerances;
 
 /// Treatment of the tensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,6 +64,10 @@ pub struct Problem<'a> {
     pub held_effects: Vec<BoundEffect>,
     /// Effects whose parameters are estimated.
     pub free_effects: Vec<BoundEffect>,
+    /// Deviations of parts that the model states, their values held.
+    pub held_deviations: Vec<BoundEffect>,
+    /// Deviations of parts that are estimated, with their tolerances as priors.
+    pub deviations: Vec<PartDeviation>,
     /// Contexts of the readings, where they are known better than from the commanded poses.
     pub(crate) contexts: Option<Arc<PoseContexts>>,
     /// A solution of the problem without its free effects, if known.
@@ -74,20 +81,20 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// If the model states an effect that does not exist.
     pub fn new(dataset: &'a Dataset) -> Result<Self, EstimationError> {
-        let held: Result<Vec<_>, _> = dataset
-            .robot
-            .effects
-            .iter()
-            .map(|setting| BoundEffect::from_setting(setting, &dataset.robot))
-            .collect();
+        let bound = |settings: &[EffectSetting]| -> Result<Vec<_>, _> {
+            let bind = |setting| BoundEffect::from_setting(setting, &dataset.robot);
+            settings.iter().map(bind).collect()
+        };
         Ok(Self {
             dataset,
             method: Method::Joint,
             loss: Loss::Square,
             geometry: Geometry::Estimated,
             poses: Poses::Estimated,
-            held_effects: held?,
+            held_effects: bound(&dataset.robot.effects)?,
             free_effects: Vec::new(),
+            held_deviations: bound(&dataset.robot.deviations)?,
+            deviations: Vec::new(),
             contexts: None,
             known: None,
         })
@@ -101,7 +108,37 @@ impl<'a> Problem<'a> {
         for request in requests {
             self.free_effects.extend(request.bind(&self.dataset.robot)?);
         }
+        self.remove_covered_deviations();
         Ok(())
+    }
+
+    /// The same problem with the deviations of the parts estimated, with these tolerances as their priors.
+    #[must_use]
+    pub fn with_tolerances(self, tolerances: &PartTolerances) -> Self {
+        let deviations = part_deviations(&self.dataset.robot, tolerances);
+        self.with_deviations(deviations)
+    }
+
+    /// The same problem with these deviations estimated instead of those that the model states.
+    #[must_use]
+    pub fn with_deviations(mut self, deviations: Vec<PartDeviation>) -> Self {
+        self.held_deviations.clear();
+        self.deviations = deviations;
+        self.remove_covered_deviations();
+        self
+    }
+
+    /// Removes the deviations of parts whose whole deviation is the value of a free effect.
+    pub(crate) fn remove_covered_deviations(&mut self) {
+        let free = &self.free_effects;
+        self.deviations
+            .retain(|deviation| !free.iter().any(|bound| deviation.is_covered_by(bound)));
+    }
+
+    /// Every effect whose parameters have columns: the free ones, then the estimated deviations.
+    pub(super) fn estimated(&self) -> impl Iterator<Item = &BoundEffect> {
+        let deviations = self.deviations.iter().map(|deviation| &deviation.bound);
+        self.free_effects.iter().chain(deviations)
     }
 
     /// The same problem with the contexts evaluated at the poses of a solution, which are better known
@@ -179,7 +216,8 @@ impl<'a> Problem<'a> {
     #[must_use]
     pub fn depends_on_poses(&self) -> bool {
         !self.held_effects.is_empty()
-            || !self.free_effects.is_empty()
+            || !self.held_deviations.is_empty()
+            || self.estimated().next().is_some()
             || self.dataset.measurements.rates.is_some()
             || self.assumes_tensions()
     }

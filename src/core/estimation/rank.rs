@@ -154,7 +154,9 @@ fn generator(
         ParameterId::Home(Coordinate::Ry) => turn.y,
         ParameterId::Home(Coordinate::Rz) => turn.z,
         ParameterId::Home(coordinate) => home[coordinate.index()],
-        ParameterId::HomeTension { .. } | ParameterId::Effect { .. } => 0.0,
+        ParameterId::HomeTension { .. }
+        | ParameterId::Effect { .. }
+        | ParameterId::Deviation { .. } => 0.0,
     };
     DVector::from_iterator(
         solution.parameters.len(),

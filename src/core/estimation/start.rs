@@ -41,6 +41,7 @@ impl<'a> Start<'a> {
         match self {
             Self::Known(known) => Globals {
                 effects: nominal.effects,
+                deviations: nominal.deviations,
                 ..known.globals.clone()
             },
             Self::Given | Self::Lengths => nominal,

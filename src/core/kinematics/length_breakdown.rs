@@ -98,7 +98,8 @@ pub(super) fn modelled_cables(
             expected: robot.cable_count(),
         });
     }
-    let effects: Result<Vec<_>, _> = (robot.effects.iter())
+    let effects: Result<Vec<_>, _> = robot
+        .effects_and_deviations()
         .map(|setting| BoundEffect::from_setting(setting, robot))
         .collect();
     let poses: Vec<Pose> = (robot.home.iter().map(|home| home.pose()))

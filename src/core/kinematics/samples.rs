@@ -73,6 +73,8 @@ pub(crate) fn robot(free: &[Coordinate], cables: Vec<Cable>) -> Robot {
         cables,
         limits: None,
         home_platform: None,
+        tolerances: None,
+        deviations: Vec::new(),
         effects: Vec::new(),
     }
 }

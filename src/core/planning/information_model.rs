@@ -47,7 +47,9 @@ impl<'a> InformationModel<'a> {
         if let Some(existing) = options.existing {
             model.include_existing(existing)?;
         }
-        let held: Result<Vec<_>, _> = (model.robot.effects.iter())
+        let held: Result<Vec<_>, _> = model
+            .robot
+            .effects_and_deviations()
             .map(|setting| BoundEffect::from_setting(setting, robot))
             .collect();
         model.acting = held.map_err(EstimationError::Effect)?;
@@ -193,6 +195,7 @@ impl<'a> InformationModel<'a> {
         }));
         rows.extend(planned);
         let mut truth = self.robot.clone();
+        truth.deviations.clear();
         truth.effects = (self.acting.iter())
             .map(|bound| bound.setting(&self.robot))
             .collect();

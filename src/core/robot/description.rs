@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Matrix6};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Limits;
+use super::{Limits, PartTolerances};
 use crate::cable::ElongationSurface;
 use crate::effect::EffectSetting;
 use crate::geometry::{Coordinate, Freedom, Pose, Vec3};
@@ -83,6 +83,13 @@ pub struct Robot {
     /// Physical effects that extend the nominal model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectSetting>,
+    /// Tolerances of the parts; absent: not stated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerances: Option<PartTolerances>,
+    /// Deviations of parts within their tolerances, in the form of effects: of a virtual robot the true ones, of a model
+    /// the estimated ones.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub deviations: Vec<EffectSetting>,
 }
 
 fn standard_gravity() -> [f64; 3] {
@@ -393,6 +400,11 @@ impl Winch {
 }
 
 impl Robot {
+    /// Everything by which the model deviates from the description: the effects, then the deviations of parts.
+    pub fn effects_and_deviations(&self) -> impl Iterator<Item = &EffectSetting> {
+        self.effects.iter().chain(&self.deviations)
+    }
+
     /// Number of cables.
     #[must_use]
     pub fn cable_count(&self) -> usize {

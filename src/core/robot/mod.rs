@@ -3,6 +3,7 @@
 mod check;
 mod description;
 mod limits;
+mod part_tolerances;
 pub mod presets;
 
 pub use check::FieldError;
@@ -12,3 +13,4 @@ pub use description::{
     Winch, WrenchSd,
 };
 pub use limits::{Limits, TensionLimits, WorkspaceLimits};
+pub use part_tolerances::{PartTolerances, StatedTolerances, Tolerance, Typical};

@@ -161,6 +161,8 @@ fn robot(name: &str, home: Home, platform: Platform, laser: Laser, cables: Vec<C
         tracker: None,
         cables,
         home_platform: None,
+        tolerances: None,
+        deviations: Vec::new(),
         effects: Vec::new(),
     }
 }

@@ -111,7 +111,7 @@ pub fn phase_tables(robot: &Robot, truth: &Robot, seed: u64, noise: bool) -> Pha
 
 /// Sum of a parameter over the settings of an effect that apply to a cable.
 fn effect_on(robot: &Robot, cable: &str, effect: &str, parameter: &str) -> f64 {
-    let settings = robot.effects.iter().filter(|setting| {
+    let settings = robot.effects_and_deviations().filter(|setting| {
         setting.effect == effect
             && (setting.targets.is_empty() || setting.targets.iter().any(|target| target == cable))
     });

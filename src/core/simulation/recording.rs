@@ -50,6 +50,7 @@ pub fn record(
     let times: Vec<f64> = (0..count).map(|k| k as f64 / recording.rate_hz).collect();
     let (late, prompt): (Vec<_>, Vec<_>) = effects.iter().cloned().partition(is_late);
     let mut prompt_truth = truth.clone();
+    prompt_truth.deviations.clear();
     prompt_truth.effects = prompt.iter().map(|bound| bound.setting(&truth)).collect();
     let workspace = options.workspace.unwrap_or_else(|| Workspace::of(robot));
     let mut moving = Moving {

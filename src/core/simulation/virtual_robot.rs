@@ -7,7 +7,7 @@ use super::holding_tensions::{Schedule, Visit, holding_tensions};
 use super::inversion::invert;
 use super::readings::{add_noise, blank, normal, true_directions};
 use super::workspace::{TensionRange, Workspace};
-use crate::effect::{BoundEffect, EffectError, EffectSetting};
+use crate::effect::{BoundEffect, EffectError, EffectSetting, PartDeviation, part_deviations};
 use crate::estimation::EstimationError;
 use crate::geometry::{Pose, Twist};
 use crate::kinematics::{KinematicsError, inverse_kinematics};
@@ -161,7 +161,7 @@ pub fn simulate(robot: &Robot, options: &SimulationOptions) -> Result<Simulated,
 }
 
 pub(super) fn bind(truth: &Robot) -> Result<Vec<BoundEffect>, SimulationError> {
-    let settings = truth.effects.iter();
+    let settings = truth.effects_and_deviations();
     let bound: Result<Vec<_>, EffectError> = settings
         .map(|setting| BoundEffect::from_setting(setting, truth))
         .collect();
@@ -198,6 +198,7 @@ pub(super) fn draw_truth(
     if options.geometry == TrueGeometry::Nominal {
         return truth;
     }
+    truth.deviations = draw_deviations(robot, options.seed);
     if let Some(laser) = &mut truth.laser {
         let plane = &mut laser.target_plane;
         plane.offset_m += normal(rng, plane.offset_sd_m.unwrap_or(0.0));
@@ -210,6 +211,30 @@ pub(super) fn draw_truth(
         home.orientation_wxyz = pose.orientation_wxyz();
     }
     truth
+}
+
+/// Stream of the random numbers of deviations, apart from all others so that stating tolerances changes nothing else.
+const DEVIATIONS: u64 = 1;
+
+/// Deviations of the parts drawn from the tolerances that a robot states, each in the form of an effect.
+fn draw_deviations(robot: &Robot, seed: u64) -> Vec<EffectSetting> {
+    let Some(tolerances) = &robot.tolerances else {
+        return Vec::new();
+    };
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(DEVIATIONS);
+    let draw = |mut deviation: PartDeviation| {
+        let bound = &mut deviation.bound;
+        let parameters = bound.effect.parameters().iter().zip(&deviation.prior_sd);
+        for (value, (parameter, sd)) in bound.values.iter_mut().zip(parameters) {
+            let drawn = normal(&mut rng, *sd);
+            let one_sided = parameter.bounds[0] == parameter.neutral;
+            *value += if one_sided { drawn.abs() } else { drawn };
+        }
+        bound.setting(robot)
+    };
+    let all = part_deviations(robot, tolerances);
+    all.into_iter().map(draw).collect()
 }
 
 type Visits = (Vec<Pose>, Vec<Pose>, Grid);

@@ -128,6 +128,8 @@ fn robot_of(
         tracker: None,
         cables,
         home_platform: None,
+        tolerances: None,
+        deviations: Vec::new(),
         effects: Vec::new(),
     };
     VersionedFile::check(&robot)

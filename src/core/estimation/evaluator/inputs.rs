@@ -135,19 +135,18 @@ fn reading_gain(
     globals: &Globals,
     selection: &Selection,
     (index, port): (usize, CablePort),
-    chosen: Option<usize>,
+    chosen: Option<EstimatedParameter>,
 ) -> Dual {
     let concerned = concerned(globals, |bound| bound.cables.contains(&index));
     let (Some(contexts), Some(row)) = (&selection.contexts, selection.noise_row) else {
         return Dual::constant(1.0);
     };
     let cable = &problem.dataset.robot.cables[index];
-    let values = seeded(problem, globals, chosen);
+    let values = seeded(&concerned, chosen);
     let port_at = |reading: f64| {
         let mut ports = CablePorts::nominal(cable, reading, reading);
-        for k in &concerned {
-            let effect = globals.effects[*k].effect;
-            (effect.change_cable)(&values[*k], contexts.cable(row, index), &mut ports);
+        for ((_, bound), values) in concerned.iter().zip(&values) {
+            (bound.effect.change_cable)(values, contexts.cable(row, index), &mut ports);
         }
         ports.get(port)
     };
@@ -186,25 +185,30 @@ fn reads_lengths(problem: &Problem<'_>) -> bool {
     problem.dataset.measurements.revolutions.is_empty()
 }
 
-/// Values of all effects, with the `chosen` free parameter as the variable of differentiation.
-fn seeded(problem: &Problem<'_>, globals: &Globals, chosen: Option<usize>) -> Vec<Vec<Dual>> {
-    let mut number = 0;
-    let held = problem.held_effects.len();
-    let mut seed = |effect: usize, value: f64| {
-        let is_chosen = effect >= held && chosen == Some(number);
-        number += usize::from(effect >= held);
-        if is_chosen {
-            Dual::variable(value)
-        } else {
-            Dual::constant(value)
-        }
+/// An effect with its index in [`Globals::acting`].
+type Acting<'g> = (usize, &'g BoundEffect);
+
+/// An estimated parameter of an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct EstimatedParameter {
+    /// Number of its column.
+    column: usize,
+    /// Index of the effect in [`Globals::acting`], and of the parameter there.
+    owner: usize,
+    parameter: usize,
+}
+
+/// Values of some effects, with the `chosen` parameter as the variable of differentiation.
+fn seeded(effects: &[Acting<'_>], chosen: Option<EstimatedParameter>) -> Vec<Vec<Dual>> {
+    let of = |(index, bound): &Acting<'_>| {
+        let own = chosen.filter(|chosen| chosen.owner == *index);
+        let seed = |(k, value): (usize, &f64)| match own {
+            Some(chosen) if chosen.parameter == k => Dual::variable(*value),
+            _ => Dual::constant(*value),
+        };
+        bound.values.iter().enumerate().map(seed).collect()
     };
-    globals
-        .effects
-        .iter()
-        .enumerate()
-        .map(|(k, bound)| bound.values.iter().map(|v| seed(k, *v)).collect())
-        .collect()
+    effects.iter().map(of).collect()
 }
 
 impl<T: Packet> PortInputs<T> {
@@ -232,31 +236,42 @@ impl<T: Packet> PortInputs<T> {
     }
 }
 
-/// The estimated parameters by number, each with the index in `Globals::effects` of the effect to which it belongs;
-/// discrete ones are left out.
-fn owners(problem: &Problem<'_>) -> Vec<(usize, usize)> {
+/// The estimated parameters of some effects in the order of their columns; known ones are left out.
+fn estimated_parameters(problem: &Problem<'_>, effects: &[Acting<'_>]) -> Vec<EstimatedParameter> {
     if problem.geometry == Geometry::Held {
         return Vec::new();
     }
     let held = problem.held_effects.len();
-    let owned = |(k, bound): (usize, &BoundEffect)| {
-        let parameters = bound.effect.parameters().iter();
-        parameters.map(move |parameter| (held + k, parameter.discrete))
-    };
-    let free = problem.free_effects.iter().enumerate();
-    let numbered = free.flat_map(owned).enumerate();
-    numbered
-        .filter(|(_, (_, discrete))| !discrete)
-        .map(|(parameter, (owner, _))| (parameter, owner))
-        .collect()
+    let held_deviations = held + problem.free_effects.len() + problem.held_deviations.len();
+    let free = problem.free_effects.iter().enumerate().map(|(k, bound)| {
+        let is_known = bound.effect.parameters().iter().map(|p| p.discrete);
+        (held + k, is_known.collect::<Vec<_>>())
+    });
+    let deviations = problem.deviations.iter().enumerate().map(|(k, deviation)| {
+        let is_known = deviation.prior_sd.iter().map(|sd| *sd == 0.0);
+        (held_deviations + k, is_known.collect())
+    });
+    let mut found = Vec::new();
+    let mut first = 0;
+    for (owner, is_known) in free.chain(deviations) {
+        if effects.iter().any(|(index, _)| *index == owner) {
+            let estimated = (0..is_known.len()).filter(|k| !is_known[*k]);
+            found.extend(estimated.map(|parameter| EstimatedParameter {
+                column: first + parameter,
+                owner,
+                parameter,
+            }));
+        }
+        first += is_known.len();
+    }
+    found
 }
 
-/// Indices of the effects that satisfy a condition, in the order in which they act.
-fn concerned(globals: &Globals, condition: impl Fn(&BoundEffect) -> bool) -> Vec<usize> {
-    let mut found: Vec<usize> = (0..globals.effects.len())
-        .filter(|k| condition(&globals.effects[*k]))
-        .collect();
-    found.sort_by_key(|k| globals.effects[*k].effect.stage);
+/// The effects that satisfy a condition, in the order in which they act.
+fn concerned(globals: &Globals, condition: impl Fn(&BoundEffect) -> bool) -> Vec<Acting<'_>> {
+    let acting = globals.acting().enumerate();
+    let mut found: Vec<_> = acting.filter(|(_, bound)| condition(bound)).collect();
+    found.sort_by_key(|(_, bound)| bound.effect.stage);
     found
 }
 
@@ -274,13 +289,12 @@ fn pack_platform<T: Packet>(
         let columns = PlatformPorts::from_fn(|port| store.uniform(nominal.get(port).value));
         return (columns, links);
     };
-    let ports_with = |chosen: Option<usize>| -> Vec<PlatformPorts> {
-        let values = seeded(problem, globals, chosen);
+    let ports_with = |chosen: Option<EstimatedParameter>| -> Vec<PlatformPorts> {
+        let values = seeded(&concerned, chosen);
         let at = |row: &usize| {
             let mut ports = nominal;
-            for k in &concerned {
-                let effect = globals.effects[*k].effect;
-                (effect.change_platform)(&values[*k], contexts.platform(*row), &mut ports);
+            for ((_, bound), values) in concerned.iter().zip(&values) {
+                (bound.effect.change_platform)(values, contexts.platform(*row), &mut ports);
             }
             ports
         };
@@ -288,11 +302,9 @@ fn pack_platform<T: Packet>(
     };
     let ports = ports_with(None);
     let columns = PlatformPorts::from_fn(|port| pack(store, &ports, None, |p| p.get(port).value));
-    for (parameter, owner) in owners(problem) {
-        if !concerned.contains(&owner) {
-            continue;
-        }
-        let ports = ports_with(Some(parameter));
+    for chosen in estimated_parameters(problem, &concerned) {
+        let parameter = chosen.column;
+        let ports = ports_with(Some(chosen));
         for port in PlatformPort::ALL {
             if ports.iter().any(|p| p.get(port).slope != 0.0) {
                 links.push(Link {
@@ -327,9 +339,8 @@ fn pack_cable<T: Packet>(
         let mut ports = nominal_cable_ports(problem, selection, (row, index));
         if let Some(contexts) = &selection.contexts {
             let at = contexts.cable(row, index);
-            for k in &concerned {
-                let effect = globals.effects[*k].effect;
-                (effect.change_cable)(&values[*k], at, &mut ports);
+            for ((_, bound), values) in concerned.iter().zip(values) {
+                (bound.effect.change_cable)(values, at, &mut ports);
             }
         }
         // The error of the tension at home is a separate parameter; like the errors at the other
@@ -339,8 +350,8 @@ fn pack_cable<T: Packet>(
         }
         ports
     };
-    let ports_with = |chosen: Option<usize>| -> Vec<CablePorts> {
-        let values = seeded(problem, globals, chosen);
+    let ports_with = |chosen: Option<EstimatedParameter>| -> Vec<CablePorts> {
+        let values = seeded(&concerned, chosen);
         let rows = selection.rows.iter();
         rows.map(|row| ports_at(*row, &values)).collect()
     };
@@ -348,11 +359,11 @@ fn pack_cable<T: Packet>(
     let columns =
         CablePorts::from_fn(|port| pack(store, &ports, padding_of(port), |p| p.get(port).value));
     let mut links = Vec::new();
-    for (parameter, owner) in owners(problem) {
-        if !concerned.contains(&owner) {
-            continue;
-        }
-        let ports = ports_with(Some(parameter));
+    for chosen in estimated_parameters(problem, &concerned) {
+        let parameter = chosen.column;
+        let ports = ports_with(Some(chosen));
+        let stage = concerned.iter().find(|(index, _)| *index == chosen.owner);
+        let is_ratio = stage.is_some_and(|(_, bound)| bound.effect.stage == Stage::Ratio);
         for port in CablePort::ALL {
             // A missing reading has no derivative.
             let slope_of = |ports: &CablePorts| {
@@ -362,7 +373,6 @@ fn pack_cable<T: Packet>(
             if !ports.iter().any(|p| slope_of(p) != 0.0) {
                 continue;
             }
-            let is_ratio = globals.effects[owner].effect.stage == Stage::Ratio;
             let scales_noise = is_ratio && port == CablePort::Paid && reads_lengths(problem);
             links.push(Link {
                 port,
@@ -371,7 +381,7 @@ fn pack_cable<T: Packet>(
                 is_proportional: is_ratio && port == CablePort::Tension,
                 relative_noise: if scales_noise {
                     let at = (index, port);
-                    let gain = reading_gain(problem, globals, selection, at, Some(parameter));
+                    let gain = reading_gain(problem, globals, selection, at, Some(chosen));
                     gain.slope / gain.value
                 } else {
                     0.0

@@ -8,7 +8,7 @@ use crate::geometry::Coordinate;
 ///
 /// The columns, before they are mapped to the estimated parameters, are for each cable
 /// `[a_x a_y a_z s]` (entry point, unstrained length at home), then the offset of the target plane,
-/// then the parameters of free effects.
+/// then the parameters of free effects and of deviations.
 #[derive(Debug, Clone)]
 pub(in crate::estimation) struct Layout {
     pub cables: usize,
@@ -105,14 +105,10 @@ impl Layout {
     }
 }
 
-/// Number of columns of the free effects.
+/// Number of columns of the free effects and the deviations.
 pub(in crate::estimation) fn effect_columns(problem: &Problem<'_>) -> usize {
     if problem.geometry == Geometry::Held {
         return 0;
     }
-    problem
-        .free_effects
-        .iter()
-        .map(|bound| bound.values.len())
-        .sum()
+    problem.estimated().map(|bound| bound.values.len()).sum()
 }

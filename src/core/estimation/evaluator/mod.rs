@@ -196,10 +196,11 @@ impl<'a, T: Packet> Evaluator<'a, T> {
                 None => constants.run,
             });
         }
-        if !globals.effects.is_empty() || self.selection.is_home {
+        let is_changed = globals.acting().next().is_some();
+        if is_changed || self.selection.is_home {
             self.ports = PortInputs::build(self.token, self.problem, globals, &self.selection);
         }
-        if !self.selection.is_home && !globals.effects.is_empty() {
+        if !self.selection.is_home && is_changed {
             self.scale_noise(globals);
         }
     }

@@ -24,7 +24,8 @@ pub(super) struct InstrumentInputs {
 pub(super) fn constants_of(problem: &Problem<'_>, is_home: bool) -> Vec<CableConstants> {
     let has_forces = !problem.dataset.measurements.force_n.is_empty();
     let needs_sag = |bound: &crate::effect::BoundEffect| bound.effect.needs_sag;
-    let effects = || problem.held_effects.iter().chain(&problem.free_effects);
+    let held = || problem.held_effects.iter().chain(&problem.held_deviations);
+    let effects = || held().chain(problem.estimated());
     let constants = |(index, cable): (usize, &crate::robot::Cable)| {
         let measured = problem.assumes_tensions() || has_forces && cable.force_sensor.is_some();
         let latent = problem.has_latent_tension() && !is_home;

@@ -136,7 +136,7 @@ fn check(robot: &Robot, measured: &Measurements) -> Result<(), PublishedError> {
         let what = "a measured elongation surface, only a constant axial stiffness";
         return Err(PublishedError::NotModelled { what });
     }
-    if !robot.effects.is_empty() {
+    if robot.effects_and_deviations().next().is_some() {
         let what = "the effects of an extended model";
         return Err(PublishedError::NotModelled { what });
     }

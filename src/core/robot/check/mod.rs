@@ -5,6 +5,7 @@
 
 mod field;
 mod layout;
+mod tolerances;
 
 use super::description::inertia_matrix;
 use super::{Cable, Home, HomePlatform, Laser, Limits, Platform, Robot, Tracker};
@@ -57,7 +58,9 @@ impl Robot {
         if let Some(home_platform) = &self.home_platform {
             check_home_platform(&root.child("home_platform"), home_platform)?;
         }
-        self.check_effects(&root)
+        self.check_effects(&root.child("effects"), &self.effects)?;
+        self.check_effects(&root.child("deviations"), &self.deviations)?;
+        tolerances::check(self, &root.child("tolerances"))
     }
 
     fn check_instruments(&self, root: &Object) -> Checked {
@@ -107,9 +110,8 @@ impl Robot {
         Ok(())
     }
 
-    fn check_effects(&self, root: &Object) -> Checked {
-        let list = root.child("effects");
-        for (index, effect) in self.effects.iter().enumerate() {
+    fn check_effects(&self, list: &Object, effects: &[EffectSetting]) -> Checked {
+        for (index, effect) in effects.iter().enumerate() {
             self.check_effect(&list.child(index), effect)?;
             if let Err(error) = BoundEffect::from_setting(effect, self) {
                 return list.fail(index, error.to_string());

@@ -21,6 +21,8 @@ fn robot() -> Robot {
         cables: corners.iter().enumerate().map(cable).collect(),
         limits: None,
         home_platform: None,
+        tolerances: None,
+        deviations: Vec::new(),
         effects: Vec::new(),
     }
 }

@@ -356,6 +356,8 @@ impl CableTable {
             tracker: None,
             cables: cables.collect::<Result<_, _>>()?,
             home_platform: None,
+            tolerances: None,
+            deviations: Vec::new(),
             effects: Vec::new(),
         })
     }

@@ -1,0 +1,58 @@
+//! Typical tolerances: by how much the parts of a sound machine deviate from its drawing.
+
+use crate::robot::Robot;
+
+/// Diagonal of the frame (m) from which a machine is built like a crane rather than like a machine tool.
+const LARGE_FRAME_M: f64 = 4.0;
+
+/// How a machine is built, on which the accuracy of its parts depends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MachineClass {
+    /// A machined frame that fits into a room.
+    Small,
+    /// A welded or bolted structure of many metres.
+    Large,
+}
+
+impl MachineClass {
+    /// The class of a robot by the size of its frame.
+    #[must_use]
+    pub fn of(robot: &Robot) -> Self {
+        let axes = [0, 1, 2].map(|axis| {
+            let points = robot.cables.iter().map(|c| c.pulley.entry_point_m[axis]);
+            let (low, high) = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+                (low.min(p), high.max(p))
+            });
+            high - low
+        });
+        let diagonal_m = axes.iter().map(|a| a * a).sum::<f64>().sqrt();
+        if diagonal_m < LARGE_FRAME_M {
+            Self::Small
+        } else {
+            Self::Large
+        }
+    }
+}
+
+/// Standard deviation of a parameter over sound parts. Where a standard or data sheet states limits, they are taken as
+/// two standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TypicalTolerance {
+    /// For small machines, in the unit of the parameter.
+    pub small: f64,
+    /// For large machines.
+    pub large: f64,
+    /// Where the value comes from.
+    pub source: &'static str,
+}
+
+impl TypicalTolerance {
+    /// Standard deviation for a class of machine.
+    #[must_use]
+    pub fn sd(&self, class: MachineClass) -> f64 {
+        match class {
+            MachineClass::Small => self.small,
+            MachineClass::Large => self.large,
+        }
+    }
+}
