@@ -10,9 +10,10 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use super::deviation_columns::is_fixed;
 use super::reading_id::ReadingId;
 use super::residual_space::range_basis;
-use crate::estimation::{Linearisation, ParameterId, RowKind};
+use crate::estimation::{Linearisation, RowKind};
 
 /// The conditions of one pose, or of one row that belongs to no pose.
 #[derive(Debug, Clone)]
@@ -75,10 +76,9 @@ impl Conditions {
         }
         let first = linear.poses.last().map_or(0, |pose| pose.rows.end);
         for row in first..linear.rows.len() {
-            // Candidate causes have priors of their own, so the priors of their parameters in the fit are left out.
+            // Candidate causes and deviations have priors of their own, so those of their parameters in the fit are left out.
             if let RowKind::Prior(k) = linear.rows[row].kind
-                && let ParameterId::Effect { effect, .. } = linear.parameters[k].id
-                && effect >= model_effects
+                && !is_fixed(&linear.parameters[k].id, model_effects)
             {
                 continue;
             }

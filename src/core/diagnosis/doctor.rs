@@ -6,20 +6,22 @@ use super::confidence::{
     ConfirmedCauses, allow_for_imitations, assess_fit, confirm_causes, downgrade_doubtful_names,
     excess_chi2, readmit_likely_causes, reject_replaceable_causes,
 };
+use super::deviation_columns::FACTORS;
 use super::exchange::find_exchange;
 use super::exploration::Visibility;
 use super::finding::FindingBuilder;
 use super::fit::Fit;
 use super::gain::Prediction;
-use super::inference::infer;
+use super::inference::{Inference, infer, inference_at_fit};
 use super::noise::noise_statements;
 use super::progress::Reporter;
-use super::report::{Diagnosis, Finding, Invisible};
+use super::report::{Diagnosis, Finding, Invisible, ToleranceFactor};
 use super::unmodelled_errors::UnmodelledError;
 use super::{DiagnosisOptions, Observer, Stage};
-use crate::effect::{BoundEffect, CablePorts, Dual, measurements_as_modelled};
+use crate::effect::{BoundEffect, CablePorts, Dual, measurements_as_modelled, part_deviations};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
+use crate::robot::PartTolerances;
 use crate::statistics::normal_quantile;
 
 /// Probability of detection at the smallest visible size.
@@ -43,20 +45,28 @@ pub fn diagnose(
     report.stage(Stage::BaseFit, 0);
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
     let (averaged, rows) = measurements.independent(&dataset.robot, MOST_SAMPLES);
+    let mut robot = dataset.robot.clone();
+    // No machine is exact: what is not stated is typical.
+    robot.tolerances.get_or_insert_with(PartTolerances::typical);
+    let are_stated = dataset.robot.tolerances.is_some();
     let dataset = Dataset {
-        robot: dataset.robot.clone(),
+        robot,
         measurements: averaged.into_owned(),
     };
     let problem = problem_at_fitted_poses(&dataset)?;
     let first = Fit::new(&problem, &[])?;
     let Some(exchange) = find_exchange(&first, &mut report)? else {
-        return examine(&problem, (&first, rows), Vec::new(), options, &mut report);
+        let mut found = examine(&problem, (&first, rows), Vec::new(), options, &mut report)?;
+        found.tolerances.are_stated = are_stated;
+        return Ok(found);
     };
     let mut after = problem_at_fitted_poses(&exchange.dataset)?;
     after.held_effects.push(exchange.bound.clone());
     let second = Fit::new(&after, &[])?;
-    let found = exchange.finding(&first, &second);
-    examine(&after, (&first, rows), vec![found], options, &mut report)
+    let exchanged = vec![exchange.finding(&first, &second)];
+    let mut found = examine(&after, (&first, rows), exchanged, options, &mut report)?;
+    found.tolerances.are_stated = are_stated;
+    Ok(found)
 }
 
 /// The problem with the effects of the model estimated, as far as readings depend on them, and evaluated at the poses of
@@ -91,8 +101,17 @@ fn examine(
     report: &mut Reporter<'_, '_>,
 ) -> Result<Diagnosis, EstimationError> {
     let (problem, inference, visibility) = infer(problem.clone(), options, report)?;
-    let problem = &problem;
     let (posteriors, possible) = cause_posteriors(&inference.ranking);
+    let factor = FACTORS[inference.hyper.factor];
+    let first = match factor > 0.0 {
+        true => &Fit::new(&with_deviations(&first.problem, factor), &[])?,
+        false => first,
+    };
+    let (problem, inference) = match factor > 0.0 {
+        true => infer_with_deviations(with_deviations(&problem, factor), inference, options)?,
+        false => (problem, inference),
+    };
+    let problem = &problem;
     let confirmed = confirm_causes(problem, inference, posteriors, possible, options)?;
     let remaining_causes = reject_replaceable_causes(problem, confirmed, options)?;
     let (confirmed, unmodelled) = readmit_likely_causes(problem, remaining_causes, options)?;
@@ -154,11 +173,37 @@ fn examine(
         invisible: invisible_effects(problem, &visibility, options),
         findings,
         possible,
+        tolerances: ToleranceFactor {
+            factor: inference.tolerance_factor(),
+            are_stated: false,
+        },
         held: first.problem.held_effects.len(),
         base_solution: first.solution.clone(),
         extended_solution: fit.solution.clone(),
         cancelled: report.cancelled,
     })
+}
+
+/// A problem with the deviations of the parts estimated, whose priors are the tolerances times a factor.
+fn with_deviations<'a>(problem: &Problem<'a>, factor: f64) -> Problem<'a> {
+    let robot = &problem.dataset.robot;
+    let tolerances = robot.tolerances.as_ref();
+    let deviations = tolerances.map_or_else(Vec::new, |t| part_deviations(robot, t));
+    let scaled = deviations.iter().map(|deviation| deviation.scaled(factor));
+    problem.clone().with_deviations(scaled.collect())
+}
+
+/// The inference with the deviations of `problem` in the nonlinear fit, too, so that the sizes of the causes and all that is
+/// reported allow for them. The sets are compared without them, because they are small enough for a linear problem.
+fn infer_with_deviations<'a>(
+    problem: Problem<'a>,
+    inference: Inference<'a>,
+    options: &DiagnosisOptions,
+) -> Result<(Problem<'a>, Inference<'a>), EstimationError> {
+    let fit = Fit::new(&problem, &inference.fit.causes)?;
+    let start = Some(&*inference.hyper.variance);
+    let inference = inference_at_fit(fit, options, inference.ranking, start);
+    Ok((problem, inference))
 }
 
 /// Effects that would not be found even at their largest typical size. Effects of instruments that the robot does not

@@ -86,10 +86,10 @@ pub(super) fn explore<'l>(
     (most, is_first): (usize, bool),
     report: &mut Reporter<'_, '_>,
 ) -> Exploration<'l> {
-    let described = at.linear.described();
     let OwnEvidence {
         hyper: own, gram, ..
     } = own;
+    let described = at.linear.described(own.factor);
     let mut own_gram = Some(gram);
     let mut pending = vec![own.clone()];
     let left = at.fit.solution.chi2 / at.fit.solution.degrees_of_freedom;

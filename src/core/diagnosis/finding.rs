@@ -3,13 +3,14 @@
 use nalgebra::DMatrix;
 
 use super::cause_posteriors::CausePosterior;
+use super::deviation_columns::is_fixed;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::projector::{Projector, cosine};
 use super::report::{Alternative, Cause, Evidence, Finding, FoundParameter, Gain, Rival, Verdict};
 use super::separation::separation;
 use crate::effect::BoundEffect;
-use crate::estimation::{EstimationError, ParameterId};
+use crate::estimation::{EstimationError, LinearRow, ParameterId, RowKind};
 use crate::robot::Robot;
 use crate::statistics::chi_square_survival;
 
@@ -35,7 +36,7 @@ impl FindingBuilder<'_, '_> {
         let robot = &fit.problem.dataset.robot;
         let mut others = fit.causes.clone();
         others.remove(self.index);
-        let without = Fit::new(&fit.base(), &others)?;
+        let without = Fit::new(fit.base(), &others)?;
         let rivals = self.rivals(&others)?;
         let is_named = self.posterior.is_named();
         let separation = rivals.first().filter(|_| !is_named).and_then(|rival| {
@@ -74,7 +75,7 @@ impl FindingBuilder<'_, '_> {
     fn fit_with_last(&self, others: &[Cause], cause: &Cause) -> Result<Fit<'_>, EstimationError> {
         let mut causes = others.to_vec();
         causes.push(cause.clone());
-        Fit::new(&self.fit.base(), &causes)
+        Fit::new(self.fit.base(), &causes)
     }
 
     /// Fits each alternative in place of the cause.
@@ -158,7 +159,12 @@ fn distinct_texts(
 fn ranking(without: &Fit<'_>, own: &Fit<'_>, index: usize, rivals: &[Fit<'_>]) -> Vec<Rival> {
     let linear = without.linearisation();
     let projector = Projector::new(&linear.design, &linear.residual);
-    let rows = linear.rows.len() - without.parameters();
+    // The priors of causes and deviations come last and differ from fit to fit.
+    let is_shared = |row: &&LinearRow| match row.kind {
+        RowKind::Prior(k) => is_fixed(&linear.parameters[k].id, without.model_effects()),
+        RowKind::Observation(_) | RowKind::AssumedTension(_) => true,
+    };
+    let rows = linear.rows.iter().take_while(is_shared).count();
     let signature = |fit: &Fit<'_>, index: usize| -> DMatrix<f64> {
         let linear = fit.linearisation();
         let columns = linear.design.select_columns(&fit.parameters_of(index));

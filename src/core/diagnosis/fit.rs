@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 use std::ops::Range;
 use std::rc::Rc;
 
+use super::deviation_columns::DeviationColumns;
 use super::report::Cause;
 use crate::estimation::{
     Control, EstimationError, Linearisation, Options, ParameterId, Problem, Progress, Solution,
@@ -22,7 +23,10 @@ pub(super) struct Fit<'a> {
     pub solution: Solution,
     /// The causes with their fitted values.
     pub causes: Vec<Cause>,
+    /// The problem without causes.
+    base: Problem<'a>,
     linearisation: OnceCell<Rc<Linearisation>>,
+    deviation_columns: OnceCell<Rc<DeviationColumns>>,
 }
 
 impl<'a> Fit<'a> {
@@ -43,6 +47,7 @@ impl<'a> Fit<'a> {
         let mut problem = base.clone();
         let own = causes.iter().flat_map(|cause| cause.instances.iter());
         problem.free_effects.extend(own.cloned());
+        problem.remove_covered_deviations();
         let mut tried = 0;
         let watch = &mut |progress: &Progress| {
             tried += 1;
@@ -73,21 +78,34 @@ impl<'a> Fit<'a> {
             problem,
             solution,
             causes,
+            base: base.clone(),
             linearisation: OnceCell::new(),
+            deviation_columns: OnceCell::new(),
         })
     }
 
     /// Number of effects of the model. They are estimated in every fit and come before those of the causes.
     pub fn model_effects(&self) -> usize {
-        let causes = self.causes.iter().map(|cause| cause.instances.len());
-        self.problem.free_effects.len() - causes.sum::<usize>()
+        self.base.free_effects.len()
     }
 
     /// The problem without causes.
-    pub fn base(&self) -> Problem<'a> {
-        let mut base = self.problem.clone();
-        base.free_effects.truncate(self.model_effects());
-        base
+    pub fn base(&self) -> &Problem<'a> {
+        &self.base
+    }
+
+    /// The columns of the deviations at this fit.
+    pub fn deviation_columns(&self) -> Rc<DeviationColumns> {
+        let new = || Rc::new(DeviationColumns::new(self));
+        Rc::clone(self.deviation_columns.get_or_init(new))
+    }
+
+    /// The same fit with the columns of the deviations of another one, which are small and hardly depend on the fit.
+    pub fn with_deviation_columns(self, columns: &Rc<DeviationColumns>) -> Self {
+        Self {
+            deviation_columns: OnceCell::from(Rc::clone(columns)),
+            ..self
+        }
     }
 
     /// The problem linearised at the solution.

@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use super::Quantity;
 use super::background::{Group, Shape};
 use super::conditions::{Conditions, Noise, concatenate_columns};
+use super::deviation_columns::{FACTORS, FIRST_FACTOR};
 use super::reading_errors::ReadingErrors;
 
 /// Grid of amplitudes, in standard deviations of the readings as described.
@@ -39,6 +40,8 @@ pub(super) struct Hyperparameters {
     pub variance: Vec<f64>,
     /// Indices into [`AMPLITUDES`].
     pub amplitude: Vec<usize>,
+    /// Index of the factor of the tolerances in [`FACTORS`].
+    pub factor: usize,
     /// Log prior density.
     pub log_prior: f64,
 }
@@ -47,7 +50,9 @@ impl Hyperparameters {
     /// Whether two points differ enough to give different probabilities.
     pub fn is_far_from(&self, other: &Self) -> bool {
         let far = |(a, b): (&f64, &f64)| (a / b).ln().abs() > 0.3;
-        self.amplitude != other.amplitude || self.variance.iter().zip(&other.variance).any(far)
+        self.amplitude != other.amplitude
+            || self.factor.abs_diff(other.factor) > 1
+            || self.variance.iter().zip(&other.variance).any(far)
     }
 
     /// Whether noise or background is much larger than described, so that much is unexplained.
@@ -63,6 +68,8 @@ pub(super) struct LinearProblem {
     pub residual: DVector<f64>,
     /// Derivatives with respect to the parameters that are always estimated.
     pub fixed: DMatrix<f64>,
+    /// Derivatives with respect to the combinations of the deviations of parts.
+    pub deviations: DMatrix<f64>,
     pub shapes: Vec<Shape>,
 }
 
@@ -103,16 +110,16 @@ pub(super) struct ReducedProblem<'l> {
 }
 
 impl LinearProblem {
-    /// Hyperparameters with the same variance factor for all classes and no background.
+    /// Hyperparameters with the same variance factor for all classes, no background and exact parts.
     pub fn with_variance_factor(&self, factor: f64) -> Hyperparameters {
         let classes = self.conditions.classes.len();
-        self.with_prior(vec![factor; classes], vec![0; self.shapes.len()])
+        self.with_prior(vec![factor; classes], vec![0; self.shapes.len()], 0)
     }
 
-    /// Hyperparameters with noise as described and no background.
-    pub fn described(&self) -> Hyperparameters {
+    /// Hyperparameters with noise as described, no background and a factor of the tolerances.
+    pub fn described(&self, factor: usize) -> Hyperparameters {
         let classes = self.conditions.classes.len();
-        self.with_prior(vec![1.0; classes], vec![0; self.shapes.len()])
+        self.with_prior(vec![1.0; classes], vec![0; self.shapes.len()], factor)
     }
 
     /// Groups the indices of shapes by kind of reading and group of functions.
@@ -145,7 +152,12 @@ impl LinearProblem {
         kinds
     }
 
-    fn with_prior(&self, variance: Vec<f64>, amplitude: Vec<usize>) -> Hyperparameters {
+    fn with_prior(
+        &self,
+        variance: Vec<f64>,
+        amplitude: Vec<usize>,
+        factor: usize,
+    ) -> Hyperparameters {
         // Log density of an inverse gamma prior with respect to the log variance, normalised to 0 at its mode.
         let density = |ratio: f64, worth: f64| 0.5 * worth * (1.0 - ratio.ln() - ratio.recip());
         let mut log_prior = 0.0;
@@ -171,12 +183,13 @@ impl LinearProblem {
         Hyperparameters {
             variance,
             amplitude,
+            factor,
             log_prior,
         }
     }
 
-    /// Eliminates the background and the parameters that are always estimated at the hyperparameters `at`, and also
-    /// `further` columns whose parameters have prior variance 1.
+    /// Eliminates the background, the deviations of the parts and the parameters that are always estimated at the
+    /// hyperparameters `at`, and also `further` columns whose parameters have prior variance 1.
     pub fn reduced(&self, at: &Hyperparameters, further: &DMatrix<f64>) -> ReducedProblem<'_> {
         let noise = self.conditions.noise(&at.variance);
         let present = self.shapes.iter().zip(&at.amplitude);
@@ -184,7 +197,12 @@ impl LinearProblem {
             .filter(|(_, amplitude)| **amplitude > 0)
             .map(|(shape, amplitude)| (shape, AMPLITUDES[*amplitude]))
             .collect();
-        let mut others = concatenate_columns(&[&self.fixed, further]);
+        let factor = FACTORS[at.factor];
+        let deviations = match factor > 0.0 {
+            true => &self.deviations * factor,
+            false => DMatrix::zeros(self.conditions.count, 0),
+        };
+        let mut others = concatenate_columns(&[&self.fixed, further, &deviations]);
         noise.whiten(&mut others);
         let whitened = self.whitened(&noise);
         let mut residual = whitened.clone();
@@ -225,9 +243,10 @@ impl LinearProblem {
         y.column(0).into_owned()
     }
 
-    fn at_start(&self, start: Start<'_>, amplitude: Vec<usize>) -> Hyperparameters {
+    fn at_start(&self, start: Start<'_>, amplitude: Vec<usize>, factor: usize) -> Hyperparameters {
         let described = || vec![1.0; self.conditions.classes.len()];
-        self.with_prior(start.map_or_else(described, <[f64]>::to_vec), amplitude)
+        let variance = start.map_or_else(described, <[f64]>::to_vec);
+        self.with_prior(variance, amplitude, factor)
     }
 
     fn estimate_at(&self, hyper: Hyperparameters, further: &DMatrix<f64>) -> Estimate<'_> {
@@ -241,10 +260,14 @@ impl LinearProblem {
 
     /// Estimates the hyperparameters of largest posterior density given further columns, starting without background.
     ///
-    /// Readings of several cables may show the same error. If changing all amplitudes at once lowers the density, only
-    /// the amplitude with the largest gain is changed.
+    /// Readings of several cables may show the same error, and the background and the deviations of the parts, too. If
+    /// changing all of them at once lowers the density, only the one with the largest gain is changed.
     pub fn estimate(&self, start: Start<'_>, further: &DMatrix<f64>) -> Estimate<'_> {
-        let start = self.at_start(start, vec![0; self.shapes.len()]);
+        let factor = match self.deviations.ncols() {
+            0 => 0,
+            _ => FIRST_FACTOR,
+        };
+        let start = self.at_start(start, vec![0; self.shapes.len()], factor);
         let mut best = self.estimate_at(start, further);
         let mut step = self.step(&best);
         let mut next = step.all.clone();
@@ -275,37 +298,43 @@ impl LinearProblem {
         let gain = |k: &usize| evidence[*k][amplitude[*k]] - evidence[*k][at.amplitude[*k]];
         let changed = (0..amplitude.len()).filter(|k| amplitude[*k] != at.amplitude[*k]);
         let strongest = changed.max_by(|a, b| gain(a).total_cmp(&gain(b)));
+        let of_factor = self.factor_evidence(base, at);
+        let best = |a: &usize, b: &usize| of_factor[*a].total_cmp(&of_factor[*b]);
+        let factor = (0..FACTORS.len()).max_by(best).unwrap_or(at.factor);
+        let gain_of_factor = of_factor[factor] - of_factor[at.factor];
         let mut single = at.amplitude.clone();
-        if let Some(k) = strongest {
-            single[k] = amplitude[k];
+        let mut single_factor = at.factor;
+        match strongest {
+            Some(k) if gain(&k) > gain_of_factor => single[k] = amplitude[k],
+            _ => single_factor = factor,
         }
         let variance = self.next_variances(base);
         let change = at.variance.iter().zip(&variance);
         let change = change.map(|(a, b)| (a / b).ln().abs()).fold(0.0, f64::max);
         Step {
-            is_small: change < CONVERGED && strongest.is_none(),
-            strongest: self.with_prior(variance.clone(), single),
-            all: self.with_prior(variance, amplitude),
+            is_small: change < CONVERGED && strongest.is_none() && factor == at.factor,
+            strongest: self.with_prior(variance.clone(), single, single_factor),
+            all: self.with_prior(variance, amplitude, factor),
         }
     }
 
-    /// Estimates the variances for given amplitudes and further columns.
+    /// Estimates the variances for given amplitudes, a given factor of the tolerances and further columns.
     pub fn with_amplitudes(
         &self,
         start: Start<'_>,
-        amplitude: &[usize],
+        (amplitude, factor): (&[usize], usize),
         further: &DMatrix<f64>,
     ) -> Estimate<'_> {
-        let start = self.at_start(start, amplitude.to_vec());
+        let start = self.at_start(start, amplitude.to_vec(), factor);
         self.refined(&start, further)
     }
 
-    /// The same, starting from hyperparameters whose amplitudes are kept.
+    /// The same, starting from hyperparameters whose amplitudes and factor are kept.
     pub fn refined(&self, from: &Hyperparameters, further: &DMatrix<f64>) -> Estimate<'_> {
         let mut reached = self.estimate_at(from.clone(), further);
         for _ in 1..MAX_STEPS {
             let variance = self.next_variances(&reached.base);
-            let next = self.with_prior(variance, from.amplitude.clone());
+            let next = self.with_prior(variance, from.amplitude.clone(), from.factor);
             let before = reached.log_density;
             reached = self.estimate_at(next, further);
             if reached.log_density - before < TOLERATED_DECREASE {
@@ -329,6 +358,30 @@ impl LinearProblem {
             }
         }
         variance
+    }
+
+    /// Log evidence of each factor of the tolerances relative to exact parts, all else as it is. The factors have equal
+    /// prior probabilities.
+    pub fn factor_evidence(
+        &self,
+        base: &ReducedProblem<'_>,
+        at: &Hyperparameters,
+    ) -> [f64; FACTORS.len()] {
+        if self.deviations.ncols() == 0 {
+            return std::array::from_fn(|k| {
+                if k == at.factor {
+                    0.0
+                } else {
+                    f64::NEG_INFINITY
+                }
+            });
+        }
+        let mut columns = self.deviations.clone();
+        base.noise.whiten(&mut columns);
+        let score = columns.tr_mul(&base.residual);
+        let eliminated = &base.eliminated * &columns;
+        let information = columns.tr_mul(&columns) - eliminated.tr_mul(&eliminated);
+        evidence_of_sizes(score, information, FACTORS[at.factor], &FACTORS)
     }
 
     /// Amplitudes of largest posterior probability, each conditional on the present values of the others.
@@ -369,24 +422,39 @@ impl LinearProblem {
             };
             let (score, information) = errors.of(&shape.functions);
             of_class = Some((shape.class, errors));
-            let mut evidence = [0.0; AMPLITUDES.len()];
-            let eigen = SymmetricEigen::new(information);
-            let along = eigen.eigenvectors.tr_mul(&score);
-            let present = AMPLITUDES[*present].powi(2);
-            for (value, along) in eigen.eigenvalues.iter().zip(along.iter()) {
-                // Removes the amplitude that the shape has at present.
-                let left = (1.0 - present * value.max(0.0)).max(1e-12);
-                let (value, along) = (value.max(0.0) / left, along / left);
-                for (k, amplitude) in AMPLITUDES.iter().enumerate() {
-                    let square = amplitude * amplitude;
-                    let spread = 1.0 + square * value;
-                    evidence[k] += 0.5 * (square * along * along / spread - spread.ln());
-                }
-            }
-            all.push(evidence);
+            all.push(evidence_of_sizes(
+                score,
+                information,
+                AMPLITUDES[*present],
+                &AMPLITUDES,
+            ));
         }
         all
     }
+}
+
+/// Log evidence of each size of some columns relative to size 0, from their score and information in a problem in which
+/// they have the size `present`. A size is the standard deviation of each coefficient.
+fn evidence_of_sizes<const N: usize>(
+    score: DVector<f64>,
+    information: DMatrix<f64>,
+    present: f64,
+    sizes: &[f64; N],
+) -> [f64; N] {
+    let mut evidence = [0.0; N];
+    let eigen = SymmetricEigen::new(information);
+    let along = eigen.eigenvectors.tr_mul(&score);
+    for (value, along) in eigen.eigenvalues.iter().zip(along.iter()) {
+        // Removes the size that the columns have at present.
+        let left = (1.0 - present * present * value.max(0.0)).max(1e-12);
+        let (value, along) = (value.max(0.0) / left, along / left);
+        for (evidence, size) in evidence.iter_mut().zip(sizes) {
+            let square = size * size;
+            let spread = 1.0 + square * value;
+            *evidence += 0.5 * (square * along * along / spread - spread.ln());
+        }
+    }
+    evidence
 }
 
 /// Background functions as whitened conditions. A function is its value at each pose times the whitened unit error of

@@ -6,11 +6,14 @@
 //! sets are then fitted with the full model and compared by the evidence at their own fits. The problem is linearised
 //! again at the best of them until it stays the best.
 
+use std::rc::Rc;
+
 use nalgebra::DMatrix;
 
 use super::candidates::{is_same_effect_and_targets, is_same_period};
 use super::catalogue::Catalogue;
 use super::conditions::concatenate_columns;
+use super::deviation_columns::{DeviationColumns, FACTORS};
 use super::evidence::{Member, System};
 use super::exploration::{Visibility, explore, log_sum};
 use super::fit::Fit;
@@ -73,6 +76,17 @@ impl Inference<'_> {
         let kept = (0..self.present.len()).filter(|k| !causes.contains(k));
         let columns: Vec<usize> = kept.flat_map(|k| first[k]..first[k + 1]).collect();
         self.columns.select_columns(&columns)
+    }
+
+    /// By what the parts scatter, in units of their tolerances: the posterior mean of the factor.
+    pub fn tolerance_factor(&self) -> f64 {
+        let base = self.linear.reduced(&self.hyper, &self.columns);
+        let evidence = self.linear.factor_evidence(&base, &self.hyper);
+        let total = log_sum(evidence.iter().copied());
+        let weighted = evidence.iter().zip(FACTORS);
+        weighted
+            .map(|(log, factor)| factor * (log - total).exp())
+            .sum()
     }
 
     /// Number of parameters of some causes.
@@ -161,7 +175,9 @@ impl Inference<'_> {
     pub fn sd_ratios(&self) -> Vec<Vec<f64>> {
         let conditions = &self.linear.conditions;
         let fixed = self.linear.fixed.ncols();
-        let mut derivatives = concatenate_columns(&[&self.linear.fixed, &self.columns]);
+        let deviations = &self.linear.deviations * FACTORS[self.hyper.factor];
+        let mut derivatives =
+            concatenate_columns(&[&self.linear.fixed, &deviations, &self.columns]);
         for mut column in derivatives.columns_mut(0, fixed).column_iter_mut() {
             column.try_normalize_mut(f64::MIN_POSITIVE);
         }
@@ -174,7 +190,8 @@ impl Inference<'_> {
         let Some(inverse) = normal.cholesky().map(|factor| factor.inverse()) else {
             return first.windows(2).map(|w| vec![1.0; w[1] - w[0]]).collect();
         };
-        let of_causes = inverse.columns(fixed, width - fixed).into_owned();
+        let before = fixed + deviations.ncols();
+        let of_causes = inverse.columns(before, width - before).into_owned();
         let weights = &derivatives * &of_causes;
         let mut square = conditions.variances(&self.hyper.variance, &weights);
         let shapes = self.linear.shapes.iter().zip(&self.hyper.amplitude);
@@ -187,7 +204,7 @@ impl Inference<'_> {
         }
         let ratio = |k: usize| {
             let of_prior = of_causes.column(k).rows_range(fixed..).norm_squared();
-            ((square[k] + of_prior) / of_causes[(fixed + k, k)]).sqrt()
+            ((square[k] + of_prior) / of_causes[(before + k, k)]).sqrt()
         };
         let of_cause = |w: &[usize]| (w[0]..w[1]).map(ratio).collect();
         first.windows(2).map(of_cause).collect()
@@ -249,15 +266,22 @@ pub(super) fn infer<'a>(
     let mut fitted: Vec<(Vec<Cause>, f64)> = Vec::new();
     // Smallest variance factors found at any fit.
     let mut smallest_variances: Option<Vec<f64>> = None;
+    let mut columns = Rc::new(DeviationColumns::none());
     for round in 1.. {
+        let mut has_moved = false;
         if !fit.causes.is_empty() {
             let nearer = base.clone().with_contexts_of(&fit.solution);
             let moved = Fit::new(&nearer, &fit.causes)?;
             if (moved.solution.chi2 - fit.solution.chi2).abs() > MOVED_CHI2 {
                 (base, fit) = (nearer, moved);
+                has_moved = true;
                 fitted.clear();
             }
         }
+        if round == 1 || has_moved {
+            columns = Rc::new(DeviationColumns::new(&fit));
+        }
+        fit = fit.with_deviation_columns(&columns);
         let at = LinearFit::new(&fit, expected, true);
         let own_evidence = at.own_evidence(smallest_variances.as_deref());
         let own = own_evidence.value;
@@ -280,7 +304,7 @@ pub(super) fn infer<'a>(
                 break;
             }
             let start = causes_of(&at, &mut gram, compared.members(place));
-            let refit = Fit::new(&base, &start)?;
+            let refit = Fit::new(&base, &start)?.with_deviation_columns(&columns);
             let value = if is_physically_possible(&refit) {
                 let refit = LinearFit::new(&refit, expected, false);
                 let evidence = refit.own_evidence(smallest_variances.as_deref());
@@ -317,6 +341,7 @@ pub(super) fn infer<'a>(
                 let (own, last) = best.unwrap_or((own, fit));
                 let merged = merge_common_values(&last).filter(|_| round < MAX_LINEARISATIONS);
                 let merged = merged.map(|causes| Fit::new(&base, &causes)).transpose()?;
+                let merged = merged.map(|fit| fit.with_deviation_columns(&columns));
                 let better = merged.filter(|fit| {
                     let at = LinearFit::new(fit, expected, false);
                     let evidence = at.own_evidence(smallest_variances.as_deref());

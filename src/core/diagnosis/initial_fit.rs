@@ -1,8 +1,10 @@
 //! Stepwise nonlinear fits for data whose chi-square is far above its degrees of freedom.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use super::candidates::Candidate;
+use super::deviation_columns::DeviationColumns;
 use super::evidence::Member;
 use super::exploration::{MAX_EXTENDED, UNEXPLAINED_CHI2, Visibility, visibility};
 use super::fit::Fit;
@@ -71,8 +73,10 @@ pub(super) fn initial_fit<'a>(
     report: &mut Reporter<'_, '_>,
 ) -> Result<Fit<'a>, EstimationError> {
     let expected = EXPECTED_PER_ALPHA * options.alpha;
-    let problem = from.base();
-    let mut fit = from;
+    let problem = from.base().clone();
+    // Next to such residuals, deviations within tolerances do not count.
+    let no_deviations = Rc::new(DeviationColumns::none());
+    let mut fit = from.with_deviation_columns(&no_deviations);
     for _ in 0..options.most_findings {
         let left = chi2_per_freedom(&fit);
         if left < FAR_FROM_NOISE
@@ -84,7 +88,7 @@ pub(super) fn initial_fit<'a>(
         let at = LinearFit::new(&fit, expected, true);
         let hyper = at.linear.with_variance_factor(left);
         let mut gram = at.gram(&hyper);
-        seen.get_or_insert_with(|| visibility(&at.gram(&at.linear.described())));
+        seen.get_or_insert_with(|| visibility(&at.gram(&at.linear.described(0))));
         let candidates = &at.catalogue.candidates;
         let mut search = Search::new(&mut gram, options.most_findings);
         search.settle(&at.present);
@@ -119,6 +123,7 @@ pub(super) fn initial_fit<'a>(
                 let bound = found.solution.chi2;
                 Fit::with_early_stop((bound, PATIENCE_FAR_FROM_NOISE), &problem, &causes)?
             };
+            let refit = refit.with_deviation_columns(&no_deviations);
             let value = score(&refit, &members);
             if is_physically_possible(&refit) && best.as_ref().is_none_or(|b| value > b.0) {
                 best = Some((value, refit));

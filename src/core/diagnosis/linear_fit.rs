@@ -5,13 +5,13 @@ use nalgebra::{DMatrix, DVector};
 use super::background::shapes;
 use super::catalogue::Catalogue;
 use super::conditions::{Conditions, concatenate_columns};
+use super::deviation_columns::{columns_of, explained_by_deviations, is_fixed};
 use super::evidence::Member;
 use super::fit::Fit;
 use super::gram::Gram;
 use super::hyperparameters::{Estimate, Hyperparameters, LinearProblem, ReducedProblem, Start};
 use super::search::Search;
 use super::variables::Variables;
-use crate::estimation::ParameterId;
 
 /// Prior expectation of the number of causes for each unit of the false alarm probability.
 pub(super) const EXPECTED_PER_ALPHA: f64 = 80.0;
@@ -43,15 +43,12 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         let conditions = Conditions::new(&linear, model_effects);
         let variables = Variables::new(&fit.problem, &fit.solution, &linear);
         let shapes = shapes(&conditions, &linear, &variables);
-        let is_fixed = |k: &usize| match linear.parameters[*k].id {
-            ParameterId::Effect { effect, .. } => effect < model_effects,
-            _ => true,
-        };
-        let fixed: Vec<usize> = (0..linear.parameters.len()).filter(is_fixed).collect();
-        let fixed = conditions.project_rows(&linear.design.select_columns(&fixed));
+        let fixed = columns_of(&linear, |id| is_fixed(id, model_effects));
+        let fixed = conditions.project_rows(&fixed);
+        let deviations = fit.deviation_columns().conditions(&linear, &conditions);
         let generators = conditions.project_rows(&catalogue.generators);
-        let residual =
-            DMatrix::from_column_slice(linear.residual.len(), 1, linear.residual.as_slice());
+        let residual = &linear.residual - explained_by_deviations(fit, &linear);
+        let residual = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
         let mut residual: DVector<f64> = conditions.project_rows(&residual).column(0).into_owned();
         let mut present = Vec::new();
         let poses = conditions.poses;
@@ -78,6 +75,7 @@ impl<'f, 'a> LinearFit<'f, 'a> {
                 conditions,
                 residual,
                 fixed,
+                deviations,
                 shapes,
             },
             catalogue,

@@ -15,6 +15,7 @@ mod catalogue;
 mod cause_posteriors;
 mod conditions;
 mod confidence;
+mod deviation_columns;
 mod discrepancy;
 mod doctor;
 mod error_functions;
@@ -54,7 +55,7 @@ pub use isolability::{
 pub use report::{
     Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain,
     GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival,
-    Separation, Verdict,
+    Separation, ToleranceFactor, Verdict,
 };
 
 pub use variables::Variables;

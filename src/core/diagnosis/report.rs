@@ -308,6 +308,15 @@ pub struct Invisible {
     pub smallest_visible: Option<f64>,
 }
 
+/// By what the parts of a robot scatter, in units of their tolerances.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToleranceFactor {
+    /// Posterior mean of the factor; 0 for exact parts.
+    pub factor: f64,
+    /// Whether the robot states its tolerances; otherwise those of the catalogue are meant.
+    pub are_stated: bool,
+}
+
 /// Result of a diagnosis.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
@@ -323,6 +332,8 @@ pub struct Diagnosis {
     pub findings: Vec<Finding>,
     /// Causes that are possible but too improbable for a finding, most probable first.
     pub possible: Vec<Alternative>,
+    /// By what the parts scatter, in units of their tolerances.
+    pub tolerances: ToleranceFactor,
     /// Noise that differs from the description.
     pub noise: Vec<NoiseStatement>,
     /// Effects that these data cannot reveal.

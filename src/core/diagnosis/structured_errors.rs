@@ -18,7 +18,7 @@ use super::Quantity;
 use super::conditions::concatenate_columns;
 use super::error_functions::{ErrorForm, ErrorTarget, FunctionFamily};
 use super::exploration::log_sum;
-use super::hyperparameters::{Estimate, LinearProblem};
+use super::hyperparameters::{Estimate, Hyperparameters, LinearProblem};
 use super::reading_errors::ReadingErrors;
 use super::reading_id::ReadingId;
 use super::variables::Variables;
@@ -71,7 +71,7 @@ struct RankedFamilies {
 pub(super) struct ErrorSearch<'l> {
     linear: &'l LinearProblem,
     /// Variance factors at which their estimation starts.
-    start: &'l [f64],
+    hyper: &'l Hyperparameters,
     targets: Vec<ErrorTarget>,
 }
 
@@ -79,7 +79,7 @@ impl<'l> ErrorSearch<'l> {
     /// Builds all targets of a linearised problem. The estimation of variance factors starts at `start`.
     pub fn new(
         linear: &'l LinearProblem,
-        start: &'l [f64],
+        hyper: &'l Hyperparameters,
         linearisation: &Linearisation,
         variables: &Variables<'_>,
     ) -> Self {
@@ -108,7 +108,7 @@ impl<'l> ErrorSearch<'l> {
         }
         Self {
             linear,
-            start,
+            hyper,
             targets,
         }
     }
@@ -116,10 +116,8 @@ impl<'l> ErrorSearch<'l> {
     /// The most significant error beside causes with the given columns, if the posterior odds that there is one exceed
     /// `least`.
     pub fn find_beside(&self, columns: &DMatrix<f64>, least: f64) -> Option<StructuredError> {
-        let amplitude = vec![0; self.linear.shapes.len()];
-        let none = self
-            .linear
-            .with_amplitudes(Some(self.start), &amplitude, columns);
+        let no_background = vec![0; self.linear.shapes.len()];
+        let none = self.with_amplitudes(&no_background, columns);
         let ranked = self.ranked(&none, |_| true, |family| &family.unexpressed, true);
         let log_density =
             |columns: &DMatrix<f64>| self.linear.refined(&none.hyper, columns).log_density;
@@ -147,9 +145,7 @@ impl<'l> ErrorSearch<'l> {
         amplitude: &[usize],
         is_eligible: impl Fn(&ReadingId) -> bool,
     ) -> Option<StructuredError> {
-        let at = self
-            .linear
-            .with_amplitudes(Some(self.start), amplitude, columns);
+        let at = self.with_amplitudes(amplitude, columns);
         let ranked = self.ranked(&at, is_eligible, |family| &family.functions, false);
         let exact = ranked.best.into_iter().map(|scored| {
             let structure = self.columns(&scored, |family| &family.functions);
@@ -159,6 +155,12 @@ impl<'l> ErrorSearch<'l> {
             self.structure(&scored, with + all, structure)
         });
         exact.max_by(|a, b| a.log_odds.total_cmp(&b.log_odds))
+    }
+
+    fn with_amplitudes(&self, amplitude: &[usize], columns: &DMatrix<f64>) -> Estimate<'_> {
+        let start = Some(&*self.hyper.variance);
+        let levels = (amplitude, self.hyper.factor);
+        self.linear.with_amplitudes(start, levels, columns)
     }
 
     fn family(&self, scored: &ScoredFamily) -> &FunctionFamily {

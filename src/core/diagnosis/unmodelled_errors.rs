@@ -57,12 +57,7 @@ impl UnmodelledErrors {
         let robot = &fit.problem.dataset.robot;
         let linearisation = fit.linearisation();
         let variables = Variables::new(&fit.problem, &fit.solution, &linearisation);
-        let search = ErrorSearch::new(
-            linear,
-            &inference.hyper.variance,
-            &linearisation,
-            &variables,
-        );
+        let search = ErrorSearch::new(linear, &inference.hyper, &linearisation, &variables);
         let mut remaining: Vec<StructuredError> = Vec::new();
         let mut columns = inference.columns.clone();
         while remaining.len() < MAX_REPORTED {
@@ -151,7 +146,7 @@ fn best_rival(
     let start = Some(&*inference.hyper.variance);
     let log_density = |amplitude: &[usize], columns: &DMatrix<f64>| {
         linear
-            .with_amplitudes(start, amplitude, columns)
+            .with_amplitudes(start, (amplitude, inference.hyper.factor), columns)
             .log_density
     };
     let values = [
@@ -163,7 +158,9 @@ fn best_rival(
     let log_odds = found.log_odds - own;
     // Chi-squares are compared with the noise estimated for the unmodelled error.
     let with_rival = concatenate_columns(&[&others, &found.columns]);
-    let noise = linear.with_amplitudes(start, &amplitude, &with_rival).hyper;
+    let noise = linear
+        .with_amplitudes(start, (&amplitude, inference.hyper.factor), &with_rival)
+        .hyper;
     let chi2 = |columns: &DMatrix<f64>| linear.reduced(&noise, columns).chi2;
     let none = chi2(&others);
     let share = (none - chi2(&named)) / (none - chi2(&with_rival)).max(f64::MIN_POSITIVE);

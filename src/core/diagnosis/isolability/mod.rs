@@ -36,6 +36,7 @@ use nalgebra::{DMatrix, DVector};
 use super::DiagnosisOptions;
 use super::candidates::{Candidate, is_same_effect_and_targets};
 use super::cause_posteriors::NAMING_PROBABILITY;
+use super::deviation_columns::AS_STATED;
 use super::doctor::problem_at_fitted_poses;
 use super::fit::Fit;
 use super::gram::{CandidateScore, Gram};
@@ -112,7 +113,7 @@ pub fn isolability(
     let problem = problem_at_fitted_poses(dataset)?;
     let fit = Fit::new(&problem, &[])?;
     let at = LinearFit::new(&fit, EXPECTED_PER_ALPHA * options.alpha, true);
-    let mut gram = at.gram(&at.linear.described());
+    let mut gram = at.gram(&at.linear.described(AS_STATED));
     let candidates: Vec<CandidateFault> = representatives(gram.candidates)
         .into_iter()
         .map(|index| CandidateFault::new(&gram, index))
@@ -138,7 +139,7 @@ pub fn log_odds(
     let problem = problem_at_fitted_poses(&dataset)?;
     let fit = Fit::new(&problem, &[])?;
     let at = LinearFit::new(&fit, EXPECTED_PER_ALPHA * options.alpha, true);
-    let gram = at.gram(&at.linear.described());
+    let gram = at.gram(&at.linear.described(AS_STATED));
     let of = |cause: &Cause| {
         let index = gram.candidates.iter().position(|c| c.represents(cause));
         index.map_or(f64::NEG_INFINITY, |index| {

@@ -86,7 +86,7 @@ fn evidence_is_that_of_the_diagnosis() {
     let problem = problem_at_fitted_poses(&data).unwrap();
     let fit = Fit::new(&problem, &[]).unwrap();
     let at = LinearFit::new(&fit, 0.8, true);
-    let mut gram = at.gram(&at.linear.described());
+    let mut gram = at.gram(&at.linear.described(0));
     let none = System::extensible(&mut gram, &[]);
     for (index, candidate) in gram.candidates.iter().enumerate() {
         let own = &gram.scores[index];

@@ -49,7 +49,7 @@ fn evidence_is_that_of_the_dense_covariance() {
     let problem = problem_at_fitted_poses(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
     let at = LinearFit::new(&fit, 0.8, true);
-    let described = at.linear.described();
+    let described = at.linear.described(0);
     let mut with_variance_factor = at.linear.with_variance_factor(1.0);
     for (k, variance) in with_variance_factor.variance.iter_mut().enumerate() {
         *variance = 0.5 + 0.3 * k as f64;
@@ -124,7 +124,7 @@ fn products_of_many_columns_are_those_of_their_rows() {
     let problem = problem_at_fitted_poses(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
     let at = LinearFit::new(&fit, 0.8, true);
-    let mut gram = at.gram(&at.linear.described());
+    let mut gram = at.gram(&at.linear.described(0));
     let columns: Vec<usize> = (0..40)
         .map(|k| 7 * k % gram.first[gram.candidates.len()])
         .collect();
@@ -185,7 +185,7 @@ fn probabilities(hidden: &[EffectSetting], seed: u64) -> Vec<(f64, f64, bool)> {
         let slip = c.effect().id() == "cable_slip" && c.cause.cables() == [0];
         FEW.contains(&c.effect().id()) || slip
     });
-    let hyper = at.linear.described();
+    let hyper = at.linear.described(0);
     let mut gram = at.gram(&hyper);
     let exact = enumerated(&mut gram);
     let mut search = Search::new(&mut gram, 3);
@@ -275,7 +275,7 @@ fn standard_deviations_are_those_of_the_sandwich_estimator() {
     let causes: Vec<Cause> = causes().iter().map(cause).collect();
     let fit = Fit::new(&problem, &causes).unwrap();
     let mut inference = inference_at_fit(fit, &DiagnosisOptions::default(), Vec::new(), None);
-    inference.hyper = inference.linear.described();
+    inference.hyper = inference.linear.described(0);
     for ratio in inference.sd_ratios().iter().flatten() {
         // The tolerance is for the regularisation of the normal equations.
         assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");

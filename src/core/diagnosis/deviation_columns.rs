@@ -1,0 +1,155 @@
+//! Deviations of the parts within their tolerances, which every set of causes has beside it.
+//!
+//! The deviation of each part has the prior standard deviation `kappa t` with its tolerance `t` and a factor `kappa` common
+//! to all parts, which the readings determine. Its derivative is one more column that is eliminated from all conditions,
+//! so that a cause is what lies outside the tolerances: its own column enters a second time with the variance of a fault.
+//!
+//! Of the hundred or so columns only combinations matter that readings can show. With the columns `D` of tolerances and
+//! the projection `P` of the parameters that are always estimated, the eigenvectors of `D^T P D` are combinations with
+//! independent priors of the same variance; those of small eigenvalues are left out.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use super::conditions::Conditions;
+use super::fit::Fit;
+use super::hyperparameters::LinearProblem;
+use crate::effect::{PartDeviation, part_deviations};
+use crate::estimation::{Linearisation, ParameterId, RowKind};
+
+/// Factors of the tolerances that are compared. Parts that deviate by less than the smallest are exact; tolerances that
+/// are wrong by more than the largest are a matter for the background.
+pub(super) const FACTORS: [f64; 5] = [0.0, 0.3, 0.6, 1.0, 2.0];
+/// Index of the factor at which the estimation starts: half of what is stated, as of parts that were checked.
+pub(super) const FIRST_FACTOR: usize = 2;
+/// Index of the factor of parts that scatter as stated.
+pub(super) const AS_STATED: usize = 3;
+/// Eigenvalue (variance of a reading in units of its noise, at factor 1) below which a combination cannot be seen.
+const MIN_VARIANCE: f64 = 3e-3;
+
+/// Combinations of the deviations at a fit.
+#[derive(Debug, Clone)]
+pub(super) struct DeviationColumns {
+    /// Derivatives of the rows of a linearisation by the combinations, whose prior variance is `kappa^2`.
+    rows: DMatrix<f64>,
+}
+
+impl DeviationColumns {
+    /// The combinations for the tolerances that the robot states; none if it states none.
+    pub fn new(fit: &Fit<'_>) -> Self {
+        let robot = &fit.problem.dataset.robot;
+        let tolerances = robot.tolerances.as_ref();
+        let deviations = tolerances.map_or_else(Vec::new, |t| part_deviations(robot, t));
+        if deviations.is_empty() {
+            return Self::none();
+        }
+        let (linear, columns) = linearised(fit, deviations);
+        let conditions = Conditions::new(&linear, fit.model_effects());
+        let fixed = columns_of(&linear, |id| is_fixed(id, fit.model_effects()));
+        let of_conditions = conditions.project_rows(&columns);
+        let problem = LinearProblem {
+            residual: DVector::zeros(conditions.count),
+            fixed: conditions.project_rows(&fixed),
+            deviations: DMatrix::zeros(conditions.count, 0),
+            shapes: Vec::new(),
+            conditions,
+        };
+        let none = DMatrix::zeros(problem.conditions.count, 0);
+        let base = problem.reduced(&problem.described(0), &none);
+        let eliminated = &base.eliminated * &of_conditions;
+        let information = of_conditions.tr_mul(&of_conditions) - eliminated.tr_mul(&eliminated);
+        let eigen = SymmetricEigen::new(information);
+        let kept: Vec<usize> = (0..eigen.eigenvalues.len())
+            .filter(|k| eigen.eigenvalues[*k] > MIN_VARIANCE)
+            .collect();
+        Self {
+            rows: columns * eigen.eigenvectors.select_columns(&kept),
+        }
+    }
+
+    /// No combinations, as of exact parts.
+    pub fn none() -> Self {
+        Self {
+            rows: DMatrix::zeros(0, 0),
+        }
+    }
+
+    /// The combinations as conditions of a linearisation, which may have other priors than the one that they come from.
+    pub fn conditions(&self, linear: &Linearisation, conditions: &Conditions) -> DMatrix<f64> {
+        let mut rows = DMatrix::zeros(linear.rows.len(), self.rows.ncols());
+        let shared = rows.nrows().min(self.rows.nrows());
+        rows.rows_mut(0, shared)
+            .copy_from(&self.rows.rows(0, shared));
+        conditions.project_rows(&rows)
+    }
+}
+
+/// A linearisation of a fit's problem with all deviations, and their columns in units of the tolerances.
+fn linearised(fit: &Fit<'_>, deviations: Vec<PartDeviation>) -> (Linearisation, DMatrix<f64>) {
+    let mut problem = fit.problem.clone();
+    let mut solution = fit.solution.clone();
+    let neutral = deviations.iter().map(|deviation| deviation.bound.clone());
+    solution.globals.deviations = neutral.collect();
+    problem.held_deviations.clear();
+    problem.deviations = deviations;
+    solution.parameters = problem.parameters();
+    let linear = Linearisation::new(&problem, &solution);
+    let mut columns = columns_of(&linear, |id| matches!(id, ParameterId::Deviation { .. }));
+    let of_deviations = linear.parameters.iter();
+    let of_deviations = of_deviations.filter(|p| matches!(p.id, ParameterId::Deviation { .. }));
+    for (mut column, parameter) in columns.column_iter_mut().zip(of_deviations) {
+        column *= parameter.prior_sd.unwrap_or(0.0);
+    }
+    for (row, of) in linear.rows.iter().enumerate() {
+        if is_prior_of_deviation(of.kind, &linear) {
+            columns.row_mut(row).fill(0.0);
+        }
+    }
+    (linear, columns)
+}
+
+/// Whether a row is the prior of a deviation, which the combinations have in their own variance.
+pub(super) fn is_prior_of_deviation(kind: RowKind, linear: &Linearisation) -> bool {
+    match kind {
+        RowKind::Prior(k) => matches!(linear.parameters[k].id, ParameterId::Deviation { .. }),
+        RowKind::Observation(_) | RowKind::AssumedTension(_) => false,
+    }
+}
+
+/// Whether a parameter is estimated with every set of causes: all but those of causes and deviations.
+pub(super) fn is_fixed(id: &ParameterId, model_effects: usize) -> bool {
+    match id {
+        ParameterId::Effect { effect, .. } => *effect < model_effects,
+        ParameterId::Deviation { .. } => false,
+        _ => true,
+    }
+}
+
+/// The columns of the parameters that satisfy a condition.
+pub(super) fn columns_of(
+    linear: &Linearisation,
+    condition: impl Fn(&ParameterId) -> bool,
+) -> DMatrix<f64> {
+    let all = 0..linear.parameters.len();
+    let chosen: Vec<usize> = all
+        .filter(|k| condition(&linear.parameters[*k].id))
+        .collect();
+    linear.design.select_columns(&chosen)
+}
+
+/// What the estimated deviations of a fit change in its rows, to first order.
+pub(super) fn explained_by_deviations(fit: &Fit<'_>, linear: &Linearisation) -> DVector<f64> {
+    let mut explained = DVector::zeros(linear.rows.len());
+    for (column, parameter) in linear.design.column_iter().zip(&linear.parameters) {
+        if let ParameterId::Deviation {
+            deviation,
+            parameter,
+        } = parameter.id
+        {
+            let held = fit.problem.held_deviations.len();
+            let value = fit.solution.globals.deviations[held + deviation].values[parameter];
+            let centre = fit.problem.deviations[deviation].bound.values[parameter];
+            explained.axpy(value - centre, &column, 1.0);
+        }
+    }
+    explained
+}
