@@ -31,6 +31,8 @@ const MIN_VARIANCE: f64 = 3e-3;
 pub(super) struct DeviationColumns {
     /// Derivatives of the rows of a linearisation by the combinations, whose prior variance is `kappa^2`.
     rows: DMatrix<f64>,
+    /// The deviations that readings can show.
+    pub visible: Vec<PartDeviation>,
 }
 
 impl DeviationColumns {
@@ -42,7 +44,7 @@ impl DeviationColumns {
         if deviations.is_empty() {
             return Self::none();
         }
-        let (linear, columns) = linearised(fit, deviations);
+        let (linear, columns) = linearised(fit, &deviations);
         let conditions = Conditions::new(&linear, fit.model_effects());
         let fixed = columns_of(&linear, |id| is_fixed(id, fit.model_effects()));
         let of_conditions = conditions.project_rows(&columns);
@@ -57,12 +59,23 @@ impl DeviationColumns {
         let base = problem.reduced(&problem.described(0), &none);
         let eliminated = &base.eliminated * &of_conditions;
         let information = of_conditions.tr_mul(&of_conditions) - eliminated.tr_mul(&eliminated);
+        let mut is_visible = vec![false; deviations.len()];
+        let of_deviations = linear.parameters.iter().filter_map(|p| match p.id {
+            ParameterId::Deviation { deviation, .. } => Some(deviation),
+            _ => None,
+        });
+        for (deviation, variance) in of_deviations.zip(&information.diagonal()) {
+            is_visible[deviation] |= *variance > MIN_VARIANCE;
+        }
+        let visible = deviations.into_iter().zip(is_visible);
+        let visible = visible.filter_map(|(deviation, is_visible)| is_visible.then_some(deviation));
         let eigen = SymmetricEigen::new(information);
         let kept: Vec<usize> = (0..eigen.eigenvalues.len())
             .filter(|k| eigen.eigenvalues[*k] > MIN_VARIANCE)
             .collect();
         Self {
             rows: columns * eigen.eigenvectors.select_columns(&kept),
+            visible: visible.collect(),
         }
     }
 
@@ -70,6 +83,7 @@ impl DeviationColumns {
     pub fn none() -> Self {
         Self {
             rows: DMatrix::zeros(0, 0),
+            visible: Vec::new(),
         }
     }
 
@@ -84,13 +98,13 @@ impl DeviationColumns {
 }
 
 /// A linearisation of a fit's problem with all deviations, and their columns in units of the tolerances.
-fn linearised(fit: &Fit<'_>, deviations: Vec<PartDeviation>) -> (Linearisation, DMatrix<f64>) {
+fn linearised(fit: &Fit<'_>, deviations: &[PartDeviation]) -> (Linearisation, DMatrix<f64>) {
     let mut problem = fit.problem.clone();
     let mut solution = fit.solution.clone();
     let neutral = deviations.iter().map(|deviation| deviation.bound.clone());
     solution.globals.deviations = neutral.collect();
     problem.held_deviations.clear();
-    problem.deviations = deviations;
+    problem.deviations = deviations.to_vec();
     solution.parameters = problem.parameters();
     let linear = Linearisation::new(&problem, &solution);
     let mut columns = columns_of(&linear, |id| matches!(id, ParameterId::Deviation { .. }));

@@ -1,5 +1,7 @@
 //! The sequence of steps of a diagnosis.
 
+use std::sync::Arc;
+
 use super::candidates::size_parameter;
 use super::cause_posteriors::{cause_posteriors, discount_possible_causes};
 use super::confidence::{
@@ -18,7 +20,7 @@ use super::progress::Reporter;
 use super::report::{Diagnosis, Finding, Invisible, ToleranceFactor};
 use super::unmodelled_errors::UnmodelledError;
 use super::{DiagnosisOptions, Observer, Stage};
-use crate::effect::{BoundEffect, CablePorts, Dual, measurements_as_modelled, part_deviations};
+use crate::effect::{BoundEffect, CablePorts, Dual, measurements_as_modelled};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 use crate::robot::PartTolerances;
@@ -102,19 +104,9 @@ fn examine(
 ) -> Result<Diagnosis, EstimationError> {
     let (problem, inference, visibility) = infer(problem.clone(), options, report)?;
     let (posteriors, possible) = cause_posteriors(&inference.ranking);
-    let factor = FACTORS[inference.hyper.factor];
-    let first = match factor > 0.0 {
-        true => &Fit::new(&with_deviations(&first.problem, factor), &[])?,
-        false => first,
-    };
-    let (problem, inference) = match factor > 0.0 {
-        true => infer_with_deviations(with_deviations(&problem, factor), inference, options)?,
-        false => (problem, inference),
-    };
-    let problem = &problem;
-    let confirmed = confirm_causes(problem, inference, posteriors, possible, options)?;
-    let remaining_causes = reject_replaceable_causes(problem, confirmed, options)?;
-    let (confirmed, unmodelled) = readmit_likely_causes(problem, remaining_causes, options)?;
+    let confirmed = confirm_causes(&problem, inference, posteriors, possible, options)?;
+    let remaining_causes = reject_replaceable_causes(&problem, confirmed, options)?;
+    let (confirmed, unmodelled) = readmit_likely_causes(&problem, remaining_causes, options)?;
     let ConfirmedCauses {
         inference,
         posteriors,
@@ -122,6 +114,16 @@ fn examine(
         ..
     } = confirmed;
     report.stage(Stage::HeldOut, findings.len());
+    let factor = FACTORS[inference.hyper.factor];
+    let first = match factor > 0.0 {
+        true => &Fit::new(&with_deviations(first, factor), &[])?,
+        false => first,
+    };
+    let (problem, inference) = match factor > 0.0 {
+        true => infer_with_deviations(factor, inference, options)?,
+        false => (problem, inference),
+    };
+    let problem = &problem;
     let fit = &inference.fit;
     let sd_ratios = inference.sd_ratios();
     let mut before = Prediction::new(&Fit::new(problem, &[])?);
@@ -184,23 +186,28 @@ fn examine(
     })
 }
 
-/// A problem with the deviations of the parts estimated, whose priors are the tolerances times a factor.
-fn with_deviations<'a>(problem: &Problem<'a>, factor: f64) -> Problem<'a> {
-    let robot = &problem.dataset.robot;
-    let tolerances = robot.tolerances.as_ref();
-    let deviations = tolerances.map_or_else(Vec::new, |t| part_deviations(robot, t));
-    let scaled = deviations.iter().map(|deviation| deviation.scaled(factor));
-    problem.clone().with_deviations(scaled.collect())
+/// The problem of a fit without causes, with the deviations of the parts estimated, whose priors are the tolerances times a factor.
+fn with_deviations<'a>(fit: &Fit<'a>, factor: f64) -> Problem<'a> {
+    let columns = fit.deviation_columns();
+    let visible = columns
+        .visible
+        .iter()
+        .map(|deviation| deviation.scaled(factor));
+    fit.base().clone().with_deviations(visible.collect())
 }
 
 /// The inference with the deviations of `problem` in the nonlinear fit, too, so that the sizes of the causes and all that is
 /// reported allow for them. The sets are compared without them, because they are small enough for a linear problem.
 fn infer_with_deviations<'a>(
-    problem: Problem<'a>,
+    factor: f64,
     inference: Inference<'a>,
     options: &DiagnosisOptions,
 ) -> Result<(Problem<'a>, Inference<'a>), EstimationError> {
+    let mut problem = with_deviations(&inference.fit, factor);
     let fit = Fit::new(&problem, &inference.fit.causes)?;
+    let columns = inference.fit.deviation_columns();
+    let fit = fit.with_deviation_columns(&columns);
+    problem.known = Some(Arc::new(fit.solution.clone()));
     let start = Some(&*inference.hyper.variance);
     let inference = inference_at_fit(fit, options, inference.ranking, start);
     Ok((problem, inference))

@@ -33,7 +33,11 @@ impl<'a> Fit<'a> {
     /// Fits the problem `base`, whose free effects are those of the model, with the parameters of `causes` freed, too,
     /// starting from their values. The fit is abandoned early if it does not improve on the one without causes.
     pub fn new(base: &Problem<'a>, causes: &[Cause]) -> Result<Self, EstimationError> {
-        let known = base.known.as_ref().filter(|_| !causes.is_empty());
+        let of_model = base.held_effects.len() + base.free_effects.len();
+        let known = base.known.as_ref().filter(|known| {
+            // A solution with causes is a start only.
+            !causes.is_empty() && known.globals.effects.len() == of_model
+        });
         let bound = known.map_or(f64::INFINITY, |known| known.chi2);
         Self::with_early_stop((bound, PATIENCE), base, causes)
     }

@@ -231,7 +231,7 @@ impl ResidualSpace {
             residual[row] /= factors[row];
             fitted.column_mut(row).unscale_mut(factors[row]);
         }
-        let fitted = row_basis(&fitted);
+        let fitted = orthonormalised(fitted);
         residual -= fitted.tr_mul(&(&fitted * &residual));
         Self {
             readings: self.readings.clone(),
@@ -313,6 +313,17 @@ pub(super) fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
         .collect();
     let directions = eigen.eigenvectors.select_columns(&kept);
     directions.transpose() * c.transpose()
+}
+
+/// Orthonormal basis of the row space of a matrix with independent rows.
+fn orthonormalised(mut wide: DMatrix<f64>) -> DMatrix<f64> {
+    match Cholesky::new(&wide * wide.transpose()) {
+        Some(factor) => {
+            factor.l_dirty().solve_lower_triangular_mut(&mut wide);
+            wide
+        }
+        None => row_basis(&wide),
+    }
 }
 
 /// Orthonormal basis of the row space of `wide` (`n x N`, one row per parameter), with at most `n` rows.

@@ -70,7 +70,7 @@ pub struct Problem<'a> {
     pub deviations: Vec<PartDeviation>,
     /// Contexts of the readings, where they are known better than from the commanded poses.
     pub(crate) contexts: Option<Arc<PoseContexts>>,
-    /// A solution of the problem without its free effects, if known.
+    /// A solution of the problem with other free effects or none, at which a solve starts.
     pub(crate) known: Option<Arc<Solution>>,
 }
 

@@ -15,7 +15,7 @@ const RELATIVE_RESIDUAL_LIMIT: f64 = 0.02;
 /// Starting point of a solve.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Start<'a> {
-    /// The solution of the problem without its free effects.
+    /// A solution of the same problem with other free effects.
     Known(&'a Solution),
     /// Nominal values, with the commanded or tracked poses.
     Given,
@@ -39,11 +39,17 @@ impl<'a> Start<'a> {
     pub(super) fn globals(self, problem: &Problem<'_>) -> Globals {
         let nominal = Globals::nominal(problem);
         match self {
-            Self::Known(known) => Globals {
-                effects: nominal.effects,
-                deviations: nominal.deviations,
-                ..known.globals.clone()
-            },
+            Self::Known(known) => {
+                let is_same = known.globals.deviations.len() == nominal.deviations.len();
+                Globals {
+                    effects: nominal.effects,
+                    deviations: match is_same {
+                        true => known.globals.deviations.clone(),
+                        false => nominal.deviations,
+                    },
+                    ..known.globals.clone()
+                }
+            }
             Self::Given | Self::Lengths => nominal,
         }
     }
