@@ -106,6 +106,7 @@ pub(super) fn reject_replaceable_causes<'a>(
             return Ok((confirmed, unmodelled));
         }
         let fit = fit_of_possible(problem, causes, &mut posteriors)?;
+        let fit = fit.with_deviation_columns(&inference.fit.deviation_columns());
         inference = inference_at_fit(fit, options, Vec::new(), Some(&inference.hyper.variance));
     }
 }
@@ -156,6 +157,8 @@ pub(super) fn readmit_likely_causes<'a>(
         if !is_physically_possible(&fit) {
             continue;
         }
+        let columns = confirmed.inference.fit.deviation_columns();
+        let fit = fit.with_deviation_columns(&columns);
         let with = inference_at_fit(
             fit,
             options,
@@ -230,6 +233,7 @@ pub(super) fn confirm_causes<'a>(
         inference
     } else {
         let fit = fit_of_possible(problem, causes, &mut posteriors)?;
+        let fit = fit.with_deviation_columns(&inference.fit.deviation_columns());
         inference_at_fit(fit, options, Vec::new(), Some(&inference.hyper.variance))
     };
     Ok(ConfirmedCauses {

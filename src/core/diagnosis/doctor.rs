@@ -104,16 +104,6 @@ fn examine(
 ) -> Result<Diagnosis, EstimationError> {
     let (problem, inference, visibility) = infer(problem.clone(), options, report)?;
     let (posteriors, possible) = cause_posteriors(&inference.ranking);
-    let confirmed = confirm_causes(&problem, inference, posteriors, possible, options)?;
-    let remaining_causes = reject_replaceable_causes(&problem, confirmed, options)?;
-    let (confirmed, unmodelled) = readmit_likely_causes(&problem, remaining_causes, options)?;
-    let ConfirmedCauses {
-        inference,
-        posteriors,
-        mut possible,
-        ..
-    } = confirmed;
-    report.stage(Stage::HeldOut, findings.len());
     let factor = FACTORS[inference.hyper.factor];
     let first = match factor > 0.0 {
         true => &Fit::new(&with_deviations(first, factor), &[])?,
@@ -124,6 +114,16 @@ fn examine(
         false => (problem, inference),
     };
     let problem = &problem;
+    let confirmed = confirm_causes(problem, inference, posteriors, possible, options)?;
+    let remaining_causes = reject_replaceable_causes(problem, confirmed, options)?;
+    let (confirmed, unmodelled) = readmit_likely_causes(problem, remaining_causes, options)?;
+    let ConfirmedCauses {
+        inference,
+        posteriors,
+        mut possible,
+        ..
+    } = confirmed;
+    report.stage(Stage::HeldOut, findings.len());
     let fit = &inference.fit;
     let sd_ratios = inference.sd_ratios();
     let mut before = Prediction::new(&Fit::new(problem, &[])?);
