@@ -30,6 +30,7 @@ mod simulate;
 mod study;
 mod symbols;
 mod table;
+mod tolerances;
 mod verify;
 
 use output::note;

@@ -2,8 +2,8 @@
 
 use tautline_core::geometry::Coordinate;
 use tautline_core::robot::{
-    Cable, CableMaterial, ForceSensor, FrameTransform, Home, Laser, Limits, PerAxis, Platform,
-    Pulley, Robot, TargetPlane, TensionLimits, Tracker, Winch, WorkspaceLimits,
+    Cable, CableMaterial, ForceSensor, FrameTransform, Home, Laser, Limits, PartTolerances,
+    PerAxis, Platform, Pulley, Robot, TargetPlane, TensionLimits, Tracker, Winch, WorkspaceLimits,
 };
 
 /// Standard gravity (m/s^2).

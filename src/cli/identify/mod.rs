@@ -21,6 +21,7 @@ use crate::input;
 use crate::method::MethodName;
 use crate::not_converged::NotConverged;
 use crate::output::{JsonOutput, say};
+use crate::tolerances::TolerancesName;
 pub use report::print;
 
 #[derive(Debug, clap::Args)]
@@ -37,6 +38,9 @@ pub struct Arguments {
     /// Use a Huber loss, which downweights residuals beyond this many standard deviations; 1.5 without a number
     #[arg(long, value_name = "LIMIT", num_args = 0..=1, default_missing_value = "1.5")]
     robust: Option<f64>,
+    /// Tolerances of the parts: those that robot.json states, those of the catalogue, or none
+    #[arg(long, value_enum, default_value_t = TolerancesName::Stated)]
+    tolerances: TolerancesName,
     /// Solve N times and report the shortest time
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub repeat: usize,
@@ -100,6 +104,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             say!("{sentence}");
         }
         print(&document, &request.dataset.robot);
+        if arguments.method != MethodName::Published {
+            say!("{}", request.tolerances_sentence());
+        }
     })?;
     NotConverged::check(is_usable)
 }
@@ -130,6 +137,7 @@ fn request(arguments: &Arguments, mut dataset: Dataset) -> Result<Identification
     let request = IdentificationRequest::new(dataset, method, &effects);
     let mut request = request.map_err(BadInput::new)?;
     request.lists_readings = arguments.statistics.is_some();
+    request.options.tolerances = arguments.tolerances.into();
     if let Some(limit) = arguments.robust {
         if !(limit.is_finite() && limit > 0.0) {
             return Err(BadInput::new(format!(

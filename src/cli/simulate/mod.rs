@@ -15,6 +15,7 @@ use tautline_session::{PhaseData, write_dataset, write_robot};
 use crate::effect_arguments::HiddenEffects;
 use crate::input::{self, RobotSource};
 use crate::output::say;
+use crate::tolerances::TolerancesName;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -34,6 +35,9 @@ pub struct Arguments {
     truth: Option<Truth>,
     #[command(flatten)]
     motion: motion::Motion,
+    /// Draw the deviation of every part from these tolerances: those that the robot states, those of the catalogue, or none
+    #[arg(long, value_enum, default_value_t = TolerancesName::Stated)]
+    tolerances: TolerancesName,
     /// Simulate readings without noise
     #[arg(long)]
     no_noise: bool,
@@ -55,6 +59,7 @@ enum Truth {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let RobotSource { mut robot, preset } = input::robot(&arguments.robot)?;
     arguments.motion.equip(&mut robot);
+    arguments.tolerances.state(&mut robot);
     let measured = preset
         .as_ref()
         .and_then(|p| p.measured_entry_points_m.clone());

@@ -48,6 +48,8 @@ pub fn diagnose(
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
     let (averaged, rows) = measurements.independent(&dataset.robot, MOST_SAMPLES);
     let mut robot = dataset.robot.clone();
+    // The deviations that a model states are estimated anew.
+    robot.deviations.clear();
     // No machine is exact: what is not stated is typical.
     robot.tolerances.get_or_insert_with(PartTolerances::typical);
     let are_stated = dataset.robot.tolerances.is_some();

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::EstimationError;
+use super::parameter::ParameterId;
 use super::solution::Solution;
 use crate::effect::{
     BoundEffect, EffectRequest, EffectSetting, PartDeviation, PoseContexts, part_deviations,
@@ -112,6 +113,14 @@ impl<'a> Problem<'a> {
         Ok(())
     }
 
+    /// The same problem with these effects estimated.
+    #[must_use]
+    pub fn with_effects(mut self, effects: Vec<BoundEffect>) -> Self {
+        self.free_effects = effects;
+        self.remove_covered_deviations();
+        self
+    }
+
     /// The same problem with the deviations of the parts estimated, with these tolerances as their priors.
     #[must_use]
     pub fn with_tolerances(self, tolerances: &PartTolerances) -> Self {
@@ -126,6 +135,38 @@ impl<'a> Problem<'a> {
         self.deviations = deviations;
         self.remove_covered_deviations();
         self
+    }
+
+    /// The same problem with those deviations held and estimated that a solution of it has.
+    #[must_use]
+    pub fn with_deviations_of(self, solution: &Solution) -> Self {
+        let held = solution
+            .globals
+            .deviations
+            .len()
+            .saturating_sub(solution.deviation_count());
+        let estimated = solution.globals.deviations[held..].iter().enumerate();
+        let deviations = estimated.map(|(deviation, found)| {
+            let mut bound = found.clone();
+            let mut prior_sd = vec![0.0; bound.values.len()];
+            for p in &solution.parameters {
+                if let ParameterId::Deviation {
+                    deviation: of,
+                    parameter,
+                } = p.id
+                    && of == deviation
+                {
+                    bound.values[parameter] = bound.effect.parameters()[parameter].neutral;
+                    prior_sd[parameter] = p.prior_sd.unwrap_or(0.0);
+                }
+            }
+            PartDeviation { bound, prior_sd }
+        });
+        Self {
+            held_deviations: solution.globals.deviations[..held].to_vec(),
+            deviations: deviations.collect(),
+            ..self
+        }
     }
 
     /// Removes the deviations of parts whose whole deviation is the value of a free effect.

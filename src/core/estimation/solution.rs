@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::globals::Globals;
 use super::options::Termination;
-use super::parameter::Parameter;
+use super::parameter::{Parameter, ParameterId};
 use crate::cable::OutsideMeasuredRange;
 use crate::geometry::Pose;
 
@@ -54,6 +54,16 @@ impl Solution {
     #[must_use]
     pub fn converged(&self) -> bool {
         self.termination == Termination::Converged
+    }
+
+    /// Number of estimated deviations of parts, which come last in [`Globals::deviations`].
+    #[must_use]
+    pub fn deviation_count(&self) -> usize {
+        let index = |p: &Parameter| match p.id {
+            ParameterId::Deviation { deviation, .. } => Some(deviation + 1),
+            _ => None,
+        };
+        self.parameters.iter().filter_map(index).max().unwrap_or(0)
     }
 
     /// Probability of a chi-square at least as large if model and noise are right.

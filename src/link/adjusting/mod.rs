@@ -96,7 +96,9 @@ fn deviation(solution: &Solution, robot: &Robot, name: &str) -> Option<f64> {
                 _ => format!("home.r{}_rad", axes.get(k - 3)?),
             })
         }
-        ParameterId::HomeTension { .. } | ParameterId::Effect { .. } => None,
+        ParameterId::HomeTension { .. }
+        | ParameterId::Effect { .. }
+        | ParameterId::Deviation { .. } => None,
     };
     let index = solution.parameters.iter().position(|parameter| {
         named(&parameter.id).is_some_and(|known| known == name)

@@ -167,6 +167,7 @@ pub(super) fn problem_of<'a>(
     let mut problem = Problem::new(dataset).ok()?;
     problem.held_effects = held.to_vec();
     problem.free_effects = free.to_vec();
+    let problem = problem.with_deviations_of(solution);
     Some(problem.at_poses_of(&diagnosed.diagnosis.base_solution))
 }
 

@@ -36,7 +36,7 @@ pub use pulley::{
     CLEAR, CoordinateCorrelation, IdentifiedPulley, NOISE, PulleyCoordinate, PulleyInspection,
     chance_of_noise, entry_point_covariance,
 };
-pub use request::{IdentificationOptions, IdentificationRequest, solved_method};
+pub use request::{IdentificationOptions, IdentificationRequest, TolerancesUsed, solved_method};
 pub use residuals::{RESIDUAL, all_readings, group_of, readings_of};
 pub use statistics::{
     CONFIDENCE, ReadingStatistics, ValueStatistics, nominal_and_value, reading_statistics,
@@ -152,8 +152,8 @@ impl Identification {
     /// # Errors
     /// Only those that setting up the problem had before.
     pub fn problem(&self) -> Result<Problem<'_>, EstimationError> {
-        let mut problem = self.options.problem(&self.dataset, self.method)?;
-        problem.free_effects = self.free_effects().to_vec();
+        let problem = self.options.problem(&self.dataset, self.method)?;
+        let problem = problem.with_effects(self.free_effects().to_vec());
         Ok(pose_context::at_poses_of(problem, &self.solution))
     }
 

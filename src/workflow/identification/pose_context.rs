@@ -1,7 +1,7 @@
 //! Solving with effects that depend on the pose of the platform.
 //!
 //! Wrap angles, directions of travel and the like are held during a solve, at poses that have to be known before. The
-//! commanded poses may be far off or missing, so the problem is first solved without its free effects, and then again
+//! commanded poses may be far off or missing, so the problem is first solved without its free effects and the deviations of parts, and then again
 //! with these quantities at the poses found, until chi-square no longer changes: the result is consistent with the poses
 //! of the solution itself.
 
@@ -24,7 +24,9 @@ pub(super) fn solve<'a>(
 ) -> Result<(Problem<'a>, Solution), EstimationError> {
     let mut problem = request.options.problem(&request.dataset, request.method)?;
     let options = Options::default();
+    let deviations = std::mem::take(&mut problem.deviations);
     let mut solution = solve_once(&problem, &options, observe)?;
+    problem.deviations = deviations;
     if !problem.depends_on_poses() && request.effects.is_empty() {
         return Ok((problem, solution));
     }
@@ -35,8 +37,7 @@ pub(super) fn solve<'a>(
             break;
         }
         let before = solution.chi2;
-        problem = problem.at_poses_of(&solution);
-        problem.free_effects = effects;
+        problem = problem.at_poses_of(&solution).with_effects(effects);
         solution = solve_once(&problem, &options, observe)?;
         iterations += solution.iterations;
         effects = solution.globals.effects[problem.held_effects.len()..].to_vec();

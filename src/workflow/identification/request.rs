@@ -6,6 +6,7 @@ use std::sync::Arc;
 use tautline_core::effect::{BoundEffect, EffectError, EffectSetting, measurements_as_modelled};
 use tautline_core::estimation::{EstimationError, Geometry, Loss, Method, Poses, Problem};
 use tautline_core::measurement::Dataset;
+use tautline_core::robot::{PartTolerances, Robot};
 use tautline_session::Session;
 
 /// Largest number of samples used of a recording in motion.
@@ -35,6 +36,32 @@ pub struct IdentificationOptions {
     pub geometry: Geometry,
     /// Whether poses are estimated.
     pub poses: Poses,
+    /// Which tolerances of the parts count.
+    pub tolerances: TolerancesUsed,
+}
+
+/// Tolerances of the parts with which a robot is identified.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TolerancesUsed {
+    /// Those that the robot states; if it states none, its parts count as exact.
+    #[default]
+    Stated,
+    /// Those of the catalogue.
+    Typical,
+    /// None: all parts count as exact.
+    None,
+}
+
+impl TolerancesUsed {
+    /// The tolerances for a robot; `None` if its parts count as exact.
+    #[must_use]
+    pub fn of(self, robot: &Robot) -> Option<PartTolerances> {
+        match self {
+            Self::Stated => robot.tolerances.clone(),
+            Self::Typical => Some(PartTolerances::typical()),
+            Self::None => None,
+        }
+    }
 }
 
 impl Default for IdentificationOptions {
@@ -43,6 +70,7 @@ impl Default for IdentificationOptions {
             loss: Loss::Square,
             geometry: Geometry::Estimated,
             poses: Poses::Estimated,
+            tolerances: TolerancesUsed::default(),
         }
     }
 }
@@ -58,11 +86,30 @@ impl IdentificationOptions {
         problem.loss = self.loss;
         problem.geometry = self.geometry;
         problem.poses = self.poses;
-        Ok(problem)
+        Ok(match self.tolerances.of(&dataset.robot) {
+            Some(tolerances) => problem.with_tolerances(&tolerances),
+            None => problem,
+        })
     }
 }
 
 impl IdentificationRequest {
+    /// What the standard deviations assume about the parts, for a reader.
+    #[must_use]
+    pub fn tolerances_sentence(&self) -> &'static str {
+        match self.options.tolerances.of(&self.dataset.robot) {
+            Some(PartTolerances::Stated(_)) => {
+                "Standard deviations allow for the stated tolerances of the parts."
+            }
+            Some(PartTolerances::Typical(_)) => {
+                "Standard deviations allow for typical tolerances of the parts."
+            }
+            None => {
+                "Standard deviations hold for exact parts; --tolerances typical allows for those of real ones."
+            }
+        }
+    }
+
     /// A request to identify the robot of a dataset with its raw measurements, together with `effects`; recordings in motion are
     /// thinned to independent samples.
     ///

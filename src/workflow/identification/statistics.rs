@@ -170,6 +170,15 @@ pub fn nominal_and_value(
             let neutral = bound.effect.parameters().get(parameter)?.neutral;
             Some((Some(neutral), *bound.values.get(parameter)?))
         }
+        ParameterId::Deviation {
+            deviation,
+            parameter,
+        } => {
+            // Estimated deviations replace those that a model states.
+            let bound = globals.deviations.get(deviation)?;
+            let neutral = bound.effect.parameters().get(parameter)?.neutral;
+            Some((Some(neutral), *bound.values.get(parameter)?))
+        }
     }
 }
 
@@ -179,6 +188,14 @@ pub fn unit_of_value(fit: &Identification, parameter: &Parameter) -> &'static st
     let name = match parameter.id {
         ParameterId::Effect { effect, parameter } => {
             let bound = fit.free_effects().get(effect);
+            let all = bound.map(|bound| bound.effect.parameters());
+            all.and_then(|all| all.get(parameter)).map(|p| p.name)
+        }
+        ParameterId::Deviation {
+            deviation,
+            parameter,
+        } => {
+            let bound = fit.solution.globals.deviations.get(deviation);
             let all = bound.map(|bound| bound.effect.parameters());
             all.and_then(|all| all.get(parameter)).map(|p| p.name)
         }

@@ -12,7 +12,7 @@ use super::document::{
     ExtendedDocument, FindingDocument, GainDocument, GlobalTestDocument, GroupTestDocument,
     InvisibleDocument, ModelDocument, NoiseDocument, ParameterDocument, PointDocument,
     PoseDocument, PositionChangeDocument, ReadingGainDocument, RivalDocument, RunnerUpDocument,
-    VerdictDocument,
+    TolerancesDocument, VerdictDocument,
 };
 
 /// Unit of the held-out figures.
@@ -58,6 +58,10 @@ impl Diagnosed {
                 groups: self.groups(&diagnosis.extended),
             },
             remaining_discrepancy: discrepancies(&diagnosis.remaining),
+            tolerances: Some(TolerancesDocument {
+                factor: diagnosis.tolerances.factor,
+                stated: diagnosis.tolerances.are_stated,
+            }),
             noise: diagnosis.noise.iter().map(|n| self.noise(n)).collect(),
             not_visible: diagnosis.invisible.iter().map(|i| self.hidden(i)).collect(),
         }

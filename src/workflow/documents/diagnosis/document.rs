@@ -32,6 +32,9 @@ pub struct DiagnosisDocument {
     pub extended: ExtendedDocument,
     /// Dependences that remain with the extended model.
     pub remaining_discrepancy: Vec<DiscrepancyDocument>,
+    /// By what the parts scatter; absent in old files, in which all parts counted as exact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tolerances: Option<TolerancesDocument>,
     /// Noise that differs from robot.json.
     pub noise: Vec<NoiseDocument>,
     /// Effects that these data cannot reveal at their typical size.
@@ -275,6 +278,15 @@ pub struct PoseDocument {
     pub position_m: [f64; 3],
     /// Orientation, quaternion w first.
     pub orientation_wxyz: [f64; 4],
+}
+
+/// By what the parts scatter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TolerancesDocument {
+    /// In units of their tolerances; 0 for exact parts.
+    pub factor: f64,
+    /// Whether robot.json states the tolerances; otherwise they are typical ones.
+    pub stated: bool,
 }
 
 /// A kind of reading whose noise differs from robot.json.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tautline_core::diagnosis::{
     Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain,
     GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival,
-    Separation, Variable, Verdict,
+    Separation, ToleranceFactor, Variable, Verdict,
 };
 use tautline_core::effect::{BoundEffect, EffectRequest, UNKNOWN};
 use tautline_core::estimation::{Control, Method, Options, Problem, Solution, solve};
@@ -226,6 +226,10 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         },
         noise: if is_clean { Vec::new() } else { vec![noise] },
         invisible: invisible(robot),
+        tolerances: ToleranceFactor {
+            factor: 0.6,
+            are_stated: false,
+        },
         held: 0,
         base_solution: solution(dataset, &[]),
         extended_solution: solution(dataset, if is_clean { &[] } else { &["winch_scale:3"] }),

@@ -1,10 +1,15 @@
 //! The verdict on a model, its noise and what remains unexplained, in words.
 
-use tautline_core::diagnosis::{Adequacy, Discrepancy, GlobalTest, NoiseStatement, Quantity};
+use tautline_core::diagnosis::{
+    Adequacy, Discrepancy, GlobalTest, NoiseStatement, Quantity, ToleranceFactor,
+};
 
 use super::Diagnosed;
 use crate::wording::units::significant;
 use crate::wording::{count, odds, ratio, readings, sentence};
+
+/// Factor of the tolerances below which parts are called exact.
+const EXACT: f64 = 0.1;
 
 /// Root mean square of the residuals over that of noise alone; `None` if nothing is redundant.
 #[must_use]
@@ -41,6 +46,29 @@ impl Diagnosed {
             false => "the fit did NOT converge, do not rely on these results; ",
         };
         format!("{}: {doubt}{}", self.robot().name, self.judgement("NOT"))
+    }
+
+    /// Whether the parts lie within their tolerances, and by what they scatter.
+    #[must_use]
+    pub fn tolerances_line(&self) -> String {
+        let diagnosis = &self.diagnosis;
+        let ToleranceFactor { factor, are_stated } = diagnosis.tolerances;
+        let tolerances = match are_stated {
+            true => "the stated tolerances",
+            false => "typical tolerances",
+        };
+        let scatter = match factor {
+            EXACT.. => format!("{factor:.1} of {tolerances}"),
+            _ => format!("less than {EXACT} of {tolerances}, as if they were exact"),
+        };
+        match diagnosis.findings.is_empty() && diagnosis.base.adequate {
+            true => format!(
+                "No fault: all parts lie within their tolerances. They scatter by {scatter}."
+            ),
+            false => format!(
+                "A finding is a part outside its tolerance. All other parts scatter by {scatter}."
+            ),
+        }
     }
 
     /// Whether the model explains the readings, without the robot's name; `not` is written if it does not.

@@ -35,6 +35,7 @@ fn group_of(parameter: &Parameter) -> String {
         ParameterId::PlaneOffset => "laser".into(),
         ParameterId::Home(_) => "home pose".into(),
         ParameterId::Effect { .. } => "effects".into(),
+        ParameterId::Deviation { .. } => "parts".into(),
     }
 }
 
