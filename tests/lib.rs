@@ -17,6 +17,7 @@ pub mod sessions;
 pub mod study_speed;
 pub mod table1;
 pub mod tables;
+pub mod tolerances;
 pub mod truth;
 pub mod which_sensor;
 pub mod window;

@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use tautline_validation::motion::{Late, RECORDING};
 use tautline_validation::{
     adjusted, hangprinter, isolability, live_readings, many_poses, motion, nist, screenshots,
-    sessions, study_speed, table1, truth, which_sensor, window, your_data,
+    sessions, study_speed, table1, tolerances, truth, which_sensor, window, your_data,
 };
 
 /// Presets of the truth study.
@@ -19,10 +19,13 @@ const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
 const ISOLABILITY_SEED: u64 = 2027;
 /// Seed of the first data set of the truth study.
 const FIRST_SEED: u64 = 1000;
+/// First seed of the machines whose parts are a little off, and the most faults that are hidden in one.
+const TOLERANCES_SEED: u64 = 40_000;
+const MOST_FAULTS: usize = 4;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data";
 
@@ -52,6 +55,7 @@ fn main() -> Result<()> {
         Some("hangprinter") => println!("{}", hangprinter_table(argument)?),
         Some("isolability") => println!("{}", isolability_table()?),
         Some("motion") => println!("{}", motion_table(&arguments[1..])?),
+        Some("tolerances") => println!("{}", tolerances_table(argument)?),
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
         Some("workbench") => workbench(argument)?,
         Some("hidden") => hidden::command(&arguments[1..])?,
@@ -94,6 +98,13 @@ fn motion_table(numbers: &[String]) -> Result<String> {
         eprintln!("{}, other causes named: {:?}", row.robot, row.others);
     }
     Ok(motion::markdown(&rows, &doctor))
+}
+
+/// Diagnoses so many machines of each kind, whose every part is a little off, and as many exact ones.
+fn tolerances_table(machines: Option<&str>) -> Result<String> {
+    let machines = machines.map_or(Ok(60), str::parse)?;
+    let rows = tolerances::study(machines, MOST_FAULTS, TOLERANCES_SEED)?;
+    Ok(tolerances::markdown(&rows))
 }
 
 fn truth_table(data_sets: Option<&str>) -> Result<String> {

@@ -2,6 +2,8 @@
 
 mod holding_tensions;
 mod inversion;
+#[cfg(test)]
+mod machines;
 mod phase_tables;
 mod quasi_static_robot;
 mod readings;
@@ -13,6 +15,8 @@ mod workspace;
 
 pub(crate) use holding_tensions::holding_tensions_after_home;
 pub use holding_tensions::{Epoch, ambient_temperature_c};
+#[cfg(test)]
+pub(crate) use machines::run_of_machine;
 pub use phase_tables::{PhaseTables, phase_tables};
 pub use quasi_static_robot::{QuasiStaticRobot, RestState};
 pub(crate) use readings::{PlannedRow, planned_readings};

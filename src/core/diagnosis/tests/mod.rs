@@ -10,6 +10,7 @@ mod noise;
 mod odd_inputs;
 mod separation;
 mod sets;
+mod tolerances;
 mod unmodelled_errors;
 mod unread_tensions;
 

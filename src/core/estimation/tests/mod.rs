@@ -16,6 +16,7 @@ mod robust;
 mod start;
 mod statistics;
 mod surface;
+mod tolerances;
 
 use super::*;
 use crate::measurement::Dataset;

@@ -1,0 +1,101 @@
+//! Diagnosis of machines whose every part is a little off.
+
+use nalgebra::DMatrix;
+
+use super::*;
+use crate::diagnosis::deviation_columns::FACTORS;
+use crate::diagnosis::linear_fit::LinearFit;
+use crate::robot::presets;
+use crate::simulation::run_of_machine;
+
+const POSES: usize = 30;
+
+/// The machines are made by changing their descriptions, so no effect takes part in making the readings. A false finding
+/// has a probability of about 1 % in each, a p-value below the level of the tests, too.
+#[test]
+fn sound_machines_have_no_fault() {
+    for (name, seed) in [("mini", 11), ("hall", 12), ("suspended", 13)] {
+        let diagnosis = diagnosed(&run_of_machine(name, POSES, seed).dataset);
+        assert!(
+            diagnosis.findings.is_empty(),
+            "{name}: {:?}",
+            found(&diagnosis)
+        );
+        assert!(diagnosis.extended.adequate, "{name}");
+        let factor = diagnosis.tolerances.factor;
+        assert!((0.3..2.0).contains(&factor), "{name}: {factor}");
+        assert!(diagnosis.tolerances.are_stated);
+    }
+}
+
+/// On an exact machine the factor is small; at 0.3, the smallest one above 0, parts scatter by less than a tenth of the
+/// variance that is stated. A larger mean has a probability below 1 %.
+#[test]
+fn the_parts_of_an_exact_machine_are_found_exact() {
+    let mut run = run_of(&presets::find("mini").unwrap(), POSES, 14, &[]);
+    run.dataset.robot.tolerances = run_of_machine("mini", POSES, 14).dataset.robot.tolerances;
+    let diagnosis = diagnosed(&run.dataset);
+    assert!(diagnosis.findings.is_empty(), "{:?}", found(&diagnosis));
+    let factor = diagnosis.tolerances.factor;
+    assert!(factor < 0.5, "{factor}");
+}
+
+/// A fault twenty times as large as the tolerance of its part is named, with the whole deviation as its size.
+#[test]
+fn a_part_outside_its_tolerance_is_named() {
+    let mut run = run_of_machine("mini", POSES, 15);
+    let scale = 4e-3;
+    let revolutions = &mut run.dataset.measurements.revolutions;
+    for row in 0..revolutions.rows() {
+        let read = revolutions.get(row, 2);
+        revolutions.set(row, 2, read / (1.0 + scale));
+    }
+    let diagnosis = diagnosed(&run.dataset);
+    assert_eq!(found(&diagnosis), [("winch_scale", vec![2])]);
+    let size = &diagnosis.findings[0].parameters[0];
+    let off = (size.value - scale).abs();
+    // Its own deviation, which is part of the size, has a standard deviation of 2e-4.
+    assert!(off < 4.0 * size.sd.unwrap().hypot(2e-4), "{size:?}");
+}
+
+/// The evidence of each factor from one elimination is that of dense covariances.
+#[test]
+fn evidence_of_the_factors_is_that_of_dense_covariances() {
+    let run = run_of_machine("planar", 12, 16);
+    let problem = problem_at_fitted_poses(&run.dataset);
+    let fit = Fit::new(&problem, &[]).unwrap();
+    let linear = LinearFit::new(&fit, 0.8, false).linear;
+    let none = DMatrix::zeros(linear.conditions.count, 0);
+    let at = linear.described(1);
+    let found = linear.factor_evidence(&linear.reduced(&at, &none), &at);
+    // Log density of the residuals with the fixed parameters eliminated by a projection.
+    let fixed = linear.fixed.clone().svd(true, false);
+    let kept: Vec<usize> = (0..fixed.singular_values.len())
+        .filter(|k| fixed.singular_values[*k] > 1e-9 * fixed.singular_values[0])
+        .collect();
+    let fixed = fixed.u.unwrap().select_columns(&kept);
+    let free = DMatrix::identity(fixed.nrows(), fixed.nrows()) - &fixed * fixed.transpose();
+    let basis = nalgebra::SymmetricEigen::new(free);
+    let kept: Vec<usize> = (0..basis.eigenvalues.len())
+        .filter(|k| basis.eigenvalues[*k] > 0.5)
+        .collect();
+    let basis = basis.eigenvectors.select_columns(&kept).transpose();
+    let residual = &basis * &linear.residual;
+    let deviations = &basis * &linear.deviations;
+    let density = |factor: f64| {
+        let mut covariance = &deviations * deviations.transpose() * (factor * factor);
+        for k in 0..covariance.nrows() {
+            covariance[(k, k)] += 1.0;
+        }
+        let factor = covariance.cholesky().unwrap();
+        let log_determinant = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
+        -0.5 * (log_determinant + residual.dot(&factor.solve(&residual)))
+    };
+    for (factor, found) in FACTORS.iter().zip(found) {
+        let expected = density(*factor) - density(0.0);
+        assert!(
+            (found - expected).abs() < 1e-4 * (1.0 + expected.abs()),
+            "{factor}: {found} and {expected}"
+        );
+    }
+}
