@@ -358,38 +358,44 @@ impl Machine {
     }
 }
 
-/// Diagnoses so many machines for each number of faults from 0 to `most`, real and exact ones, each under all
-/// assumptions.
+/// Diagnoses so many machines for each number of faults from 0 to `most`, real and exact ones.
 ///
 /// # Errors
 /// If a machine cannot be simulated or its data cannot be used.
 pub fn study(sets: usize, most: usize, first_seed: u64) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
-    for (is_real, faults) in [true, false]
-        .into_iter()
-        .flat_map(|is_real| (0..=most).map(move |faults| (is_real, faults)))
-    {
-        let mut own = Assumption::ALL.map(|assumption| Row {
-            is_real,
-            faults,
-            assumption: Some(assumption),
-            ..Row::default()
-        });
-        for number in 0..sets {
-            let preset = presets::find(ROBOTS[number % ROBOTS.len()]).context("a preset")?;
-            let seed = first_seed + (1000 * faults + number) as u64;
-            let machine = machine(&preset, is_real, faults, seed)?;
-            for (row, assumption) in own.iter_mut().zip(Assumption::ALL) {
-                let mut dataset = machine.run.dataset.clone();
-                dataset.robot.tolerances = assumption.stated(&preset.robot, seed);
-                let start = Instant::now();
-                let options = DiagnosisOptions::default();
-                let found = diagnose(&dataset, &options, &mut |_| Control::Continue)?;
-                row.seconds.push(start.elapsed().as_secs_f64());
-                machine.judge(&found, row);
-            }
+    for is_real in [true, false] {
+        for faults in 0..=most {
+            rows.extend(rows_of(is_real, faults, sets, first_seed)?);
         }
-        rows.extend(own);
+    }
+    Ok(rows)
+}
+
+/// Diagnoses so many machines with a number of faults, each under all assumptions.
+///
+/// # Errors
+/// If a machine cannot be simulated or its data cannot be used.
+pub fn rows_of(is_real: bool, faults: usize, sets: usize, first_seed: u64) -> Result<[Row; 3]> {
+    let mut rows = Assumption::ALL.map(|assumption| Row {
+        is_real,
+        faults,
+        assumption: Some(assumption),
+        ..Row::default()
+    });
+    for number in 0..sets {
+        let preset = presets::find(ROBOTS[number % ROBOTS.len()]).context("a preset")?;
+        let seed = first_seed + (1000 * faults + number) as u64;
+        let machine = machine(&preset, is_real, faults, seed)?;
+        for (row, assumption) in rows.iter_mut().zip(Assumption::ALL) {
+            let mut dataset = machine.run.dataset.clone();
+            dataset.robot.tolerances = assumption.stated(&preset.robot, seed);
+            let start = Instant::now();
+            let options = DiagnosisOptions::default();
+            let found = diagnose(&dataset, &options, &mut |_| Control::Continue)?;
+            row.seconds.push(start.elapsed().as_secs_f64());
+            machine.judge(&found, row);
+        }
     }
     Ok(rows)
 }

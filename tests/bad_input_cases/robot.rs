@@ -11,6 +11,7 @@ pub(super) fn cases() -> Vec<BadInput> {
     cases.extend(directions_and_materials());
     cases.extend(layout());
     cases.extend(home_platform_and_effects());
+    cases.extend(tolerances());
     cases
 }
 
@@ -362,6 +363,64 @@ fn layout() -> Vec<BadInput> {
 const HOME_PLATFORM_WITH_FIVE: &str = r#"{"base_from_reference":
     {"position_m": [0, 0, 0], "orientation_wxyz": [1, 0, 0, 0]}, "planes": [],
     "sensors": [{"origin_m": [0, 0, 0], "direction": [0, 0, 1], "plane": 0, "sd_m": 1e-4}]}"#;
+
+fn tolerances() -> Vec<BadInput> {
+    vec![
+        case(
+            "tolerances of another word",
+            Set("/tolerances", r#""usual""#),
+            &["robot.json, /tolerances: found \"usual\", expected \"typical\" or an object"],
+        ),
+        case(
+            "tolerance of a misspelt effect",
+            Set("/tolerances", r#"{"winch_scales": 2e-4}"#),
+            &[
+                "robot.json, /tolerances/winch_scales: found no effect of this name",
+                "such as \"winch_scale\"",
+            ],
+        ),
+        case(
+            "tolerance of an event",
+            Set("/tolerances", r#"{"cable_slip": 1e-3}"#),
+            &["/tolerances/cable_slip: found an effect that sound parts do not have"],
+        ),
+        case(
+            "negative tolerance",
+            Set("/tolerances", r#"{"winch_scale": -2e-4}"#),
+            &["/tolerances/winch_scale: found -0.0002, expected 0 or a greater number"],
+        ),
+        case(
+            "tolerance a text",
+            Set("/tolerances", r#"{"winch_scale": "0.02 %"}"#),
+            &["/tolerances"],
+        ),
+        case(
+            "tolerance of a cable that is not there",
+            Set("/tolerances", r#"{"winch_scale": {"cable-9": 2e-4}}"#),
+            &[
+                "/tolerances/winch_scale: found \"cable-9\", expected the name of a cable or \"default\"",
+            ],
+        ),
+        case(
+            "tolerance of the platform by cable",
+            Set("/tolerances", r#"{"payload_mass": {"cable-1": 0.01}}"#),
+            &["/tolerances/payload_mass: found an object, expected one number"],
+        ),
+        case(
+            "negative factor of the tolerances",
+            Set("/tolerances", r#"{"factor": -1, "winch_scale": 2e-4}"#),
+            &["/tolerances/factor: found -1, expected 0 or a greater number"],
+        ),
+        case(
+            "deviation of a part that is not there",
+            Set(
+                "/deviations",
+                r#"[{"effect": "winch_scale", "targets": ["cable-9"]}]"#,
+            ),
+            &["/deviations/0/targets/0: found \"cable-9\", expected the name of a cable"],
+        ),
+    ]
+}
 
 fn home_platform_and_effects() -> Vec<BadInput> {
     vec![
