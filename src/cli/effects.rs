@@ -17,6 +17,7 @@ pub fn run() {
         "can be estimated",
         "diagnose tests it",
         "parameters (typical size)",
+        "typical tolerance",
     ]);
     for effect in every_effect().chain([&UNKNOWN]) {
         let parameters: Vec<_> = effect.parameters().iter().map(parameter).collect();
@@ -28,6 +29,7 @@ pub fn run() {
             freed,
             tried(effect),
             &parameters.join(", "),
+            &tolerance(effect),
         ];
         rows.add_row(cells);
     }
@@ -72,6 +74,24 @@ fn parameter(p: &EffectParameter) -> String {
         format!(" {}", p.unit)
     };
     format!("{} ({least} to {most}{unit})", p.name)
+}
+
+/// By how much sound parts deviate, on small machines and on large ones if they differ.
+fn tolerance(effect: &Effect) -> String {
+    let mut stated = effect.parameters().iter();
+    let stated = stated.find_map(|p| p.tolerance.map(|typical| (p.unit, typical)));
+    let Some((unit, typical)) = stated else {
+        return String::new();
+    };
+    let unit = match unit {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    let [small, large] = [typical.small, typical.large].map(short);
+    match small == large {
+        true => format!("{small}{unit}"),
+        false => format!("{small}{unit}, large machine {large}{unit}"),
+    }
 }
 
 /// `0 a, 1 b`.
