@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use three_d::context as gl;
 use three_d::{
-    Blend, ClearState, Context, ElementBuffer, InstanceBuffer, Mat4, Program, RenderStates,
-    RenderTarget, Vec2, Vec3, VertexBuffer, Viewport, WriteMask, vec2, vec3,
+    AmbientLight, Blend, ClearState, Context, CpuMaterial, DirectionalLight, Gm, InstanceBuffer,
+    InstancedMesh, Instances, Mat4, PhysicalMaterial, Program, RenderStates, RenderTarget, Srgba,
+    ToneMapping, Vec2, Vec3, Viewport, vec2, vec3,
 };
 
 use super::camera::Camera;
 use super::drawing::{Drawing, Lines, Points};
 use super::framebuffer::{Framebuffer, PixelBox, is_software};
-use super::mesh::Triangles;
+use super::parts::{Part, Shape};
 
 /// What a picture depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,22 +28,39 @@ pub struct PictureKey {
     pub moves: bool,
 }
 
-struct TriangleBuffers {
-    positions: VertexBuffer<[f32; 3]>,
-    normals: VertexBuffer<[f32; 3]>,
-    colours: VertexBuffer<[f32; 4]>,
-    indices: ElementBuffer<u32>,
-}
+/// Light from everywhere, and that of the lamp where it falls at right angles.
+const AMBIENT: f32 = 0.3;
+const LAMP: f32 = 2.3;
 
-impl TriangleBuffers {
-    fn new(context: &Context, triangles: &Triangles) -> Self {
-        Self {
-            positions: VertexBuffer::new_with_data(context, &triangles.positions),
-            normals: VertexBuffer::new_with_data(context, &triangles.normals),
-            colours: VertexBuffer::new_with_data(context, &triangles.colours),
-            indices: ElementBuffer::new_with_data(context, triangles.indices.as_flattened()),
+/// Parts, by their shapes.
+struct PartBuffers([Gm<InstancedMesh, PhysicalMaterial>; Shape::ALL.len()]);
+
+impl PartBuffers {
+    fn new(context: &Context, material: &PhysicalMaterial) -> Self {
+        Self(Shape::ALL.map(|shape| {
+            let none = Instances::default();
+            let mesh = InstancedMesh::new(context, &none, shape.mesh());
+            Gm::new(mesh, material.clone())
+        }))
+    }
+
+    fn fill(&mut self, parts: &[Part]) {
+        for (shape, object) in Shape::ALL.into_iter().zip(&mut self.0) {
+            let parts = parts.iter().filter(|part| part.shape == shape);
+            let (places, colours) = parts.map(|part| (single(part), part.colour)).unzip();
+            object.geometry.set_instances(&Instances {
+                transformations: places,
+                colors: Some(colours),
+                ..Instances::default()
+            });
         }
     }
+}
+
+/// Where a part stands, as the graphics card takes it.
+fn single(part: &Part) -> Mat4 {
+    let columns: [[f32; 4]; 4] = part.base_from_shape.cast::<f32>().into();
+    columns.into()
 }
 
 struct LineBuffers {
@@ -86,8 +104,6 @@ impl PointBuffers {
 /// A drawing on the graphics card.
 struct Loaded {
     number: u64,
-    solids: TriangleBuffers,
-    glass: TriangleBuffers,
     lines: LineBuffers,
     points: PointBuffers,
 }
@@ -102,7 +118,8 @@ struct LoadedPoses {
 struct Card {
     context: Context,
     is_software: bool,
-    solid: Program,
+    solids: PartBuffers,
+    glass: PartBuffers,
     line: Program,
     point: Program,
     loaded: Option<Loaded>,
@@ -119,9 +136,9 @@ pub struct Gpu {
     draws: u64,
 }
 
-/// Uniforms that all programs of a picture share.
+/// What all programs of a picture share.
 struct Look {
-    clip_from_base: Mat4,
+    camera: three_d::Camera,
     eye: Vec3,
     light: Vec3,
     size: Vec2,
@@ -129,21 +146,20 @@ struct Look {
     moves: bool,
     lift: f32,
     opening: f32,
-    viewport: Viewport,
 }
 
 impl Look {
     fn new(key: &PictureKey, drawing: &Drawing) -> Self {
         let [width, height] = key.size;
-        let aspect = f64::from(width) / f64::from(height);
         let (centre, radius) = &drawing.bounds;
-        let clip = key.camera.clip_from_base(centre, *radius, aspect);
-        let columns: [[f32; 4]; 4] = clip.cast::<f32>().into();
+        let viewport = Viewport::new_at_origo(width, height);
+        let mut camera = key.camera.on_card((centre, *radius), viewport);
+        camera.tone_mapping = ToneMapping::None;
         let [right, up, forward] = key.camera.axes();
         let light = (up * 0.75 - forward * 0.6 - right * 0.3).normalize();
         let single = |v: nalgebra::Vector3<f64>| vec3(v.x as f32, v.y as f32, v.z as f32);
         Self {
-            clip_from_base: columns.into(),
+            camera,
             eye: single(key.camera.eye()),
             light: single(light),
             size: vec2(width as f32, height as f32),
@@ -151,7 +167,6 @@ impl Look {
             moves: key.moves,
             lift: (1e-3 * key.camera.height_m()) as f32,
             opening: key.camera.height_at(1.0) as f32,
-            viewport: Viewport::new_at_origo(width, height),
         }
     }
 }
@@ -162,11 +177,14 @@ impl Card {
         let program = |vertex: &str, fragment: &str| {
             Program::from_source(&context, vertex, fragment).map_err(|e| e.to_string())
         };
+        let material = CpuMaterial::default();
+        let (solid, glass) = (
+            PhysicalMaterial::new_opaque(&context, &material),
+            PhysicalMaterial::new_transparent(&context, &material),
+        );
         Ok(Self {
-            solid: program(
-                include_str!("shaders/solid.vert"),
-                include_str!("shaders/solid.frag"),
-            )?,
+            solids: PartBuffers::new(&context, &solid),
+            glass: PartBuffers::new(&context, &glass),
             line: program(
                 include_str!("shaders/line.vert"),
                 include_str!("shaders/line.frag"),
@@ -188,10 +206,10 @@ impl Card {
         if self.loaded.as_ref().is_some_and(|l| l.number == number) {
             return;
         }
+        self.solids.fill(&drawing.solids);
+        self.glass.fill(&drawing.glass);
         self.loaded = Some(Loaded {
             number,
-            solids: TriangleBuffers::new(&self.context, &drawing.solids),
-            glass: TriangleBuffers::new(&self.context, &drawing.glass),
             lines: LineBuffers::new(&self.context, &drawing.lines),
             points: PointBuffers::new(&self.context, &drawing.points),
         });
@@ -234,7 +252,9 @@ impl Card {
         let Some(loaded) = &self.loaded else {
             return;
         };
-        self.draw_triangles(&loaded.solids, look, RenderStates::default());
+        let ambient = AmbientLight::new(&self.context, AMBIENT, Srgba::WHITE);
+        let lamp = DirectionalLight::new(&self.context, LAMP, Srgba::WHITE, -look.light);
+        target.render(&look.camera, &self.solids.0, &[&ambient, &lamp]);
         self.draw_lines(&loaded.lines, look);
         self.draw_points(&loaded.points, look, loaded.points.count());
         if let Some(LoadedPoses { points, buffers }) = &self.poses {
@@ -243,30 +263,14 @@ impl Card {
             let count = if look.moves { all.min(coarse) } else { all };
             self.draw_points(buffers, look, count);
         }
-        let glass = RenderStates {
-            write_mask: WriteMask::COLOR,
-            blend: Blend::TRANSPARENCY,
-            ..RenderStates::default()
-        };
-        self.draw_triangles(&loaded.glass, look, glass);
-    }
-
-    fn draw_triangles(&self, buffers: &TriangleBuffers, look: &Look, states: RenderStates) {
-        if buffers.indices.count() == 0 {
-            return;
-        }
-        let program = &self.solid;
-        program.use_uniform("clip_from_base", look.clip_from_base);
-        program.use_uniform("eye", look.eye);
-        program.use_uniform("light", look.light);
-        program.use_vertex_attribute("position", &buffers.positions);
-        program.use_vertex_attribute("normal", &buffers.normals);
-        program.use_vertex_attribute("colour", &buffers.colours);
-        program.draw_elements(states, look.viewport, &buffers.indices);
+        target.render(&look.camera, &self.glass.0, &[&ambient, &lamp]);
     }
 
     fn share(program: &Program, look: &Look) {
-        program.use_uniform("clip_from_base", look.clip_from_base);
+        program.use_uniform(
+            "clip_from_base",
+            look.camera.projection() * look.camera.view(),
+        );
         program.use_uniform("eye", look.eye);
         program.use_uniform("size", look.size);
         program.use_uniform("scale", look.scale);
@@ -284,7 +288,7 @@ impl Card {
         program.use_instance_attribute("end", &buffers.to);
         program.use_instance_attribute("colour", &buffers.colours);
         program.use_instance_attribute("width", &buffers.widths);
-        program.draw_arrays_instanced(RenderStates::default(), look.viewport, 6, count);
+        program.draw_arrays_instanced(RenderStates::default(), look.camera.viewport(), 6, count);
     }
 
     fn draw_points(&self, buffers: &PointBuffers, look: &Look, count: u32) {
@@ -301,7 +305,7 @@ impl Card {
             blend: Blend::TRANSPARENCY,
             ..RenderStates::default()
         };
-        program.draw_arrays_instanced(states, look.viewport, 3, count);
+        program.draw_arrays_instanced(states, look.camera.viewport(), 3, count);
     }
 }
 
