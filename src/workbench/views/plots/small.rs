@@ -8,7 +8,7 @@ use crate::model::Selection;
 
 /// Draws a figure over the whole width of a panel, `height` points high; `name` is its accessible name. Returns the cable
 /// and pose of a clicked point.
-pub fn show(
+pub(crate) fn show(
     ui: &mut Ui,
     name: &str,
     figure: &Figure,
@@ -54,17 +54,9 @@ mod tests {
         Figure {
             x: Axis::new("Length", "m"),
             y: Axis::new("Residual", "mm"),
-            bands: vec![Band {
-                name: "within 0.1 mm".into(),
-                y: [-0.1, 0.1],
-            }],
+            bands: vec![Band::new("within 0.1 mm", [-0.1, 0.1])],
             series: vec![Series::of_cable(2, "cable-3", (0..5).map(point).collect())],
-            curves: vec![Curve {
-                name: "fit".into(),
-                ink: Ink::Text,
-                dashed: false,
-                points: vec![[0.0, -0.1], [4.0, 0.1]],
-            }],
+            curves: vec![Curve::new("fit", Ink::Text, vec![[0.0, -0.1], [4.0, 0.1]])],
             has_zero_line: true,
             ..Figure::default()
         }

@@ -9,19 +9,24 @@ use super::rows::Head;
 const LEAST: f32 = 72.0;
 
 #[derive(Debug, Clone, PartialEq)]
-pub struct VisibleColumns {
+pub(crate) struct VisibleColumns {
     /// Those that name the row, with their widths (points).
-    pub names: Vec<f32>,
+    pub(crate) names: Vec<f32>,
     /// Indices of the others.
-    pub others: Range<usize>,
+    pub(crate) others: Range<usize>,
     /// Whether there are more to the left and to the right.
-    pub more: [bool; 2],
+    pub(crate) more: [bool; 2],
 }
 
 impl VisibleColumns {
     /// The visible columns of a table of a given width, with `space` after each (points): the first `names`, and the others
     /// from the one with index `from` on, or from an earlier one if that would leave room unused.
-    pub fn of(heads: &[Head], names: usize, from: usize, (width, space): (f32, f32)) -> Self {
+    pub(crate) fn of(
+        heads: &[Head],
+        names: usize,
+        from: usize,
+        (width, space): (f32, f32),
+    ) -> Self {
         let (naming, others) = heads.split_at(names.min(heads.len()));
         let widest = others.iter().map(|head| head.width).fold(0.0, f32::max);
         let mut named: Vec<f32> = naming.iter().map(|head| head.width).collect();
@@ -50,7 +55,7 @@ impl VisibleColumns {
     }
 
     /// Indices of all visible columns.
-    pub fn places(&self) -> impl Iterator<Item = usize> + Clone + use<> {
+    pub(crate) fn places(&self) -> impl Iterator<Item = usize> + Clone + use<> {
         (0..self.names.len()).chain(self.others.clone())
     }
 }

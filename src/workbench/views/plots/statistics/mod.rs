@@ -41,7 +41,7 @@ const COUNTED: f32 = 220.0;
 
 /// State of the table.
 #[derive(Debug, Default)]
-pub struct Statistics {
+pub(crate) struct Statistics {
     listed: Listed,
     orders: [Option<Order>; 2],
     /// The first of the columns that are leafed through, where not all have room.

@@ -17,7 +17,7 @@ const SIGN: usize = 2;
 
 /// What the table lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Listed {
+pub(crate) enum Listed {
     #[default]
     Readings,
     /// All identified values.
@@ -26,11 +26,11 @@ pub enum Listed {
 
 impl Listed {
     /// Both with their titles.
-    pub const ALL: [(Self, &'static str); 2] =
+    pub(crate) const ALL: [(Self, &'static str); 2] =
         [(Self::Readings, "Readings"), (Self::Values, "Values")];
 
     /// How many of its columns, from the first on, say what a row is.
-    pub fn names(self) -> usize {
+    pub(crate) fn names(self) -> usize {
         match self {
             Self::Readings => 2,
             Self::Values => 1,
@@ -40,49 +40,49 @@ impl Listed {
 
 /// The heading of a column.
 #[derive(Debug, Clone)]
-pub struct Head {
-    pub title: &'static str,
+pub(crate) struct Head {
+    pub(crate) title: &'static str,
     /// What the cells of the column are.
-    pub help: &'static str,
+    pub(crate) help: &'static str,
     /// Whether it stands at the right.
-    pub is_number: bool,
+    pub(crate) is_number: bool,
     /// Width (points).
-    pub width: f32,
+    pub(crate) width: f32,
 }
 
 /// The headings and all rows of a table.
 #[derive(Debug, Default)]
-pub struct Listing {
-    pub heads: Vec<Head>,
-    pub rows: Vec<Row>,
+pub(crate) struct Listing {
+    pub(crate) heads: Vec<Head>,
+    pub(crate) rows: Vec<Row>,
 }
 
 /// A row: its cells, the numbers to sort by (cells without one by their text), and what it selects.
 #[derive(Debug, Clone)]
-pub struct Row {
+pub(crate) struct Row {
     /// What is shown.
-    pub cells: Vec<String>,
+    pub(crate) cells: Vec<String>,
     keys: Vec<Option<f64>>,
     /// What a click selects.
-    pub selects: Selection,
+    pub(crate) selects: Selection,
     /// Whether it is a reading that does not fit.
-    pub is_suspect: bool,
+    pub(crate) is_suspect: bool,
 }
 
 /// By which column a table is sorted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Order {
+pub(crate) struct Order {
     /// Its place.
-    pub column: usize,
+    pub(crate) column: usize,
     /// Whether the largest come first.
-    pub descending: bool,
+    pub(crate) descending: bool,
 }
 
 /// What the rows depend on.
 #[derive(Debug, Clone)]
-pub struct Of {
-    pub listed: Listed,
-    pub fit: Arc<Identification>,
+pub(crate) struct Of {
+    pub(crate) listed: Listed,
+    pub(crate) fit: Arc<Identification>,
 }
 
 impl PartialEq for Of {
@@ -95,7 +95,7 @@ impl PartialEq for Of {
 const NAMES: usize = 2;
 
 /// The places of the rows whose names contain every word of the filter, in order.
-pub fn arranged(rows: &[Row], order: Option<Order>, filter: &str) -> Vec<usize> {
+pub(crate) fn arranged(rows: &[Row], order: Option<Order>, filter: &str) -> Vec<usize> {
     let words: Vec<&str> = filter.split_whitespace().collect();
     let is_wanted = |row: &Row| {
         let text = row.cells[..NAMES].join(" ").to_lowercase();
@@ -120,7 +120,7 @@ fn compared(a: &Row, b: &Row, column: usize, descending: bool) -> Ordering {
 }
 
 /// The table as text for a spreadsheet: cells apart by tabs.
-pub fn text(heads: &[Head], rows: &[Row], shown: &[usize]) -> String {
+pub(crate) fn text(heads: &[Head], rows: &[Row], shown: &[usize]) -> String {
     let titles: Vec<&str> = heads.iter().map(|head| head.title).collect();
     let mut text = titles.join("\t") + "\n";
     for place in shown {
@@ -131,7 +131,7 @@ pub fn text(heads: &[Head], rows: &[Row], shown: &[usize]) -> String {
 }
 
 /// The table with all rows, as they were measured.
-pub fn listing(of: &Of) -> Listing {
+pub(crate) fn listing(of: &Of) -> Listing {
     match of.listed {
         Listed::Readings => table(&READINGS, reading_statistics(&of.fit), |one| {
             let (cable, pose) = (one.cable, Some(one.pose));
