@@ -7,7 +7,7 @@ use super::view::{PlotEvent, PlotInput, PlotView};
 use crate::model::Selection;
 
 /// Draws a figure over the whole width of a panel, `height` points high; `name` is its accessible name. Returns the cable
-/// and pose of a clicked point.
+/// and pose of a clicked point; neither where a click beside all points or Escape clears the selection.
 pub(crate) fn show(
     ui: &mut Ui,
     name: &str,
@@ -32,10 +32,11 @@ pub(crate) fn show(
     let output = view.lock().show(ui, &input);
     ui.data_mut(|data| data.insert_temp(id, view));
     output.events.into_iter().find_map(|event| match event {
-        PlotEvent::Selected(selection) if !selection.is_empty() => Some(selection),
+        PlotEvent::Selected(selection) => Some(selection),
         _ => None,
     })
 }
+
 #[cfg(test)]
 mod tests {
     use egui_kittest::Harness;
@@ -63,14 +64,15 @@ mod tests {
     }
 
     #[test]
-    fn a_click_on_a_point_selects_its_cable_and_pose() {
+    fn a_click_on_a_point_selects_its_cable_and_pose_and_escape_clears_them() {
         let mut harness = Harness::builder()
             .with_size(vec2(320.0, 180.0))
             .build_ui_state(
                 |ui, (clicked, id): &mut (Option<Selection>, Option<egui::Id>)| {
                     theme::install(ui.ctx());
                     *id = Some(ui.make_persistent_id("Winch 3").with("plot"));
-                    let found = show(ui, "Winch 3", &figure(), 160.0, Selection::default());
+                    let selection = clicked.unwrap_or_default();
+                    let found = show(ui, "Winch 3", &figure(), 160.0, selection);
                     *clicked = found.or(*clicked);
                 },
                 (None, None),
@@ -91,5 +93,10 @@ mod tests {
             pose: Some(2),
         };
         assert_eq!(harness.state().0, Some(expected));
+        harness.hover_at(place);
+        harness.run();
+        harness.key_press(egui::Key::Escape);
+        harness.run();
+        assert_eq!(harness.state().0, Some(Selection::default()));
     }
 }

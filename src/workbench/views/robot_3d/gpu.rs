@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use three_d::context as gl;
 use three_d::{
-    AmbientLight, Blend, ClearState, Context, CpuMaterial, DirectionalLight, Gm, InstanceBuffer,
-    InstancedMesh, Instances, Mat4, PhysicalMaterial, Program, RenderStates, RenderTarget, Srgba,
-    ToneMapping, Vec2, Vec3, Viewport, vec2, vec3,
+    Blend, ClearState, Context, EffectMaterialId, InstanceBuffer, InstancedMesh, Instances, Light,
+    Mat4, Material, MaterialType, Program, RenderStates, RenderTarget, Vec2, Vec3, Viewer,
+    Viewport, WriteMask, vec2, vec3,
 };
 
 use super::camera::Camera;
@@ -28,31 +28,63 @@ pub struct PictureKey {
     pub moves: bool,
 }
 
-/// Light from everywhere, and that of the lamp where it falls at right angles.
-const AMBIENT: f32 = 0.3;
-const LAMP: f32 = 2.3;
-
 /// Parts, by their shapes.
-struct PartBuffers([Gm<InstancedMesh, PhysicalMaterial>; Shape::ALL.len()]);
+struct PartBuffers([InstancedMesh; Shape::ALL.len()]);
 
 impl PartBuffers {
-    fn new(context: &Context, material: &PhysicalMaterial) -> Self {
-        Self(Shape::ALL.map(|shape| {
-            let none = Instances::default();
-            let mesh = InstancedMesh::new(context, &none, shape.mesh());
-            Gm::new(mesh, material.clone())
-        }))
+    fn new(context: &Context) -> Self {
+        let none = Instances::default();
+        Self(Shape::ALL.map(|shape| InstancedMesh::new(context, &none, shape.mesh())))
     }
 
     fn fill(&mut self, parts: &[Part]) {
-        for (shape, object) in Shape::ALL.into_iter().zip(&mut self.0) {
+        for (shape, mesh) in Shape::ALL.into_iter().zip(&mut self.0) {
             let parts = parts.iter().filter(|part| part.shape == shape);
             let (places, colours) = parts.map(|part| (single(part), part.colour)).unzip();
-            object.geometry.set_instances(&Instances {
+            mesh.set_instances(&Instances {
                 transformations: places,
                 colors: Some(colours),
                 ..Instances::default()
             });
+        }
+    }
+}
+
+/// Dull paint, lit from everywhere and by a lamp: where the processor draws, three-d's own makes a picture half as dear again.
+struct Paint {
+    lamp: Vec3,
+    is_transparent: bool,
+}
+
+impl Material for Paint {
+    fn fragment_shader_source(&self, _: &[&dyn Light]) -> String {
+        include_str!("shaders/solid.frag").to_owned()
+    }
+
+    fn id(&self) -> EffectMaterialId {
+        EffectMaterialId(0)
+    }
+
+    fn use_uniforms(&self, program: &Program, viewer: &dyn Viewer, _: &[&dyn Light]) {
+        program.use_uniform("eye", viewer.position());
+        program.use_uniform("lamp", self.lamp);
+    }
+
+    fn render_states(&self) -> RenderStates {
+        if !self.is_transparent {
+            return RenderStates::default();
+        }
+        RenderStates {
+            write_mask: WriteMask::COLOR,
+            blend: Blend::TRANSPARENCY,
+            ..RenderStates::default()
+        }
+    }
+
+    fn material_type(&self) -> MaterialType {
+        match self.is_transparent {
+            true => MaterialType::Transparent,
+            false => MaterialType::Opaque,
         }
     }
 }
@@ -140,7 +172,7 @@ pub struct Gpu {
 struct Look {
     camera: three_d::Camera,
     eye: Vec3,
-    light: Vec3,
+    lamp: Vec3,
     size: Vec2,
     scale: f32,
     moves: bool,
@@ -153,15 +185,13 @@ impl Look {
         let [width, height] = key.size;
         let (centre, radius) = &drawing.bounds;
         let viewport = Viewport::new_at_origo(width, height);
-        let mut camera = key.camera.on_card((centre, *radius), viewport);
-        camera.tone_mapping = ToneMapping::None;
         let [right, up, forward] = key.camera.axes();
-        let light = (up * 0.75 - forward * 0.6 - right * 0.3).normalize();
+        let lamp = (up * 0.75 - forward * 0.6 - right * 0.3).normalize();
         let single = |v: nalgebra::Vector3<f64>| vec3(v.x as f32, v.y as f32, v.z as f32);
         Self {
-            camera,
+            camera: key.camera.on_card((centre, *radius), viewport),
             eye: single(key.camera.eye()),
-            light: single(light),
+            lamp: single(lamp),
             size: vec2(width as f32, height as f32),
             scale: key.scale,
             moves: key.moves,
@@ -177,14 +207,9 @@ impl Card {
         let program = |vertex: &str, fragment: &str| {
             Program::from_source(&context, vertex, fragment).map_err(|e| e.to_string())
         };
-        let material = CpuMaterial::default();
-        let (solid, glass) = (
-            PhysicalMaterial::new_opaque(&context, &material),
-            PhysicalMaterial::new_transparent(&context, &material),
-        );
         Ok(Self {
-            solids: PartBuffers::new(&context, &solid),
-            glass: PartBuffers::new(&context, &glass),
+            solids: PartBuffers::new(&context),
+            glass: PartBuffers::new(&context),
             line: program(
                 include_str!("shaders/line.vert"),
                 include_str!("shaders/line.frag"),
@@ -252,9 +277,11 @@ impl Card {
         let Some(loaded) = &self.loaded else {
             return;
         };
-        let ambient = AmbientLight::new(&self.context, AMBIENT, Srgba::WHITE);
-        let lamp = DirectionalLight::new(&self.context, LAMP, Srgba::WHITE, -look.light);
-        target.render(&look.camera, &self.solids.0, &[&ambient, &lamp]);
+        let paint = |is_transparent| Paint {
+            lamp: look.lamp,
+            is_transparent,
+        };
+        target.render_with_material(&paint(false), &look.camera, &self.solids.0, &[]);
         self.draw_lines(&loaded.lines, look);
         self.draw_points(&loaded.points, look, loaded.points.count());
         if let Some(LoadedPoses { points, buffers }) = &self.poses {
@@ -263,7 +290,7 @@ impl Card {
             let count = if look.moves { all.min(coarse) } else { all };
             self.draw_points(buffers, look, count);
         }
-        target.render(&look.camera, &self.glass.0, &[&ambient, &lamp]);
+        target.render_with_material(&paint(true), &look.camera, &self.glass.0, &[]);
     }
 
     fn share(program: &Program, look: &Look) {

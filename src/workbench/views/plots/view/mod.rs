@@ -295,7 +295,7 @@ impl PlotView {
 
 #[cfg(test)]
 mod tests {
-    use egui::{Event, Modifiers, PointerButton};
+    use egui::{Event, Modifiers, OutputCommand, PointerButton};
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
     use tautline_workflow::plot::figure::{Axis, Curve, Ink, Point};
@@ -408,6 +408,32 @@ mod tests {
         harness.run_ok();
         let cleared = PlotEvent::Selected(Selection::default());
         assert_eq!(harness.state().events.last(), Some(&cleared));
+    }
+
+    #[test]
+    fn the_menu_copies_the_values_that_are_seen() {
+        let mut harness = harness();
+        let pos = scale(&harness).rect.center();
+        harness.hover_at(pos);
+        harness.run_ok();
+        for pressed in [true, false] {
+            harness.event(Event::PointerButton {
+                pos,
+                button: PointerButton::Secondary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+        }
+        harness.run_ok();
+        harness.get_by_label("Copy values").click();
+        harness.step();
+        let commands = harness.output().platform_output.commands.iter();
+        let text = commands.rev().find_map(|command| match command {
+            OutputCommand::CopyText(text) => Some(text.clone()),
+            _ => None,
+        });
+        let lines = text.expect("something is copied").lines().count();
+        assert_eq!(lines, 1 + 2 * 9 + 2, "headings, two series, a curve");
     }
 
     #[test]
