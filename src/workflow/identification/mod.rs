@@ -39,8 +39,9 @@ pub use pulley::{
 pub use request::{IdentificationOptions, IdentificationRequest, TolerancesUsed, solved_method};
 pub use residuals::{RESIDUAL, all_readings, group_of, readings_of};
 pub use statistics::{
-    CONFIDENCE, ReadingStatistics, ValueStatistics, nominal_and_value, reading_statistics,
-    readings_table, unit_of_reading, unit_of_value, value_statistics, values_table,
+    CONFIDENCE, Cell, READINGS, ReadingStatistics, VALUES, ValueStatistics, nominal_and_value,
+    reading_statistics, readings_table, unit_of_reading, unit_of_value, value_statistics,
+    values_table,
 };
 pub use wording::reading_name;
 

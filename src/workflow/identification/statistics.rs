@@ -1,5 +1,5 @@
-//! The statistics of an identification as tables of observations and of unknown parameters, as in
-//! JAG3D.
+//! The statistics of an identification as tables of observations and of unknown parameters, as in JAG3D. Each column is
+//! defined once, for files and for the window.
 
 use tautline_core::diagnosis::Quantity;
 use tautline_core::estimation::{DetectionTest, Observation, Parameter, ParameterId};
@@ -8,7 +8,8 @@ use tautline_core::statistics::normal_quantile;
 
 use super::{Identification, all_readings, group_of, reading_name};
 use crate::exporting::Table;
-use crate::wording::units::unit_of;
+use crate::wording::sentence;
+use crate::wording::units::{decimals, display_unit, fixed, signed, significant, unit_of};
 
 /// Confidence level of the intervals.
 pub const CONFIDENCE: f64 = 0.95;
@@ -38,8 +39,8 @@ pub struct ReadingStatistics {
     pub smallest_error: Option<f64>,
     /// Displacement by that error of the entry point it moves most (m): external reliability.
     pub influence_m: Option<f64>,
-    /// Cable of that entry point.
-    pub moves: Option<usize>,
+    /// Name of the cable of that entry point.
+    pub moves: Option<String>,
     /// Whether the reading fails the test.
     pub is_suspect: bool,
 }
@@ -63,6 +64,149 @@ pub struct ValueStatistics {
     pub prior_sd: Option<f64>,
     /// Confidence interval at the level [`CONFIDENCE`].
     pub interval: Option<[f64; 2]>,
+}
+
+/// A cell of a table: in SI units for files, and as the window shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    /// A text in files and one in the window.
+    Text([String; 2]),
+    /// A number, if it is known: in SI units, in the unit shown, and in words.
+    Number([Option<f64>; 2], String),
+}
+
+/// Name in files, heading in the window, and meaning of the columns of readings; empty where files or the window lack one.
+pub const READINGS: [[&str; 3]; 11] = [
+    ["pose", "Pose", "Number of the pose"],
+    ["reading", "Reading", "What was read"],
+    [
+        "unit",
+        "Unit",
+        "Unit of the residual, the standard deviation and the smallest detectable error",
+    ],
+    ["residual", "Residual", "Prediction minus reading"],
+    [
+        "sd",
+        "Sd",
+        "Standard deviation of the reading, as described",
+    ],
+    [
+        "redundancy",
+        "Redundancy",
+        "Share of an error of this reading that shows in its residual: 0 is not checked by any other reading, 1 completely",
+    ],
+    [
+        "normalised_residual",
+        "Standardised",
+        "Residual in its own standard deviations: beyond 3 in 3 of 1000 readings if model and noise are right",
+    ],
+    [
+        "smallest_detectable_error",
+        "Detectable",
+        "Smallest error of this reading that the test for suspicious readings finds with 80 % probability",
+    ],
+    [
+        "influence_m",
+        "Influence mm",
+        "How far an error of that size moves the pulley that it moves most",
+    ],
+    [
+        "moves",
+        "On pulley",
+        "The pulley that such an error moves most",
+    ],
+    ["suspect", "", ""],
+];
+
+/// The same of the columns of values.
+pub const VALUES: [[&str; 3]; 10] = [
+    ["parameter", "Value", "What was identified"],
+    ["unit", "Unit", "Unit of all numbers of the row"],
+    [
+        "nominal",
+        "Nominal",
+        "As the description of the robot has it",
+    ],
+    ["value", "Identified", "As identified"],
+    ["", "Difference", "Identified minus nominal"],
+    ["sd", "Sd", "Standard deviation of the identified value"],
+    [
+        "prior_sd",
+        "Prior sd",
+        "Standard deviation before anything was measured",
+    ],
+    ["from_95", "", ""],
+    ["to_95", "", ""],
+    [
+        "",
+        "95 % interval",
+        "The true value lies in it with 95 % probability, if the model explains the data",
+    ],
+];
+
+fn text(in_files: &str, in_window: impl Into<String>) -> Cell {
+    Cell::Text([in_files.to_owned(), in_window.into()])
+}
+
+/// A number, shown in a unit of which it has `factor` times as many.
+fn number(si: impl Into<Option<f64>>, factor: f64, form: impl FnOnce(f64) -> String) -> Cell {
+    let si = si.into();
+    let shown = si.map(|si| factor * si).filter(|v| v.is_finite());
+    let text = shown.map_or_else(|| "\u{2013}".to_owned(), form);
+    Cell::Number([si, shown], text.replace('-', "\u{2212}"))
+}
+
+impl ReadingStatistics {
+    /// The cells of [`READINGS`].
+    #[must_use]
+    pub fn cells(&self) -> [Cell; READINGS.len()] {
+        let (factor, unit) = display_unit(self.unit);
+        let sd = factor * self.sd;
+        let digits = if sd > 0.0 { decimals(sd) + 1 } else { 3 };
+        let moves = self.moves.as_deref().unwrap_or_default();
+        [
+            number(self.pose as f64, 1.0, |v| fixed(v, 0)),
+            text(&self.name, sentence(&self.name)),
+            text(self.unit, unit),
+            number(self.residual, factor, |v| signed(v, digits)),
+            number(self.sd, factor, |v| significant(v, 3)),
+            number(self.redundancy, 1.0, |v| fixed(v, 3)),
+            number(self.normalised, 1.0, |v| signed(v, 2)),
+            number(self.smallest_error, factor, |v| fixed(v, digits)),
+            number(self.influence_m, 1e3, |v| fixed(v, 2)),
+            text(moves, moves),
+            text(if self.is_suspect { "yes" } else { "" }, ""),
+        ]
+    }
+}
+
+impl ValueStatistics {
+    /// The cells of [`VALUES`].
+    #[must_use]
+    pub fn cells(&self) -> [Cell; VALUES.len()] {
+        let (factor, unit) = display_unit(self.unit);
+        let sd = self.sd.filter(|sd| *sd > 0.0);
+        let digits = sd.map_or(3, |sd| decimals(factor * sd).min(6));
+        let in_unit = |si: Option<f64>| number(si, factor, |v| fixed(v, digits));
+        let difference = self.nominal.map(|nominal| self.value - nominal);
+        let [from, to] = [0, 1].map(|end| in_unit(self.interval.map(|ends| ends[end])));
+        let interval = match (&from, &to) {
+            (Cell::Number([_, Some(_)], from), Cell::Number(_, to)) => format!("{from} to {to}"),
+            _ => "\u{2013}".to_owned(),
+        };
+        [
+            text(&self.name, sentence(&self.name)),
+            text(self.unit, unit),
+            in_unit(self.nominal),
+            in_unit(Some(self.value)),
+            number(difference, factor, |v| signed(v, digits)),
+            in_unit(self.sd),
+            number(self.prior_sd, factor, |v| significant(v, 3)),
+            from,
+            to,
+            text("", interval),
+        ]
+    }
 }
 
 /// SI unit of a kind of reading.
@@ -91,6 +235,7 @@ fn of_reading(
 ) -> Option<ReadingStatistics> {
     let (quantity, cable) = group_of(reading.kind)?;
     let reliability = reading.reliability(test);
+    let cables = &fit.dataset.robot.cables;
     let is_same = |one: &Observation| (one.row, one.kind) == (reading.row, reading.kind);
     Some(ReadingStatistics {
         pose: *fit.dataset.measurements.labels.get(reading.row)?,
@@ -104,7 +249,9 @@ fn of_reading(
         normalised: reading.normalised(),
         smallest_error: reliability.map(|r| r.smallest_error),
         influence_m: reliability.map(|r| r.influence_m),
-        moves: reading.pull.map(|pull| pull.cable),
+        moves: reading
+            .pull
+            .and_then(|pull| Some(cables.get(pull.cable)?.name.clone())),
         is_suspect: fit.analysis.suspects().iter().any(is_same),
     })
 }
@@ -207,43 +354,40 @@ pub fn unit_of_value(fit: &Identification, parameter: &Parameter) -> &'static st
 /// The statistics of readings as a table in SI units.
 #[must_use]
 pub fn readings_table(fit: &Identification) -> Table {
-    let cables = &fit.dataset.robot.cables;
     let all = reading_statistics(fit);
-    let moves = |one: &ReadingStatistics| Some(cables.get(one.moves?)?.name.clone());
-    let suspect = |one: &ReadingStatistics| if one.is_suspect { "yes" } else { "" }.to_owned();
-    let all = || all.iter();
-    Table::new("readings")
-        .numbers("pose", all().map(|one| one.pose as f64))
-        .texts("reading", all().map(|one| one.name.clone()))
-        .texts("unit", all().map(|one| one.unit.to_owned()))
-        .numbers("residual", all().map(|one| one.residual))
-        .numbers("sd", all().map(|one| one.sd))
-        .known("redundancy", all().map(|one| one.redundancy))
-        .known("normalised_residual", all().map(|one| one.normalised))
-        .known(
-            "smallest_detectable_error",
-            all().map(|one| one.smallest_error),
-        )
-        .known("influence_m", all().map(|one| one.influence_m))
-        .texts("moves", all().map(|one| moves(one).unwrap_or_default()))
-        .texts("suspect", all().map(suspect))
+    let rows: Vec<_> = all.iter().map(ReadingStatistics::cells).collect();
+    table("readings", &READINGS, &rows)
 }
 
 /// The statistics of values as a table in SI units.
 #[must_use]
 pub fn values_table(fit: &Identification) -> Table {
     let all = value_statistics(fit);
-    let all = || all.iter();
-    let end = |end: usize| all().map(move |one| one.interval.map(|ends| ends[end]));
-    Table::new("values")
-        .texts("parameter", all().map(|one| one.name.clone()))
-        .texts("unit", all().map(|one| one.unit.to_owned()))
-        .known("nominal", all().map(|one| one.nominal))
-        .numbers("value", all().map(|one| one.value))
-        .known("sd", all().map(|one| one.sd))
-        .known("prior_sd", all().map(|one| one.prior_sd))
-        .known("from_95", end(0))
-        .known("to_95", end(1))
+    let rows: Vec<_> = all.iter().map(ValueStatistics::cells).collect();
+    table("values", &VALUES, &rows)
+}
+
+fn table<const N: usize>(
+    name: &'static str,
+    columns: &[[&str; 3]; N],
+    rows: &[[Cell; N]],
+) -> Table {
+    let columns = columns.iter().map(|[name, ..]| *name).enumerate();
+    let columns = columns.filter(|(_, name)| !name.is_empty());
+    columns.fold(Table::new(name), |table, (place, name)| {
+        let text = |row: &[Cell; N]| match &row[place] {
+            Cell::Text([text, _]) => Some(text.clone()),
+            Cell::Number(..) => None,
+        };
+        let number = |row: &[Cell; N]| match row[place] {
+            Cell::Number([si, _], _) => si,
+            Cell::Text(_) => None,
+        };
+        match rows.iter().map(text).collect::<Option<Vec<String>>>() {
+            Some(texts) => table.texts(name, texts.into_iter()),
+            None => table.known(name, rows.iter().map(number)),
+        }
+    })
 }
 
 #[cfg(test)]

@@ -5,9 +5,9 @@ use emath::{Align2, Pos2, Rangef, Rect, Vec2, vec2};
 
 use super::canvas::{Canvas, Stroke};
 use super::colours::Colours;
-use super::figure::{Columns, Figure, Ink, Marker, Series};
+use super::figure::{Axis, Columns, Figure, Ink, Marker, Series};
 use super::heat::{SCALE_WIDTH, cells, colour_scale, limits};
-use super::scale::{Scale, Tick, fixed, scale_ticks, ticks};
+use super::scale::{Scale, Tick, fixed, scale_ticks};
 use super::thin::{Thinned, thin};
 use super::{Drawing, Selection};
 
@@ -17,8 +17,6 @@ pub const TEXT: f32 = 11.5;
 pub const GRID: f32 = 4.0;
 /// Largest number of markers with shapes of their own; more are drawn as small squares.
 const MOST_SHAPES: usize = 3000;
-/// Number of ticks of the y axis for which the lowest plot has room.
-const FEWEST_TICKS: usize = 4;
 /// Largest fraction of the height for title and legend; there is always room for two lines.
 const LEGEND: f32 = 0.34;
 /// Average width of a character, relative to the font size.
@@ -80,9 +78,7 @@ impl Layout {
         let is_long = x_title > 0.25 * whole.width();
         let bottom = if is_long { 2.0 * line } else { line } + GRID;
         let height = (whole.height() - top - bottom).max(16.0);
-        // Even a low plot has a scale.
-        let most = ((height / 28.0) as usize).max(FEWEST_TICKS);
-        let y_ticks = scale_ticks(&figure.y, view[1], most);
+        let y_ticks = legible_ticks(&figure.y, view[1], height, false);
         let widest = y_ticks.iter().map(|(_, text)| width(text));
         let left = widest.fold(16.0, f32::max) + 2.0 * GRID;
         let right = right_margin(figure, width);
@@ -90,13 +86,7 @@ impl Layout {
             whole.min + vec2(left, top),
             whole.min + vec2((whole.width() - right).max(left + 16.0), top + height),
         );
-        let longest = width(&fixed(view[0][1], (view[0][1] - view[0][0]) / 10.0)) + 6.0 * GRID;
-        let most = (plot.width() / longest.max(40.0)) as usize;
-        // Powers of ten alone could leave a short logarithmic axis without ticks.
-        let x_ticks = match figure.x.is_logarithmic {
-            true => scale_ticks(&figure.x, view[0], most),
-            false => ticks(&figure.x, view[0], most),
-        };
+        let x_ticks = legible_ticks(&figure.x, view[0], plot.width(), true);
         Self {
             x_title: match is_long || !figure.x.names.is_empty() {
                 true => f32::INFINITY,
@@ -179,66 +169,14 @@ pub fn legend(figure: &Figure, whole: Rect, width: &dyn Fn(&str) -> f32) -> Vec<
     entries
 }
 
-/// The points of a figure that are painted in a view; computed once per view, not per frame.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct VisiblePoints {
-    /// Points of each series.
-    pub thinned: Vec<Thinned>,
-    /// Points of the selected pose: series and index.
-    pub selected: Vec<(usize, usize)>,
-}
-
-impl VisiblePoints {
-    /// Computes the points to paint at a resolution.
-    #[must_use]
-    pub fn new(
-        figure: &Figure,
-        scale: &Scale,
-        selection: Selection,
-        pixels_per_point: f32,
-    ) -> Self {
-        let series = figure.series.iter();
-        let thinned = series.map(|series| thin(series, scale, pixels_per_point));
-        let selected = figure.series.iter().enumerate().flat_map(|(s, series)| {
-            let points = series.points().iter().enumerate();
-            points
-                .filter(|(_, point)| point.pose.is_some() && point.pose == selection.pose)
-                .map(move |(index, _)| (s, index))
-        });
-        Self {
-            thinned: thinned.collect(),
-            selected: selected.collect(),
-        }
-    }
-
-    /// Whether there are so many points that they are drawn as small squares.
-    #[must_use]
-    pub fn is_dense(&self) -> bool {
-        let counts = self.thinned.iter().map(|thinned| thinned.points.len());
-        counts.sum::<usize>() > MOST_SHAPES
-    }
-}
-
-/// The points of a figure, ready for painting.
-#[derive(Debug, Clone, Copy)]
+/// The points of a figure that are painted in a view.
+#[derive(Debug, Clone)]
 pub struct Points<'a> {
-    /// The figure.
-    pub figure: &'a Figure,
-    /// Displayed values and their rectangle.
-    pub scale: &'a Scale,
-    /// The points to paint.
-    pub visible: &'a VisiblePoints,
-    /// The highlighted cable and pose.
-    pub selection: Selection,
-    /// Colours.
-    pub colours: &'a Colours,
-}
-
-/// A figure ready for painting.
-#[derive(Debug, Clone, Copy)]
-struct Plot<'a> {
-    layout: &'a Layout,
-    points: Points<'a>,
+    figure: &'a Figure,
+    scale: Scale,
+    selection: Selection,
+    colours: &'a Colours,
+    thinned: Vec<Thinned>,
 }
 
 /// A drawing of `size` of the whole figure, with texts magnified by `scale`.
@@ -268,52 +206,44 @@ pub fn draw(
     colours: &Colours,
     pixels_per_point: f32,
 ) {
-    let scale = &layout.scale;
-    let visible = VisiblePoints::new(figure, scale, selection, pixels_per_point);
-    let points = Points {
+    let scale = layout.scale;
+    let plot = Plot {
         figure,
-        scale,
-        visible: &visible,
-        selection,
+        layout,
         colours,
     };
-    Plot { layout, points }.draw(canvas);
+    let points = Points::new(figure, scale, selection, colours, pixels_per_point);
+    canvas.clip(Some(scale.rect));
+    canvas.fill(scale.rect, colours.ground);
+    match &figure.heat {
+        Some(heat) => cells(canvas, heat, &scale, colours),
+        None => plot.grid(canvas),
+    }
+    plot.spans(canvas);
+    for columns in &figure.columns {
+        plot.histogram(canvas, columns);
+    }
+    points.draw(canvas, &|_| true);
+    plot.curves(canvas);
+    points.draw_selected(canvas);
+    canvas.clip(None);
+    plot.axes(canvas);
+    for entry in &layout.legend {
+        entry.draw(canvas, colours, selection, true);
+    }
+    if let Some(heat) = &figure.heat {
+        colour_scale(canvas, heat, scale.rect, colours);
+    }
 }
 
-impl<'a> std::ops::Deref for Plot<'a> {
-    type Target = Points<'a>;
-
-    fn deref(&self) -> &Self::Target {
-        &self.points
-    }
+/// A figure ready for painting.
+struct Plot<'a> {
+    figure: &'a Figure,
+    layout: &'a Layout,
+    colours: &'a Colours,
 }
 
 impl Plot<'_> {
-    fn draw(&self, canvas: &mut dyn Canvas) {
-        let scale = &self.layout.scale;
-        canvas.clip(Some(scale.rect));
-        canvas.fill(scale.rect, self.colours.ground);
-        match &self.figure.heat {
-            Some(heat) => cells(canvas, heat, scale, self.colours),
-            None => self.grid(canvas),
-        }
-        self.spans(canvas);
-        for columns in &self.figure.columns {
-            self.histogram(canvas, columns);
-        }
-        self.points.draw(canvas, &|_| true);
-        self.curves(canvas);
-        self.points.draw_selected(canvas);
-        canvas.clip(None);
-        self.axes(canvas);
-        for entry in &self.layout.legend {
-            entry.draw(canvas, self.colours, self.selection, true);
-        }
-        if let Some(heat) = &self.figure.heat {
-            colour_scale(canvas, heat, scale.rect, self.colours);
-        }
-    }
-
     /// Marks ranges of x; a short range is at least a line.
     fn spans(&self, canvas: &mut dyn Canvas) {
         let scale = &self.layout.scale;
@@ -372,10 +302,7 @@ impl Plot<'_> {
     fn curves(&self, canvas: &mut dyn Canvas) {
         for curve in &self.figure.curves {
             let stroke = Stroke::new(1.75, curve.ink.colour(self.colours));
-            let pieces = curve
-                .points
-                .split(|[x, y]| !(x.is_finite() && y.is_finite()));
-            for piece in pieces.filter(|piece| piece.len() > 1) {
+            for piece in curve.pieces() {
                 let places = piece.iter().map(|[x, y]| self.layout.scale.place(*x, *y));
                 canvas.line(&places.collect::<Vec<_>>(), stroke, curve.dashed);
             }
@@ -387,25 +314,13 @@ impl Plot<'_> {
         let plot = layout.scale.rect;
         let edges = [plot.left_top(), plot.left_bottom(), plot.right_bottom()];
         canvas.line(&edges, Stroke::new(1.0, colours.line), false);
-        let spans = layout.x_ticks.iter().map(|(value, text)| {
-            let x = layout.scale.x(*value);
-            let half = 0.3 * TEXT * text.chars().count() as f32;
-            Rangef::new(x - half, x + half + GRID)
-        });
-        let fits = apart(spans.collect(), &layout.x_ticks);
-        for ((value, text), span) in layout.x_ticks.iter().zip(fits) {
-            if span.is_none_or(|span| span.max + GRID > layout.x_title) {
-                continue;
-            }
+        for (value, text) in &layout.x_ticks {
             let at = Pos2::new(layout.scale.x(*value), plot.max.y + GRID);
-            canvas.text(at, Align2::CENTER_TOP, text, TEXT, colours.muted);
+            if at.x + half_width(text) + 2.0 * GRID <= layout.x_title {
+                canvas.text(at, Align2::CENTER_TOP, text, TEXT, colours.muted);
+            }
         }
-        let spans = layout.y_ticks.iter().map(|(value, _)| {
-            let y = layout.scale.y(*value);
-            Rangef::new(y - 0.5 * TEXT, y + 0.5 * TEXT)
-        });
-        let fits = apart(spans.collect(), &layout.y_ticks);
-        for ((value, text), _) in layout.y_ticks.iter().zip(fits).filter(|(_, s)| s.is_some()) {
+        for (value, text) in &layout.y_ticks {
             let at = Pos2::new(plot.min.x - GRID, layout.scale.y(*value));
             canvas.text(at, Align2::RIGHT_CENTER, text, TEXT, colours.muted);
         }
@@ -420,93 +335,91 @@ impl Plot<'_> {
     }
 }
 
-impl Points<'_> {
-    /// Paints the series that are shown.
+impl<'a> Points<'a> {
+    /// Chooses the points to paint at a resolution.
+    #[must_use]
+    pub fn new(
+        figure: &'a Figure,
+        scale: Scale,
+        selection: Selection,
+        colours: &'a Colours,
+        pixels_per_point: f32,
+    ) -> Self {
+        let series = figure.series.iter();
+        let thinned = series.map(|series| thin(series, &scale, pixels_per_point));
+        Self {
+            figure,
+            scale,
+            selection,
+            colours,
+            thinned: thinned.collect(),
+        }
+    }
+
+    /// Paints the series that are shown, the selected cable over the others.
     pub fn draw(&self, canvas: &mut dyn Canvas, is_shown: &dyn Fn(&Series) -> bool) {
-        let is_dense = self.visible.is_dense();
-        for (index, is_dimmed) in self.order() {
-            if !is_shown(&self.figure.series[index]) {
+        let counts = self.thinned.iter().map(|thinned| thinned.points.len());
+        let is_dense = counts.sum::<usize>() > MOST_SHAPES;
+        let selected = self.selection.cable;
+        for is_top in [false, true] {
+            for (series, thinned) in self.figure.series.iter().zip(&self.thinned) {
+                let is_selected = series.cable.is_some() && series.cable == selected;
+                if is_selected == is_top && is_shown(series) {
+                    let is_dimmed = selected.is_some() && series.cable.is_some() && !is_top;
+                    self.series(canvas, (series, thinned), is_dimmed, is_dense);
+                }
+            }
+        }
+    }
+
+    /// Paints a series; where points are dense, as small squares.
+    fn series(
+        &self,
+        canvas: &mut dyn Canvas,
+        (series, thinned): (&Series, &Thinned),
+        is_dimmed: bool,
+        is_dense: bool,
+    ) {
+        let strength = if is_dimmed { 0.3 } else { 1.0 };
+        let used = series.ink.colour(self.colours).gamma_multiply(strength);
+        let excluded = self.colours.muted.gamma_multiply(0.6 * strength);
+        crowded(thinned, used, canvas);
+        for index in &thinned.points {
+            let point = series.points()[*index];
+            let colour = if point.excluded { excluded } else { used };
+            let at = self.scale.place(point.x, point.y);
+            if is_dense {
+                canvas.fill(Rect::from_center_size(at, Vec2::splat(2.0)), colour);
                 continue;
             }
-            if is_dense {
-                self.dots(canvas, index, is_dimmed);
+            let stroke = Stroke::new(1.0, colour.gamma_multiply(0.7));
+            let [dx, dy] = point.sd;
+            for (dx, dy) in [(dx, 0.0), (0.0, dy)] {
+                if dx != 0.0 || dy != 0.0 {
+                    let end = |s: f64| self.scale.place(point.x + s * dx, point.y + s * dy);
+                    canvas.line(&[end(-1.0), end(1.0)], stroke, false);
+                }
+            }
+            if series.hollow {
+                canvas.ring(at, 3.25, Stroke::new(1.25, colour));
             } else {
-                self.markers(canvas, index, is_dimmed);
+                canvas.marker(at, series.marker, 3.25, colour);
             }
         }
     }
 
     /// Rings around the points of the selected pose.
     pub fn draw_selected(&self, canvas: &mut dyn Canvas) {
-        for (s, index) in &self.visible.selected {
-            let series = &self.figure.series[*s];
-            let point = series.points()[*index];
-            let cable = self.selection.cable;
+        let Selection { cable, pose } = self.selection;
+        for series in &self.figure.series {
             let colour = match cable.is_none() || cable == series.cable {
                 true => self.colours.accent,
                 false => self.colours.muted,
             };
-            let at = self.scale.place(point.x, point.y);
-            canvas.ring(at, 6.5, Stroke::new(1.75, colour));
-        }
-    }
-
-    /// The series in painting order, with the selected cable last and thus on top; and
-    /// whether each is dimmed.
-    fn order(&self) -> impl Iterator<Item = (usize, bool)> {
-        let selected = self.selection.cable;
-        let is_selected = move |series: &Series| series.cable.is_some() && series.cable == selected;
-        [false, true].into_iter().flat_map(move |is_top| {
-            let series = self.figure.series.iter().enumerate();
-            let series = series.filter(move |(_, series)| is_selected(series) == is_top);
-            series.map(move |(index, series)| {
-                let is_dimmed = selected.is_some() && series.cable.is_some() && !is_top;
-                (index, is_dimmed)
-            })
-        })
-    }
-
-    /// Colours of a series and of its unused points.
-    fn colours(&self, series: &Series, is_dimmed: bool) -> [Color32; 2] {
-        let strength = if is_dimmed { 0.3 } else { 1.0 };
-        let colour = series.ink.colour(self.colours).gamma_multiply(strength);
-        [colour, self.colours.muted.gamma_multiply(0.6 * strength)]
-    }
-
-    /// Paints the points as small squares, for very many points.
-    fn dots(&self, canvas: &mut dyn Canvas, index: usize, is_dimmed: bool) {
-        let (series, thinned) = (&self.figure.series[index], &self.visible.thinned[index]);
-        let [colour, excluded] = self.colours(series, is_dimmed);
-        crowded(thinned, colour, canvas);
-        for index in &thinned.points {
-            let point = series.points()[*index];
-            let colour = if point.excluded { excluded } else { colour };
-            let at = self.scale.place(point.x, point.y);
-            canvas.fill(Rect::from_center_size(at, Vec2::splat(2.0)), colour);
-        }
-    }
-
-    fn markers(&self, canvas: &mut dyn Canvas, index: usize, is_dimmed: bool) {
-        let (series, thinned) = (&self.figure.series[index], &self.visible.thinned[index]);
-        let scale = self.scale;
-        let [colour, excluded] = self.colours(series, is_dimmed);
-        crowded(thinned, colour, canvas);
-        for index in &thinned.points {
-            let point = series.points()[*index];
-            let colour = if point.excluded { excluded } else { colour };
-            if point.sd != [0.0, 0.0] {
-                let stroke = Stroke::new(1.0, colour.gamma_multiply(0.7));
-                let [dx, dy] = point.sd;
-                for (dx, dy) in [(dx, 0.0), (0.0, dy)] {
-                    let ends = [-1.0, 1.0].map(|s| scale.place(point.x + s * dx, point.y + s * dy));
-                    canvas.line(&ends, stroke, false);
-                }
-            }
-            let at = scale.place(point.x, point.y);
-            if series.hollow {
-                canvas.ring(at, 3.25, Stroke::new(1.25, colour));
-            } else {
-                canvas.marker(at, series.marker, 3.25, colour);
+            let points = series.points().iter();
+            for point in points.filter(|point| pose.is_some() && point.pose == pose) {
+                let at = self.scale.place(point.x, point.y);
+                canvas.ring(at, 6.5, Stroke::new(1.75, colour));
             }
         }
     }
@@ -556,21 +469,41 @@ impl Entry {
     }
 }
 
-/// Selects the labels to draw so that none overlaps another. Where names are too close, numbers of cables,
-/// which are short, take precedence over long names.
-pub fn apart(spans: Vec<Rangef>, ticks: &[Tick]) -> Vec<Option<Rangef>> {
-    let mut order: Vec<usize> = (0..spans.len()).collect();
-    let is_number = |k: &usize| ticks[*k].1.parse::<f64>().is_ok();
-    order.sort_by_key(|k| !is_number(k));
-    let mut kept: Vec<Option<Rangef>> = vec![None; spans.len()];
+/// Half the width of a tick's text.
+fn half_width(text: &str) -> f32 {
+    0.3 * TEXT * text.chars().count() as f32
+}
+
+/// The ticks of an axis of a length whose texts do not overlap. Where names are too close, numbers of cables, which are
+/// short, take precedence over long names.
+#[must_use]
+pub fn legible_ticks(axis: &Axis, view: [f64; 2], length: f32, is_x: bool) -> Vec<Tick> {
+    // Even a low plot has a scale.
+    let most = match is_x {
+        true => length / 64.0,
+        false => (length / 28.0).max(4.0),
+    };
+    let ticks = scale_ticks(axis, view, most as usize);
+    let mut order: Vec<usize> = (0..ticks.len()).collect();
+    order.sort_by_key(|k| ticks[*k].1.parse::<f64>().is_err());
+    let mut taken: Vec<Option<Rangef>> = vec![None; ticks.len()];
     for k in order {
-        let span = spans[k];
+        let (value, text) = &ticks[k];
+        let at = ((value - view[0]) / (view[1] - view[0])) as f32 * length;
+        let half = match is_x {
+            true => half_width(text) + 0.5 * GRID,
+            false => 0.5 * TEXT,
+        };
+        let span = Rangef::new(at - half, at + half);
         let is_free = |other: &Rangef| span.max <= other.min || span.min >= other.max;
-        if kept.iter().flatten().all(is_free) {
-            kept[k] = Some(span);
+        if taken.iter().flatten().all(is_free) {
+            taken[k] = Some(span);
         }
     }
-    kept
+    let ticks = ticks.into_iter().zip(taken);
+    ticks
+        .filter_map(|(tick, taken)| taken.map(|_| tick))
+        .collect()
 }
 
 /// Fills the pixel columns that contain more points than are painted.

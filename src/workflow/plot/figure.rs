@@ -112,6 +112,15 @@ impl Axis {
         }
     }
 
+    /// An axis with logarithms to base 10.
+    #[must_use]
+    pub fn logarithmic(label: impl Into<String>, unit: &'static str) -> Self {
+        Self {
+            is_logarithmic: true,
+            ..Self::new(label, unit)
+        }
+    }
+
     /// The number that a value on the axis represents.
     #[must_use]
     pub fn number(&self, value: f64) -> f64 {
@@ -236,6 +245,25 @@ pub struct Curve {
     pub points: Vec<[f64; 2]>,
 }
 
+impl Curve {
+    /// A solid line.
+    #[must_use]
+    pub fn new(name: impl Into<String>, ink: Ink, points: Vec<[f64; 2]>) -> Self {
+        Self {
+            name: name.into(),
+            ink,
+            dashed: false,
+            points,
+        }
+    }
+
+    /// Its pieces between interruptions.
+    pub fn pieces(&self) -> impl Iterator<Item = &[[f64; 2]]> {
+        let is_gap = |[x, y]: &[f64; 2]| !(x.is_finite() && y.is_finite());
+        self.points.split(is_gap).filter(|piece| piece.len() > 1)
+    }
+}
+
 /// A histogram.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
@@ -301,6 +329,15 @@ pub struct Band {
     pub name: String,
     /// Lower and upper edge.
     pub y: [f64; 2],
+}
+
+impl Band {
+    /// A band between two values.
+    #[must_use]
+    pub fn new(name: impl Into<String>, y: [f64; 2]) -> Self {
+        let name = name.into();
+        Self { name, y }
+    }
 }
 
 /// A plot as data.
@@ -399,10 +436,7 @@ mod tests {
         );
         let figure = Figure {
             series: vec![series],
-            bands: vec![Band {
-                name: String::new(),
-                y: [-9.0, 9.0],
-            }],
+            bands: vec![Band::new("", [-9.0, 9.0])],
             ..Figure::default()
         };
         let [x, y] = figure.whole();

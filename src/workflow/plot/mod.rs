@@ -1,7 +1,7 @@
 //! Plots: a [`Figure`] is data. The window shows it with `egui_plot`, which needs a window; [`draw::draw`] paints it on any
 //! [`Canvas`] for exported files and reports.
 //!
-//! [`Layout`] places axes, ticks and legend; [`VisiblePoints`] holds the points worth painting in a view. `emath` and
+//! [`Layout`] places axes, ticks and legend; [`draw::Points`] chooses the points worth painting in a view. `emath` and
 //! `ecolor` are the geometry and the colours of egui without its widgets, so that the window needs no conversion.
 
 pub mod canvas;
@@ -20,7 +20,7 @@ pub mod thin;
 
 pub use canvas::{Canvas, Stroke};
 pub use colours::Colours;
-pub use draw::{Layout, VisiblePoints};
+pub use draw::Layout;
 pub use drawing::Drawing;
 pub use figure::Figure;
 pub use heat::limits;

@@ -225,10 +225,7 @@ mod tests {
             ["\u{2212}0.2", "0.0", "0.2"]
         );
         assert_eq!(texts(&plain, [0.0, 41.0], 5), ["0", "10", "20", "30", "40"]);
-        let logarithmic = Axis {
-            is_logarithmic: true,
-            ..Axis::default()
-        };
+        let logarithmic = Axis::logarithmic("", "");
         assert_eq!(texts(&logarithmic, [0.5, 3.2], 6), ["10", "100", "1000"]);
         let names = Axis {
             names: vec![(1.0, "one".into()), (9.0, "nine".into())],
@@ -246,10 +243,7 @@ mod tests {
 
     #[test]
     fn a_scale_has_three_ticks_wherever_one_looks() {
-        let logarithmic = Axis {
-            is_logarithmic: true,
-            ..Axis::default()
-        };
+        let logarithmic = Axis::logarithmic("", "");
         let texts = |range| -> Vec<String> {
             let ticks = scale_ticks(&logarithmic, range, 4);
             ticks.into_iter().map(|(_, text)| text).collect()

@@ -22,7 +22,7 @@ use tautline_workflow::plot::{Drawing, Figure, Layout as PlotLayout};
 const NARROW: f32 = 420.0;
 
 /// Options, cursor readings and buttons.
-pub fn options(
+pub(crate) fn options(
     ui: &mut Ui,
     (model, open): (&Model, &OpenSession),
     plots: &mut PlotState,

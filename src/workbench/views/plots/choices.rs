@@ -9,7 +9,7 @@ use crate::model::plot_preparation::Prepared;
 
 /// Unit of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ResidualUnit {
+pub(crate) enum ResidualUnit {
     /// Their own standard deviations.
     #[default]
     Deviations,
@@ -18,7 +18,7 @@ pub enum ResidualUnit {
 
 /// What is shown of tensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum TensionsShown {
+pub(crate) enum TensionsShown {
     /// What the sensors read.
     #[default]
     Measured,
@@ -28,7 +28,7 @@ pub enum TensionsShown {
 
 /// What is shown over time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum CourseReading {
+pub(crate) enum CourseReading {
     /// How much longer each cable is than at the first pose.
     #[default]
     Lengths,
@@ -41,19 +41,18 @@ pub enum CourseReading {
 
 /// What is plotted along what.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct VariableChoice {
+pub(crate) struct VariableChoice {
     /// Kind of reading.
-    pub quantity: Quantity,
+    pub(crate) quantity: Quantity,
     /// Cable, if the reading is a cable's.
-    pub cable: Option<usize>,
+    pub(crate) cable: Option<usize>,
     /// Along what.
-    pub variable: Variable,
+    pub(crate) variable: Variable,
 }
 
 impl VariableChoice {
     /// The strongest dependence found, or the length of the first cable.
-    #[must_use]
-    pub fn first(prepared: &Prepared, diagnosed: Option<&Diagnosed>) -> Option<Self> {
+    pub(crate) fn first(prepared: &Prepared, diagnosed: Option<&Diagnosed>) -> Option<Self> {
         let found = diagnosed.and_then(|found| found.diagnosis.discrepancies.first());
         let strongest = found.map(|d| Self {
             quantity: d.quantity,
@@ -80,8 +79,7 @@ impl VariableChoice {
     }
 
     /// Values of the variable by row, if they are known.
-    #[must_use]
-    pub fn values(self, prepared: &Prepared) -> Option<&[f64]> {
+    pub(crate) fn values(self, prepared: &Prepared) -> Option<&[f64]> {
         let mut along = prepared.along.iter();
         let group = along.find(|a| (a.quantity, a.cable) == (self.quantity, self.cable))?;
         let mut variables = group.variables.iter();

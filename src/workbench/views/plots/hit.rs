@@ -14,17 +14,21 @@ const REACH: f32 = 9.0;
 
 /// A point of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Hit {
+pub(crate) struct Hit {
     /// Index of the series.
-    pub series: usize,
+    pub(crate) series: usize,
     /// Index of the point in it.
-    pub point: usize,
+    pub(crate) point: usize,
 }
 
 /// The point that is nearest to a place, drawn or covered by others; of points that are equally near, that of the
 /// selected cable. Points stand in the order of x, so that only those within reach are looked at.
-#[must_use]
-pub fn nearest(figure: &Figure, scale: &Scale, place: Pos2, selection: Selection) -> Option<Hit> {
+pub(crate) fn nearest(
+    figure: &Figure,
+    scale: &Scale,
+    place: Pos2,
+    selection: Selection,
+) -> Option<Hit> {
     let mut best: Option<(f32, Hit)> = None;
     let [from, to] =
         [place.x - REACH, place.x + REACH].map(|x| scale.values(Pos2::new(x, place.y))[0]);
@@ -50,8 +54,7 @@ pub fn nearest(figure: &Figure, scale: &Scale, place: Pos2, selection: Selection
 }
 
 /// Cable and pose of a point.
-#[must_use]
-pub fn selects(figure: &Figure, hit: Hit) -> Selection {
+pub(crate) fn selects(figure: &Figure, hit: Hit) -> Selection {
     let series = &figure.series[hit.series];
     Selection {
         cable: series.cable,
@@ -60,8 +63,7 @@ pub fn selects(figure: &Figure, hit: Hit) -> Selection {
 }
 
 /// Tooltip of a point.
-#[must_use]
-pub fn words(figure: &Figure, hit: Hit, scale: &Scale) -> String {
+pub(crate) fn words(figure: &Figure, hit: Hit, scale: &Scale) -> String {
     let series = &figure.series[hit.series];
     let point = series.points()[hit.point];
     let mut lines = vec![series.name.clone()];
@@ -93,8 +95,7 @@ fn line(axis: &Axis, value: f64, sd: f64, view: [f64; 2]) -> String {
 }
 
 /// Tooltip of a cell of a heat map.
-#[must_use]
-pub fn cell_words(figure: &Figure, [x, y]: [f64; 2]) -> Option<String> {
+pub(crate) fn cell_words(figure: &Figure, [x, y]: [f64; 2]) -> Option<String> {
     let heat = figure.heat.as_ref()?;
     let (column, row, value) = heat.cell(x, y)?;
     let limits = limits(heat.shades);
@@ -115,8 +116,8 @@ mod tests {
     use egui::Rect;
 
     use super::*;
-    use tautline_workflow::plot::VisiblePoints;
     use tautline_workflow::plot::figure::{Point, Series};
+    use tautline_workflow::plot::thin::thin;
 
     #[test]
     fn a_point_that_is_not_drawn_is_found_all_the_same() {
@@ -135,8 +136,8 @@ mod tests {
             ..Figure::default()
         };
         let selection = Selection::default();
-        let seen = VisiblePoints::new(&figure, &scale, selection, 1.0);
-        assert!(!seen.thinned[0].points.contains(&43_210), "it is covered");
+        let seen = thin(&figure.series[0], &scale, 1.0);
+        assert!(!seen.points.contains(&43_210), "it is covered");
         let place = scale.place(43_210.0, 0.1);
         let hit = nearest(&figure, &scale, place, selection).expect("a point");
         assert_eq!(selects(&figure, hit).pose, Some(43_210));

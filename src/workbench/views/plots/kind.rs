@@ -13,7 +13,7 @@ use crate::model::OpenSession;
 use crate::model::open_session::Diagnosed;
 use crate::model::plot_preparation::{Preparation, Prepared};
 
-pub struct PlotKind {
+pub(crate) struct PlotKind {
     /// Name in preferences.
     pub(crate) id: &'static str,
     /// Label in the window.

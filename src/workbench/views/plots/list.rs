@@ -10,7 +10,7 @@ use super::sources::{
 use super::{scope, statistics};
 
 /// All kinds, from the left.
-pub static PLOTS: [&PlotKind; 12] = [
+pub(crate) static PLOTS: [&PlotKind; 12] = [
     &residuals::PLOT,
     &variable::PLOT,
     &laser::PLOT,
@@ -26,8 +26,7 @@ pub static PLOTS: [&PlotKind; 12] = [
 ];
 
 /// The kind with this name in preferences.
-#[must_use]
-pub fn find(id: &str) -> Option<&'static PlotKind> {
+pub(crate) fn find(id: &str) -> Option<&'static PlotKind> {
     PLOTS.into_iter().find(|kind| kind.id == id)
 }
 

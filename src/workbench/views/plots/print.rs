@@ -24,7 +24,7 @@ const MARGIN: f32 = 8.0;
 ///
 /// # Errors
 /// One sentence, if there is no OpenGL.
-pub fn png(picture: &PlotPicture) -> Result<Vec<u8>, String> {
+pub(crate) fn png(picture: &PlotPicture) -> Result<Vec<u8>, String> {
     // Text of the screen's size becomes text of the printed size.
     let width = (WIDTH_M * POINTS * f64::from(TEXT) / PRINTED_TEXT) as f32;
     let size = vec2(width, width / picture.aspect.clamp(0.5, 4.0));

@@ -65,7 +65,7 @@ struct Shown {
 
 /// State of the scope between frames.
 #[derive(Debug, Default)]
-pub struct ScopeState {
+pub(crate) struct ScopeState {
     /// What is shown where there is no room for all.
     chosen: Graph,
     /// The graphs, by what they depend on: the moment and the selected cable.
@@ -162,10 +162,7 @@ fn figure(scope: &Scope, graph: Graph, selected: Option<usize>) -> Figure {
         Graph::Tensions => Axis::new("Tension", "N"),
         Graph::Laser => Axis::new("Laser distance", "mm"),
         Graph::Revolutions => Axis::new("Revolutions", ""),
-        Graph::Speed => Axis {
-            is_logarithmic: true,
-            ..Axis::new("Speed", "limit = 1")
-        },
+        Graph::Speed => Axis::logarithmic("Speed", "limit = 1"),
     };
     let mut figure = Figure {
         x: Axis::new("Time", "s"),
@@ -177,7 +174,7 @@ fn figure(scope: &Scope, graph: Graph, selected: Option<usize>) -> Figure {
         Graph::Revolutions => cables(&mut figure, scope, selected, Channel::Revolutions),
         Graph::Laser => {
             let points = line(scope.extents(Channel::Laser), |metres| metres * 1e3);
-            figure.curves.push(curve("", Ink::Accent, points));
+            figure.curves.push(Curve::new("", Ink::Accent, points));
         }
         Graph::Speed => {
             let inks = [Ink::Accent, Ink::Warning, Ink::Muted];
@@ -190,13 +187,10 @@ fn figure(scope: &Scope, graph: Graph, selected: Option<usize>) -> Figure {
                 let decade = |speed: f64| speed.log10().clamp(DECADES[0], DECADES[1]);
                 let points = line(scope.extents(Channel::Speed(reading)), decade);
                 if !points.is_empty() {
-                    figure.curves.push(curve(name, ink, points));
+                    figure.curves.push(Curve::new(name, ink, points));
                 }
             }
-            figure.bands.push(Band {
-                name: "still".into(),
-                y: [DECADES[0], 0.0],
-            });
+            figure.bands.push(Band::new("still", [DECADES[0], 0.0]));
         }
     }
     figure
@@ -221,16 +215,7 @@ fn cables(
         let name = scope.names().nth(index).unwrap_or_default();
         figure
             .curves
-            .push(curve(&cable_label(index, name), ink, points));
-    }
-}
-
-fn curve(name: &str, ink: Ink, points: Vec<[f64; 2]>) -> Curve {
-    Curve {
-        name: name.to_owned(),
-        ink,
-        dashed: false,
-        points,
+            .push(Curve::new(cable_label(index, name), ink, points));
     }
 }
 

@@ -9,8 +9,7 @@ use tautline_workflow::plot::{Canvas, Colours, Stroke};
 use crate::theme::Palette;
 
 /// Colours of plots in a theme.
-#[must_use]
-pub fn colours(palette: &Palette) -> Colours {
+pub(crate) fn colours(palette: &Palette) -> Colours {
     let [below, _, above] = palette.diverging;
     Colours {
         ground: palette.ground,
@@ -26,7 +25,7 @@ pub fn colours(palette: &Palette) -> Colours {
 }
 
 /// Measures texts of plots.
-pub fn text_width(painter: &Painter) -> impl Fn(&str) -> f32 + '_ {
+pub(crate) fn text_width(painter: &Painter) -> impl Fn(&str) -> f32 + '_ {
     |text| {
         let font = FontId::proportional(TEXT);
         let galley = painter.layout_no_wrap(text.to_owned(), font, Color32::WHITE);
@@ -35,7 +34,7 @@ pub fn text_width(painter: &Painter) -> impl Fn(&str) -> f32 + '_ {
 }
 
 /// The screen. Rectangles that follow each other are one mesh: heat maps and dense data have thousands.
-pub struct Screen {
+pub(crate) struct Screen {
     painter: Painter,
     whole: Rect,
     rects: Mesh,
@@ -43,8 +42,7 @@ pub struct Screen {
 }
 
 impl Screen {
-    #[must_use]
-    pub fn new(painter: Painter) -> Self {
+    pub(crate) fn new(painter: Painter) -> Self {
         Self {
             whole: painter.clip_rect(),
             painter,
@@ -54,7 +52,7 @@ impl Screen {
     }
 
     /// The shapes so far, instead of painting them.
-    pub fn into_shapes(mut self) -> Vec<Shape> {
+    pub(crate) fn into_shapes(mut self) -> Vec<Shape> {
         self.end_mesh();
         std::mem::take(&mut self.shapes)
     }

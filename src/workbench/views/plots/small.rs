@@ -7,8 +7,8 @@ use super::view::{PlotEvent, PlotInput, PlotView};
 use crate::model::Selection;
 
 /// Draws a figure over the whole width of a panel, `height` points high; `name` is its accessible name. Returns the cable
-/// and pose of a clicked point.
-pub fn show(
+/// and pose of a clicked point; neither where a click beside all points or Escape clears the selection.
+pub(crate) fn show(
     ui: &mut Ui,
     name: &str,
     figure: &Figure,
@@ -32,10 +32,11 @@ pub fn show(
     let output = view.lock().show(ui, &input);
     ui.data_mut(|data| data.insert_temp(id, view));
     output.events.into_iter().find_map(|event| match event {
-        PlotEvent::Selected(selection) if !selection.is_empty() => Some(selection),
+        PlotEvent::Selected(selection) => Some(selection),
         _ => None,
     })
 }
+
 #[cfg(test)]
 mod tests {
     use egui_kittest::Harness;
@@ -54,31 +55,24 @@ mod tests {
         Figure {
             x: Axis::new("Length", "m"),
             y: Axis::new("Residual", "mm"),
-            bands: vec![Band {
-                name: "within 0.1 mm".into(),
-                y: [-0.1, 0.1],
-            }],
+            bands: vec![Band::new("within 0.1 mm", [-0.1, 0.1])],
             series: vec![Series::of_cable(2, "cable-3", (0..5).map(point).collect())],
-            curves: vec![Curve {
-                name: "fit".into(),
-                ink: Ink::Text,
-                dashed: false,
-                points: vec![[0.0, -0.1], [4.0, 0.1]],
-            }],
+            curves: vec![Curve::new("fit", Ink::Text, vec![[0.0, -0.1], [4.0, 0.1]])],
             has_zero_line: true,
             ..Figure::default()
         }
     }
 
     #[test]
-    fn a_click_on_a_point_selects_its_cable_and_pose() {
+    fn a_click_on_a_point_selects_its_cable_and_pose_and_escape_clears_them() {
         let mut harness = Harness::builder()
             .with_size(vec2(320.0, 180.0))
             .build_ui_state(
                 |ui, (clicked, id): &mut (Option<Selection>, Option<egui::Id>)| {
                     theme::install(ui.ctx());
                     *id = Some(ui.make_persistent_id("Winch 3").with("plot"));
-                    let found = show(ui, "Winch 3", &figure(), 160.0, Selection::default());
+                    let selection = clicked.unwrap_or_default();
+                    let found = show(ui, "Winch 3", &figure(), 160.0, selection);
                     *clicked = found.or(*clicked);
                 },
                 (None, None),
@@ -99,5 +93,10 @@ mod tests {
             pose: Some(2),
         };
         assert_eq!(harness.state().0, Some(expected));
+        harness.hover_at(place);
+        harness.run();
+        harness.key_press(egui::Key::Escape);
+        harness.run();
+        assert_eq!(harness.state().0, Some(Selection::default()));
     }
 }

@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use three_d::context as gl;
 use three_d::{
-    Blend, ClearState, Context, ElementBuffer, InstanceBuffer, Mat4, Program, RenderStates,
-    RenderTarget, Vec2, Vec3, VertexBuffer, Viewport, WriteMask, vec2, vec3,
+    Blend, ClearState, Context, EffectMaterialId, InstanceBuffer, InstancedMesh, Instances, Light,
+    Mat4, Material, MaterialType, Program, RenderStates, RenderTarget, Vec2, Vec3, Viewer,
+    Viewport, WriteMask, vec2, vec3,
 };
 
 use super::camera::Camera;
 use super::drawing::{Drawing, Lines, Points};
 use super::framebuffer::{Framebuffer, PixelBox, is_software};
-use super::mesh::Triangles;
+use super::parts::{Part, Shape};
 
 /// What a picture depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,22 +28,71 @@ pub struct PictureKey {
     pub moves: bool,
 }
 
-struct TriangleBuffers {
-    positions: VertexBuffer<[f32; 3]>,
-    normals: VertexBuffer<[f32; 3]>,
-    colours: VertexBuffer<[f32; 4]>,
-    indices: ElementBuffer<u32>,
-}
+/// Parts, by their shapes.
+struct PartBuffers([InstancedMesh; Shape::ALL.len()]);
 
-impl TriangleBuffers {
-    fn new(context: &Context, triangles: &Triangles) -> Self {
-        Self {
-            positions: VertexBuffer::new_with_data(context, &triangles.positions),
-            normals: VertexBuffer::new_with_data(context, &triangles.normals),
-            colours: VertexBuffer::new_with_data(context, &triangles.colours),
-            indices: ElementBuffer::new_with_data(context, triangles.indices.as_flattened()),
+impl PartBuffers {
+    fn new(context: &Context) -> Self {
+        let none = Instances::default();
+        Self(Shape::ALL.map(|shape| InstancedMesh::new(context, &none, shape.mesh())))
+    }
+
+    fn fill(&mut self, parts: &[Part]) {
+        for (shape, mesh) in Shape::ALL.into_iter().zip(&mut self.0) {
+            let parts = parts.iter().filter(|part| part.shape == shape);
+            let (places, colours) = parts.map(|part| (single(part), part.colour)).unzip();
+            mesh.set_instances(&Instances {
+                transformations: places,
+                colors: Some(colours),
+                ..Instances::default()
+            });
         }
     }
+}
+
+/// Dull paint, lit from everywhere and by a lamp: where the processor draws, three-d's own makes a picture half as dear again.
+struct Paint {
+    lamp: Vec3,
+    is_transparent: bool,
+}
+
+impl Material for Paint {
+    fn fragment_shader_source(&self, _: &[&dyn Light]) -> String {
+        include_str!("shaders/solid.frag").to_owned()
+    }
+
+    fn id(&self) -> EffectMaterialId {
+        EffectMaterialId(0)
+    }
+
+    fn use_uniforms(&self, program: &Program, viewer: &dyn Viewer, _: &[&dyn Light]) {
+        program.use_uniform("eye", viewer.position());
+        program.use_uniform("lamp", self.lamp);
+    }
+
+    fn render_states(&self) -> RenderStates {
+        if !self.is_transparent {
+            return RenderStates::default();
+        }
+        RenderStates {
+            write_mask: WriteMask::COLOR,
+            blend: Blend::TRANSPARENCY,
+            ..RenderStates::default()
+        }
+    }
+
+    fn material_type(&self) -> MaterialType {
+        match self.is_transparent {
+            true => MaterialType::Transparent,
+            false => MaterialType::Opaque,
+        }
+    }
+}
+
+/// Where a part stands, as the graphics card takes it.
+fn single(part: &Part) -> Mat4 {
+    let columns: [[f32; 4]; 4] = part.base_from_shape.cast::<f32>().into();
+    columns.into()
 }
 
 struct LineBuffers {
@@ -86,8 +136,6 @@ impl PointBuffers {
 /// A drawing on the graphics card.
 struct Loaded {
     number: u64,
-    solids: TriangleBuffers,
-    glass: TriangleBuffers,
     lines: LineBuffers,
     points: PointBuffers,
 }
@@ -102,7 +150,8 @@ struct LoadedPoses {
 struct Card {
     context: Context,
     is_software: bool,
-    solid: Program,
+    solids: PartBuffers,
+    glass: PartBuffers,
     line: Program,
     point: Program,
     loaded: Option<Loaded>,
@@ -119,39 +168,35 @@ pub struct Gpu {
     draws: u64,
 }
 
-/// Uniforms that all programs of a picture share.
+/// What all programs of a picture share.
 struct Look {
-    clip_from_base: Mat4,
+    camera: three_d::Camera,
     eye: Vec3,
-    light: Vec3,
+    lamp: Vec3,
     size: Vec2,
     scale: f32,
     moves: bool,
     lift: f32,
     opening: f32,
-    viewport: Viewport,
 }
 
 impl Look {
     fn new(key: &PictureKey, drawing: &Drawing) -> Self {
         let [width, height] = key.size;
-        let aspect = f64::from(width) / f64::from(height);
         let (centre, radius) = &drawing.bounds;
-        let clip = key.camera.clip_from_base(centre, *radius, aspect);
-        let columns: [[f32; 4]; 4] = clip.cast::<f32>().into();
+        let viewport = Viewport::new_at_origo(width, height);
         let [right, up, forward] = key.camera.axes();
-        let light = (up * 0.75 - forward * 0.6 - right * 0.3).normalize();
+        let lamp = (up * 0.75 - forward * 0.6 - right * 0.3).normalize();
         let single = |v: nalgebra::Vector3<f64>| vec3(v.x as f32, v.y as f32, v.z as f32);
         Self {
-            clip_from_base: columns.into(),
+            camera: key.camera.on_card((centre, *radius), viewport),
             eye: single(key.camera.eye()),
-            light: single(light),
+            lamp: single(lamp),
             size: vec2(width as f32, height as f32),
             scale: key.scale,
             moves: key.moves,
             lift: (1e-3 * key.camera.height_m()) as f32,
             opening: key.camera.height_at(1.0) as f32,
-            viewport: Viewport::new_at_origo(width, height),
         }
     }
 }
@@ -163,10 +208,8 @@ impl Card {
             Program::from_source(&context, vertex, fragment).map_err(|e| e.to_string())
         };
         Ok(Self {
-            solid: program(
-                include_str!("shaders/solid.vert"),
-                include_str!("shaders/solid.frag"),
-            )?,
+            solids: PartBuffers::new(&context),
+            glass: PartBuffers::new(&context),
             line: program(
                 include_str!("shaders/line.vert"),
                 include_str!("shaders/line.frag"),
@@ -188,10 +231,10 @@ impl Card {
         if self.loaded.as_ref().is_some_and(|l| l.number == number) {
             return;
         }
+        self.solids.fill(&drawing.solids);
+        self.glass.fill(&drawing.glass);
         self.loaded = Some(Loaded {
             number,
-            solids: TriangleBuffers::new(&self.context, &drawing.solids),
-            glass: TriangleBuffers::new(&self.context, &drawing.glass),
             lines: LineBuffers::new(&self.context, &drawing.lines),
             points: PointBuffers::new(&self.context, &drawing.points),
         });
@@ -234,7 +277,11 @@ impl Card {
         let Some(loaded) = &self.loaded else {
             return;
         };
-        self.draw_triangles(&loaded.solids, look, RenderStates::default());
+        let paint = |is_transparent| Paint {
+            lamp: look.lamp,
+            is_transparent,
+        };
+        target.render_with_material(&paint(false), &look.camera, &self.solids.0, &[]);
         self.draw_lines(&loaded.lines, look);
         self.draw_points(&loaded.points, look, loaded.points.count());
         if let Some(LoadedPoses { points, buffers }) = &self.poses {
@@ -243,30 +290,14 @@ impl Card {
             let count = if look.moves { all.min(coarse) } else { all };
             self.draw_points(buffers, look, count);
         }
-        let glass = RenderStates {
-            write_mask: WriteMask::COLOR,
-            blend: Blend::TRANSPARENCY,
-            ..RenderStates::default()
-        };
-        self.draw_triangles(&loaded.glass, look, glass);
-    }
-
-    fn draw_triangles(&self, buffers: &TriangleBuffers, look: &Look, states: RenderStates) {
-        if buffers.indices.count() == 0 {
-            return;
-        }
-        let program = &self.solid;
-        program.use_uniform("clip_from_base", look.clip_from_base);
-        program.use_uniform("eye", look.eye);
-        program.use_uniform("light", look.light);
-        program.use_vertex_attribute("position", &buffers.positions);
-        program.use_vertex_attribute("normal", &buffers.normals);
-        program.use_vertex_attribute("colour", &buffers.colours);
-        program.draw_elements(states, look.viewport, &buffers.indices);
+        target.render_with_material(&paint(true), &look.camera, &self.glass.0, &[]);
     }
 
     fn share(program: &Program, look: &Look) {
-        program.use_uniform("clip_from_base", look.clip_from_base);
+        program.use_uniform(
+            "clip_from_base",
+            look.camera.projection() * look.camera.view(),
+        );
         program.use_uniform("eye", look.eye);
         program.use_uniform("size", look.size);
         program.use_uniform("scale", look.scale);
@@ -284,7 +315,7 @@ impl Card {
         program.use_instance_attribute("end", &buffers.to);
         program.use_instance_attribute("colour", &buffers.colours);
         program.use_instance_attribute("width", &buffers.widths);
-        program.draw_arrays_instanced(RenderStates::default(), look.viewport, 6, count);
+        program.draw_arrays_instanced(RenderStates::default(), look.camera.viewport(), 6, count);
     }
 
     fn draw_points(&self, buffers: &PointBuffers, look: &Look, count: u32) {
@@ -301,7 +332,7 @@ impl Card {
             blend: Blend::TRANSPARENCY,
             ..RenderStates::default()
         };
-        program.draw_arrays_instanced(states, look.viewport, 3, count);
+        program.draw_arrays_instanced(states, look.camera.viewport(), 3, count);
     }
 }
 

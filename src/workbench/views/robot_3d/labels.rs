@@ -205,11 +205,12 @@ mod tests {
     use tautline_core::geometry::Vec3;
     use tautline_core::measurement::Measurements;
     use tautline_core::robot::presets;
+    use three_d::Srgba;
 
     use super::*;
     use crate::views::robot_3d::camera::{Camera, StandardView};
     use crate::views::robot_3d::drawing::Options;
-    use crate::views::robot_3d::mesh::Triangles;
+    use crate::views::robot_3d::parts::Part;
     use crate::views::robot_3d::scene::{Displacement, Scene, Subject};
 
     /// A preset whose pulleys are up to 5 mm from the drawing.
@@ -290,14 +291,12 @@ mod tests {
                 let placed = picture.placed(index);
                 let centre = on_screen(&picture, rect, &placed.wheel.centre);
                 visible += usize::from(centre.is_some_and(|at| rect.shrink(20.0).contains(at)));
-                let mut mesh = Triangles::default();
-                for wheel in placed.other.iter().chain([&placed.wheel]) {
-                    mesh.wheel(wheel, [1.0; 4]);
-                }
-                for corners in mesh.corners() {
+                let wheels = placed.other.iter().chain([&placed.wheel]);
+                let parts = wheels.map(|wheel| Part::wheel(wheel, Srgba::WHITE));
+                for corners in parts.flat_map(|part| part.triangles()) {
                     let seen: Option<Vec<Pos2>> = corners
                         .iter()
-                        .map(|p| on_screen(&picture, rect, &Vec3::from(p.map(f64::from))))
+                        .map(|p| on_screen(&picture, rect, p))
                         .collect();
                     let Some(triangle) = seen.and_then(|seen| <[Pos2; 3]>::try_from(seen).ok())
                     else {

@@ -4,23 +4,21 @@ use tautline_core::geometry::Vec3;
 
 use super::camera::Ray;
 use super::drawing::Drawing;
-use super::mesh::Triangles;
+use super::parts::Part;
 
 /// Where a line of sight meets what is drawn first (m), solid or to look through.
 #[must_use]
 pub fn met(drawing: &Drawing, ray: &Ray) -> Option<Vec3> {
-    let parts = [&drawing.solids, &drawing.glass].into_iter();
+    let parts = drawing.solids.iter().chain(&drawing.glass);
     let nearest = parts.filter_map(|part| distance(part, ray));
     let nearest = nearest.min_by(f64::total_cmp)?;
     Some(ray.origin + ray.direction * nearest)
 }
 
-/// Distance along a line of sight to the first of the triangles that it meets (m).
-fn distance(triangles: &Triangles, ray: &Ray) -> Option<f64> {
-    let met = triangles.corners().filter_map(|corners| {
-        let at = |k: usize| Vec3::from(corners[k].map(f64::from));
-        triangle(ray, [at(0), at(1), at(2)])
-    });
+/// Distance along a line of sight to the first of the triangles of a part that it meets (m).
+fn distance(part: &Part, ray: &Ray) -> Option<f64> {
+    let triangles = part.triangles().into_iter();
+    let met = triangles.filter_map(|corners| triangle(ray, corners));
     met.min_by(f64::total_cmp)
 }
 
@@ -41,11 +39,12 @@ fn triangle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use three_d::Srgba;
+
     use super::*;
 
     #[test]
     fn a_line_of_sight_meets_the_nearest_face_of_a_box() {
-        let mut triangles = Triangles::default();
         let corner = |k: usize| {
             Vec3::from_fn(|axis, _| {
                 if k >> axis & 1 == 0 {
@@ -55,7 +54,7 @@ mod tests {
                 }
             })
         };
-        triangles.cuboid(&std::array::from_fn(corner), [1.0; 4]);
+        let part = Part::cuboid(&std::array::from_fn(corner), Srgba::WHITE);
         for (origin, direction, expected) in [
             ([-5.0, 0.3, 0.2], [1.0, 0.0, 0.0], Some(4.0)),
             ([5.0, 0.3, 0.2], [-1.0, 0.0, 0.0], Some(4.0)),
@@ -68,7 +67,7 @@ mod tests {
                 origin: origin.into(),
                 direction: direction.into(),
             };
-            let found = distance(&triangles, &ray);
+            let found = distance(&part, &ray);
             match (found, expected) {
                 (Some(found), Some(expected)) => {
                     assert!((found - expected).abs() < 1e-6, "{origin:?}: {found}");

@@ -23,8 +23,8 @@ use crate::widgets::empty;
 use tabs::{Dock, Wish};
 use tree::{Preset, Tree};
 
-pub use plot_id::PlotId;
-pub use windows::show_detached;
+pub(crate) use plot_id::PlotId;
+pub(crate) use windows::show_detached;
 
 /// Width (points) below which there is one plot at a time.
 const NARROW: f32 = 560.0;
@@ -98,14 +98,19 @@ impl Panes {
     }
 
     /// Gives all plots what a task has computed.
-    pub fn prepared(&mut self, preparation: &Preparation) {
+    pub(crate) fn prepared(&mut self, preparation: &Preparation) {
         for plot in self.plots.values_mut() {
             plot.preparation = Some(preparation.clone());
         }
     }
 
     /// Shows residuals of a kind of reading along a variable: in a plot that shows such already, or in the first.
-    pub fn show_along(&mut self, quantity: Quantity, cable: Option<usize>, variable: Variable) {
+    pub(crate) fn show_along(
+        &mut self,
+        quantity: Quantity,
+        cable: Option<usize>,
+        variable: Variable,
+    ) {
         let mut shown = tree::shown(&self.docked).into_iter();
         let shown = shown.find(|id| id.kind == &sources::variable::PLOT);
         let id = shown.unwrap_or(PlotId::first(&sources::variable::PLOT));
@@ -125,7 +130,7 @@ impl Panes {
     }
 
     /// Shows the live scope, unless it is shown already.
-    pub fn show_scope(&mut self) {
+    pub(crate) fn show_scope(&mut self) {
         let scope = PlotId::first(&scope::PLOT);
         let before = self.bring_forward(scope);
         for (kept, before) in self.before_scope.iter_mut().zip(before) {
@@ -134,7 +139,7 @@ impl Panes {
     }
 
     /// Where the scope came by itself, the plot that was there before comes back.
-    pub fn leave_scope(&mut self) {
+    pub(crate) fn leave_scope(&mut self) {
         let scope = PlotId::first(&scope::PLOT);
         let before = std::mem::take(&mut self.before_scope);
         for (tree, before) in [&mut self.docked, &mut self.single].into_iter().zip(before) {
@@ -247,7 +252,7 @@ fn restore(area: &mut PlotArea, plot: PlotId) {
 }
 
 /// Draws the plots that are docked; `hovered` is what is under the pointer, in all views.
-pub fn show(
+pub(crate) fn show(
     ui: &mut Ui,
     model: &Model,
     (panes, hovered): (&mut Panes, &mut Selection),

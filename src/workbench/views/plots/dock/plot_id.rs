@@ -4,22 +4,20 @@ use super::super::{PlotKind, find};
 
 /// A plot among all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct PlotId {
-    pub kind: &'static PlotKind,
+pub(crate) struct PlotId {
+    pub(crate) kind: &'static PlotKind,
     /// Counts plots that show the same.
-    pub copy: u8,
+    pub(crate) copy: u8,
 }
 
 impl PlotId {
     /// The only one of its kind, or the first.
-    #[must_use]
-    pub fn first(kind: &'static PlotKind) -> Self {
+    pub(crate) fn first(kind: &'static PlotKind) -> Self {
         Self { kind, copy: 0 }
     }
 
     /// What preferences call it.
-    #[must_use]
-    pub fn name(self) -> String {
+    pub(crate) fn name(self) -> String {
         match self.copy {
             0 => self.kind.id.to_owned(),
             copy => format!("{} {}", self.kind.id, u32::from(copy) + 1),
@@ -27,8 +25,7 @@ impl PlotId {
     }
 
     /// The plot that preferences call so.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
+    pub(crate) fn named(name: &str) -> Option<Self> {
         if let Some(kind) = find(name) {
             return Some(Self::first(kind));
         }
@@ -41,8 +38,7 @@ impl PlotId {
     }
 
     /// Label in the window.
-    #[must_use]
-    pub fn title(self) -> String {
+    pub(crate) fn title(self) -> String {
         match self.copy {
             0 => self.kind.title.to_owned(),
             copy => format!("{} {}", self.kind.title, u32::from(copy) + 1),

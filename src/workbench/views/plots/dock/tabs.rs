@@ -27,7 +27,7 @@ const ICON: f32 = 48.0;
 
 /// What the operator wants of the arrangement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wish {
+pub(crate) enum Wish {
     /// This plot in front.
     Show(PlotId),
     /// This plot in a window of its own.
@@ -41,16 +41,16 @@ pub enum Wish {
 }
 
 /// The plots that are docked, in one frame.
-pub struct Dock<'a> {
-    pub model: &'a Model,
-    pub open: &'a OpenSession,
-    pub plots: &'a mut BTreeMap<PlotId, PlotState>,
-    pub hovered: &'a mut Selection,
-    pub outbox: &'a mut Outbox,
-    pub area: Rect,
+pub(crate) struct Dock<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) open: &'a OpenSession,
+    pub(crate) plots: &'a mut BTreeMap<PlotId, PlotState>,
+    pub(crate) hovered: &'a mut Selection,
+    pub(crate) outbox: &'a mut Outbox,
+    pub(crate) area: Rect,
     /// Tabs for which there is no room.
-    pub hidden: HashSet<TileId>,
-    pub wish: Option<Wish>,
+    pub(crate) hidden: HashSet<TileId>,
+    pub(crate) wish: Option<Wish>,
 }
 
 impl Dock<'_> {

@@ -10,7 +10,7 @@ use super::super::{PlotKind, scope, sources};
 use super::PlotId;
 
 /// Areas of plots.
-pub type Tree = egui_tiles::Tree<PlotId>;
+pub(crate) type Tree = egui_tiles::Tree<PlotId>;
 
 /// Plots that are seen first, from the upper left.
 static FIRST: [&PlotKind; 4] = [
@@ -22,7 +22,7 @@ static FIRST: [&PlotKind; 4] = [
 
 /// An arrangement to begin with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Preset {
+pub(crate) enum Preset {
     /// One plot.
     One,
     /// Two side by side.
@@ -32,10 +32,10 @@ pub enum Preset {
 }
 
 impl Preset {
-    pub const ALL: [Self; 3] = [Self::One, Self::Two, Self::Four];
+    pub(crate) const ALL: [Self; 3] = [Self::One, Self::Two, Self::Four];
 
     /// Label in the window.
-    pub fn title(self) -> &'static str {
+    pub(crate) fn title(self) -> &'static str {
         match self {
             Self::One => "One plot",
             Self::Two => "Two plots",
@@ -44,7 +44,7 @@ impl Preset {
     }
 
     /// These plots so arranged.
-    pub fn area(self, plots: &[PlotId]) -> PlotArea {
+    pub(crate) fn area(self, plots: &[PlotId]) -> PlotArea {
         let count = match self {
             Self::One => return tabs(plots.to_vec()),
             Self::Two => 2,
@@ -85,7 +85,7 @@ fn equal(areas: impl Iterator<Item = PlotArea>) -> Vec<PlotShare> {
 }
 
 /// The tree of an area with these plots; those that the area does not name stand behind its first.
-pub fn tree(name: &str, area: &PlotArea, plots: &[PlotId]) -> Tree {
+pub(crate) fn tree(name: &str, area: &PlotArea, plots: &[PlotId]) -> Tree {
     let mut tiles = Tiles::default();
     let mut wanted: BTreeSet<PlotId> = plots.iter().copied().collect();
     let root = insert(&mut tiles, area, &mut wanted);
@@ -130,7 +130,7 @@ fn insert(
 }
 
 /// Docks a plot behind those of the first place, where it is seen.
-pub fn add(tree: &mut Tree, plot: PlotId) {
+pub(crate) fn add(tree: &mut Tree, plot: PlotId) {
     let tile = tree.tiles.insert_pane(plot);
     let Some(first) = first_tabs(tree, tree.root) else {
         tree.root = Some(tree.tiles.insert_tab_tile(vec![tile]));
@@ -152,14 +152,14 @@ fn first_tabs(tree: &Tree, tile: Option<TileId>) -> Option<TileId> {
 }
 
 /// Takes a plot out.
-pub fn remove(tree: &mut Tree, plot: PlotId) {
+pub(crate) fn remove(tree: &mut Tree, plot: PlotId) {
     if let Some(tile) = tree.tiles.find_pane(&plot) {
         tree.remove_recursively(tile);
     }
 }
 
 /// Brings a plot to the front of its place; gives the one that was there.
-pub fn bring_forward(tree: &mut Tree, plot: PlotId) -> Option<PlotId> {
+pub(crate) fn bring_forward(tree: &mut Tree, plot: PlotId) -> Option<PlotId> {
     let tile = tree.tiles.find_pane(&plot)?;
     let parent = tree.tiles.parent_of(tile)?;
     let Some(Tile::Container(Container::Tabs(tabs))) = tree.tiles.get_mut(parent) else {
@@ -170,11 +170,14 @@ pub fn bring_forward(tree: &mut Tree, plot: PlotId) -> Option<PlotId> {
 }
 
 /// A place, the plot that was chosen there, and the one that is seen instead.
-pub type StandIn = (TileId, TileId, TileId);
+pub(crate) type StandIn = (TileId, TileId, TileId);
 
 /// Lets other plots be seen where those in front have nothing to show: the residuals, which say how to get there, or the
 /// first that has something to show. The live scope, which always has, comes by itself.
-pub fn stand_in(tree: &mut Tree, has_data: impl Fn(&'static PlotKind) -> bool) -> Vec<StandIn> {
+pub(crate) fn stand_in(
+    tree: &mut Tree,
+    has_data: impl Fn(&'static PlotKind) -> bool,
+) -> Vec<StandIn> {
     let instead = |tabs: &Tabs| {
         let plot = |tile: &TileId| tree.tiles.get_pane(tile).map(|plot| plot.kind);
         let chosen = tabs.active?;
@@ -207,7 +210,7 @@ pub fn stand_in(tree: &mut Tree, has_data: impl Fn(&'static PlotKind) -> bool) -
 }
 
 /// Lets the plots that were chosen be in front again, unless others were chosen meanwhile.
-pub fn stand_back(tree: &mut Tree, places: &[StandIn]) {
+pub(crate) fn stand_back(tree: &mut Tree, places: &[StandIn]) {
     for (place, chosen, seen) in places {
         let Some(Tile::Container(Container::Tabs(tabs))) = tree.tiles.get(*place) else {
             continue;
@@ -226,7 +229,7 @@ fn set_active(tree: &mut Tree, place: TileId, plot: TileId) {
 
 /// Once `dragged` was dropped at the side of a plot among others: the place of all of them is divided, not that of this
 /// plot behind its tab.
-pub fn untangle(tree: &mut Tree, dragged: TileId) {
+pub(crate) fn untangle(tree: &mut Tree, dragged: TileId) {
     let divided = |(id, tile): (&TileId, &Tile<PlotId>)| match tile {
         Tile::Container(Container::Tabs(tabs)) => {
             let is_divided = |child: &&TileId| {
@@ -263,14 +266,14 @@ pub fn untangle(tree: &mut Tree, dragged: TileId) {
 }
 
 /// The plots that are seen.
-pub fn shown(tree: &Tree) -> Vec<PlotId> {
+pub(crate) fn shown(tree: &Tree) -> Vec<PlotId> {
     let active = tree.active_tiles();
     let panes = active.iter().filter_map(|tile| tree.tiles.get_pane(tile));
     panes.copied().collect()
 }
 
 /// What preferences keep of a tree.
-pub fn area(tree: &Tree) -> Option<PlotArea> {
+pub(crate) fn area(tree: &Tree) -> Option<PlotArea> {
     area_of(tree, tree.root?)
 }
 

@@ -14,7 +14,7 @@ use crate::widgets::icon_button;
 const WINDOW: [f32; 2] = [720.0, 460.0];
 
 /// Draws the plots that have windows of their own, and keeps the arrangement of all once it has changed.
-pub fn show_detached(
+pub(crate) fn show_detached(
     ui: &Ui,
     model: &Model,
     (panes, hovered): (&mut Panes, &mut Selection),

@@ -25,8 +25,7 @@ const MOST: f64 = 6.0;
 const COUNT: usize = 48;
 
 /// The histograms with the normal curve.
-#[must_use]
-pub fn figure(prepared: &Prepared) -> Figure {
+pub(crate) fn figure(prepared: &Prepared) -> Figure {
     let before = all(&prepared.base);
     let mut columns = vec![density("before", Ink::Warning, &before)];
     if let Some(extended) = &prepared.extended {

@@ -16,8 +16,7 @@ pub(crate) static PLOT: PlotKind = PlotKind {
 };
 
 /// The way of a fit to its solution.
-#[must_use]
-pub fn figure(fit: &Identification) -> Figure {
+pub(crate) fn figure(fit: &Identification) -> Figure {
     let steps = fit.steps.iter().enumerate();
     let places: Vec<[f64; 2]> = steps
         .filter(|(_, loss)| **loss > 0.0)
@@ -26,26 +25,17 @@ pub fn figure(fit: &Identification) -> Figure {
     let points = places.iter().map(|[x, y]| Point::new(*x, *y)).collect();
     let expected = fit.solution.degrees_of_freedom;
     let last = places.last().map_or(1.0, |place| place[0]);
-    let mut curves = vec![Curve {
-        name: String::new(),
-        ink: Ink::Accent,
-        dashed: false,
-        points: places,
-    }];
+    let mut curves = vec![Curve::new("", Ink::Accent, places)];
     if expected > 0.0 {
+        let ends = [1.0, last].map(|x| [x, expected.log10()]);
         curves.push(Curve {
-            name: "expected: degrees of freedom".into(),
-            ink: Ink::Good,
             dashed: true,
-            points: vec![[1.0, expected.log10()], [last, expected.log10()]],
+            ..Curve::new("expected: degrees of freedom", Ink::Good, ends.into())
         });
     }
     Figure {
         x: Axis::whole("Step"),
-        y: Axis {
-            is_logarithmic: true,
-            ..Axis::new("Chi-square", "")
-        },
+        y: Axis::logarithmic("Chi-square", ""),
         series: vec![Series::new(
             "chi-square",
             Ink::Accent,

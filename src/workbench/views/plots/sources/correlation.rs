@@ -40,8 +40,7 @@ fn group_of(parameter: &Parameter) -> String {
 }
 
 /// The correlations as a heat map; empty where the data do not determine them.
-#[must_use]
-pub fn figure(fit: &Identification) -> Figure {
+pub(crate) fn figure(fit: &Identification) -> Figure {
     let Some(correlations) = fit.solution.correlations() else {
         return Figure::default();
     };

@@ -40,7 +40,7 @@ impl CourseReading {
     ];
 
     /// Those that a session has, with their names.
-    pub fn of(session: &Session) -> Vec<(Self, &'static str)> {
+    pub(crate) fn of(session: &Session) -> Vec<(Self, &'static str)> {
         let data = &session.measurements;
         let is_there = |(reading, _): &(Self, &str)| match reading {
             Self::Lengths => !(data.revolutions.is_empty() && data.length_m.is_empty()),
@@ -60,7 +60,6 @@ impl CourseReading {
 const APART_S: f64 = 1.0;
 
 /// Whether readings were recorded over time.
-#[must_use]
 fn has_times(session: &Session) -> bool {
     let times = &session.measurements.time_s;
     let close = times.windows(2).filter(|pair| pair[1] - pair[0] < APART_S);
@@ -68,8 +67,7 @@ fn has_times(session: &Session) -> bool {
 }
 
 /// Readings over time; those of another kind where these were not recorded.
-#[must_use]
-pub fn figure(session: &Session, wanted: CourseReading) -> Figure {
+pub(crate) fn figure(session: &Session, wanted: CourseReading) -> Figure {
     let (robot, data) = (&session.robot, &session.measurements);
     let known = CourseReading::of(session);
     let is_known = known.iter().any(|(reading, _)| *reading == wanted);

@@ -54,7 +54,6 @@ fn surface(session: &Session, cable: usize) -> Option<&ElongationSurface> {
 }
 
 /// Whether there is anything to show.
-#[must_use]
 fn has_any(session: &Session) -> bool {
     let cables = 0..session.robot.cables.len();
     !session.phases.elongation.is_empty()
@@ -62,8 +61,7 @@ fn has_any(session: &Session) -> bool {
 }
 
 /// Elongation of a cable; of the first that has a surface if none is given.
-#[must_use]
-pub fn figure(session: &Session, cable: Option<usize>) -> Figure {
+pub(crate) fn figure(session: &Session, cable: Option<usize>) -> Figure {
     let chosen = cable.and_then(|cable| surface(session, cable));
     let surface =
         chosen.or_else(|| (0..session.robot.cables.len()).find_map(|c| surface(session, c)));
@@ -124,12 +122,7 @@ fn lines(heat: &HeatMap) -> Vec<Curve> {
     let step = levels.get(1).map_or(1.0, |next| next.0 - levels[0].0);
     let mut curves: Vec<Curve> = levels
         .iter()
-        .map(|(level, _)| Curve {
-            name: String::new(),
-            ink: Ink::Muted,
-            dashed: false,
-            points: contours(heat, *level),
-        })
+        .map(|(level, _)| Curve::new("", Ink::Muted, contours(heat, *level)))
         .collect();
     if let Some(first) = curves.first_mut() {
         first.name = format!("lines every {} mm", fixed(step, step));

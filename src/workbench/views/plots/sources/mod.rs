@@ -18,9 +18,9 @@ use tautline_core::measurement::Dataset;
 use tautline_workflow::plot::figure::Point;
 
 /// Label of an axis along which poses stand.
-pub const POSE: &str = "Pose";
+pub(crate) const POSE: &str = "Pose";
 /// Label of an axis along which times stand.
-pub const TIME: &str = "Time";
+pub(crate) const TIME: &str = "Time";
 
 /// A point of a pose, given by its row.
 fn at_row(dataset: &Dataset, excluded: &BTreeSet<i64>, row: usize, x: f64, y: f64) -> Point {

@@ -51,10 +51,7 @@ impl ResidualUnit {
             Self::Deviations => 3.0,
             Self::Millimetres => 3e3 * median(readings.filter_map(sd))?,
         };
-        Some(Band {
-            name: "3 standard deviations".into(),
-            y: [-half, half],
-        })
+        Some(Band::new("3 standard deviations", [-half, half]))
     }
 }
 
@@ -71,7 +68,6 @@ fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 /// Residuals of the lengths of all cables.
-#[must_use]
 fn lengths(fit: &Identification, unit: ResidualUnit, excluded: &BTreeSet<i64>) -> Figure {
     let cables = &fit.dataset.robot.cables;
     let named = cable_points(fit, unit, excluded)
@@ -86,8 +82,7 @@ fn lengths(fit: &Identification, unit: ResidualUnit, excluded: &BTreeSet<i64>) -
 
 /// Residuals of the lengths of all cables in two sessions, the second as rings. Their poses have nothing to do with each
 /// other, so a point stands for no pose.
-#[must_use]
-pub fn of_both(fits: [&Identification; 2]) -> Figure {
+pub(crate) fn of_both(fits: [&Identification; 2]) -> Figure {
     let unit = ResidualUnit::default();
     let nothing = BTreeSet::new();
     let key = |name| Series::new(name, Ink::Text, Marker::Circle, Vec::new());

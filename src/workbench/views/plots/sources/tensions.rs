@@ -40,8 +40,11 @@ pub(crate) static PLOT: PlotKind = PlotKind {
 };
 
 /// Tensions of all cables.
-#[must_use]
-pub fn figure(fit: &Identification, shown: TensionsShown, excluded: &BTreeSet<i64>) -> Figure {
+pub(crate) fn figure(
+    fit: &Identification,
+    shown: TensionsShown,
+    excluded: &BTreeSet<i64>,
+) -> Figure {
     let cables = &fit.dataset.robot.cables;
     let mut points: Vec<Vec<Point>> = vec![Vec::new(); cables.len()];
     let mut put = |row: usize, cable: usize, value: f64| {
@@ -72,10 +75,8 @@ pub fn figure(fit: &Identification, shown: TensionsShown, excluded: &BTreeSet<i6
         .iter()
         .filter_map(|cable| Some(cable.force_sensor?.tension_sd_n))
         .fold(0.0, f64::max);
-    let band = Band {
-        name: "3 standard deviations of the sensors".into(),
-        y: [-3.0 * largest_sd, 3.0 * largest_sd],
-    };
+    let range = [-3.0, 3.0].map(|times| times * largest_sd);
+    let band = Band::new("3 standard deviations of the sensors", range);
     let is_residual = shown == TensionsShown::Residuals;
     let named = points.into_iter().zip(cables).enumerate();
     Figure {

@@ -128,7 +128,6 @@ fn axis(variable: Variable) -> (Axis, f64) {
 }
 
 /// A name with a capital at its start.
-#[must_use]
 fn capitalised(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or_else(String::new, |first| {
@@ -140,8 +139,7 @@ fn capitalised(name: &str) -> String {
 type Place = (usize, f64, f64);
 
 /// The residuals along the variable.
-#[must_use]
-pub fn figure(
+pub(crate) fn figure(
     prepared: &Prepared,
     diagnosed: Option<&Diagnosed>,
     choice: VariableChoice,
@@ -160,10 +158,7 @@ pub fn figure(
     let mut figure = Figure {
         x,
         y: Axis::new(RESIDUAL, "standard deviations"),
-        bands: vec![Band {
-            name: "3 standard deviations".into(),
-            y: [-3.0, 3.0],
-        }],
+        bands: vec![Band::new("3 standard deviations", [-3.0, 3.0])],
         series: vec![series(choice, &prepared.base, points(&before))],
         has_zero_line: true,
         ..Figure::default()

@@ -19,7 +19,7 @@ use crate::theme::{self, GRID};
 use crate::views::plots::kind::{Content, PlotKind, no_options};
 use crate::widgets::{icon_button, icon_only, muted};
 use columns::VisibleColumns;
-use rows::{Head, Listed, Of, Order, Row, arranged, rows_of, text};
+use rows::{Head, Listed, Listing, Of, Order, Row, arranged, listing, text};
 
 pub(crate) static PLOT: PlotKind = PlotKind {
     id: "statistics",
@@ -41,13 +41,13 @@ const COUNTED: f32 = 220.0;
 
 /// State of the table.
 #[derive(Debug, Default)]
-pub struct Statistics {
+pub(crate) struct Statistics {
     listed: Listed,
     orders: [Option<Order>; 2],
     /// The first of the columns that are leafed through, where not all have room.
     from: [usize; 2],
     filter: String,
-    all: Memo<Of, Vec<Row>>,
+    all: Memo<Of, Listing>,
     shown: Memo<(Of, Option<Order>, String), Vec<usize>>,
 }
 
@@ -64,11 +64,10 @@ pub(super) fn show(
         fit: Arc::clone(fit),
     };
     let order = state.orders[state.listed as usize];
-    let rows = state.all.get(of.clone(), || rows_of(&of));
+    let Listing { heads, rows } = state.all.get(of.clone(), || listing(&of));
     let filter = state.filter.trim().to_lowercase();
     let key = (of.clone(), order, filter.clone());
     let shown = state.shown.get(key, || arranged(rows, order, &filter));
-    let heads = of.listed.heads();
     let bar = ui.spacing().scroll.allocated_width();
     let room = (ui.available_width() - bar, ui.spacing().item_spacing.x);
     let from = &mut state.from[of.listed as usize];

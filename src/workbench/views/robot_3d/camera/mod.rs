@@ -5,7 +5,7 @@ mod moves;
 
 pub use flight::Flight;
 
-use nalgebra::{Matrix3, Matrix4, Vector4};
+use nalgebra::Matrix3;
 use tautline_core::geometry::Vec3;
 
 /// Half the vertical opening angle, as its tangent.
@@ -234,34 +234,35 @@ impl Camera {
         })
     }
 
-    /// Takes homogeneous coordinates in the base frame to clip coordinates of OpenGL. `radius_m` and
-    /// `centre` bound everything that is drawn.
+    /// This camera for the graphics card; `radius_m` and `centre` bound everything that is drawn.
     #[must_use]
-    pub fn clip_from_base(&self, centre: &Vec3, radius_m: f64, aspect: f64) -> Matrix4<f64> {
-        let [right, up, forward] = self.axes();
-        let eye = self.eye();
-        let middle = (centre - eye).dot(&forward);
-        let row =
-            |axis: Vec3, scale: f64| Vector4::new(axis.x, axis.y, axis.z, -axis.dot(&eye)) * scale;
-        let depth = row(forward, 1.0);
-        let (scale, z, w) = match self.projection {
+    pub fn on_card(
+        &self,
+        (centre, radius_m): (&Vec3, f64),
+        viewport: three_d::Viewport,
+    ) -> three_d::Camera {
+        let [_, up, forward] = self.axes();
+        let middle = (centre - self.eye()).dot(&forward);
+        let single = |v: Vec3| three_d::vec3(v.x as f32, v.y as f32, v.z as f32);
+        let looking = |eye: Vec3| [eye, eye + forward, up].map(single);
+        match self.projection {
             Projection::Perspective => {
+                let [eye, ahead, up] = looking(self.eye());
+                let opening = three_d::radians(2.0 * HALF_OPENING.atan() as f32);
                 let far = (middle + radius_m).max(2.0 * self.nearest_m);
                 // Nothing is cut off that the eye may come close to.
                 let least = (2e-3 * far).min(0.2 * self.distance_m);
-                let near = (middle - radius_m).max(least);
-                let z = depth * ((far + near) / (far - near))
-                    - Vector4::w() * (2.0 * far * near / (far - near));
-                (HALF_OPENING.recip(), z, depth)
+                let [near, far] = [(middle - radius_m).max(least), far].map(|m| m as f32);
+                three_d::Camera::new_perspective(viewport, eye, ahead, up, opening, near, far)
             }
             Projection::Orthographic => {
-                let z = (depth - Vector4::w() * middle) / radius_m.max(f64::MIN_POSITIVE);
-                (2.0 / self.height_m(), z, Vector4::w())
+                // In front of everything but no farther, for the sake of single precision.
+                let [eye, ahead, up] = looking(self.eye() + forward * (middle - radius_m));
+                let deep = 2.0 * radius_m.max(f64::MIN_POSITIVE) as f32;
+                let height = self.height_m() as f32;
+                three_d::Camera::new_orthographic(viewport, eye, ahead, up, height, 0.0, deep)
             }
-        };
-        let x = row(right, scale / aspect);
-        let y = row(up, scale);
-        Matrix4::from_rows(&[x.transpose(), y.transpose(), z.transpose(), w.transpose()])
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use tautline_core::geometry::Vec3;
 use super::options::{ArrowColour, Options};
 use super::{Drawing, region};
 use crate::theme::Palette;
-use crate::views::robot_3d::mesh::rgba;
+use crate::views::robot_3d::parts::{Part, paint};
 use crate::views::robot_3d::scene::{Besides, CableView, Scene};
 
 /// Opacity of bands, through which everything else is seen.
@@ -87,8 +87,9 @@ impl Drawing {
         };
         for one in Band::ALL {
             if let Some(shape) = band(one, scene, index, options) {
-                let colour = rgba(band_colour(one, palette), OPACITY);
-                self.glass.ellipsoid(&moved.from, &shape, colour);
+                let colour = paint(band_colour(one, palette), OPACITY);
+                self.glass
+                    .push(Part::ellipsoid(&moved.from, &shape, colour));
             }
         }
     }

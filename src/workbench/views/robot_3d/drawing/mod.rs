@@ -19,7 +19,7 @@ pub use colours::{
 pub use options::{ArrowColour, CableColour, FrameLook, Options};
 pub use points::{Lines, Points, pose_size};
 
-use super::mesh::{Triangles, circle, rgba};
+use super::parts::{Part, paint};
 use super::scene::{Besides, CableView, Displacement, Placed, Scene, Wheel};
 use crate::model::Selection;
 use crate::theme::{self, Palette};
@@ -39,9 +39,9 @@ const THIN: f32 = 0.13;
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct Drawing {
     /// Opaque parts.
-    pub solids: Triangles,
+    pub solids: Vec<Part>,
     /// Parts to look through.
-    pub glass: Triangles,
+    pub glass: Vec<Part>,
     pub lines: Lines,
     pub points: Points,
     /// Planned and measured poses.
@@ -135,12 +135,14 @@ impl Drawing {
         for member in &frame.members {
             match look {
                 FrameLook::Solid => {
-                    let colour = rgba(palette.frame, 1.0);
-                    self.solids.beam(*member, frame.member_m, colour);
+                    let colour = paint(palette.frame, 1.0);
+                    self.solids
+                        .extend(Part::beam(*member, frame.member_m, colour));
                 }
                 FrameLook::Transparent => {
-                    let colour = rgba(palette.frame, THIN);
-                    self.glass.beam(*member, frame.member_m, colour);
+                    let colour = paint(palette.frame, THIN);
+                    self.glass
+                        .extend(Part::beam(*member, frame.member_m, colour));
                 }
                 FrameLook::Hidden => {}
             }
@@ -153,10 +155,12 @@ impl Drawing {
     fn platform(&mut self, scene: &Scene, options: &Options, palette: &Palette) {
         let corners = scene.platform.corners(&scene.pose);
         if options.inspected.is_some() {
-            self.glass.cuboid(&corners, rgba(palette.platform, THIN));
+            self.glass
+                .push(Part::cuboid(&corners, paint(palette.platform, THIN)));
             return;
         }
-        self.solids.cuboid(&corners, rgba(palette.platform, 1.0));
+        self.solids
+            .push(Part::cuboid(&corners, paint(palette.platform, 1.0)));
         let edge = palette.platform.lerp_to_gamma(palette.ground, 0.5);
         for axis in 0..3 {
             for k in (0..8).filter(|k| k >> axis & 1 == 0) {
@@ -189,7 +193,7 @@ impl Drawing {
     /// A pulley at its size; a disc stands for it where it would be too small to be seen.
     fn wheel(&mut self, wheel: &Wheel, colour: Color32) {
         if wheel.radius_m > 0.0 {
-            self.solids.wheel(wheel, rgba(colour, 1.0));
+            self.solids.push(Part::wheel(wheel, paint(colour, 1.0)));
         }
         self.points
             .push(&wheel.centre, colour, [9.0, 0.0, wheel.radius_m as f32]);
@@ -198,8 +202,10 @@ impl Drawing {
     /// A pulley to look through, with its outline.
     fn glass_wheel(&mut self, wheel: &Wheel, colour: Color32, opacity: f32) {
         if wheel.radius_m > 0.0 {
-            self.glass.wheel(wheel, rgba(colour, opacity));
-            for side in circle(&wheel.centre, &wheel.normal, wheel.radius_m) {
+            let ink = paint(colour, opacity);
+            self.glass.push(Part::wheel(wheel, ink));
+            let outline = Part::disc(&wheel.centre, &wheel.normal, wheel.radius_m, ink);
+            for side in outline.rim() {
                 self.lines.push(side, colour, 1.2);
             }
         }
@@ -246,8 +252,8 @@ impl Drawing {
             && let Some(shape) = ellipsoid(moved, exaggeration)
         {
             let ink = if look.is_inspected { look.colour } else { ink };
-            let colour = rgba(ink, ELLIPSOID);
-            self.glass.ellipsoid(&tip, &shape, colour);
+            let colour = paint(ink, ELLIPSOID);
+            self.glass.push(Part::ellipsoid(&tip, &shape, colour));
         }
     }
 
@@ -260,7 +266,8 @@ impl Drawing {
         let head = (0.4 * length).min(head_m);
         let shaft = [*from, tip - direction * (0.8 * head)];
         self.lines.push(shaft, colour, 2.2);
-        self.solids.cone(tip, &direction, head, rgba(colour, 1.0));
+        self.solids
+            .extend(Part::cone(tip, &direction, head, paint(colour, 1.0)));
     }
 
     /// Where the platform has been, the longer ago the fainter.
@@ -294,9 +301,10 @@ impl Drawing {
             let end = laser.spot.unwrap_or(laser.from + laser.direction * size);
             self.lines.push([laser.from, end], palette.laser, 1.6);
             if let Some(spot) = &laser.spot {
-                let target = rgba(palette.laser, 0.18);
-                self.glass.disc(spot, &laser.normal, 0.022 * size, target);
-                for side in circle(spot, &laser.normal, 0.022 * size) {
+                let target = paint(palette.laser, 0.18);
+                let target = Part::disc(spot, &laser.normal, 0.022 * size, target);
+                self.glass.push(target);
+                for side in target.rim() {
                     self.lines.push(side, palette.laser, 1.2);
                 }
                 self.points.push(spot, palette.laser, [7.0, 0.0, 0.0]);

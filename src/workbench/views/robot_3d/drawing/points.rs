@@ -5,11 +5,21 @@ use tautline_core::geometry::Vec3;
 
 use crate::model::Selection;
 use crate::theme;
-use crate::views::robot_3d::mesh::{rgba, single};
 use crate::views::robot_3d::scene::{MeasuredPose, Scene};
 
 /// Most poses that are drawn while the camera moves.
 const COARSE: usize = 3000;
+
+/// A vector as the graphics card takes it.
+fn single(v: &Vec3) -> [f32; 3] {
+    [v.x as f32, v.y as f32, v.z as f32]
+}
+
+/// An opaque colour as the graphics card takes it.
+fn rgba(colour: Color32) -> [f32; 4] {
+    let [r, g, b, _] = colour.to_array().map(|c| f32::from(c) / 255.0);
+    [r, g, b, 1.0]
+}
 
 /// Lines of constant width.
 #[derive(Debug, Default, Clone, PartialEq)]
@@ -27,7 +37,7 @@ impl Lines {
     pub(super) fn push(&mut self, [from, to]: [Vec3; 2], colour: Color32, width: f32) {
         self.from.push(single(&from));
         self.to.push(single(&to));
-        self.colours.push(rgba(colour, 1.0));
+        self.colours.push(rgba(colour));
         self.widths.push(width);
     }
 }
@@ -78,7 +88,7 @@ impl Points {
 
     pub(super) fn push(&mut self, centre: &Vec3, colour: Color32, look: [f32; 3]) {
         self.centres.push(single(centre));
-        self.colours.push(rgba(colour, 1.0));
+        self.colours.push(rgba(colour));
         self.looks.push(look);
     }
 }

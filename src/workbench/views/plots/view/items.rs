@@ -1,0 +1,208 @@
+//! What is drawn of a figure, in the order of painting.
+
+use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
+
+use egui::{Color32, Shape, Stroke, Theme, Ui};
+use egui_plot::{
+    Axis, Bar, BarChart, HLine, Line, LineStyle, PlotBounds, PlotGeometry, PlotItem, PlotItemBase,
+    PlotTransform, PlotUi, Span, VLine,
+};
+use tautline_workflow::plot::draw::Points;
+use tautline_workflow::plot::figure::{Columns, Curve, Series};
+use tautline_workflow::plot::heat::cells;
+use tautline_workflow::plot::scale::Scale;
+use tautline_workflow::plot::{Colours, Figure};
+
+use super::axes::scale_of;
+use super::{PlotInput, PlotView};
+use crate::model::Selection;
+use crate::views::plots::screen::Screen;
+use crate::views::plots::sources::{POSE, TIME};
+
+/// Width of curves (points).
+const CURVE: f32 = 1.75;
+
+/// What shapes depend on.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ShapesKey {
+    generation: u64,
+    scale: Scale,
+    selection: Selection,
+    hidden: BTreeSet<String>,
+    pixels_per_point: f32,
+    theme: Theme,
+}
+
+impl PlotView {
+    pub(super) fn add_items<'a>(
+        &'a self,
+        plot: &mut PlotUi<'a>,
+        input: &'a PlotInput<'_>,
+        colours: &Colours,
+    ) {
+        let (figure, colours) = (input.figure, *colours);
+        let is_shown = |name: &str| !self.hidden.contains(name);
+        if let Some(heat) = &figure.heat {
+            plot.add(Painted::new(move |ui, transform, shapes| {
+                let scale = scale_of(transform);
+                let draw = || {
+                    let mut canvas = Screen::new(ui.painter().clone());
+                    cells(&mut canvas, heat, &scale, &colours);
+                    canvas.into_shapes()
+                };
+                let mut kept = self.shapes[0].borrow_mut();
+                shapes.extend_from_slice(kept.get(self.key(ui, input, scale), draw));
+            }));
+        }
+        for [from, to] in &figure.spans {
+            let fill = colours.good.gamma_multiply(0.22);
+            plot.span(Span::new("", *from..=*to).fill(fill));
+        }
+        for band in figure.bands.iter().filter(|band| is_shown(&band.name)) {
+            let [low, high] = band.y;
+            let span = Span::new("", low..=high).axis(Axis::Y);
+            let edge = Stroke::new(1.0, colours.good.gamma_multiply(0.55));
+            let span = span.fill(colours.good.gamma_multiply(0.13)).border(edge);
+            plot.span(span.border_style(LineStyle::dashed_dense()));
+        }
+        if figure.has_zero_line {
+            let line = HLine::new("", 0.0).color(colours.muted).width(1.0);
+            plot.hline(line.allow_hover(false));
+        }
+        for columns in figure.columns.iter().filter(|one| is_shown(&one.name)) {
+            add_columns(plot, columns, &colours);
+        }
+        if let Some(x) = pose_along(figure, input.selection) {
+            let line = VLine::new("", x).color(colours.muted).width(1.0);
+            plot.vline(line.allow_hover(false));
+        }
+        plot.add(Painted::new(move |ui, transform, shapes| {
+            let scale = scale_of(transform);
+            let key = self.key(ui, input, scale);
+            let draw = || self.points(ui, input, scale, &colours);
+            shapes.extend_from_slice(self.shapes[1].borrow_mut().get(key, draw));
+        }));
+        for curve in figure.curves.iter().filter(|curve| is_shown(&curve.name)) {
+            add_curve(plot, curve, &colours);
+        }
+        for x in self.cursors.into_iter().flatten() {
+            let line = VLine::new("", x).color(colours.accent).width(1.25);
+            plot.vline(line.allow_hover(false));
+        }
+    }
+
+    fn key(&self, ui: &Ui, input: &PlotInput<'_>, scale: Scale) -> ShapesKey {
+        ShapesKey {
+            generation: input.generation,
+            scale,
+            selection: input.selection,
+            hidden: self.hidden.clone(),
+            pixels_per_point: ui.pixels_per_point(),
+            theme: ui.theme(),
+        }
+    }
+
+    /// Shapes of the points in view.
+    fn points(
+        &self,
+        ui: &Ui,
+        input: &PlotInput<'_>,
+        scale: Scale,
+        colours: &Colours,
+    ) -> Vec<Shape> {
+        let (figure, resolution) = (input.figure, ui.pixels_per_point());
+        let points = Points::new(figure, scale, input.selection, colours, resolution);
+        let mut canvas = Screen::new(ui.painter().clone());
+        points.draw(&mut canvas, &|series| !self.is_hidden(figure, series));
+        points.draw_selected(&mut canvas);
+        canvas.into_shapes()
+    }
+}
+
+fn add_columns(plot: &mut PlotUi<'_>, columns: &Columns, colours: &Colours) {
+    let colour = columns.ink.colour(colours);
+    let bins = columns.edges.windows(2).zip(&columns.heights);
+    if columns.outline {
+        let steps = bins.flat_map(|(edge, height)| [[edge[0], *height], [edge[1], *height]]);
+        let line = Line::new("", steps.collect::<Vec<_>>());
+        plot.line(line.color(colour).width(CURVE).allow_hover(false));
+        return;
+    }
+    let bars = bins.map(|(edge, height)| {
+        let bar = Bar::new(0.5 * (edge[0] + edge[1]), *height).width(0.94 * (edge[1] - edge[0]));
+        bar.fill(colour.gamma_multiply(0.45)).stroke(Stroke::NONE)
+    });
+    let chart = BarChart::new("", bars.collect()).color(colour);
+    plot.bar_chart(chart.allow_hover(false));
+}
+
+/// A curve in pieces where it is interrupted.
+fn add_curve(plot: &mut PlotUi<'_>, curve: &Curve, colours: &Colours) {
+    let style = match curve.dashed {
+        true => LineStyle::dashed_dense(),
+        false => LineStyle::Solid,
+    };
+    for piece in curve.pieces() {
+        let line = Line::new("", piece.to_vec()).style(style).width(CURVE);
+        let line = line.color(curve.ink.colour(colours));
+        plot.line(line.allow_hover(false));
+    }
+}
+
+/// Where the selected pose stands, if poses or their times stand along x.
+fn pose_along(figure: &Figure, selection: Selection) -> Option<f64> {
+    let pose = selection.pose?;
+    if ![POSE, TIME].contains(&figure.x.label.as_str()) {
+        return None;
+    }
+    let mut points = figure.series.iter().flat_map(Series::points);
+    points
+        .find(|point| point.pose == Some(pose))
+        .map(|point| point.x)
+}
+
+type Paint<'a> = Box<dyn Fn(&Ui, &PlotTransform, &mut Vec<Shape>) + 'a>;
+
+/// An item painted by a function, for what `egui_plot` has no item for.
+struct Painted<'a> {
+    base: PlotItemBase,
+    paint: Paint<'a>,
+}
+
+impl<'a> Painted<'a> {
+    fn new(paint: impl Fn(&Ui, &PlotTransform, &mut Vec<Shape>) + 'a) -> Self {
+        Self {
+            base: PlotItemBase::new(String::new()),
+            paint: Box::new(paint),
+        }
+    }
+}
+
+impl PlotItem for Painted<'_> {
+    fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
+        (self.paint)(ui, transform, shapes);
+    }
+
+    fn initialize(&mut self, _: RangeInclusive<f64>) {}
+
+    fn color(&self) -> Color32 {
+        Color32::TRANSPARENT
+    }
+
+    fn geometry(&self) -> PlotGeometry<'_> {
+        PlotGeometry::None
+    }
+
+    fn bounds(&self) -> PlotBounds {
+        PlotBounds::NOTHING
+    }
+
+    fn base(&self) -> &PlotItemBase {
+        &self.base
+    }
+
+    fn base_mut(&mut self) -> &mut PlotItemBase {
+        &mut self.base
+    }
+}
