@@ -1,6 +1,6 @@
 //! Fields for numbers.
 
-use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, TextStyle, Ui, WidgetInfo};
+use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, TextStyle, Ui, Vec2, WidgetInfo};
 
 use super::text::muted;
 use crate::theme::{self, GRID};
@@ -19,7 +19,6 @@ pub enum Entered {
 /// A field for a number.
 #[derive(Debug, Clone, Copy)]
 pub struct Number<'a> {
-    /// Its accessible name.
     pub name: &'a str,
     /// `None` if the field is empty.
     pub value: Option<f64>,
@@ -94,11 +93,12 @@ fn edit(ui: &mut Ui, field: &Number<'_>, text: &mut String, wrong: bool) -> Resp
     let galley = ui
         .painter()
         .layout_no_wrap(text.clone(), font, palette.text);
-    // A number is never cut off, and the cursor has room behind it.
+    // A number is never cut off, also where a column of a grid is still narrower, and the cursor has room behind it.
     let width = field.width.max(galley.size().x + 4.0 * GRID);
     let mut edit = TextEdit::singleline(text)
         .id(field.text_id(ui))
         .desired_width(width)
+        .min_size(Vec2::new(width, 0.0))
         .align(Align2::RIGHT_CENTER)
         .margin(Margin::symmetric(GRID as i8, 2))
         .clip_text(true);

@@ -62,31 +62,88 @@ pub(crate) fn grid(
         Grid::new("names of the cables")
             .min_row_height(ROW)
             .show(ui, |ui| names(ui, table));
-        let edges = ui.make_persistent_id("right edges of the columns");
-        let known: Vec<f32> = ui.data(|data| data.get_temp(edges)).unwrap_or_default();
-        ScrollArea::horizontal()
+        let id = ui.make_persistent_id("columns that are seen");
+        let known: Option<ShownColumns> = ui.data(|data| data.get_temp(id));
+        let available = ui.available_width();
+        let mut right = Vec::new();
+        let mut area = ScrollArea::horizontal()
             .id_salt("numbers of the cables")
-            .max_width(whole_columns(ui.available_width(), &known))
-            .show(ui, |ui| {
-                Grid::new("numbers of the cables")
-                    .min_row_height(ROW)
-                    .spacing([GRID, 0.0])
-                    .show(ui, |ui| {
-                        let (cells, right) = numbers(ui, table, focused, may_lack);
-                        ui.data_mut(|data| data.insert_temp(edges, right));
-                        edited = edited.take().or(cells);
-                    });
-                // The bar does not cover the last row.
-                ui.add_space(3.0 * GRID);
-            });
+            .max_width(known.map_or(available, |known| known.width));
+        if let Some(jump) = known.and_then(|known| known.jump) {
+            area = area.horizontal_scroll_offset(jump);
+        }
+        let scrolled = area.show(ui, |ui| {
+            Grid::new("numbers of the cables")
+                .min_row_height(ROW)
+                .spacing([GRID, 0.0])
+                .show(ui, |ui| {
+                    let (cells, edges) = numbers(ui, table, focused, may_lack);
+                    right = edges;
+                    edited = edited.take().or(cells);
+                });
+            // The bar does not cover the last row.
+            ui.add_space(3.0 * GRID);
+        });
+        let offset = scrolled.state.clamped_offset().x;
+        let is_moving = |known: &ShownColumns| known.jump.is_none() && known.offset != offset;
+        let is_dragged = ui.input(|input| input.pointer.any_down());
+        let shown = match known {
+            Some(known) if is_dragged || is_moving(&known) => ShownColumns {
+                offset,
+                jump: None,
+                ..known
+            },
+            _ => ShownColumns::at_rest(offset, known, available, &right),
+        };
+        if known != Some(shown) {
+            ui.data_mut(|data| data.insert_temp(id, shown));
+            ui.ctx().request_repaint();
+        }
     });
     edited
 }
 
-/// Largest width that ends with a column; `edges` are the right ends of all columns (points).
-fn whole_columns(available: f32, edges: &[f32]) -> f32 {
-    let mut fitting = edges.iter().rev().filter(|edge| **edge <= available);
-    fitting.next().copied().unwrap_or(available)
+/// Part of the numbers that is seen (points): whole columns, once scrolling has come to rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct ShownColumns {
+    offset: f32,
+    /// Offset when scrolling was last at rest.
+    origin: f32,
+    width: f32,
+    /// Offset of the next frame.
+    jump: Option<f32>,
+}
+
+impl ShownColumns {
+    /// The column at which scrolling arrives, in its direction, and those beside it that fit; `right`: right edges of all.
+    fn at_rest(offset: f32, before: Option<Self>, available: f32, right: &[f32]) -> Self {
+        let origin = before.map_or(0.0, |before| before.origin);
+        let left = std::iter::once(0.0).chain(right.iter().map(|edge| edge + GRID));
+        let mut left = left.take(right.len());
+        let first = match offset < origin {
+            true => left.filter(|left| *left <= offset + 1.0).last(),
+            false => left.find(|left| *left >= offset - 1.0),
+        };
+        let first = first.unwrap_or(0.0);
+        let mut widths = right.iter().rev().map(|edge| edge - first);
+        let width = widths.find(|width| *width <= available && *width > 0.0);
+        let width = width.unwrap_or(available);
+        // The width limits the offset of the next frame, so it changes first.
+        if before.is_none_or(|before| before.width != width) {
+            return Self {
+                offset,
+                origin,
+                width,
+                jump: None,
+            };
+        }
+        Self {
+            offset: first,
+            origin: first,
+            width,
+            jump: ((first - offset).abs() > 0.5).then_some(first),
+        }
+    }
 }
 
 fn names(ui: &mut Ui, table: &CableTable) {
