@@ -264,7 +264,7 @@ impl Worker {
                 }
             }
             DriverCommand::Stored(label) => {
-                self.operation.measuring(|m| m.run.confirm_stored(label))
+                self.operation.measuring(|m| m.run.confirm_stored(label));
             }
             DriverCommand::Connect(..)
             | DriverCommand::Disconnect

@@ -3,12 +3,13 @@
 use egui::{Align, Color32, Event, Grid, Label, Layout, RichText, ScrollArea, Ui, Vec2};
 use egui_material_icons::icons;
 use tautline_workflow::wording::count;
+use tautline_workflow::wording::units::fixed;
 
 use super::field::{change, put};
 use crate::screens::bench_panel::Bench;
 use crate::screens::modeling::cable_table::{COLUMNS, CableTable, Empty, is_block};
 use crate::theme::{self, GRID};
-use crate::widgets::{Entered, Number, icon_button, muted, number, section};
+use crate::widgets::{Entered, Number, icon_button, muted, number, section, width_of};
 
 /// Height of a row of the table (points).
 const ROW: f32 = 6.5 * GRID;
@@ -185,13 +186,14 @@ fn numbers(
     });
     let edges = heads.collect();
     ui.end_row();
+    let widths: Vec<f32> = (0..COLUMNS.len()).map(|k| width(ui, table, k)).collect();
     for (k, column) in COLUMNS.iter().enumerate() {
         if !column.is_common() {
             ui.label("");
             continue;
         }
         let name = format!("{} of all cables", column.title);
-        if let Some(entered) = cell(ui, &name, k, table.common(k), may_lack).0 {
+        if let Some(entered) = cell(ui, &name, (k, widths[k]), table.common(k), may_lack).0 {
             edited = Some(entered.map(|value| {
                 let mut table = table.clone();
                 table.set_all(k, value);
@@ -203,7 +205,7 @@ fn numbers(
     for (row, values) in table.cells.iter().enumerate() {
         for (k, value) in values.iter().enumerate() {
             let name = table.cell_name(row, k);
-            let (entered, has_focus) = cell(ui, &name, k, *value, may_lack);
+            let (entered, has_focus) = cell(ui, &name, (k, widths[k]), *value, may_lack);
             if has_focus {
                 *focused = Some((row, k));
             }
@@ -220,11 +222,20 @@ fn numbers(
     (edited, edges)
 }
 
+/// Width of the cells of a column (points), which hold its longest number.
+fn width(ui: &Ui, table: &CableTable, column: usize) -> f32 {
+    let values = table.cells.iter().filter_map(|row| row[column]);
+    let texts = values.map(|value| fixed(value, COLUMNS[column].decimals));
+    texts
+        .map(|text| width_of(ui, &text))
+        .fold(LEAST_WIDTH, f32::max)
+}
+
 /// A cell of a column: what was entered, and whether it has the focus.
 fn cell(
     ui: &mut Ui,
     name: &str,
-    column: usize,
+    (column, width): (usize, f32),
     value: Option<f64>,
     may_lack: bool,
 ) -> (Option<Result<Option<f64>, String>>, bool) {
@@ -235,7 +246,7 @@ fn cell(
         decimals: column.decimals,
         unit: "",
         optional: may_lack || column.empty != Empty::Missing,
-        width: LEAST_WIDTH,
+        width,
     };
     let entered = number(ui, &field).map(|entered| match entered {
         Entered::Value(value) => Ok(Some(value)),
