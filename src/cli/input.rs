@@ -22,6 +22,11 @@ pub fn noticed<T>(read: Loaded<T>) -> T {
 
 /// Reads a session, or creates one from a robot or a dataset folder.
 pub fn session(path: &Path) -> Result<Session> {
+    if !path.exists() {
+        let place = path.display();
+        let message = format!("{place}: not found, expected a session file or a dataset folder");
+        return Err(BadInput::new(message));
+    }
     let imported = noticed(import(path, None)?);
     let (session, notices) = as_session(path, imported, clock::now()).map_err(BadInput::new)?;
     for notice in &notices {

@@ -27,7 +27,7 @@ mod units;
 mod values;
 
 pub use alignment::{AlignedClock, ClockFit, align_clocks};
-pub use check::{Change, Mistake, Suggestion};
+pub use check::{Change, Line, Mistake, Suggestion, TableCheck, check_table};
 pub use document::{
     ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
 };

@@ -19,7 +19,6 @@ const fn rgb(hex: u32) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// Colours of one theme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Palette {
     /// Ground of the 3D view and of plots.
@@ -38,11 +37,8 @@ pub struct Palette {
     /// The one accent: the next step, what is selected.
     pub accent: Color32,
     pub on_accent: Color32,
-    /// Passed.
     pub good: Color32,
-    /// Needs attention.
     pub warning: Color32,
-    /// Failed.
     pub bad: Color32,
     /// Members of the frame in 3D.
     pub frame: Color32,
@@ -50,7 +46,6 @@ pub struct Palette {
     pub ghost: Color32,
     /// The platform in 3D.
     pub platform: Color32,
-    /// The laser beam.
     pub laser: Color32,
     /// Axes x, y, z of a frame in 3D.
     pub axes: [Color32; 3],
@@ -122,7 +117,6 @@ const LIGHT: Palette = Palette {
     diverging: [rgb(0x001f_6fc2), rgb(0x009a_a6b3), rgb(0x00c7_5a12)],
 };
 
-/// The colours of a theme.
 #[must_use]
 pub fn palette(theme: Theme) -> &'static Palette {
     match theme {

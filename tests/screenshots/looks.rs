@@ -175,6 +175,8 @@ fn imports(looks: &mut Looks) -> Result<()> {
     looks.stage.give(FileCommand::Answer(Answer::Discard));
     looks.stage.give(FileCommand::New(Template::Suspended));
     looks.at("new-robot")?;
+    looks.stage.give(ViewCommand::Go(Screen::NewRobot));
+    looks.at("new-robot-empty")?;
     looks.stage.give(FileCommand::Close);
     looks.stage.give(FileCommand::Answer(Answer::Discard));
     Ok(())

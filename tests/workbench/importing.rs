@@ -6,7 +6,9 @@ use std::sync::Arc;
 use egui::{DroppedFile, Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_import::{Cutting, read_recipe};
-use tautline_workbench::model::command::{FileCommand, IdentificationCommand, RecordingCommand};
+use tautline_workbench::model::command::{
+    Command, FileCommand, IdentificationCommand, RecordingCommand,
+};
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::model::{Model, importing::OpenImport};
 
@@ -116,10 +118,7 @@ fn a_foreign_file_is_dropped_mapped_by_pattern_cut_and_identified() {
     bench.undo();
     assert_eq!(used(&bench, "Slot[3]"), None);
     for _ in 0..3 {
-        give(
-            &mut bench.harness,
-            tautline_workbench::model::command::Command::Redo,
-        );
+        give(&mut bench.harness, Command::Redo);
     }
     assert_eq!(poses(&bench), 10);
 
@@ -150,10 +149,7 @@ fn a_foreign_file_is_dropped_mapped_by_pattern_cut_and_identified() {
     assert_eq!(bench.next_undo(), Some("import monday.csv"));
     bench.undo();
     assert!(bench.session().measurements.is_empty());
-    give(
-        &mut bench.harness,
-        tautline_workbench::model::command::Command::Redo,
-    );
+    give(&mut bench.harness, Command::Redo);
     assert_eq!(bench.session().measurements.len(), 10);
 
     // The next file needs nothing but the recipe that the session has kept.
@@ -163,6 +159,90 @@ fn a_foreign_file_is_dropped_mapped_by_pattern_cut_and_identified() {
     assert_eq!(poses(&bench), 10);
     assert!(bench.shows("The recipe of the last import fits this file"));
     assert!(bench.shows("Import 10 poses as a new session"));
+}
+
+/// A table with columns multiplied.
+fn scaled(text: &str, separator: char, columns: &[usize], factor: f64) -> String {
+    let lines = text.lines().map(|line| {
+        let numbers: Result<Vec<f64>, _> = line.split(separator).map(str::parse).collect();
+        let Ok(mut numbers) = numbers else {
+            return line.to_owned();
+        };
+        columns.iter().for_each(|column| numbers[*column] *= factor);
+        let cells: Vec<String> = numbers.iter().map(f64::to_string).collect();
+        cells.join(&separator.to_string())
+    });
+    lines.fold(String::new(), |text, line| text + &line + "\n")
+}
+
+/// Imports a file with a mistake as it is, is sent back by the check of phase 4, imports it again, and undoes that.
+fn is_sent_back(text: &str, sentence: &str, corrected: &str) {
+    let mut bench = Bench::new();
+    let file = bench.write("log.csv", text);
+    give(&mut bench.harness, RecordingCommand::Read(file));
+    if import(&bench).draft.recipe().cutting == Cutting::Motion {
+        press(&mut bench.harness, "Slot[3], not used");
+        choose(&mut bench, "Quantity: Not used", "Winch revolutions");
+        press(&mut bench.harness, "Rests are poses");
+        press(&mut bench.harness, "The first pose is the home pose");
+    }
+    give(&mut bench.harness, RecordingCommand::Finish);
+    assert_eq!(model(&bench).screen, Screen::Phase(Phase::Identification));
+    let wrong = bench.session().measurements.clone();
+    assert!(bench.shows(sentence), "{sentence}: {}", bench.said());
+    press(&mut bench.harness, "Back to import");
+    assert_eq!(model(&bench).screen, Screen::Import);
+    assert_eq!(import(&bench).draft.next_undo(), Some(corrected));
+    assert!(bench.shows("No mistake is found in the readings."));
+
+    // The correction can be undone in the recipe, and the import in the session.
+    bench.undo();
+    assert!(!bench.shows("No mistake is found in the readings."));
+    give(&mut bench.harness, Command::Redo);
+    give(&mut bench.harness, RecordingCommand::Finish);
+    assert!(!bench.shows(sentence));
+    assert!(!bench.shows("Back to import"));
+    let right = bench.session().measurements.clone();
+    assert_ne!(right, wrong);
+    assert_eq!(bench.next_undo(), Some("import log.csv again"));
+    bench.undo();
+    assert_eq!(bench.session().measurements, wrong);
+    assert!(bench.shows(sentence));
+
+    // The recipe is corrected already: going back again does not reverse the sign once more.
+    press(&mut bench.harness, "Back to import");
+    assert!(bench.shows("No mistake is found in the readings."));
+    give(&mut bench.harness, RecordingCommand::Finish);
+    assert_eq!(bench.session().measurements, right);
+}
+
+#[test]
+fn a_reversed_winch_is_sent_back_to_import_and_corrected() {
+    let sentence = "The length of cable-3 changes with the wrong sign.";
+    let table = scaled(&example("log.csv"), ',', &[3], -1.0);
+    is_sent_back(&table, sentence, "correct rev_3");
+    // Without commanded poses the other cables tell it.
+    let scope = scaled(&silent_scope(), '\t', &[5], -1.0);
+    is_sent_back(&scope, sentence, "correct rev_3");
+}
+
+#[test]
+fn a_wrong_unit_is_sent_back_to_import_and_corrected() {
+    let winches: Vec<usize> = (1..=8).collect();
+    let names: Vec<String> = (1..=8).map(|k| format!("rev_{k}")).collect();
+    let radians = scaled(&example("log.csv"), ',', &winches, std::f64::consts::TAU);
+    is_sent_back(
+        &radians,
+        "times as much as the poses require",
+        &format!("correct {}", names.join(", ")),
+    );
+    // Metres that were taken for millimetres and divided again.
+    let laser = scaled(&example("log.csv"), ',', &[17], 1e-3);
+    is_sent_back(
+        &laser,
+        "Laser_m: 1000.0000 times too small",
+        "correct laser_m",
+    );
 }
 
 #[test]

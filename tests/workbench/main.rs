@@ -19,6 +19,7 @@ mod manual;
 mod measured;
 mod measuring;
 mod modeling;
+mod motion;
 mod next_step;
 mod plots;
 mod precalibration;

@@ -6,28 +6,38 @@ use tautline_core::geometry::{Pose, Vec3};
 use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::robot::Robot;
 
-use super::Readings;
+use super::{Readings, lengths};
 use crate::recipe::{Kind, Quantity};
 
 /// Expected readings by column, and the poses at which they are computed.
 pub(super) struct Expected {
     /// Pose of each row, if known.
     pub poses: Vec<Option<Pose>>,
+    /// Whether the poses are computed from the readings of the winches, and so have part of their errors.
+    pub from_lengths: bool,
     columns: BTreeMap<Quantity, Vec<f64>>,
 }
 
 impl Expected {
     pub fn of(readings: &Readings, robot: &Robot) -> Self {
         let commanded = poses(readings, robot, Kind::Commanded);
-        let known = commanded.iter().flatten().count();
         // Without commanded poses the measured ones are used; the instrument is then not compared with itself.
-        let (poses, by_command) = match known * 2 >= readings.labels.len() {
-            true => (commanded, true),
-            false => (poses(readings, robot, Kind::Tracked), false),
+        let suffice =
+            |poses: &[Option<Pose>]| poses.iter().flatten().count() * 2 >= readings.labels.len();
+        let by_command = suffice(&commanded);
+        let mut poses = match by_command {
+            true => commanded,
+            false => poses(readings, robot, Kind::Tracked),
         };
+        let computed = (!suffice(&poses)).then(|| lengths::poses(readings, robot));
+        let from_lengths = computed
+            .flatten()
+            .map(|computed| poses = computed)
+            .is_some();
         let mut expected = Self {
             columns: BTreeMap::new(),
             poses,
+            from_lengths,
         };
         expected.cables(robot);
         expected.instruments(robot, by_command);

@@ -4,7 +4,8 @@ use crate::median::median;
 
 /// `reading = intercept + slope expected`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Line {
+pub struct Line {
+    /// 1 if sign, unit and channel are right.
     pub slope: f64,
     /// Scatter about the line relative to the scatter of the readings.
     pub scatter: f64,

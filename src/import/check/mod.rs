@@ -1,25 +1,28 @@
 //! Common mistakes in logs, found by comparing readings with their expected values at the poses.
 //!
-//! With commanded or measured poses, every reading has an expected value: lengths and swivel angles from the kinematics,
-//! laser distances from the target plane. The regression of the readings on these values has a slope: 1 if all is well, -1
-//! with the wrong sign, 360 in degrees instead of revolutions. If the readings fit the values of another channel instead,
-//! channels are swapped; if they fit with one step, an encoder has lost counts. Forces have no expected values, but must
-//! balance the platform.
+//! With commanded or measured poses, or those that redundant cables have by their lengths, every reading has an expected
+//! value: lengths and swivel angles from the kinematics, laser distances from the target plane. The regression of the
+//! readings on these values has a slope: 1 if all is well, -1 with the wrong sign, 360 in degrees instead of revolutions.
+//! If the readings fit the values of another channel instead, channels are swapped; if they fit with one step, an encoder
+//! has lost counts. Forces have no expected values, but must balance the platform.
 
 mod expected;
 mod forces;
+mod lengths;
 mod line;
 mod suggestion;
 
 use std::collections::BTreeMap;
 
 use tautline_core::geometry::{Pose, Vec3};
+use tautline_core::measurement::{Grid, Measurements};
 use tautline_core::robot::Robot;
 
 use crate::external::other_frame;
 use crate::recipe::{Kind, Quantity};
 use expected::Expected;
-use line::{Line, best_step, fit};
+pub use line::Line;
+use line::{best_step, fit};
 pub use suggestion::{Change, Mistake, Suggestion};
 
 /// Minimum number of poses for a check.
@@ -41,6 +44,49 @@ pub(crate) struct Readings {
 }
 
 impl Readings {
+    /// The columns of a table of poses.
+    fn of_measurements(data: &Measurements) -> Self {
+        let rows = data.len();
+        let mut columns = BTreeMap::new();
+        let mut add = |kind, count: usize, value: &dyn Fn(usize, usize) -> f64| {
+            for index in 0..count {
+                let values = (0..rows).map(|row| value(row, index)).collect();
+                columns.insert(Quantity { kind, index }, values);
+            }
+        };
+        let grids = [
+            (Kind::Revolutions, &data.revolutions),
+            (Kind::Length, &data.length_m),
+            (Kind::Force, &data.force_n),
+            (Kind::Swivel, &data.swivel_rad),
+        ];
+        let is_read = |(_, grid): &(Kind, &Grid)| !grid.is_empty();
+        for (kind, grid) in grids.into_iter().filter(is_read) {
+            add(kind, grid.columns(), &|row, cable| grid.get(row, cable));
+        }
+        add(Kind::Laser, data.laser_m.len().min(1), &|row, _| {
+            data.laser_m[row]
+        });
+        let vectors = [
+            (Kind::Inclination, &data.inclination_rad),
+            (Kind::Tracked, &data.tracked_position_m),
+        ];
+        for (kind, vectors) in vectors {
+            add(kind, 3 * vectors.len().min(1), &|row, k| vectors[row][k]);
+        }
+        add(Kind::Commanded, 7, &|row, k| {
+            let pose = data.commanded.get(row).copied().flatten();
+            pose.map_or(f64::NAN, |pose| match k {
+                0..3 => pose.position[k],
+                _ => pose.orientation_wxyz()[k - 3],
+            })
+        });
+        Self {
+            labels: data.labels.clone(),
+            columns,
+        }
+    }
+
     /// All columns of one kind with their quantities.
     fn of(&self, kind: Kind) -> Vec<(Quantity, &[f64])> {
         let found = self
@@ -53,8 +99,41 @@ impl Readings {
     }
 }
 
+/// What the check finds in a table of poses.
+#[derive(Debug, Clone)]
+pub struct TableCheck {
+    /// Mistakes, with corrections.
+    pub suggestions: Vec<Suggestion>,
+    /// Changes of length that are read, against those expected at the poses, for each cable; `None` if they cannot be
+    /// compared.
+    pub lengths: Vec<Option<Line>>,
+}
+
+/// Checks a table of poses.
+#[must_use]
+pub fn check_table(measurements: &Measurements, robot: &Robot) -> TableCheck {
+    let readings = Readings::of_measurements(measurements);
+    let expected = Expected::of(&readings, robot);
+    let kind = match measurements.revolutions.is_empty() {
+        true => Kind::Length,
+        false => Kind::Revolutions,
+    };
+    let line = |index: usize| {
+        let quantity = Quantity { kind, index };
+        fit(expected.column(quantity)?, readings.columns.get(&quantity)?)
+    };
+    TableCheck {
+        suggestions: suggestions(&readings, &expected, robot),
+        lengths: (0..robot.cable_count()).map(line).collect(),
+    }
+}
+
 /// Finds mistakes and suggests corrections.
 pub(crate) fn check(readings: &Readings, robot: &Robot) -> Vec<Suggestion> {
+    suggestions(readings, &Expected::of(readings, robot), robot)
+}
+
+fn suggestions(readings: &Readings, expected: &Expected, robot: &Robot) -> Vec<Suggestion> {
     let mut found = Vec::new();
     dead_channels(readings, &mut found);
     if readings.labels.len() < FEWEST {
@@ -67,7 +146,6 @@ pub(crate) fn check(readings: &Readings, robot: &Robot) -> Vec<Suggestion> {
         .iter()
         .any(|suggestion| suggestion.is_of(Kind::Commanded))
     {
-        let expected = Expected::of(readings, robot);
         for kind in [
             Kind::Revolutions,
             Kind::Length,
@@ -98,11 +176,11 @@ pub(crate) fn check(readings: &Readings, robot: &Robot) -> Vec<Suggestion> {
                 suggestion.is_of(kind) && suggestion.mistake == Mistake::WrongUnit
             });
             if !in_other_unit {
-                compare(&columns, readings, robot, &mut found);
+                compare(&columns, readings, expected, robot, &mut found);
             }
         }
-        frame(readings, &expected, robot, &mut found);
-        forces::check(readings, &expected, robot, &mut found);
+        frame(readings, expected, robot, &mut found);
+        forces::check(readings, expected, robot, &mut found);
     }
     angles_in_degrees(readings, &mut found);
     found
@@ -250,6 +328,7 @@ fn angles_in_degrees(readings: &Readings, found: &mut Vec<Suggestion>) {
 fn compare(
     columns: &[Column<'_>],
     readings: &Readings,
+    expected: &Expected,
     robot: &Robot,
     found: &mut Vec<Suggestion>,
 ) {
@@ -257,7 +336,9 @@ fn compare(
         .iter()
         .map(|column| column.values.to_vec())
         .collect();
-    for (column, values) in columns.iter().zip(&mut values) {
+    // Poses that are computed from the lengths would move with the step.
+    let moved = (columns.iter().zip(&mut values)).filter(|_| !expected.from_lengths);
+    for (column, values) in moved {
         steps(column, values, readings, robot, found);
     }
     let own: Vec<Option<Line>> = columns

@@ -25,6 +25,14 @@ pub enum Mistake {
     OtherFrame,
 }
 
+impl Mistake {
+    /// Whether the recipe states the sign, unit or channel that is wrong.
+    #[must_use]
+    pub fn is_of_channel(self) -> bool {
+        matches!(self, Self::WrongUnit | Self::ReversedSign | Self::Exchanged)
+    }
+}
+
 /// A mistake and its correction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Suggestion {

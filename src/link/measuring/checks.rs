@@ -1,7 +1,8 @@
 //! Plausibility checks of measured readings, as warnings for the operator.
 
 use tautline_core::measurement::Measurements;
-use tautline_core::robot::Robot;
+use tautline_core::robot::{ForceSensor, Robot};
+use tautline_core::simulation::TensionRange;
 
 use super::channels::{encoder_factor, laser_factor};
 use super::mean::mean_and_sd;
@@ -20,6 +21,34 @@ const MULTIPLE: f64 = 10.0;
 
 /// Fraction of its standard deviation below which a force sensor shows no noise.
 const SILENT: f64 = 1e-3;
+
+/// A tension that is off by more than its noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TensionFault {
+    /// Below zero: a cable cannot push.
+    Negative,
+    /// Below the least allowed one.
+    Slack,
+    /// Above the greatest allowed one.
+    Overload,
+}
+
+impl TensionFault {
+    /// The fault of a tension (N), if it has one.
+    #[must_use]
+    pub fn of(sensor: &ForceSensor, tension_n: f64, range: &TensionRange) -> Option<Self> {
+        let noise_n = TENSION_NOISE * sensor.tension_sd_n;
+        if tension_n < -noise_n {
+            Some(Self::Negative)
+        } else if tension_n < range.lower_n - noise_n {
+            Some(Self::Slack)
+        } else if tension_n > range.upper_n + noise_n {
+            Some(Self::Overload)
+        } else {
+            None
+        }
+    }
+}
 
 /// A warning for the operator.
 #[derive(Debug, Clone, PartialEq)]
@@ -187,22 +216,20 @@ impl Checks<'_> {
                 continue;
             };
             let tension = sensor.tension_n(reading);
-            let noise = TENSION_NOISE * sensor.tension_sd_n;
-            if tension < -noise {
-                let text = format!(
+            let (least, most) = (range.lower_n, range.upper_n);
+            let text = match TensionFault::of(&sensor, tension, range) {
+                None => continue,
+                Some(TensionFault::Negative) => format!(
                     "its force sensor shows {tension:.1} N, but a cable cannot push: is its sign reversed?"
-                );
-                found.push(self.warning(Some(index), false, &text));
-            } else if tension < range.lower_n - noise {
-                let least = range.lower_n;
-                let text = format!("it is slack: {tension:.1} N, at least {least:.1} N are needed");
-                found.push(self.warning(Some(index), false, &text));
-            } else if tension > range.upper_n + noise {
-                let most = range.upper_n;
-                let text =
-                    format!("it is overloaded: {tension:.1} N, at most {most:.1} N are allowed");
-                found.push(self.warning(Some(index), false, &text));
-            }
+                ),
+                Some(TensionFault::Slack) => {
+                    format!("it is slack: {tension:.1} N, at least {least:.1} N are needed")
+                }
+                Some(TensionFault::Overload) => {
+                    format!("it is overloaded: {tension:.1} N, at most {most:.1} N are allowed")
+                }
+            };
+            found.push(self.warning(Some(index), false, &text));
         }
         found
     }

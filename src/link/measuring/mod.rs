@@ -21,7 +21,7 @@ use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_session::MeasuredPose;
 
-pub use checks::Warning;
+pub use checks::{TensionFault, Warning};
 pub use options::{MeasuringOptions, Prediction, Predictor, Rates, predict_by};
 pub use precision::largest_sd_m;
 pub use settling::{SettlingState, SettlingWindow};

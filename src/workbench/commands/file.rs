@@ -29,7 +29,6 @@ use tautline_workflow::planning::missing_labels;
 use tautline_workflow::session_file::recover_unsaved;
 use tautline_workflow::{clock, samples};
 
-/// Title of writing a session.
 const SAVING: &str = "Saving";
 
 pub(super) fn perform(model: &mut Model, command: FileCommand) {
@@ -403,7 +402,7 @@ fn open(model: &mut Model, opening: Opening) {
         is_new,
     } = opening;
     let first = first_phase(&session);
-    // Errors of another session say nothing about this one.
+    // Errors of another session do not concern this one.
     model.messages.dismiss();
     model.messages.info(format!("Opened {}.", session.name));
     let file = path.clone();
@@ -442,7 +441,7 @@ fn remember(model: &mut Model, path: &Path) {
     }
 }
 
-/// Where to go on: at a measuring run that was interrupted, with what was measured, or at the beginning.
+/// First screen of a session: the interrupted measuring run, the identification of measured poses, or the first phase.
 fn first_phase(session: &Session) -> Phase {
     match (
         session.measurements.is_empty(),

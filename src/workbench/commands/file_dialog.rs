@@ -46,7 +46,7 @@ fn desktop_dialog(request: &FileRequest) -> Option<PathBuf> {
     }
 }
 
-/// Whether the desktop can show file dialogs: rfd does not tell a dialog that was cancelled from one that is missing.
+/// Whether the desktop can show file dialogs: rfd answers alike for a dialog that was cancelled and one that is missing.
 #[cfg(all(unix, not(target_os = "macos")))]
 fn desktop_has_dialogs() -> bool {
     // What rfd uses where there is no portal.

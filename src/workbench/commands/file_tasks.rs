@@ -41,7 +41,7 @@ pub fn write(
     });
 }
 
-/// Takes what became of writing a file: a dialog that waits for it closes, or says why it was not written.
+/// Receives the result of writing a file: the dialog that waits for it closes, or shows the error.
 pub fn written(model: &mut Model, path: &Path, result: Result<(), String>) {
     match result {
         Ok(()) => {

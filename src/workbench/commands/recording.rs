@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use tautline_core::robot::Robot;
 use tautline_import::{
-    AlignedClock, Imported, Recipe, Source, align_clocks, clock_times, read_recipe, read_sources,
+    AlignedClock, Imported, Recipe, Source, Suggestion, align_clocks, clock_times, read_recipe,
+    read_sources,
 };
 use tautline_session::{Loaded, Phase as LogPhase, Session, write_versioned};
 
@@ -48,7 +49,7 @@ pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
         RecordingCommand::Change(recipe, what, goes_on) => {
             change(model, |open| open.draft.change(what, *recipe, goes_on));
         }
-        RecordingCommand::Apply(place) => apply(model, place),
+        RecordingCommand::Apply(place) => apply(model, |number, _| number == place),
         RecordingCommand::AlignClocks => align(model),
         RecordingCommand::ShowChannel(place) => {
             if let Some(open) = &mut model.importing.open {
@@ -69,7 +70,7 @@ pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
         RecordingCommand::Discard => {
             model.importing.open = None;
             model.importing.waiting.clear();
-            model.importing.replaces = false;
+            (model.importing.replaces, model.importing.corrects) = (false, false);
             model.screen = model.home_screen();
         }
     }
@@ -117,17 +118,27 @@ fn correct(model: &mut Model) {
     if !model.open.as_ref().is_some_and(can_correct) {
         return;
     }
-    model.importing.replaces = true;
+    (model.importing.replaces, model.importing.corrects) = (true, true);
     if let Some(import) = &mut model.importing.open {
         import.is_taken = false;
     }
     model.screen = Screen::Import;
+    correct_channels(model);
+}
+
+/// Corrects the recipe once its poses are checked. The check is of the recipe as it is now, which may be corrected already.
+fn correct_channels(model: &mut Model) {
+    let open = model.importing.open.as_ref();
+    if model.importing.corrects && open.is_some_and(OpenImport::is_current) {
+        model.importing.corrects = false;
+        apply(model, |_, suggestion| suggestion.mistake.is_of_channel());
+    }
 }
 
 /// Goes on with the files that wait for a robot, now that a session is open; the recipe of another robot is not used.
 pub(super) fn opened(model: &mut Model) {
     model.importing.open = None;
-    model.importing.replaces = false;
+    (model.importing.replaces, model.importing.corrects) = (false, false);
     let waiting = std::mem::take(&mut model.importing.waiting);
     if !waiting.is_empty() {
         take(model, waiting);
@@ -151,7 +162,7 @@ fn robot(model: &Model) -> Option<Robot> {
     model.open.as_ref().map(|open| open.session().robot.clone())
 }
 
-/// Changes the draft; what comes of it follows.
+/// Changes the draft and cuts its poses again.
 fn change(model: &mut Model, change: impl FnOnce(&mut OpenImport) -> bool) {
     let Some(robot) = robot(model) else {
         return;
@@ -179,14 +190,18 @@ fn remove(model: &mut Model, source: usize) {
     cut(model);
 }
 
-fn apply(model: &mut Model, place: usize) {
+/// Applies some suggestions, given their number, as one change.
+fn apply(model: &mut Model, is_wanted: impl Fn(usize, &Suggestion) -> bool) {
     change(model, |open| {
-        let Some(suggestion) = open.suggestions().into_iter().nth(place) else {
-            return false;
-        };
+        let all = open.suggestions().into_iter().enumerate();
+        let wanted = all.filter(|(number, suggestion)| is_wanted(*number, suggestion));
         let mut recipe = open.draft.recipe().clone();
-        suggestion.apply(&mut recipe);
-        let what = format!("correct {}", suggestion.columns.join(", "));
+        let mut columns = Vec::new();
+        for (_, suggestion) in wanted {
+            suggestion.apply(&mut recipe);
+            columns.extend(suggestion.columns);
+        }
+        let what = format!("correct {}", columns.join(", "));
         open.draft.change(what, recipe, false)
     });
 }
@@ -365,6 +380,7 @@ pub(super) fn receive(model: &mut Model, outcome: RecordingOutcome) {
             if let Some(open) = &mut model.importing.open {
                 open.cut = Some(Arc::from(done));
             }
+            correct_channels(model);
             cut(model);
         }
     }

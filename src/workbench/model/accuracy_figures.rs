@@ -8,7 +8,6 @@ use tautline_workflow::accuracy;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     pub name: String,
-    /// Before the adjustment.
     pub before_m: Option<f64>,
     pub after_m: Option<f64>,
 }

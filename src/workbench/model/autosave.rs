@@ -10,7 +10,6 @@ use tautline_session::{
 
 use super::{OpenSession, memory};
 
-/// What the thread is to do.
 enum Job {
     /// Keep the whole session as it is now.
     Snapshot {
@@ -29,7 +28,6 @@ enum Job {
     Finish,
 }
 
-/// Events of the thread.
 #[derive(Debug)]
 pub enum AutosaveEvent {
     /// The pose of this label is on disk.

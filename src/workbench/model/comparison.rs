@@ -12,17 +12,14 @@ use tautline_workflow::identification::Identification;
 /// One of the two places of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// The first.
     A,
     /// The second: what differs is this less the first.
     B,
 }
 
 impl Side {
-    /// Both.
     pub const ALL: [Self; 2] = [Self::A, Self::B];
 
-    /// What the operator reads.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -32,7 +29,6 @@ impl Side {
     }
 }
 
-/// Where a session comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Source {
     Open,
@@ -46,7 +42,6 @@ pub struct Run {
     pub name: String,
     /// Time of its last measurement.
     pub measured: Option<Timestamp>,
-    /// Where it comes from.
     pub source: Source,
     pub fit: Arc<Identification>,
     /// Number of the inputs of the open session, if it is that one.
@@ -56,7 +51,6 @@ pub struct Run {
 /// Two sessions with what differs.
 #[derive(Debug)]
 pub struct Compared {
-    /// The sessions, A and B.
     pub runs: [Arc<Run>; 2],
     /// B less A.
     pub comparison: Comparison,
@@ -76,7 +70,7 @@ impl Compared {
     }
 }
 
-/// Which sessions are compared, and what came of it.
+/// The sessions to compare, and the comparison.
 #[derive(Debug, Default)]
 pub struct ComparisonState {
     sources: [Option<Source>; 2],
@@ -105,18 +99,15 @@ impl ComparisonState {
         self.known.as_ref()
     }
 
-    /// Chooses a session.
     pub fn choose(&mut self, side: Side, source: Source) {
         self.sources[side as usize] = Some(source);
     }
 
-    /// Forgets what was chosen.
     pub fn clear(&mut self, side: Side) {
         self.sources[side as usize] = None;
         self.begin();
     }
 
-    /// Exchanges the two.
     pub fn swap(&mut self) {
         self.sources.swap(0, 1);
     }

@@ -12,7 +12,6 @@ use super::command::{
 use super::manual;
 use super::save_form::SaveForm;
 
-/// Dialogs above the screen.
 #[derive(Debug, Default)]
 pub struct Dialogs {
     /// What waits for an answer about unsaved changes or an armed robot.
@@ -27,7 +26,6 @@ pub struct Dialogs {
     pub writing: Option<WriteDraft>,
     /// The report that is to be saved, while that dialog is open.
     pub report: Option<ReportDraft>,
-    /// Whether the log is open.
     pub log: bool,
     /// The page of the manual that is open.
     pub manual: Option<manual::Page>,
@@ -36,7 +34,6 @@ pub struct Dialogs {
 }
 
 impl Dialogs {
-    /// Opens or closes the command palette.
     pub fn set_palette(&mut self, open: bool) {
         self.palette = open.then(|| self.palette.take().unwrap_or_default());
     }
@@ -47,7 +44,7 @@ impl Dialogs {
         self.report.take_if(|draft| draft.form.waits_for(path));
     }
 
-    /// Where to say why a file was not written: in the dialog that waits for it, or in the question that was answered with
+    /// Where an error of writing is shown: in the dialog that waits for it, or in the question that was answered with
     /// saving.
     pub(crate) fn failure(&mut self, path: &Path) -> Option<&mut Option<String>> {
         let save = self.save.as_mut().map(|draft| &mut draft.form);
@@ -65,7 +62,6 @@ impl Dialogs {
 #[derive(Debug)]
 pub(crate) struct LeavingDraft {
     pub(crate) leaving: Leaving,
-    /// Why the changes were not saved.
     pub(crate) failure: Option<String>,
     /// Whether the operator agrees that an armed controller is disconnected.
     pub(crate) may_disarm: bool,
@@ -98,7 +94,6 @@ pub(crate) enum SaveContent {
 }
 
 impl SaveContent {
-    /// Heading of the dialog.
     pub(crate) fn title(&self) -> &'static str {
         match self {
             Self::Session => "Save the session as",

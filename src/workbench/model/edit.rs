@@ -12,12 +12,10 @@ use tautline_session::{
 };
 pub use tautline_workflow::identification::same_effect;
 
-/// One change of what the operator edits.
+/// A change by the operator.
 #[derive(Debug, Clone)]
 pub enum Edit {
-    /// Renames the session.
     Rename(String),
-    /// Chooses the method of identification.
     SetMethod(Method),
     /// Chooses the probability of a false alarm of the diagnosis.
     SetAlpha(f64),
@@ -43,7 +41,6 @@ pub enum Edit {
 }
 
 impl Edit {
-    /// What the undo menu calls it.
     #[must_use]
     pub fn name(&self) -> String {
         match self {
@@ -115,7 +112,6 @@ pub struct Editable {
 }
 
 impl Editable {
-    /// The present state.
     #[must_use]
     pub fn of(session: &Session) -> Self {
         Self {
@@ -137,7 +133,6 @@ impl Editable {
             && self.excluded == *session.excluded()
     }
 
-    /// Puts it back.
     fn restore(self, session: &mut Session) {
         session.name = self.name;
         session.robot = self.robot;
@@ -156,7 +151,7 @@ impl Editable {
     }
 }
 
-/// A state to go back to, with the name of what left it.
+/// A former state, with the name of the edit that changed it.
 #[derive(Debug, Clone)]
 struct Phase {
     /// Number of the edit, never used twice.
@@ -183,7 +178,6 @@ pub enum InputRevision {
 pub struct History {
     undo: Vec<Phase>,
     redo: Vec<Phase>,
-    /// Edits so far.
     edits: u64,
 }
 

@@ -44,7 +44,6 @@ impl FitProgress {
         self.course(|course| course.stopped = true);
     }
 
-    /// Whether the operator stopped it.
     pub fn is_stopped(&self) -> bool {
         self.course(|course| course.stopped)
     }
@@ -57,11 +56,9 @@ impl FitProgress {
 /// How well the model fitted before a change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Before {
-    /// The change.
     pub what: String,
     /// By how many times their noise the readings were missed.
     pub missed: Option<f64>,
-    /// Chi-square.
     pub chi2: f64,
     pub degrees_of_freedom: f64,
 }
@@ -82,7 +79,6 @@ pub struct IdentificationState {
     pub progress: FitProgress,
     /// The fit before the last change of the model.
     pub before: Option<Before>,
-    /// The effects that are being added.
     pub(crate) adding: Option<Adding>,
     /// The effects that were taken out again because the identification with them failed, and why it did.
     pub(crate) not_added: Option<(Vec<EffectSetting>, String)>,

@@ -23,7 +23,6 @@ pub struct ChannelPlace {
 pub struct Cut {
     /// The revision of the draft that it is of.
     pub revision: u64,
-    /// The poses.
     pub result: Result<Imported, ImportError>,
     /// Times of the rows of each series (s), on the common clock.
     pub times: Vec<Option<Vec<f64>>>,
@@ -49,10 +48,9 @@ impl Cut {
     }
 }
 
-/// Sources with their recipe and what comes of it.
+/// Sources with their recipe and the poses cut with it.
 #[derive(Debug)]
 pub struct OpenImport {
-    /// Sources and recipe.
     pub draft: Draft,
     /// Courses of the channels.
     pub outlines: Arc<Outlines>,
@@ -91,7 +89,6 @@ impl OpenImport {
         self.follow(robot);
     }
 
-    /// Takes a source out.
     pub fn remove(&mut self, source: usize, robot: &Robot) {
         self.draft.remove(source, robot);
         self.outlines = Arc::new(Outlines::of(self.draft.sources()));
@@ -169,4 +166,6 @@ pub struct ImportState {
     pub last_recipe: Option<Recipe>,
     /// Whether the poses replace those that the session imported before.
     pub replaces: bool,
+    /// Whether the signs, units and channels that the next check finds wrong are corrected in the recipe.
+    pub corrects: bool,
 }

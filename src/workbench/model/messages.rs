@@ -5,7 +5,6 @@ use tautline_session::Timestamp;
 use tautline_workflow::clock;
 use tautline_workflow::wording::sentence;
 
-/// How much a message matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// Good to know.
@@ -21,7 +20,6 @@ pub enum Severity {
 pub(crate) enum Cause {
     /// Reading a file or a session.
     Opening,
-    /// Writing a file.
     Saving,
     /// Keeping unsaved changes on disk.
     Autosave,
@@ -30,7 +28,6 @@ pub(crate) enum Cause {
     Connection,
     Adjustment,
     Planning,
-    /// Identification and diagnosis.
     Estimation,
     Comparison,
 }
@@ -38,9 +35,7 @@ pub(crate) enum Cause {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
     pub time: Timestamp,
-    /// How much it matters.
     pub severity: Severity,
-    /// One sentence.
     pub text: String,
 }
 
@@ -68,12 +63,10 @@ impl Messages {
         });
     }
 
-    /// Adds a message of severity info.
     pub fn info(&mut self, text: impl Into<String>) {
         self.log(Severity::Info, text);
     }
 
-    /// Adds a warning.
     pub fn warning(&mut self, text: impl Into<String>) {
         self.log(Severity::Warning, text);
     }
@@ -109,13 +102,11 @@ impl Messages {
         self.alert = None;
     }
 
-    /// All messages, the oldest first.
     #[must_use]
     pub fn all(&self) -> &[Message] {
         &self.all
     }
 
-    /// The newest message.
     #[must_use]
     pub fn last(&self) -> Option<&Message> {
         self.all.last()

@@ -1,14 +1,14 @@
 //! Everything the window knows. It knows nothing of the screens and views that show it: they read it and send commands.
 
-pub mod accuracy_figures;
-pub mod autosave;
-pub mod caught_panic;
+pub(crate) mod accuracy_figures;
+pub(crate) mod autosave;
+pub(crate) mod caught_panic;
 pub mod command;
 pub mod comparison;
-pub mod dialogs;
+pub(crate) mod dialogs;
 pub mod edit;
 pub(crate) mod findings;
-pub mod fit_progress;
+pub(crate) mod fit_progress;
 pub mod importing;
 pub mod link;
 pub mod manual;
@@ -23,9 +23,9 @@ pub mod phase;
 pub mod phase_status;
 pub mod plot_preparation;
 mod request;
-pub mod save_form;
+pub(crate) mod save_form;
 mod session_lock;
-pub mod tasks;
+pub(crate) mod tasks;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -56,7 +56,6 @@ use tautline_workflow::controllers::Kind;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::wording::sentence;
 
-/// How the program was started.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     /// What to open: a session, a robot or a dataset folder.
@@ -86,16 +85,13 @@ pub struct Playback {
 pub type ReportPicture =
     fn(&Session, Option<&Identification>, &BTreeSet<usize>) -> Result<Vec<u8>, String>;
 
-/// Everything the window knows.
 pub struct Model {
-    /// How the program was started.
     pub options: Options,
     /// Where fonts, theme and the window are set.
     pub context: egui::Context,
     pub open: Option<OpenSession>,
     /// What the window shows.
     pub screen: Screen,
-    /// What is selected, everywhere.
     pub selection: Selection,
     /// The part of a phase's screen that has the whole window, if one has.
     pub maximised: Option<part::Part>,
@@ -111,7 +107,6 @@ pub struct Model {
     pub outlook: Option<PlanOutlook>,
     /// Id and revision of the session for which that was checked.
     outlook_checked: Option<(u64, u64)>,
-    /// Two sessions side by side.
     pub comparison: ComparisonState,
     /// Files of other programs on their way into the session.
     pub importing: ImportState,
@@ -121,7 +116,6 @@ pub struct Model {
     pub autosave: Autosave,
     /// Where preferences and what is not saved yet lie.
     pub folders: Folders,
-    /// Choices of the user.
     pub preferences: Preferences,
     /// Unsaved sessions of programs that ended without saving, once they were looked for.
     pub unsaved_sessions: Vec<UnsavedSession>,
@@ -129,11 +123,8 @@ pub struct Model {
     pub caught_panic: Option<CaughtPanic>,
     /// Running work.
     pub tasks: Tasks,
-    /// The connection to the controller.
     pub link: Link,
-    /// Messages to the operator.
     pub messages: Messages,
-    /// Dialogs above the screen.
     pub dialogs: Dialogs,
     /// Draws the robot for reports.
     pub report_picture: ReportPicture,

@@ -41,7 +41,6 @@ pub struct PlottedDiagnosis {
     pub diagnosed: Arc<Diagnosed>,
     /// Plots of the dependences, by their indices.
     pub dependences: BTreeMap<usize, Figure>,
-    /// The evidence of each finding.
     pub evidence: Vec<Option<Evidence>>,
 }
 
@@ -137,7 +136,6 @@ pub struct OpenSession {
     saved: Option<Content>,
     stored: Stored,
     fit: Option<Computed<Identification>>,
-    /// Diagnoses, the oldest first.
     diagnoses: Vec<DiagnosisOfModel>,
     /// Number of the data of each number of inputs: what results depend on besides the effects of the model.
     data: BTreeMap<u64, u64>,
@@ -197,7 +195,6 @@ impl OpenSession {
         self.path.as_deref()
     }
 
-    /// Counts every change.
     #[must_use]
     pub fn revision(&self) -> u64 {
         self.revision
@@ -215,7 +212,7 @@ impl OpenSession {
         self.replaced
     }
 
-    /// The number of what results depend on; no two documents share one.
+    /// Revision of the inputs of results; unique among all open sessions.
     #[must_use]
     pub fn inputs(&self) -> u64 {
         self.inputs

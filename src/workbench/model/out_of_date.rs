@@ -1,4 +1,4 @@
-//! What a report would say of an earlier state of the session.
+//! Results in a report that belong to an earlier state of the session.
 
 use super::Model;
 use super::command::IdentificationCommand;

@@ -14,7 +14,6 @@ pub enum Part {
 impl Part {
     pub const ALL: [Self; 3] = [Self::Panel, Self::Robot, Self::Plots];
 
-    /// Label in the window.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {

@@ -8,9 +8,7 @@ pub enum Screen {
     /// Nothing is open yet.
     #[default]
     Start,
-    /// One of the five phases.
     Phase(Phase),
-    /// Two sessions side by side.
     Compare,
     /// Files of other programs on their way into the session.
     Import,
@@ -20,7 +18,6 @@ pub enum Screen {
     NewRobot,
 }
 
-/// The five phases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Phase {
     /// Phase 1: winches, force sensors, home platform.
@@ -50,7 +47,6 @@ impl Phase {
         self as usize + 1
     }
 
-    /// What the operator reads.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
@@ -62,14 +58,12 @@ impl Phase {
         }
     }
 
-    /// The phase after it.
     #[must_use]
     pub fn next(self) -> Option<Self> {
         Self::ALL.get(self.number()).copied()
     }
 }
 
-/// How far a phase is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
     /// Nothing is there.
@@ -113,7 +107,6 @@ impl Progress {
 /// State of a phase with one line of result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PhaseStatus {
-    /// How far it is.
     pub progress: Progress,
     /// One line, such as "8 of 8 winches within 0.1 mm".
     pub line: String,

@@ -15,7 +15,6 @@ use tautline_workflow::identification::{
 /// Readings of one kind and cable with what they may depend on.
 #[derive(Debug, Clone)]
 pub struct Along {
-    /// Kind of reading.
     pub quantity: Quantity,
     /// Cable, if the reading is a cable's.
     pub cable: Option<usize>,
@@ -36,9 +35,7 @@ pub struct Prepared {
 /// Input and result of a preparation.
 #[derive(Debug, Clone)]
 pub struct Preparation {
-    /// The last identification.
     pub fit: Option<Arc<Identification>>,
-    /// The last diagnosis.
     pub diagnosed: Option<Arc<Diagnosed>>,
     /// What was prepared, or why it could not be.
     pub result: Result<Arc<Prepared>, String>,

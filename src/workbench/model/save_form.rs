@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use tautline_session::link_target;
 
-/// The path of a file to write, and what became of writing it.
+/// The path of a file to write, and the error if writing failed.
 #[derive(Debug, Clone, Default)]
 pub struct SaveForm {
     /// The path as it is typed.

@@ -91,7 +91,7 @@ impl SessionLock {
             match FileLock::acquire(path) {
                 Ok(held) => self.held = Some(held),
                 Err(error @ LockError::Busy(_)) => return Err(format!("{error}.")),
-                // Saving says what is wrong with the place.
+                // Saving reports errors of the folder.
                 Err(_) => {}
             }
         }

@@ -10,12 +10,10 @@ use super::caught_panic::{self, CaughtPanic};
 use super::command::Outcome;
 use super::memory;
 
-/// State of a running task.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TaskProgress {
     /// Part that is done, where it is known.
     pub fraction: Option<f32>,
-    /// What it is about.
     pub text: String,
 }
 
@@ -35,7 +33,6 @@ struct Shared {
 }
 
 impl Running {
-    /// How far it is.
     #[must_use]
     pub fn progress(&self) -> TaskProgress {
         self.shared
@@ -74,7 +71,6 @@ impl TaskHandle {
         }
     }
 
-    /// Tells how far it is.
     pub fn tell(&self, fraction: Option<f32>, text: impl Into<String>) {
         let text = text.into();
         *self
@@ -86,7 +82,6 @@ impl TaskHandle {
     }
 }
 
-/// All running tasks.
 pub struct Tasks {
     context: egui::Context,
     sender: mpsc::Sender<(u64, Outcome)>,
@@ -173,7 +168,6 @@ impl Tasks {
         &self.running
     }
 
-    /// Whether a task of this title runs.
     #[must_use]
     pub fn runs(&self, title: &str) -> bool {
         self.running.iter().any(|task| task.title == title)

@@ -18,10 +18,8 @@ use tautline_workflow::plot::figure::{Axis, Band, Figure, Point, Series};
 use tautline_workflow::precalibration::{Calibration, PerCable, Proposal, Table};
 use tautline_workflow::wording::units::fixed;
 
-/// What is typed for a table.
 #[derive(Debug, Default)]
 pub struct TableInput {
-    /// Path of its file.
     pub path: String,
     /// Rows to add.
     pub rows: String,
@@ -32,15 +30,12 @@ pub struct Bench<'a> {
     pub open: &'a OpenSession,
     /// The fits of its tables.
     pub calibration: &'a Calibration,
-    /// What is selected.
     pub selection: Selection,
-    /// Commands of this frame.
     pub outbox: &'a mut Outbox,
 }
 
 /// Residuals of what was measured cable by cable, with the band that they should stay in.
 pub struct Residuals<'a> {
-    /// Accessible name of the plot.
     pub name: &'a str,
     /// Along what they are shown.
     pub x: Axis,

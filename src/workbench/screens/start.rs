@@ -28,7 +28,6 @@ pub struct PanelState {
 /// Number of unsaved sessions that are listed at first.
 const UNSAVED_SHOWN: usize = 3;
 
-/// Draws the start screen.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let above = (ui.ctx().content_rect().height() * 0.09).max(6.0 * GRID);
     page(ui, above, |ui| {

@@ -14,7 +14,6 @@ use crate::theme::GRID;
 use crate::views::plots::small;
 use crate::widgets::{Verdict, checkbox, heading, muted, section, verdict};
 
-/// State of the screen.
 #[derive(Debug, Default)]
 pub struct PanelState {
     asked: Option<Asked>,
@@ -55,7 +54,6 @@ const NARROW: f32 = 720.0;
 const SLIDERS: f32 = 300.0;
 const FOLDER: f32 = 190.0;
 
-/// Draws the screen.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let session = model.open.as_ref().map(|open| open.session());
     let Some(robot) = session

@@ -27,7 +27,6 @@ const PANEL_RANGE: Rangef = Rangef {
     max: 520.0,
 };
 
-/// Draws the whole window.
 pub fn show(ui: &mut Ui, state: &mut State) {
     escape::show(ui, state);
     let items = menu::items(state);

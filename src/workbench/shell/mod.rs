@@ -25,9 +25,7 @@ use crate::model::phase::Screen;
 use crate::model::{Options, caught_panic};
 use crate::{commands, theme};
 
-/// The workbench as eframe runs it.
 pub struct App {
-    /// Everything it knows.
     pub state: State,
 }
 

@@ -40,7 +40,7 @@ pub fn observe(context: &Context, path: PathBuf) {
             thread::sleep(PAUSE);
         }
     };
-    // Without the thread there is no description, and whoever waits for it says so.
+    // Without the thread there is no description, and whoever waits for it reports that.
     let _ = thread::Builder::new().name("observer".into()).spawn(write);
     context.enable_accesskit();
     context.add_plugin(Observer {

@@ -67,7 +67,7 @@ struct Marked {
     has_moved: bool,
 }
 
-/// The line that is marked among so many: the first while `is_other`, else where the arrow keys have led.
+/// The marked line: the first one while `is_other`, else that of the arrow keys.
 fn marked(ui: &Ui, count: usize, is_other: bool) -> Marked {
     let id = egui::Id::unique("marked command");
     let before = ui.data(|data| data.get_temp::<usize>(id)).unwrap_or(0);

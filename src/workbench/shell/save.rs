@@ -57,7 +57,7 @@ pub(super) struct Asked {
     pub replaces: bool,
 }
 
-/// The path of a file, and what became of writing it; `own` may be written over without a word.
+/// The path of a file, and the error if writing failed; `own` is written over without a question.
 pub(super) fn form(ui: &mut Ui, form: &mut SaveForm, own: Option<&Path>) -> Asked {
     let row = ui.horizontal(|ui| {
         let width = ui.available_width() - 120.0;

@@ -2,7 +2,6 @@
 
 use egui::{Panel, Rangef, Ui, UiBuilder};
 
-/// How large a panel is.
 #[derive(Debug, Clone, Copy)]
 pub struct Size {
     /// As it was chosen, or to begin with (points).

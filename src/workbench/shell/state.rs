@@ -7,15 +7,11 @@ use crate::views::ViewStates;
 use crate::views::plots::Panes;
 use crate::views::report_picture::report_picture;
 
-/// Everything the window has.
 pub struct State {
-    /// Everything it knows.
     pub model: Model,
     /// Commands that were given in this frame.
     pub outbox: Outbox,
-    /// What the panels remember.
     pub panels: PanelStates,
-    /// What the views remember.
     pub views: ViewStates,
 }
 

@@ -12,7 +12,6 @@ use crate::theme;
 use crate::widgets::{icon_only, muted};
 use tautline_workflow::controllers::Kind;
 
-/// Draws the bar.
 pub fn show(ui: &mut Ui, state: &mut State) {
     ui.horizontal(|ui| {
         last_message(ui, state);

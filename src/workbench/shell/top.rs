@@ -44,7 +44,6 @@ pub fn send(state: &mut State, commands: &[Command]) {
     }
 }
 
-/// Draws the bar.
 pub fn show(ui: &mut Ui, state: &mut State, items: &[Item]) {
     MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {

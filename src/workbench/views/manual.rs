@@ -22,7 +22,6 @@ const PAGES: f32 = 196.0;
 /// Width of lines that are read with ease (points).
 const READABLE: f32 = 660.0;
 
-/// What the manual remembers.
 #[derive(Default)]
 pub struct Manual {
     cache: CommonMarkCache,

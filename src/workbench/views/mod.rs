@@ -1,12 +1,12 @@
 //! What is drawn beside the panels: the robot in 3D, plots.
 
-pub mod manual;
+pub(crate) mod manual;
 pub mod offscreen;
 pub mod plots;
-pub mod pulley_inspector;
+pub(crate) mod pulley_inspector;
 pub mod report_picture;
 pub mod robot_3d;
-pub mod timeline;
+pub(crate) mod timeline;
 
 use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 

@@ -32,7 +32,6 @@ pub struct TimelineState {
     began_s: Option<(f64, f64)>,
 }
 
-/// Draws the time line.
 pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Outbox) {
     let Some(open) = &model.open else {
         return;
@@ -71,7 +70,7 @@ pub fn show(ui: &mut Ui, model: &Model, views: &mut ViewStates, outbox: &mut Out
                 commands.push(command);
             }
         }
-        let is_moving = model.link.is_busy() || model.link.watches;
+        let is_moving = model.link.is_busy() || model.link.polls_when_idle;
         if model.link.is_connected() && (is_moving || model.link.is_stopped) {
             let follows = model.playback.follows;
             let name = if is_moving { "Live" } else { "Stopped" };

@@ -19,7 +19,6 @@ pub fn primary(ui: &mut Ui, text: &str, enabled: bool) -> Response {
     )
 }
 
-/// A box to tick.
 pub fn checkbox(ui: &mut Ui, is_ticked: &mut bool, text: &str) -> Response {
     as_light_as_a_field(ui, |ui| ui.checkbox(is_ticked, text))
 }

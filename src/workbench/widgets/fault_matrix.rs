@@ -20,7 +20,6 @@ const AROUND: f32 = 48.0;
 /// Probability of a confusion below which a cell has no number.
 const NUMBERED: f64 = 0.01;
 
-/// The matrix in a window of its own.
 pub fn fault_window(ui: &Ui, table: &IsolabilityTable, is_shown: &mut bool) {
     let whole = vec2(
         NAME + SHOWN + (table.kinds.len() + 1) as f32 * CELL[0],

@@ -18,6 +18,7 @@ pub use button::{checkbox, choice, icon_button, icon_only, primary, radio};
 pub use fault_matrix::fault_window;
 pub use import_row::{Import, import_row};
 pub(crate) use modal::{backdrop, modal};
+pub(crate) use number::width_of;
 pub use number::{Entered, Number, number, number_checked, parse as parse_number};
 pub use page::page;
 pub use parts::parts;

@@ -1,6 +1,6 @@
 //! Fields for numbers.
 
-use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, TextStyle, Ui, WidgetInfo};
+use egui::{Align2, Id, Key, Margin, Response, Stroke, TextEdit, TextStyle, Ui, Vec2, WidgetInfo};
 
 use super::text::muted;
 use crate::theme::{self, GRID};
@@ -19,7 +19,6 @@ pub enum Entered {
 /// A field for a number.
 #[derive(Debug, Clone, Copy)]
 pub struct Number<'a> {
-    /// Its accessible name.
     pub name: &'a str,
     /// `None` if the field is empty.
     pub value: Option<f64>,
@@ -88,17 +87,22 @@ pub fn number_checked(
     (!escaped).then_some(answer)
 }
 
+/// Width of a field with a text (points); the cursor has room behind it.
+pub(crate) fn width_of(ui: &Ui, text: &str) -> f32 {
+    let font = TextStyle::Body.resolve(ui.style());
+    let colour = theme::of(ui).text;
+    let galley = ui.painter().layout_no_wrap(text.to_owned(), font, colour);
+    galley.size().x + 4.0 * GRID
+}
+
 fn edit(ui: &mut Ui, field: &Number<'_>, text: &mut String, wrong: bool) -> Response {
     let palette = theme::of(ui);
-    let font = TextStyle::Body.resolve(ui.style());
-    let galley = ui
-        .painter()
-        .layout_no_wrap(text.clone(), font, palette.text);
-    // A number is never cut off, and the cursor has room behind it.
-    let width = field.width.max(galley.size().x + 4.0 * GRID);
+    // A number is never cut off, also where a column of a grid is still narrower.
+    let width = field.width.max(width_of(ui, text));
     let mut edit = TextEdit::singleline(text)
         .id(field.text_id(ui))
         .desired_width(width)
+        .min_size(Vec2::new(width, 0.0))
         .align(Align2::RIGHT_CENTER)
         .margin(Margin::symmetric(GRID as i8, 2))
         .clip_text(true);

@@ -15,7 +15,6 @@ pub struct PoseFields {
     texts: [String; 6],
 }
 
-/// What happened to the fields.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PoseFieldsResponse {
     pub left: bool,

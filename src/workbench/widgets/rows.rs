@@ -123,7 +123,6 @@ impl RowsEdit {
 pub struct Rows<'a> {
     /// What a row is, such as "Pair".
     pub noun: &'a str,
-    /// Its columns.
     pub fields: &'a [RowField],
     pub rows: &'a [Numbers],
     /// Title and unit of the remarks; may be empty.

@@ -7,7 +7,6 @@ use egui_material_icons::icons;
 pub struct TabOf<T> {
     /// What it stands for.
     pub value: T,
-    /// Label in the window.
     pub title: &'static str,
     /// Why it cannot be chosen, if so.
     pub missing: Option<&'static str>,

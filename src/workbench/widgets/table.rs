@@ -7,7 +7,6 @@ use egui_material_icons::MaterialIcon;
 
 use crate::theme::{self, GRID};
 
-/// A column of a table.
 #[derive(Debug, Clone, Copy)]
 pub struct Column<'a> {
     title: &'a str,
@@ -45,7 +44,6 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// Text in the colour of text.
     #[must_use]
     pub fn new(text: impl Into<String>) -> Self {
         Self {
@@ -85,11 +83,8 @@ impl Cell {
 /// What the operator did with a table.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Touched {
-    /// The row that was clicked.
     pub clicked: Option<usize>,
-    /// The row that was clicked twice.
     pub double_clicked: Option<usize>,
-    /// The row under the pointer.
     pub hovered: Option<usize>,
 }
 

@@ -31,15 +31,11 @@ pub fn value(ui: &mut Ui, name: &str, number: &str, unit: &str) {
     });
 }
 
-/// Result of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// Passed.
     Good,
     Doubtful,
-    /// Failed.
     Bad,
-    /// Neither good nor bad.
     Neutral,
 }
 

@@ -199,27 +199,61 @@ pub(super) fn figure_of(
     }
 }
 
-/// The part of the residuals that causes explain, over the variable, as a smooth line; interrupted where there are no data.
-fn explained(dependents: &[Dependent], factor: f64, event: Option<(usize, bool)>) -> Vec<Curve> {
-    let points = |is_part: &dyn Fn(&Dependent) -> bool| -> Vec<[f64; 2]> {
-        let known = dependents.iter().filter(|one| is_part(one));
-        known
-            .filter_map(|one| Some([factor * one.variable, one.explained?]))
-            .collect()
+/// Value and part of the residual that causes explain, of some readings.
+fn explained_points(
+    dependents: &[Dependent],
+    factor: f64,
+    is_part: impl Fn(&Dependent) -> bool,
+) -> Vec<[f64; 2]> {
+    let known = dependents.iter().filter(|one| is_part(one));
+    known
+        .filter_map(|one| Some([factor * one.variable, one.explained?]))
+        .collect()
+}
+
+/// The part of the residuals that causes explain, over the variable, as a smooth line, in two pieces where there is a step.
+fn lines(
+    dependents: &[Dependent],
+    factor: f64,
+    event: Option<(usize, bool)>,
+) -> Vec<Vec<[f64; 2]>> {
+    let points = |from: usize, to: usize| {
+        explained_points(dependents, factor, |one| (from..to).contains(&one.row))
     };
-    let pieces: Vec<Vec<[f64; 2]>> = match event {
-        None => vec![smooth(&points(&|_| true))],
-        Some((row, true)) => vec![
-            smooth(&points(&|one| one.row < row)),
-            smooth(&points(&|one| one.row >= row)),
-        ],
+    match event {
+        None => vec![smooth(&points(0, usize::MAX))],
+        Some((row, true)) => vec![smooth(&points(0, row)), smooth(&points(row, usize::MAX))],
         Some((_, false)) => {
-            let mut all = points(&|_| true);
+            let mut all = points(0, usize::MAX);
             all.sort_by(|a, b| a[0].total_cmp(&b[0]));
             vec![all]
         }
+    }
+}
+
+/// What a cause explains of each reading, averaged over readings with about the same value of the variable.
+pub(super) fn averaged(dependents: &[Dependent], event: Option<(usize, bool)>) -> Vec<f64> {
+    let lines = lines(dependents, 1.0, event);
+    let value = |one: &Dependent| {
+        let is_after = matches!(event, Some((row, true)) if one.row >= row);
+        let line = &lines[usize::from(is_after)];
+        let next = line.partition_point(|[x, _]| *x < one.variable);
+        match (line.get(next.wrapping_sub(1)), line.get(next)) {
+            (Some([x0, y0]), Some([x1, y1])) if x1 > x0 => {
+                y0 + (y1 - y0) * (one.variable - x0) / (x1 - x0)
+            }
+            (Some([_, y]), None) | (_, Some([_, y])) => *y,
+            (None, None) => 0.0,
+        }
     };
-    let data: Vec<f64> = points(&|_| true).iter().map(|[x, _]| *x).collect();
+    dependents.iter().map(value).collect()
+}
+
+/// Curves of what causes explain; interrupted where there are no data.
+fn explained(dependents: &[Dependent], factor: f64, event: Option<(usize, bool)>) -> Vec<Curve> {
+    let pieces = lines(dependents, factor, event);
+    let data = explained_points(dependents, factor, |_| true);
+    let data: Vec<f64> = data.iter().map(|[x, _]| *x).collect();
     let pieces = pieces.iter().flat_map(|piece| without_gaps(piece, &data));
     pieces
         .enumerate()
@@ -244,7 +278,9 @@ fn smooth(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         xs().fold(f64::NEG_INFINITY, f64::max),
     );
     if points.len() < LEAST_NEIGHBOURS || from >= to {
-        return points.to_vec();
+        let mut points = points.to_vec();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        return points;
     }
     let neighbours = (NEIGHBOURS * points.len() as f64).ceil() as usize;
     let neighbours = neighbours.clamp(LEAST_NEIGHBOURS, points.len());

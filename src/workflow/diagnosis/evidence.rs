@@ -1,16 +1,22 @@
-//! The readings that show a cause best, over the variable on which it depends: their residuals with all other causes in the
-//! model, and what the cause explains of them.
+//! The readings that show a cause best, over the variable on which it depends: their partial residuals, and what the cause
+//! explains of them.
+//!
+//! A partial residual is that of the model with the cause, plus what the cause contributes to the prediction, with its sign
+//! reversed (Larsen and McCleary 1972). Geometry, poses and all other causes stay as they were estimated with the cause: a fit
+//! without it would move them and hide part of it. Only tensions, which belong to a single pose, are found again. Where the
+//! contribution depends on more than the variable, as creep on the length, its average over them is put back, so that the
+//! points scatter about the line of the cause as the residuals do about zero.
 
 use tautline_core::diagnosis::{Finding, Quantity, Variables};
 use tautline_core::effect::{BoundEffect, Search};
 use tautline_core::estimation::{
-    Analysis, Control, Linearisation, Options, Problem, Solution, solve,
+    Analysis, Linearisation, Observation, Parameter, ParameterId, Problem, Solution,
 };
 use tautline_core::measurement::{Dataset, Variable};
 
-use super::dependences::{Dependent, by_row, dataset_as_modelled, figure_of};
+use super::dependences::{Dependent, averaged, dataset_as_modelled, figure_of};
 use crate::documents::diagnosis::Diagnosed;
-use crate::identification::{all_readings, group_of};
+use crate::identification::group_of;
 use crate::plot::figure::Figure;
 
 /// The evidence of one finding.
@@ -38,13 +44,21 @@ pub fn evidence(diagnosed: &Diagnosed) -> Vec<Option<Evidence>> {
         .collect()
 }
 
-/// Residuals without and with a cause.
+/// A reading with a cause, and what the cause explains of it (standard deviations).
+struct ExplainedReading {
+    quantity: Quantity,
+    cable: Option<usize>,
+    row: usize,
+    residual: f64,
+    explained: f64,
+}
+
+/// The readings with a cause.
 struct Explained<'a> {
     diagnosed: &'a Diagnosed,
     finding: &'a Finding,
     problem: Problem<'a>,
-    without: Analysis,
-    with: Analysis,
+    readings: Vec<ExplainedReading>,
 }
 
 impl<'a> Explained<'a> {
@@ -52,24 +66,37 @@ impl<'a> Explained<'a> {
         let solution = &diagnosed.diagnosis.extended_solution;
         let problem = problem_of(diagnosed, dataset, solution)?;
         let own = &finding.cause.instances;
-        let is_own = |bound: &BoundEffect| own.iter().any(|one| is_same(one, bound));
-        let mut others = problem.clone();
-        others.free_effects.retain(|bound| !is_own(bound));
-        if others.free_effects.len() == problem.free_effects.len() {
+        let is_other = |bound: &BoundEffect| !own.iter().any(|one| is_same(one, bound));
+        let others: Vec<usize> = (0..problem.free_effects.len())
+            .filter(|effect| is_other(&problem.free_effects[*effect]))
+            .collect();
+        if others.len() == problem.free_effects.len() {
             return None;
         }
-        let without = solve(&others, &Options::default(), &mut |_| Control::Continue).ok()?;
+        let (rest, at) = without_effects(&problem, solution, &others);
+        let with = Analysis::new(&problem, solution).observations;
+        let without = Analysis::new(&rest, &at).observations;
+        let explained = |(with, without): (Observation, Observation)| {
+            let (quantity, cable) = group_of(with.kind)?;
+            Some(ExplainedReading {
+                quantity,
+                cable,
+                row: with.row,
+                residual: with.normalised()?,
+                explained: without.standardised - with.standardised,
+            })
+        };
+        let readings = with.into_iter().zip(without).filter_map(explained);
         Some(Self {
             diagnosed,
             finding,
-            without: Analysis::new(&others, &without),
-            with: Analysis::new(&problem, solution),
+            readings: readings.collect(),
             problem,
         })
     }
 
     fn evidence(&self) -> Option<Evidence> {
-        let (quantity, cable) = self.readings()?;
+        let (quantity, cable) = self.shown()?;
         let solution = &self.diagnosed.diagnosis.extended_solution;
         let linear = Linearisation::new(&self.problem, solution);
         let variables = Variables::new(&self.problem, solution, &linear);
@@ -84,24 +111,22 @@ impl<'a> Explained<'a> {
             .into_iter()
             .chain(choices)
             .find_map(|variable| Some((variable, variables.values(quantity, cable, variable)?)))?;
-        let without = by_row(&self.without, (quantity, cable));
-        let with = by_row(&self.with, (quantity, cable));
-        let mut dependents: Vec<Dependent> = Vec::new();
-        for (row, residuals) in without {
-            let after = with.get(&row);
-            for (number, residual) in residuals.into_iter().enumerate() {
-                let left = after.and_then(|after| after.get(number));
-                dependents.push(Dependent {
-                    row,
-                    variable: values[row],
-                    residual,
-                    explained: left.map(|left| residual - left),
-                });
-            }
-        }
+        let own = self.readings.iter();
+        let own = own.filter(|one| (one.quantity, one.cable) == (quantity, cable));
+        let dependent = |one: &ExplainedReading| Dependent {
+            row: one.row,
+            variable: values[one.row],
+            residual: one.residual,
+            explained: Some(one.explained),
+        };
+        let mut dependents: Vec<Dependent> = own.map(dependent).collect();
         dependents.retain(|one| one.variable.is_finite());
         dependents.sort_by_key(|one| one.row);
         let event = self.event();
+        let averaged = averaged(&dependents, event);
+        for (one, contribution) in dependents.iter_mut().zip(averaged) {
+            one.residual += contribution;
+        }
         let figure = figure_of(
             self.diagnosed,
             (quantity, cable, variable),
@@ -116,27 +141,21 @@ impl<'a> Explained<'a> {
     }
 
     /// The readings of which the cause explains most: of its own cables, if it has some.
-    fn readings(&self) -> Option<(Quantity, Option<usize>)> {
+    fn shown(&self) -> Option<(Quantity, Option<usize>)> {
         let own = self.finding.cause.cables();
-        let mut gains: Vec<((Quantity, Option<usize>), f64)> = Vec::new();
-        let all = [(&self.without, 1.0), (&self.with, -1.0)];
-        for (analysis, sign) in all {
-            for reading in all_readings(analysis) {
-                let (Some(group), Some(size)) = (group_of(reading.kind), reading.normalised())
-                else {
-                    continue;
-                };
-                let gain = sign * size * size;
-                match gains.iter_mut().find(|(known, _)| *known == group) {
-                    Some((_, sum)) => *sum += gain,
-                    None => gains.push((group, gain)),
-                }
+        let mut groups: Vec<((Quantity, Option<usize>), f64)> = Vec::new();
+        for one in &self.readings {
+            let square = one.explained * one.explained;
+            let group = (one.quantity, one.cable);
+            match groups.iter_mut().find(|(known, _)| *known == group) {
+                Some((_, sum)) => *sum += square,
+                None => groups.push((group, square)),
             }
         }
         let is_own = |(_, cable): (Quantity, Option<usize>)| {
             own.is_empty() || cable.is_some_and(|cable| own.contains(&cable))
         };
-        let own = gains.iter().filter(|(group, _)| is_own(*group));
+        let own = groups.iter().filter(|(group, _)| is_own(*group));
         own.max_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(group, _)| *group)
     }
@@ -171,7 +190,128 @@ pub(super) fn problem_of<'a>(
     Some(problem.at_poses_of(&diagnosed.diagnosis.base_solution))
 }
 
+/// The problem and the solution with some of the free effects, by their indices, and everything else as it is.
+fn without_effects<'a>(
+    problem: &Problem<'a>,
+    solution: &Solution,
+    kept: &[usize],
+) -> (Problem<'a>, Solution) {
+    let mut rest = problem.clone();
+    rest.free_effects = kept
+        .iter()
+        .map(|k| problem.free_effects[*k].clone())
+        .collect();
+    let parameter = |one: &Parameter| match one.id {
+        ParameterId::Effect { effect, parameter } => {
+            let effect = kept.iter().position(|k| *k == effect)?;
+            let id = ParameterId::Effect { effect, parameter };
+            Some(Parameter { id, ..one.clone() })
+        }
+        _ => Some(one.clone()),
+    };
+    let mut at = Solution {
+        parameters: solution.parameters.iter().filter_map(parameter).collect(),
+        covariance: None,
+        ..solution.clone()
+    };
+    at.globals.effects = [&rest.held_effects[..], &rest.free_effects].concat();
+    (rest, at)
+}
+
 /// Whether two effects are one and the same of a solution.
 fn is_same(one: &BoundEffect, other: &BoundEffect) -> bool {
     one.effect.id() == other.effect.id() && one.cables == other.cables && one.values == other.values
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use tautline_core::effect::EffectSetting;
+    use tautline_core::estimation::Control;
+    use tautline_core::robot::presets;
+    use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
+
+    use super::*;
+    use crate::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
+
+    fn diagnosed(effect: &str, cable: Option<&str>, (name, value): (&str, f64)) -> Diagnosed {
+        let preset = presets::find("mini").expect("a preset");
+        let geometry = preset.measured_entry_points_m.clone();
+        let options = SimulationOptions {
+            geometry: geometry.map_or(TrueGeometry::Drawn, TrueGeometry::EntryPoints),
+            effects: vec![EffectSetting {
+                effect: effect.to_owned(),
+                targets: cable.into_iter().map(str::to_owned).collect(),
+                parameters: [(name.to_owned(), value)].into(),
+            }],
+            workspace: Some(preset.workspace),
+            tension: Some(preset.tension),
+            ..SimulationOptions::new(40, 1)
+        };
+        let dataset = simulate(&preset.robot, &options)
+            .expect("simulated")
+            .dataset;
+        diagnose_dataset(Arc::new(dataset), (0.01, TIME_LIMIT_S), &mut |_| {
+            Control::Continue
+        })
+        .expect("diagnosed")
+    }
+
+    #[test]
+    fn readings_scatter_about_the_line_of_a_cause_with_their_noise() {
+        for (effect, cable, parameter, of_effect) in [
+            ("cable_creep", None, ("c", 0.005), Quantity::Length),
+            (
+                "winch_scale",
+                Some("cable-3"),
+                ("scale", 0.02),
+                Quantity::Length,
+            ),
+            (
+                "force_bias",
+                Some("cable-3"),
+                ("bias", 25.0),
+                Quantity::Tension,
+            ),
+            ("laser_scale", None, ("scale", 0.05), Quantity::Laser),
+        ] {
+            let diagnosed = diagnosed(effect, cable, parameter);
+            let findings = &diagnosed.diagnosis.findings;
+            let is_it = |finding: &Finding| finding.cause.effect().id() == effect;
+            let number = findings.iter().position(is_it).expect(effect);
+            let shown = evidence(&diagnosed).swap_remove(number).expect(effect);
+            assert_eq!(shown.quantity, of_effect, "{effect}");
+            let line: Vec<[f64; 2]> = shown
+                .figure
+                .curves
+                .iter()
+                .flat_map(|c| c.points.clone())
+                .collect();
+            let on_line = |x: f64| {
+                let near = line
+                    .iter()
+                    .min_by(|a, b| (a[0] - x).abs().total_cmp(&(b[0] - x).abs()));
+                near.expect("a line")[1]
+            };
+            let points = shown.figure.series[0].points();
+            let off = points
+                .iter()
+                .map(|point| (point.y - on_line(point.x)).powi(2));
+            let scatter = (off.sum::<f64>() / points.len() as f64).sqrt();
+            let heights = line.iter().map(|[_, y]| y.abs());
+            let height = heights.fold(0.0, f64::max);
+            assert!(points.len() >= 40, "{effect}");
+            assert!((0.6..1.5).contains(&scatter), "{effect}: {scatter}");
+            assert!(height > 4.0 * scatter, "{effect}: {height} and {scatter}");
+            if effect == "cable_creep" {
+                // Logarithmic creep goes one way, and no wave of poses or geometry is left.
+                let mut reached = f64::MIN;
+                for [_, y] in &line {
+                    reached = reached.max(y.abs());
+                    assert!(y.abs() > reached - 0.01 * height, "{line:?}");
+                }
+            }
+        }
+    }
 }

@@ -1,23 +1,21 @@
 //! Checks that readings are complete and plausible, without a fit.
 
-use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::measurement::{Dataset, Grid};
+use tautline_import::{Kind, Mistake, Quantity, TableCheck, check_table};
 
 use super::{CheckItem, CheckOutcome, PLAUSIBLE};
 use crate::wording::{count, list, sentence};
 
 /// Largest fraction of a cable's readings that may be missing.
 const MISSING: f64 = 0.5;
-/// Correlation of read and expected lengths below which the reading is that of something else.
-const CORRELATED: f64 = 0.8;
-/// Plausible range of the ratio of read to expected changes of length.
-const RATIOS: [f64; 2] = [0.7, 1.4];
+/// Scatter of read about expected lengths, relative to that of the read ones, above which something else was read.
+const SCATTERED: f64 = 0.6;
+/// Plausible ratio of read to expected changes of length.
+const RATIOS: std::ops::Range<f64> = 0.7..1.4;
 /// Negative tension that noise does not explain, in standard deviations of its sensor.
 const PUSHING: f64 = 5.0;
 /// Plausible difference between read and expected laser distance (m).
 const LASER_OFF_M: f64 = 0.3;
-/// Smallest number of poses at which read and expected lengths are compared.
-const COMPARED: usize = 4;
 
 /// Readings that every cable has, with their names.
 fn grids(dataset: &Dataset) -> Vec<(&'static str, &Grid)> {
@@ -107,66 +105,11 @@ pub(super) fn complete(dataset: &Dataset) -> CheckItem {
     found
 }
 
-/// Changes of length between poses, as read and as expected from the commanded poses.
-fn compared(dataset: &Dataset) -> Option<[Vec<Vec<f64>>; 2]> {
-    let data = &dataset.measurements;
-    let robot = &dataset.robot;
-    let mut read = vec![Vec::new(); robot.cable_count()];
-    let mut expected = read.clone();
-    for (row, commanded) in data.commanded.iter().enumerate() {
-        let Some(states) = commanded.and_then(|pose| inverse_kinematics(robot, &pose).ok()) else {
-            continue;
-        };
-        for (cable, state) in states.iter().enumerate() {
-            let length = if data.revolutions.is_empty() {
-                data.length_m.get(row, cable)
-            } else {
-                data.revolutions.get(row, cable)
-                    * robot.cables[cable].winch.cable_per_revolution_m()
-            };
-            read[cable].push(length);
-            expected[cable].push(state.length_m);
-        }
-    }
-    (read.first().is_some_and(|rows| rows.len() >= COMPARED)).then_some([read, expected])
-}
-
-/// Slope and correlation of a series against another, where both have values.
-fn relation(values: &[f64], along: &[f64]) -> Option<[f64; 2]> {
-    let both: Vec<[f64; 2]> = (values.iter().zip(along))
-        .filter(|(a, b)| a.is_finite() && b.is_finite())
-        .map(|(a, b)| [*a, *b])
-        .collect();
-    if both.len() < COMPARED {
-        return None;
-    }
-    let mean = |k: usize| both.iter().map(|pair| pair[k]).sum::<f64>() / both.len() as f64;
-    let middle = [mean(0), mean(1)];
-    let moment = |i: usize, k: usize| -> f64 {
-        both.iter()
-            .map(|pair| (pair[i] - middle[i]) * (pair[k] - middle[k]))
-            .sum()
-    };
-    let (own, other, cross) = (moment(0, 0), moment(1, 1), moment(0, 1));
-    (other > 0.0).then(|| {
-        [
-            cross / other,
-            if own > 0.0 {
-                cross / (own * other).sqrt()
-            } else {
-                0.0
-            },
-        ]
-    })
-}
-
 pub(super) fn plausible(dataset: &Dataset) -> CheckItem {
     let item = |outcome, sentence: String| CheckItem::new(PLAUSIBLE, outcome, sentence);
     let mut problems: Vec<String> = Vec::new();
-    let compared = compared(dataset);
-    if let Some([read, expected]) = &compared {
-        problems.extend(implausible_lengths(dataset, read, expected));
-    }
+    let found = check_table(&dataset.measurements, &dataset.robot);
+    problems.extend(implausible_lengths(dataset, &found));
     problems.extend(implausible_forces(dataset));
     problems.extend(implausible_distances(dataset));
     if !problems.is_empty() {
@@ -174,49 +117,61 @@ pub(super) fn plausible(dataset: &Dataset) -> CheckItem {
             "Correct sign, unit or channel in the recording, or exclude the poses concerned.",
         );
     }
-    if compared.is_none() {
-        let why = "Lengths were not compared: fewer than 4 poses have a commanded pose.";
+    if found.lengths.iter().all(Option::is_none) {
+        let why = "Lengths were not compared: too few poses are known.";
         return item(CheckOutcome::NotEvaluated, why.to_owned()).with(
             "Record the commanded poses (columns x_m, y_m, z_m, qw, qx, qy, qz of poses.csv).",
         );
     }
     item(
         CheckOutcome::Pass,
-        "Changes of length match the commanded poses, and tensions and distances are plausible."
-            .to_owned(),
+        "Changes of length match the poses, and tensions and distances are plausible.".to_owned(),
     )
 }
 
-fn implausible_lengths(dataset: &Dataset, read: &[Vec<f64>], expected: &[Vec<f64>]) -> Vec<String> {
+/// Mistakes of sign, unit and channel, and changes of length that have no such reason.
+fn implausible_lengths(dataset: &Dataset, found: &TableCheck) -> Vec<String> {
     let cables = &dataset.robot.cables;
     let mut problems = Vec::new();
-    for (cable, values) in read.iter().enumerate() {
-        let name = &cables[cable].name;
-        let Some([slope, correlation]) = relation(values, &expected[cable]) else {
-            continue;
-        };
-        let alike = |other: &usize| {
-            let found = relation(values, &expected[*other]);
-            *other != cable
-                && found
-                    .is_some_and(|[slope, r]| r > 0.98 && (RATIOS[0]..RATIOS[1]).contains(&slope))
-        };
-        let other = (0..read.len()).find(alike);
-        problems.push(match other {
-            _ if correlation < -CORRELATED => {
+    let mut named = vec![false; cables.len()];
+    let suggestions = found.suggestions.iter();
+    for suggestion in suggestions.filter(|one| one.mistake.is_of_channel()) {
+        let columns = suggestion.columns.iter();
+        let of_length = columns.filter_map(|column| {
+            Quantity::parse(column).filter(|q| matches!(q.kind, Kind::Revolutions | Kind::Length))
+        });
+        let indices: Vec<usize> = of_length.map(|quantity| quantity.index).collect();
+        match (suggestion.mistake, &indices[..]) {
+            (_, []) => {
+                problems.push(format!("{}.", sentence(&suggestion.sentence)));
+            }
+            (Mistake::ReversedSign, reversed) => problems.extend(reversed.iter().map(|cable| {
+                let name = &cables[*cable].name;
                 format!("The length of {name} changes with the wrong sign.")
+            })),
+            (Mistake::Exchanged, [a, b]) => {
+                named[*a] = true;
+                named[*b] = true;
+                problems.push(format!(
+                    "The length of {} changes as that of {} should: the channels may be swapped.",
+                    cables[*a].name, cables[*b].name
+                ));
             }
-            Some(other) if correlation < CORRELATED => format!(
-                "The length of {name} changes as that of {} should: the channels may be swapped.",
-                cables[other].name
-            ),
-            _ if correlation < CORRELATED => {
-                format!("The length of {name} does not follow the commanded poses.")
+            _ => {}
+        }
+    }
+    for (cable, line) in found.lengths.iter().enumerate() {
+        let name = &cables[cable].name;
+        problems.push(match line {
+            Some(line) if line.scatter > SCATTERED && !named[cable] => {
+                format!("The length of {name} does not follow the poses.")
             }
-            _ if !(RATIOS[0]..RATIOS[1]).contains(&slope) => format!(
-                "The length of {name} changes {slope:.3} times as much as the commanded poses require: unit, drum or gear may be \
-                 wrong."
-            ),
+            Some(line) if line.scatter <= SCATTERED && !RATIOS.contains(&line.slope.abs()) => {
+                format!(
+                    "The length of {name} changes {:.3} times as much as the poses require: unit, drum or gear may be wrong.",
+                    line.slope.abs()
+                )
+            }
             _ => continue,
         });
     }

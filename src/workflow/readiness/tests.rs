@@ -90,10 +90,13 @@ fn what_is_missing_is_named() {
     );
     let mut dataset = measured();
     dataset.measurements.commanded.fill(None);
-    assert_eq!(
-        check_readings(&dataset)[1].outcome,
-        CheckOutcome::NotEvaluated
-    );
+    // Eight cables show by their lengths whether they agree; at three poses there is too little to compare.
+    assert_eq!(check_readings(&dataset)[1].outcome, CheckOutcome::Pass);
+    let few = Dataset {
+        measurements: dataset.measurements.select(&[0, 1, 2]),
+        ..dataset.clone()
+    };
+    assert_eq!(check_readings(&few)[1].outcome, CheckOutcome::NotEvaluated);
     let home = dataset.measurements.select(&[0]);
     dataset.measurements = home;
     let found = check(&dataset);

@@ -91,7 +91,7 @@ impl Table {
     /// Adds a row.
     pub fn push<const N: usize>(&mut self, cells: [String; N]) {
         debug_assert_eq!(N, self.columns.len(), "one cell for each column");
-        self.rows.push(cells.into());
+        self.rows.push(cells.map(with_minus).into());
     }
 
     /// Whether it has no row.
@@ -111,29 +111,37 @@ impl Section {
 
     /// Adds a heading.
     pub fn heading(&mut self, text: impl Into<String>) {
-        self.blocks.push(Block::Heading(text.into()));
+        self.blocks.push(Block::Heading(with_minus(text)));
     }
 
     /// Adds the sentence that carries the section.
     pub fn lead(&mut self, text: impl Into<String>) {
-        self.blocks.push(Block::Lead(text.into()));
+        self.blocks.push(Block::Lead(with_minus(text)));
     }
 
     /// Adds a paragraph.
     pub fn paragraph(&mut self, text: impl Into<String>) {
-        self.blocks.push(Block::Paragraph(text.into()));
+        self.blocks.push(Block::Paragraph(with_minus(text)));
     }
 
     /// Adds small print.
     pub fn note(&mut self, text: impl Into<String>) {
-        self.blocks.push(Block::Note(text.into()));
+        self.blocks.push(Block::Note(with_minus(text)));
     }
 
     /// Adds a list, if it is not empty.
     pub fn list(&mut self, lines: Vec<String>) {
         if !lines.is_empty() {
-            self.blocks.push(Block::List(lines));
+            let lines = lines.into_iter().map(with_minus);
+            self.blocks.push(Block::List(lines.collect()));
         }
+    }
+
+    /// Adds names with their values.
+    pub fn facts(&mut self, facts: impl IntoIterator<Item = (String, String)>) {
+        let facts = facts.into_iter();
+        let facts = facts.map(|(name, value)| (name, with_minus(value)));
+        self.blocks.push(Block::Facts(facts.collect()));
     }
 
     /// Adds a table, if it has rows.
@@ -141,5 +149,32 @@ impl Section {
         if !table.is_empty() {
             self.blocks.push(Block::Table(table));
         }
+    }
+}
+
+/// A text whose numbers have a minus, which is as wide as a plus, and not the hyphen of words and dates.
+fn with_minus(text: impl Into<String>) -> String {
+    let text = text.into();
+    let mut before = ' ';
+    let mut rest = text.chars().peekable();
+    let mut typeset = String::with_capacity(text.len());
+    while let Some(sign) = rest.next() {
+        let is_before_digit = rest.peek().is_some_and(char::is_ascii_digit);
+        let is_minus = sign == '-' && is_before_digit && !before.is_alphanumeric();
+        typeset.push(if is_minus { '\u{2212}' } else { sign });
+        before = sign;
+    }
+    typeset
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_minus;
+
+    #[test]
+    fn numbers_have_a_minus_and_words_and_dates_a_hyphen() {
+        let text = "cable-3 on 2026-11-24: -0.5 mm (-1.2 to -0.1)";
+        let expected = "cable-3 on 2026-11-24: \u{2212}0.5 mm (\u{2212}1.2 to \u{2212}0.1)";
+        assert_eq!(with_minus(text), expected);
     }
 }

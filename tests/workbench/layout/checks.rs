@@ -40,16 +40,46 @@ pub fn once() -> Vec<Appearance> {
 /// Edges may touch and lines of text may reach into each other's spacing by this much (points).
 const TOUCH: f32 = 2.5;
 
+/// Margins of a field beside its text (points).
+const FIELD_MARGINS: f32 = 8.0;
+
 /// Height of the bar at the bottom, at most (points).
 const BAR: f32 = 40.0;
 
 /// Something that is seen, with its name.
+#[derive(Debug)]
 pub struct Seen {
     role: Role,
     name: String,
+    /// What is typed into a field.
+    value: String,
     rect: Rect,
     /// With what of it cannot be seen.
     whole: Rect,
+}
+
+impl Seen {
+    pub fn is_named(&self, name: &str) -> bool {
+        self.name == name
+    }
+
+    pub fn is_number_of_a_cable(&self) -> bool {
+        self.role == Role::TextInput && self.name.contains(" of cable-")
+    }
+
+    /// Whether its text is wider than its field, whose frame and margin take some of it.
+    pub fn is_too_narrow(&self, harness: &Harness<'_, App>) -> bool {
+        let font = egui::TextStyle::Body.resolve(&harness.ctx.global_style());
+        let text = self.value.clone();
+        let galley = harness
+            .ctx
+            .fonts_mut(|fonts| fonts.layout_no_wrap(text, font, egui::Color32::WHITE));
+        self.whole.width() < galley.size().x + FIELD_MARGINS
+    }
+
+    pub fn is_cut_at_the_side(&self) -> bool {
+        self.rect.width() < self.whole.width() - 1.5
+    }
 }
 
 /// What is on the screen: of what a scroll area has moved away, the part that can be seen.
@@ -78,9 +108,11 @@ pub fn seen(harness: &Harness<'_, App>) -> Vec<Seen> {
                 None => vec![(whole, whole)],
             };
             let role = inner.role();
+            let value = inner.value().unwrap_or_default();
             parts.into_iter().map(move |(whole, rect)| Seen {
                 role,
                 name: name.clone(),
+                value: value.clone(),
                 rect,
                 whole,
             })
@@ -124,7 +156,7 @@ fn faults_of(window: Rect, all: &[Seen]) -> Vec<String> {
         if part.name.trim().contains("  ") {
             faults.push(format!("{:?} \"{}\" has gaps", part.role, part.name));
         }
-        if part.rect.width() < part.whole.width() - 1.5 {
+        if part.is_cut_at_the_side() {
             faults.push(format!(
                 "{:?} \"{}\" is cut at the side: {:?} of {:?}",
                 part.role, part.name, part.rect, part.whole

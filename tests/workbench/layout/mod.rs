@@ -5,7 +5,8 @@
 mod checks;
 mod windows;
 
-use egui::Rect;
+use egui::{Rect, Role};
+use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_workbench::model::command::{
     CompareCommand, FileCommand, IdentificationCommand, RecordingCommand, ViewCommand,
@@ -13,11 +14,13 @@ use tautline_workbench::model::command::{
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::part::Part;
 use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workbench::shell::App;
 use tautline_workflow::templates::Template;
 
 use crate::measured::{Measured, give};
 use crate::support::settle;
-use checks::{SIZES, check, check_in, check_with, faults_at_the_bottom, in_pairs, once};
+use crate::tables::Bench;
+use checks::{SIZES, check, check_in, check_with, faults_at_the_bottom, in_pairs, once, seen};
 
 #[test]
 fn the_start_screen_fits() {
@@ -237,5 +240,60 @@ fn plots_beside_each_other_fit() {
         crate::measured::press(&mut harness, "Plot layout");
         crate::measured::press(&mut harness, arrangement);
         check(&mut harness, arrangement);
+    }
+}
+
+/// Numbers of the table of cables that are cut off at its sides or in their fields.
+fn cut_numbers(harness: &Harness<'_, App>) -> Vec<String> {
+    let cells = seen(harness).into_iter();
+    let cut = cells
+        .filter(|part| part.is_number_of_a_cable())
+        .filter(|part| part.is_cut_at_the_side() || part.is_too_narrow(harness));
+    cut.map(|part| format!("{part:?}")).collect()
+}
+
+/// No number is cut off, wherever the table was scrolled to, and also where the numbers are long.
+#[test]
+fn the_table_of_cables_shows_whole_numbers() {
+    let mut bench = Bench::with_robot(|robot| {
+        for cable in robot["cables"].as_array_mut().expect("cables") {
+            for axis in 0..3 {
+                let point = &mut cable["pulley"]["entry_point_m"][axis];
+                *point = serde_json::json!(100.0 * point.as_f64().expect("a number") - 0.012_34);
+            }
+        }
+    });
+    for screen in [Screen::Phase(Phase::Modeling), Screen::NewRobot] {
+        give(&mut bench.harness, ViewCommand::Go(screen));
+        if screen != Screen::NewRobot {
+            bench.open("Description");
+        }
+        let mut reached = 0;
+        let find = &mut |harness: &mut Harness<'_, App>| {
+            let mut found = Vec::new();
+            let mut columns = Vec::new();
+            let names = harness.query_all_by_role_and_label(Role::Label, "cable-8");
+            names.last().expect("the last row").scroll_to_me();
+            harness.run_ok();
+            for cell in [
+                "Weight of cable-8",
+                "Pulley z of cable-8",
+                "Gear ratio of cable-8",
+            ] {
+                found.extend(cut_numbers(harness));
+                harness
+                    .get_by_role_and_label(Role::TextInput, cell)
+                    .scroll_to_me();
+                harness.run_ok();
+                let shown = seen(harness);
+                let is_shown = shown.iter().any(|part| part.is_named(cell));
+                columns.push(is_shown);
+            }
+            found.extend(cut_numbers(harness));
+            reached += columns.iter().filter(|shown| **shown).count();
+            found
+        };
+        check_with(&mut bench.harness, "table of cables", &in_pairs(), find);
+        assert_eq!(reached, 3 * in_pairs().len(), "every column can be reached");
     }
 }

@@ -264,5 +264,5 @@ fn the_level_is_a_probability() {
         tautline(&["diagnose", &data, &argument]).refused(&parts);
     }
     let answer = tautline(&["diagnose", &folder.join("nowhere")]);
-    answer.refused(&["nowhere: not found"]);
+    answer.refused(&["nowhere: not found, expected a session file or a dataset folder"]);
 }

@@ -168,7 +168,7 @@ pub(super) fn settled(model: &mut Model, found: &ControllerValues, adjustment: &
     }
 }
 
-/// Records what came of the attempt.
+/// Records the attempt.
 fn conclude(model: &mut Model, outcome: Outcome, text: &str) {
     model.messages.resolve(Cause::Adjustment);
     let held = held(model);

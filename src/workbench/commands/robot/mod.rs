@@ -43,9 +43,9 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
             adjust::settle(model);
         }
         RobotCommand::Disarm => model.link.send(DriverCommand::Disarm),
-        RobotCommand::Watch(watches) => {
-            model.link.watch(watches);
-            if watches {
+        RobotCommand::PollWhenIdle(polls_when_idle) => {
+            model.link.poll_when_idle(polls_when_idle);
+            if polls_when_idle {
                 model.request(UiRequest::ShowScope);
             }
         }

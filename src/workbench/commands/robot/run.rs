@@ -179,7 +179,7 @@ fn measured(model: &mut Model, pose: MeasuredPose) {
     });
 }
 
-/// A pose is on disk: it comes into the session, and the run may go on.
+/// Takes a pose that is on disk into the session and lets the run continue.
 pub fn autosaved(model: &mut Model, label: i64) {
     let is_it = |pending: &mut Pending| pending.pose.label() == label;
     let Some(pending) = model.link.pending.take_if(is_it) else {
@@ -219,7 +219,7 @@ pub(super) fn follow_platform(model: &mut Model) {
     if !model.link.is_connected() {
         return;
     }
-    let is_idle = !model.link.is_busy() && !model.link.watches;
+    let is_idle = !model.link.is_busy() && !model.link.polls_when_idle;
     let is_stopped = is_idle && model.link.is_stopped;
     model.playback.follows |= is_idle && !is_stopped;
     if (is_idle && !is_stopped) || !model.playback.follows {

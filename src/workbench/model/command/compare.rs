@@ -4,10 +4,8 @@ use std::path::PathBuf;
 
 use crate::model::comparison::{Compared, Side, Source};
 
-/// Title of the task.
 pub const COMPARING: &str = "Comparing";
 
-/// Chooses two sessions and compares them.
 #[derive(Debug, Clone)]
 pub enum CompareCommand {
     /// Goes to the comparison; the open session is one of the two unless others are chosen.
@@ -20,13 +18,10 @@ pub enum CompareCommand {
     Drop(PathBuf),
     /// Chooses again.
     Clear(Side),
-    /// Exchanges the two.
     Swap,
-    /// Compares again what was changed since.
     Again,
 }
 
-/// Two sessions were compared.
 #[derive(Debug)]
 pub struct CompareOutcome {
     /// Counts comparisons: an older one that comes late is dropped.

@@ -9,7 +9,6 @@ use tautline_session::{Loaded, Session, UnsavedSession};
 use tautline_workflow::importing::Opened;
 use tautline_workflow::templates::Template;
 
-/// Opens, saves, closes.
 #[derive(Debug, Clone)]
 pub enum FileCommand {
     /// Opens a session with a simulated robot.
@@ -34,9 +33,7 @@ pub enum FileCommand {
     /// Begins another series of the open session: the same robot, plan and settings, nothing measured. The model of the
     /// series lacks these effects, which were repaired.
     NewSeries(Vec<EffectSetting>),
-    /// Closes the session.
     Close,
-    /// Ends the program.
     Quit,
     /// Answers what to do about unsaved changes and an armed robot.
     Answer(Answer),
@@ -51,11 +48,8 @@ pub enum FileCommand {
 /// What takes the open session or its controller away, and so may have to wait for an answer.
 #[derive(Debug)]
 pub enum Leaving {
-    /// Another session is opened.
     Open(Box<Opening>),
-    /// The session is closed.
     Close,
-    /// The program ends.
     Quit,
     /// A command that ends the connection, perhaps for another one.
     Robot(RobotCommand),
@@ -72,7 +66,6 @@ impl Leaving {
 #[derive(Debug)]
 pub struct Opening {
     pub session: Session,
-    /// Its file, if it has one.
     pub path: Option<PathBuf>,
     /// Whether its changes were recovered and are in no file yet.
     pub is_recovered: bool,
@@ -83,7 +76,6 @@ pub struct Opening {
 /// What a task with files came to.
 #[derive(Debug)]
 pub enum FileOutcome {
-    /// A file or folder was read.
     Read {
         path: PathBuf,
         /// What it is, or one sentence; `None` where reading was stopped.
@@ -93,7 +85,6 @@ pub enum FileOutcome {
     Demo(Result<Box<Session>, String>),
     /// The unsaved sessions of programs that ended without saving, or one sentence.
     UnsavedSessions(Result<Vec<UnsavedSession>, String>),
-    /// A session was written.
     Saved {
         path: PathBuf,
         /// Id of the session and the revision that was written.
@@ -106,10 +97,8 @@ pub enum FileOutcome {
 /// What to do about unsaved changes and an armed robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Answer {
-    /// Save them, then go on.
     Save,
     /// Go on, without unsaved changes.
     Discard,
-    /// Do not go on.
     Cancel,
 }

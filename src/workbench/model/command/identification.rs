@@ -8,7 +8,6 @@ use tautline_workflow::documents::isolability::IsolabilityTable;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::readiness::CheckItem;
 
-/// Title of the task that identifies.
 pub const IDENTIFYING: &str = "Identifying";
 
 /// Title of the task that looks for what the model lacks.
@@ -17,12 +16,10 @@ pub const DIAGNOSING: &str = "Looking for what the model lacks";
 /// Title of the task that checks the readings before identification.
 pub const READINESS: &str = "Checking the readings";
 
-/// Computes with the measured poses.
 #[derive(Debug, Clone)]
 pub enum IdentificationCommand {
     /// Checks whether the readings are fit for identification.
     Check,
-    /// Identifies the geometry.
     Identify,
     /// Asks what the model gets wrong.
     Diagnose,
@@ -36,7 +33,6 @@ pub enum IdentificationOutcome {
     /// Of the check before it.
     Checked {
         inputs: u64,
-        /// The check.
         readiness: Box<Readiness>,
     },
     Identified {
@@ -46,7 +42,6 @@ pub enum IdentificationOutcome {
         /// The fit, or one sentence; `None` if it was stopped.
         result: Result<Option<Box<Identification>>, String>,
     },
-    /// Of a diagnosis.
     Diagnosed {
         inputs: u64,
         /// The diagnosis, or one sentence; `None` if it was stopped.

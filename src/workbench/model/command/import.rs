@@ -5,16 +5,13 @@ use std::path::PathBuf;
 use tautline_session::Loaded;
 use tautline_workflow::precalibration::{Table, TableRows};
 
-/// Imports a table.
 #[derive(Debug, Clone)]
 pub enum ImportCommand {
     /// Asks for its file.
     Ask(Table),
-    /// Reads it from a file.
     Read(Table, PathBuf),
 }
 
-/// A table that was read.
 #[derive(Debug)]
 pub struct ImportOutcome {
     /// Its file.

@@ -39,7 +39,6 @@ use file_choice::FileChoice;
 
 #[derive(Debug, Clone)]
 pub enum Command {
-    /// Opening, saving, closing.
     File(FileCommand),
     /// Tables of phases 1 and 2.
     Import(ImportCommand),
@@ -47,20 +46,13 @@ pub enum Command {
     Recording(RecordingCommand),
     /// A change that can be undone.
     Edit(Edit),
-    /// Undoes the last edit.
     Undo,
-    /// Does the last undone edit again.
     Redo,
-    /// What is shown.
     View(ViewCommand),
-    /// Identification and diagnosis.
     Identification(IdentificationCommand),
-    /// Preparing and saving plots.
     Plot(PlotCommand),
-    /// Measuring, adjusting, verifying.
     Robot(RobotCommand),
     Report(ReportCommand),
-    /// Two sessions side by side.
     Compare(CompareCommand),
     /// Simulating what the expected covariance answers.
     Study(StudyCommand),
@@ -70,7 +62,6 @@ pub enum Command {
     Refuse(String),
 }
 
-/// Result of a task.
 #[derive(Debug)]
 pub enum Outcome {
     /// Of a task with files.
@@ -95,7 +86,6 @@ pub enum Outcome {
     NoFileDialog(FileChoice),
     /// A file was written, perhaps with a warning; or one sentence.
     Written(PathBuf, Result<Option<String>, String>),
-    /// The task panicked.
     Panicked {
         task: String,
         caught_panic: CaughtPanic,
@@ -144,7 +134,6 @@ impl Outbox {
         self.commands.push(command.into());
     }
 
-    /// Takes all that were given.
     pub fn take(&mut self) -> Vec<Command> {
         std::mem::take(&mut self.commands)
     }

@@ -8,7 +8,6 @@ use tautline_workflow::plot::Figure;
 
 use crate::model::Selection;
 
-/// Prepares and saves plots.
 #[derive(Debug, Clone)]
 pub enum PlotCommand {
     /// Computes variables, and the residuals before and after what a diagnosis found.
@@ -44,10 +43,8 @@ pub struct PlotPicture {
     pub render: fn(&Self) -> Result<Vec<u8>, String>,
 }
 
-/// Format of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// A table.
     Csv,
     Svg,
     /// A picture of the size of a page.
@@ -57,7 +54,6 @@ pub enum Format {
 impl Format {
     pub const ALL: [Self; 3] = [Self::Csv, Self::Svg, Self::Png];
 
-    /// What the operator reads.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {

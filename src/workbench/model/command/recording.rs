@@ -16,7 +16,6 @@ pub const CUTTING: &str = "Cutting into poses";
 /// Title of finding clocks.
 pub const ALIGNING: &str = "Aligning the clocks";
 
-/// Imports files of other programs.
 #[derive(Debug, Clone)]
 pub enum RecordingCommand {
     /// Goes to where files are imported.
@@ -40,7 +39,6 @@ pub enum RecordingCommand {
     ShowChannel(ChannelPlace),
     /// Asks for the file of a recipe.
     AskRecipe,
-    /// Uses a recipe from a file.
     UseRecipe(PathBuf),
     AskSaveRecipe,
     SaveRecipe(PathBuf),
@@ -55,9 +53,7 @@ pub enum RecordingCommand {
 pub enum RecordingOutcome {
     /// Files were read; `None` where that was stopped.
     Read(Result<Option<Loaded<Vec<Source>>>, String>),
-    /// A recipe was read.
     Recipe(PathBuf, Result<Loaded<Recipe>, String>),
-    /// Poses were cut.
     Cut(Box<Cut>),
     /// Clocks were found, with the revision of the draft they are of and the recipe that has them; or one sentence.
     Aligned(u64, Result<(Box<Recipe>, Vec<AlignedClock>), String>),

@@ -15,7 +15,6 @@ pub enum ReportCommand {
     Browse(ReportFormat),
     /// Puts the place that was picked into the dialog.
     SetPath(PathBuf),
-    /// Does not save.
     Cancel,
     /// Saves to a path; its extension is the format.
     Save(PathBuf),

@@ -10,7 +10,6 @@ use crate::model::OpenSession;
 use tautline_workflow::adjusting::{Doubt, Purpose};
 use tautline_workflow::planning::PlanSummary;
 
-/// Title of the task that plans.
 pub const PLANNING: &str = "Planning poses";
 
 /// Title of the task that computes what to expect of a plan.
@@ -22,7 +21,6 @@ pub(crate) const STOP: KeyboardShortcut = KeyboardShortcut::new(Modifiers::NONE,
 /// Plan, controller and writing.
 #[derive(Debug, Clone)]
 pub enum RobotCommand {
-    /// Plans this number of poses.
     Plan(usize),
     /// Computes what to expect of the plan that there is.
     Expect,
@@ -36,27 +34,24 @@ pub enum RobotCommand {
     Connect,
     /// Connects to the simulated robot of the session and arms it; any other controller is only connected.
     ConnectAndArm,
-    /// Tries at once to reconnect.
     TryNow,
     /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
     LaserDistance(i64, Option<f64>),
     /// Where the platform is at the target of this number of a verification, as the operator reads it.
     TypedPose(usize, CheckPose),
-    /// Ends the connection.
     Disconnect,
     /// Allows motion and writing.
     Arm,
     /// Forbids motion and writing.
     Disarm,
     /// Switches readings on or off while the controller is idle.
-    Watch(bool),
+    PollWhenIdle(bool),
     /// Sets the time lapse of a simulated robot.
     Speed(f64),
     /// Measures the planned poses that are not measured yet.
     Start,
     /// Lets the run wait.
     Pause,
-    /// Lets the run go on.
     Resume,
     /// Leaves out the pose under way.
     Skip,
@@ -76,7 +71,6 @@ pub enum RobotCommand {
     ReadBack,
     /// Asks whether the identified values are to be written to the controller, and who writes them.
     Write,
-    /// Writes these values to the controller.
     WriteValues(Vec<(String, f64)>, Purpose),
     /// Writes them in the name of this operator; `None` does not.
     ConfirmWrite(Option<String>),
@@ -88,7 +82,6 @@ pub enum RobotCommand {
     AskExport(Export),
     /// Writes a file.
     Export(Export, PathBuf),
-    /// Shows what the demonstration has hidden.
     Reveal,
 }
 
@@ -135,7 +128,6 @@ impl PlanOutlook {
 /// What planning came to.
 #[derive(Debug)]
 pub enum PlanOutcome {
-    /// A new plan was made.
     Planned(Box<PlanOutlook>),
     /// The plan that was there already was looked at.
     Expected(Box<PlanOutlook>),

@@ -17,7 +17,6 @@ pub enum Setup {
     Save(Box<(Connection, LaserSettings)>),
     /// Asks for the folder of a recording.
     PickRecording,
-    /// Takes the folder of a recording.
     Recording(PathBuf),
     /// Looks the symbols of a mapping up at a controller.
     Check(Box<Connection>),
@@ -31,7 +30,6 @@ pub enum Setup {
     Export(PathBuf, Box<SymbolMapping>),
 }
 
-/// What came of it.
 #[derive(Debug)]
 pub enum SetupOutcome {
     /// The symbols as the controller describes them, or one sentence.

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use tautline_core::robot::Robot;
 use tautline_study::which_sensor::Question;
 
-/// Title of the task.
 pub const SIMULATING: &str = "Simulating";
 
 /// A robot with a question of *Which sensor?*.

@@ -13,9 +13,7 @@ use crate::model::phase::Screen;
 /// Changes what is shown, nothing else.
 #[derive(Debug, Clone)]
 pub enum ViewCommand {
-    /// Goes to a screen.
     Go(Screen),
-    /// Selects everywhere.
     Select(Selection),
     /// Shows residuals of a kind of reading along a variable: plot, colours in 3D and selection go there.
     ShowDependence(Quantity, Option<usize>, Variable),
@@ -35,9 +33,7 @@ pub enum ViewCommand {
     Maximise(Option<Part>),
     /// Size of everything; 1 is 100 %.
     Scale(f32),
-    /// Shows or hides the command palette.
     Palette(bool),
-    /// Shows or hides the log.
     Log(bool),
     /// Opens the manual at a page, or closes it.
     Manual(Option<Page>),
@@ -52,15 +48,10 @@ pub enum ViewCommand {
 /// From the selected pose to another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PoseStep {
-    /// The first that was measured.
     First,
-    /// The one before.
     Previous,
-    /// The one after.
     Next,
-    /// The last that was measured.
     Last,
-    /// The one with this label.
     To(i64),
 }
 

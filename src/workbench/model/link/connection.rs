@@ -11,15 +11,15 @@ use tautline_link::{
 };
 
 use super::message::{Doing, Lost, MeasuringRequest};
+use super::operation::Measuring;
 use super::pose_tracker::PoseTracker;
-use super::work::Measuring;
 use tautline_workflow::controllers::{ConnectionSetup, Opened, SimulationClock};
 
 /// Attempts to reconnect at once after a connection broke while values were written; later ones are made in the background.
 const ATTEMPTS: u32 = 6;
 /// Time after which nothing arrives any more that was sent over a lost connection (s).
 const LATE_S: f64 = 1.0;
-/// Between two samples that keep a real controller's release while nothing goes on; its program waits longer.
+/// Interval of the samples that keep a real controller's release without an operation; its program waits longer.
 const ARMED: Duration = Duration::from_millis(100);
 /// Between two samples by which a lost connection is noticed.
 const DISARMED: Duration = Duration::from_millis(500);
@@ -86,7 +86,7 @@ impl Connection {
         last.cloned().into_iter().collect()
     }
 
-    /// Time until the next sample of a real controller while nothing else goes on, or until the next attempt.
+    /// Time until the next sample of a real controller without an operation, or until the next attempt.
     pub fn pause(&self) -> Option<Duration> {
         if !self.rig.reconnects() {
             return None;
@@ -121,7 +121,6 @@ impl Connection {
         });
     }
 
-    /// Tries again without waiting.
     pub fn try_now(&mut self) {
         if let Some(lost) = &mut self.lost {
             lost.attempts = Reconnect::new(BackOff::default());
@@ -177,7 +176,7 @@ impl Connection {
 
 /// Re-establishes a connection that broke while values are written.
 pub(super) struct ReconnectWhileWriting<W> {
-    /// Waits so many seconds, and publishes that it does.
+    /// Waits, and publishes the waiting.
     pub wait: W,
 }
 

@@ -1,16 +1,16 @@
 //! The controller as the window sees it: a thread owns it, commands go there, events come back.
 //!
-//! The thread sleeps unless something goes on, and wakes the window at most 20 times a second.
+//! The thread sleeps without an operation, and wakes the window at most 20 times a second.
 
 mod connection;
 mod message;
+mod operation;
 mod pose_tracker;
 mod progress;
 mod publisher;
 mod run;
 pub mod scope;
 mod trail;
-mod work;
 mod worker;
 
 use std::sync::mpsc::{self, Receiver, Sender};
@@ -49,18 +49,14 @@ pub struct Connected {
     pub rig: Box<ConnectionSetup>,
 }
 
-/// Values that are to be written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValuesToWrite {
-    /// What the controller holds.
     pub old: Vec<(String, f64)>,
     /// What it is to hold.
     pub new: Vec<(String, f64)>,
-    /// Why.
     pub purpose: Purpose,
 }
 
-/// The connection to the controller.
 pub struct Link {
     context: egui::Context,
     commands: Option<Sender<DriverCommand>>,
@@ -69,19 +65,15 @@ pub struct Link {
     scope: Arc<Mutex<Option<Scope>>>,
     thread: Option<JoinHandle<()>>,
     speed: f64,
-    /// The connection.
     pub connected: Option<Connected>,
-    /// Name of the controller.
     pub identity: String,
-    /// What the controller holds.
     pub parameters: Vec<ParameterInfo>,
-    /// Counts the changes of what the controller holds.
     pub parameters_version: u64,
     /// The measuring run, also after its end.
     pub run: Option<RunLog>,
     /// The pose that waits to be stored.
     pub pending: Option<Pending>,
-    /// The verification that goes on.
+    /// Stage of the running verification.
     pub verifying: Option<Stage>,
     /// Where the last verification drives to.
     pub targets: Vec<CheckTarget>,
@@ -89,13 +81,12 @@ pub struct Link {
     pub connecting: bool,
     /// Whether what is being connected is armed at once, which only a simulated robot is.
     pub arms_when_connected: bool,
-    /// Whether values are being written.
     pub writing: bool,
     /// Values that are written once their record is on disk.
     pub to_write: Option<ValuesToWrite>,
-    /// Whether readings are wanted while nothing goes on.
-    pub watches: bool,
-    /// Where the platform has been since what goes on, or went on last, began.
+    /// Whether the sensors are read without an operation.
+    pub polls_when_idle: bool,
+    /// Trail of the current or last operation.
     pub trail: Trail,
     /// Whether the platform rests where it was stopped.
     pub is_stopped: bool,
@@ -129,7 +120,7 @@ impl Link {
             arms_when_connected: false,
             writing: false,
             to_write: None,
-            watches: false,
+            polls_when_idle: false,
             trail: Trail::default(),
             is_stopped: false,
         }
@@ -141,7 +132,7 @@ impl Link {
         events.collect()
     }
 
-    /// What the controller does at this moment.
+    /// Present state of the controller.
     #[must_use]
     pub fn live(&self) -> Live {
         self.live
@@ -156,7 +147,6 @@ impl Link {
         scope.as_ref().map(of)
     }
 
-    /// Whether there is a connection.
     #[must_use]
     pub fn is_connected(&self) -> bool {
         self.with_live(|live| live.state.is_some())
@@ -168,20 +158,20 @@ impl Link {
         self.with_live(|live| live.state.as_ref().is_some_and(|state| state.armed))
     }
 
-    /// Whether a measuring run goes on, paused or not.
+    /// Whether there is a measuring run, paused or not.
     #[must_use]
     pub fn is_measuring(&self) -> bool {
         self.run.as_ref().is_some_and(|run| !run.has_ended())
     }
 
-    /// Whether a measuring run goes on and is not waiting for the operator.
+    /// Whether a measuring run moves the robot and does not wait for the operator.
     #[must_use]
     pub fn is_under_way(&self) -> bool {
         let run = self.run.as_ref().filter(|run| !run.has_ended());
         run.is_some_and(|run| run.paused.is_none()) && self.is_armed()
     }
 
-    /// Whether anything goes on that needs the controller.
+    /// Whether an operation needs the controller.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         self.is_measuring() || self.verifying.is_some() || self.writing
@@ -214,7 +204,6 @@ impl Link {
         }
     }
 
-    /// Changes that.
     pub fn set_speed(&mut self, speed: f64) {
         self.speed = speed;
         self.send(DriverCommand::Speed(speed));
@@ -225,7 +214,7 @@ impl Link {
         self.start();
         self.connecting = true;
         self.send(DriverCommand::Connect(Box::new(rig), session_id));
-        self.send(DriverCommand::Watch(self.watches));
+        self.send(DriverCommand::PollWhenIdle(self.polls_when_idle));
     }
 
     /// Forgets the connection once it has ended.
@@ -245,10 +234,10 @@ impl Link {
         self.parameters_version += 1;
     }
 
-    /// Whether readings are wanted while nothing goes on.
-    pub fn watch(&mut self, watches: bool) {
-        self.watches = watches;
-        self.send(DriverCommand::Watch(watches));
+    /// Whether the sensors are read without an operation.
+    pub fn poll_when_idle(&mut self, polls_when_idle: bool) {
+        self.polls_when_idle = polls_when_idle;
+        self.send(DriverCommand::PollWhenIdle(polls_when_idle));
     }
 
     /// Measures the poses of a plan that are not measured yet; readings are compared with `model`.
@@ -268,13 +257,13 @@ impl Link {
         })));
     }
 
-    /// Stops the platform, whatever goes on.
+    /// Stops the platform and ends the operation.
     pub fn stop(&mut self) {
         self.is_stopped = self.is_connected();
         self.send(DriverCommand::Abort);
     }
 
-    /// Something begins in which the platform moves.
+    /// Prepares for an operation that moves the platform.
     fn begin(&mut self) {
         self.trail = Trail::default();
         self.is_stopped = false;
@@ -288,7 +277,6 @@ impl Link {
         self.send(DriverCommand::Repeat(label));
     }
 
-    /// Verifies.
     pub fn verify(&mut self, targets: Vec<CheckTarget>, stage: Stage) {
         self.begin();
         self.verifying = Some(stage);
@@ -302,7 +290,6 @@ impl Link {
         self.to_write = Some(values);
     }
 
-    /// Writes the values that are prepared.
     pub fn write(&mut self) {
         if let Some(ValuesToWrite { old, new, purpose }) = self.to_write.take() {
             self.send(DriverCommand::Write { old, new, purpose });

@@ -8,7 +8,6 @@ use tautline_link::Sample;
 /// Residual of the lengths that drawings and elongation explain (m).
 const EXPLAINED_M: f64 = 0.05;
 
-/// Follows the platform.
 pub(super) struct PoseTracker {
     kinematics: ForwardKinematics,
     home_lengths_m: Vec<f64>,
@@ -33,7 +32,7 @@ impl PoseTracker {
         })
     }
 
-    /// Where the readings put it; the last place where they say nothing.
+    /// The pose by the readings; the last one if they do not determine it.
     pub fn of_sample(&mut self, sample: &Sample) -> Pose {
         let paid_out = sample.revolutions.iter().zip(&self.per_revolution_m);
         let lengths_m: Vec<f64> = paid_out

@@ -1,9 +1,9 @@
-//! What goes on at the controller, in words, and how long it still takes.
+//! The current operation in words, and its remaining time.
 
 use super::{Doing, Link};
 
 impl Link {
-    /// What the robot does at this moment, as a sentence; nothing while nothing goes on.
+    /// The current operation as a sentence.
     #[must_use]
     pub fn doing(&self) -> Option<String> {
         let doing = self.live().doing;
@@ -27,7 +27,7 @@ impl Link {
         })
     }
 
-    /// How much of what goes on is done, and of how much; nothing while nothing goes on.
+    /// Number of poses done and to do in the current operation.
     #[must_use]
     pub fn done_of(&self) -> Option<[usize; 2]> {
         if let Some(run) = self.run.as_ref().filter(|run| !run.has_ended()) {
@@ -42,7 +42,7 @@ impl Link {
         }
     }
 
-    /// Time until what goes on is over (s), as the operator's clock tells it.
+    /// Remaining time of the current operation (s, clock of the operator).
     #[must_use]
     pub fn time_left_s(&self) -> Option<f64> {
         let run = self.run.as_ref().filter(|run| !run.has_ended());
@@ -53,7 +53,7 @@ impl Link {
         Some(left_s? / self.speed())
     }
 
-    /// The same as an operator says it: "2 min left".
+    /// The remaining time in words: "2 min left".
     #[must_use]
     pub fn time_left(&self) -> Option<String> {
         Some(format!("{} left", duration(self.time_left_s()?)))
@@ -75,7 +75,7 @@ fn at_pose(doing: Doing, label: i64) -> String {
     }
 }
 
-/// Seconds as an operator says them.
+/// A duration in seconds or minutes.
 #[must_use]
 pub fn duration(seconds: f64) -> String {
     if seconds < 90.0 {

@@ -51,7 +51,6 @@ impl StatusPublisher {
         *self.scope.lock().unwrap_or_else(PoisonError::into_inner) = Some(scope);
     }
 
-    /// Records a reading.
     pub fn record(&self, sample: &Sample) {
         let mut scope = self.scope.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(scope) = scope.as_mut() {
@@ -64,7 +63,6 @@ impl StatusPublisher {
         is_so(&self.live.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Whether a picture is due.
     pub fn is_due(&self) -> bool {
         self.woken.is_none_or(|woken| woken.elapsed() >= PICTURE)
     }

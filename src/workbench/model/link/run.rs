@@ -11,7 +11,6 @@ use tautline_workflow::planning::poses_in_words;
 /// A measured pose that waits to be on disk.
 #[derive(Debug, Clone)]
 pub struct Pending {
-    /// Label in the run.
     pub label: i64,
     /// What was measured, with the label that it gets.
     pub pose: MeasuredPose,
@@ -22,9 +21,7 @@ pub struct Pending {
 /// A measuring run as the operator follows it.
 #[derive(Debug, Clone, Default)]
 pub struct RunLog {
-    /// Labels that are to be measured.
     to_measure: BTreeSet<i64>,
-    /// Labels that are measured.
     measured: BTreeSet<i64>,
     /// Labels that were left out.
     pub skipped: BTreeSet<i64>,
@@ -57,7 +54,6 @@ impl RunLog {
         }
     }
 
-    /// Whether it is over.
     #[must_use]
     pub fn has_ended(&self) -> bool {
         self.ended.is_some()
@@ -82,7 +78,6 @@ impl RunLog {
         poses_in_words(self.measured.iter().copied())
     }
 
-    /// A pose is measured.
     pub fn measured(&mut self, label: i64, time_s: f64) {
         self.measured.insert(label);
         self.skipped.remove(&label);
@@ -110,7 +105,7 @@ impl RunLog {
         self.to_measure.insert(label);
     }
 
-    /// Time until the last pose is measured (s), by the controller's clock; `None` until poses tell.
+    /// Time until the last pose is measured (s, clock of the controller); `None` before the second pose.
     #[must_use]
     pub fn remaining_s(&self) -> Option<f64> {
         let [first, .., last] = *self.times_s else {

@@ -22,7 +22,7 @@ pub enum Channel {
     Revolutions(usize),
     /// Laser distance (m).
     Laser,
-    /// How fast readings of a kind change, in multiples of what counts as still.
+    /// Rates of change of a kind of reading, in multiples of the limit at rest.
     Speed(Reading),
 }
 
@@ -101,7 +101,6 @@ impl Scope {
         self.robot.cable_count()
     }
 
-    /// Names of the cables.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.robot.cables.iter().map(|cable| cable.name.as_str())
     }

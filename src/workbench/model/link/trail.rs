@@ -1,4 +1,4 @@
-//! Where the platform has been since something began, at most so many places however long it takes.
+//! Trail of the platform during an operation, with a limited number of points.
 
 use std::sync::Arc;
 

@@ -15,8 +15,8 @@ use tautline_session::Stage;
 
 use super::connection::{Connection, ReconnectWhileWriting};
 use super::message::{DriverCommand, DriverEvent, Live, Lost};
+use super::operation::{Operation, Verifying};
 use super::publisher::{PICTURE, StatusPublisher};
-use super::work::{Verifying, Work};
 use tautline_workflow::adjusting::Purpose;
 use tautline_workflow::controllers::{ConnectionSetup, Kind, OpenError};
 
@@ -24,7 +24,7 @@ use tautline_workflow::controllers::{ConnectionSetup, Kind, OpenError};
 const TICK: Duration = Duration::from_millis(20);
 /// Shortest time between two samples of a simulated robot whose time runs faster.
 const SHORTEST_TICK: Duration = Duration::from_millis(1);
-/// Longest step of a simulated robot's time while something goes on (s).
+/// Longest step of a simulated robot's time during an operation (s).
 const LONGEST_STEP_S: f64 = 0.2;
 /// Between two pictures of the time that is left until a lost connection is tried again.
 const COUNTDOWN: Duration = Duration::from_millis(250);
@@ -34,8 +34,8 @@ const BY_OPERATOR: &str = "it was stopped by the operator";
 struct Worker {
     publisher: StatusPublisher,
     connection: Option<Connection>,
-    work: Work,
-    watches: bool,
+    operation: Operation,
+    polls_when_idle: bool,
     speed: f64,
 }
 
@@ -44,8 +44,8 @@ pub(super) fn serve(commands: &Receiver<DriverCommand>, publisher: StatusPublish
     let mut worker = Worker {
         publisher,
         connection: None,
-        work: Work::None,
-        watches: false,
+        operation: Operation::None,
+        polls_when_idle: false,
         speed,
     };
     let mut was_busy = false;
@@ -77,28 +77,30 @@ pub(super) fn serve(commands: &Receiver<DriverCommand>, publisher: StatusPublish
 }
 
 impl Worker {
-    /// Time until the next sample; `None` while nothing goes on.
+    /// Time until the next sample; `None` without an operation.
     fn pause(&self) -> Option<Duration> {
         let connection = self.connection.as_ref()?;
         if connection.lost().is_some() {
             return Some(COUNTDOWN);
         }
         let moves = connection.controller.state().activity == Activity::Moving;
-        if moves || self.work.needs_ticks() {
+        if moves || self.operation.needs_ticks() {
             let tick = TICK.div_f64(connection.clock.speed().max(1.0));
             return Some(tick.max(SHORTEST_TICK));
         }
-        let watches = self.watches.then_some(PICTURE);
-        watches.into_iter().chain(connection.pause()).min()
+        let polls_when_idle = self.polls_when_idle.then_some(PICTURE);
+        polls_when_idle.into_iter().chain(connection.pause()).min()
     }
 
-    /// Whether what goes on is more than listening to a real controller.
+    /// Whether there is more to do than listening to a real controller.
     fn is_busy(&self) -> bool {
         let moves = |connection: &Connection| {
             let state = connection.controller.state();
             state.activity == Activity::Moving
         };
-        self.work.needs_ticks() || self.watches || self.connection.as_ref().is_some_and(moves)
+        self.operation.needs_ticks()
+            || self.polls_when_idle
+            || self.connection.as_ref().is_some_and(moves)
     }
 
     /// Does one step; `goes_on`: something went on before.
@@ -140,14 +142,14 @@ impl Worker {
         connection.lose(why.clone());
         let now_s = connection.clock.now_s();
         let mut reports = Vec::new();
-        match &mut self.work {
-            Work::Measuring(measuring) => {
+        match &mut self.operation {
+            Operation::Measuring(measuring) => {
                 measuring.run.hold(LOST.to_owned());
                 reports = measuring.tick(&mut connection.controller, now_s);
             }
             // Its targets belong to one way of the platform.
-            Work::Verifying(_) => reports.extend(self.work.abort(&why)),
-            Work::None => {}
+            Operation::Verifying(_) => reports.extend(self.operation.abort(&why)),
+            Operation::None => {}
         }
         for report in reports {
             self.publisher.report(report);
@@ -193,7 +195,7 @@ impl Worker {
         match command {
             DriverCommand::Connect(rig, session_id) => self.connect(rig, session_id)?,
             DriverCommand::Disconnect => self.end(None),
-            DriverCommand::Watch(watches) => self.watches = watches,
+            DriverCommand::PollWhenIdle(polls_when_idle) => self.polls_when_idle = polls_when_idle,
             DriverCommand::Speed(speed) => {
                 self.speed = speed;
                 if let Some(connection) = &self.connection
@@ -221,16 +223,16 @@ impl Worker {
                 let stopped = controller.stop();
                 // What is shown afterwards is where it is now; what is wrong with a reading shows in the state.
                 let _ = controller.sample();
-                let report = self.work.abort(BY_OPERATOR);
+                let report = self.operation.abort(BY_OPERATOR);
                 report.into_iter().for_each(|r| self.publisher.report(r));
                 stopped?;
             }
             DriverCommand::Measure(command) => {
-                self.work = Work::Measuring(Box::new(connection.measuring(*command)));
+                self.operation = Operation::Measuring(Box::new(connection.measuring(*command)));
             }
             DriverCommand::Verify(targets, stage) => self.verify(targets, stage),
             DriverCommand::TypedPose(number, pose) => {
-                if let Work::Verifying(verifying) = &self.work
+                if let Operation::Verifying(verifying) = &self.operation
                     && let Some(typed) = &verifying.typed
                 {
                     typed.answer(number, pose)?;
@@ -243,17 +245,17 @@ impl Worker {
             }
             DriverCommand::Write { old, new, purpose } => self.write(&old, new, purpose),
             DriverCommand::Settle { old, new } => self.settle(&old, &new)?,
-            DriverCommand::Pause => self.work.measuring(|m| m.run.pause()),
+            DriverCommand::Pause => self.operation.measuring(|m| m.run.pause()),
             DriverCommand::Resume => {
                 controller.accept_overload();
-                self.work.measuring(|m| m.run.resume());
+                self.operation.measuring(|m| m.run.resume());
                 self.publisher.report(DriverEvent::Resumed);
             }
             DriverCommand::Skip => {
                 controller.accept_overload();
-                self.work.measuring(|m| m.run.skip());
+                self.operation.measuring(|m| m.run.skip());
             }
-            DriverCommand::Repeat(label) => self.work.measuring(|m| {
+            DriverCommand::Repeat(label) => self.operation.measuring(|m| {
                 m.run.repeat(label);
             }),
             DriverCommand::LaserDistance(label, distance_m) => {
@@ -261,10 +263,12 @@ impl Worker {
                     laser.answer(label, distance_m)?;
                 }
             }
-            DriverCommand::Stored(label) => self.work.measuring(|m| m.run.confirm_stored(label)),
+            DriverCommand::Stored(label) => {
+                self.operation.measuring(|m| m.run.confirm_stored(label));
+            }
             DriverCommand::Connect(..)
             | DriverCommand::Disconnect
-            | DriverCommand::Watch(_)
+            | DriverCommand::PollWhenIdle(_)
             | DriverCommand::Speed(_) => {}
         }
         Ok(())
@@ -300,7 +304,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Stops the platform, ends the connection and says so.
+    /// Stops the platform, ends the connection and reports it.
     fn end(&mut self, why: Option<String>) {
         if self.close(why.as_deref().unwrap_or(BY_OPERATOR)) {
             self.show(true);
@@ -308,9 +312,9 @@ impl Worker {
         }
     }
 
-    /// Stops the platform and ends the connection; whether there was one. What goes on ends with the reason `why`.
+    /// Stops the platform and ends operation and connection for the reason `why`; returns whether there was a connection.
     fn close(&mut self, why: &str) -> bool {
-        let ended = self.work.abort(why);
+        let ended = self.operation.abort(why);
         ended.into_iter().for_each(|r| self.publisher.report(r));
         let connection = self.connection.take();
         connection.is_some_and(|mut connection| {
@@ -333,7 +337,7 @@ impl Worker {
             Ok(()) => {
                 let has_instrument = connection.instrument.is_some();
                 let run = Verifying::new(targets, stage, has_instrument);
-                self.work = Work::Verifying(Box::new(run));
+                self.operation = Operation::Verifying(Box::new(run));
             }
             Err(text) => self
                 .publisher
@@ -371,21 +375,21 @@ impl Worker {
         let listens = connection.rig.reconnects();
         let controller = &mut connection.controller;
         // What is wrong with a reading nobody waits for shows in the state.
-        let reports = match &mut self.work {
-            Work::None => {
+        let reports = match &mut self.operation {
+            Operation::None => {
                 let moves = controller.state().activity == Activity::Moving;
-                if listens || moves || self.watches && self.publisher.is_due() {
+                if listens || moves || self.polls_when_idle && self.publisher.is_due() {
                     let _ = controller.sample();
                 }
                 Vec::new()
             }
-            Work::Measuring(measuring) => {
+            Operation::Measuring(measuring) => {
                 if listens && !measuring.needs_ticks() {
                     let _ = controller.sample();
                 }
                 measuring.tick(controller, connection.clock.now_s())
             }
-            Work::Verifying(verifying) => {
+            Operation::Verifying(verifying) => {
                 let now_s = controller.last().map(|sample| sample.time_s);
                 let timed = (controller as &mut dyn Controller, now_s);
                 verifying.tick(timed, connection.instrument.as_deref_mut())
@@ -396,8 +400,8 @@ impl Worker {
             .iter()
             .for_each(|sample| self.publisher.record(sample));
         let is_newly_lost = connection.is_newly_lost();
-        if self.work.has_ended() {
-            self.work = Work::None;
+        if self.operation.has_ended() {
+            self.operation = Operation::None;
         }
         for report in reports {
             self.publisher.report(report);
@@ -409,7 +413,7 @@ impl Worker {
 
     /// Puts what is going on where the window finds it; `changed`: at once.
     fn show(&mut self, changed: bool) {
-        if !changed && !self.publisher.is_due() && self.work.needs_ticks() {
+        if !changed && !self.publisher.is_due() && self.operation.needs_ticks() {
             return;
         }
         let live = match &mut self.connection {
@@ -425,9 +429,9 @@ impl Worker {
                     lost: connection.lost().cloned(),
                     pose,
                     sample,
-                    doing: self.work.doing(),
-                    remaining: self.work.remaining(),
-                    remaining_s: self.work.remaining_s(),
+                    doing: self.operation.doing(),
+                    remaining: self.operation.remaining(),
+                    remaining_s: self.operation.remaining_s(),
                 }
             }
         };

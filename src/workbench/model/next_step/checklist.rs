@@ -8,7 +8,6 @@ use crate::model::accuracy_figures::{Figure, figures};
 use tautline_workflow::adjusting;
 use tautline_workflow::wording::count;
 
-/// A line of the checklist.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Item {
     /// The accuracy with the values that the controller has.
@@ -32,7 +31,6 @@ impl Item {
         Self::Accept,
     ];
 
-    /// What the operator reads.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
@@ -45,7 +43,6 @@ impl Item {
     }
 }
 
-/// How far a line is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CheckState {
     /// Done, and good.
@@ -63,7 +60,6 @@ pub enum CheckState {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Check {
     pub item: Item,
-    /// How far it is.
     pub state: CheckState,
     /// Its result, in a few words.
     pub result: String,

@@ -40,7 +40,6 @@ pub struct NextStep {
 pub struct Action {
     /// Text of the button.
     pub title: String,
-    /// What it does.
     pub commands: Vec<Command>,
 }
 

@@ -14,7 +14,6 @@ use super::{OpenSession, findings};
 use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::count;
 
-/// How far a phase of this session is.
 #[must_use]
 pub fn of(open: &OpenSession, step: Phase) -> PhaseStatus {
     match step {

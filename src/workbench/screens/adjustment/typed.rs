@@ -14,7 +14,6 @@ use tautline_workflow::wording::units::mm;
 /// A position this far from the target may be a slip of the keys (m).
 const FAR_M: f64 = 0.1;
 
-/// The input of a target.
 #[derive(Debug, Default)]
 pub struct Typed {
     number: Option<usize>,
@@ -22,7 +21,6 @@ pub struct Typed {
     sent: bool,
 }
 
-/// Closes the input.
 pub(super) fn forget(panel: &mut PanelState) {
     panel.typed.number = None;
 }

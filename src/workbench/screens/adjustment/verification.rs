@@ -90,7 +90,7 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     });
 }
 
-/// Draws a verification that goes on.
+/// Draws a running verification.
 pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     section(ui, "Verification");
     motion::show(ui, model);

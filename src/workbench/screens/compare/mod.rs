@@ -23,10 +23,8 @@ use tautline_workflow::comparison::{unexplained, verdict as in_words};
 use tautline_workflow::plot::figure::Figure;
 use tautline_workflow::samples::Sample;
 
-/// State of the comparison.
 #[derive(Debug, Default)]
 pub struct PanelState {
-    /// What is typed.
     paths: [String; 2],
     /// Sample sessions that are there; looked up once.
     samples: Option<Vec<Sample>>,
@@ -65,7 +63,6 @@ impl Drawn {
 /// Width of the window (points) below which one part is shown at a time.
 const COMPACT: f32 = 900.0;
 
-/// Draws the comparison.
 pub fn show(
     ui: &mut Ui,
     model: &Model,
@@ -160,7 +157,6 @@ fn compact(
         });
 }
 
-/// Both robots in 3D.
 fn robots(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {
     let view = &mut views.compared_3d;
     let aim = view.toolbar(ui, &drawn.scene, (model.selection, None));
@@ -224,7 +220,6 @@ fn is_outdated(model: &Model, compared: &Compared) -> bool {
     runs.any(|run| run.source == Source::Open && run.inputs != inputs)
 }
 
-/// The residuals of both sessions.
 fn residuals(ui: &mut Ui, model: &Model, drawn: &Drawn, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
         section(ui, "Residuals of the lengths");

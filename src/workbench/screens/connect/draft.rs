@@ -36,33 +36,25 @@ impl Present {
     }
 }
 
-/// What is typed.
 #[derive(Debug)]
 pub struct Draft {
     /// Id of the session that it belongs to.
     pub session_id: u64,
-    /// The part that is shown.
     pub part: Part,
     pub kind: ControllerKind,
-    /// Folder of a recording.
     pub folder: String,
     pub speed: String,
     /// Address of an ADS controller.
     pub host: String,
-    /// Its TCP port.
     pub port: String,
-    /// Its AMS Net ID.
     pub net_id: String,
     pub ams_port: String,
     /// Timeout (s).
     pub timeout: String,
     /// Address of an OPC UA controller.
     pub url: String,
-    /// Its timeout (s).
     pub url_timeout: String,
-    /// Symbols of ADS.
     ads: Names,
-    /// Nodes of OPC UA.
     nodes: Names,
     pub laser: LaserDraft,
     /// Why connecting failed last.
@@ -156,7 +148,6 @@ impl Draft {
         }
     }
 
-    /// The same, to be changed.
     pub fn names_mut(&mut self) -> &mut Names {
         match self.kind {
             ControllerKind::OpcUa => &mut self.nodes,

@@ -11,11 +11,9 @@ use super::test_line::{LaserTest, TestLine};
 use crate::theme::GRID;
 use crate::widgets::{Verdict, choice, muted, section, verdict};
 
-/// Where the distance comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LaserFrom {
     Controller,
-    /// The operator.
     Manual,
     /// A device in the network.
     Network,
@@ -26,7 +24,6 @@ pub enum LaserFrom {
 /// What is typed about the laser.
 #[derive(Debug)]
 pub struct LaserDraft {
-    /// Where the distance comes from.
     pub from: LaserFrom,
     host: String,
     port: String,

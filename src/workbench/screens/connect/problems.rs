@@ -3,32 +3,23 @@
 /// A field that can be wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Field {
-    /// Folder of the recording.
     Folder,
-    /// Speed of the recording.
     Speed,
-    /// Host of the controller.
     Host,
-    /// Its TCP port.
     Port,
-    /// Its AMS Net ID.
     NetId,
     AmsPort,
     Timeout,
     /// Address of an OPC UA controller.
     Url,
     UrlTimeout,
-    /// A row of the symbols.
     Symbol(usize),
     /// Something of all symbols.
     Symbols,
     LaserHost,
     LaserPort,
-    /// Serial port of the laser.
     Device,
-    /// Baud rate.
     Baud,
-    /// Line pattern.
     Pattern,
     /// Something else of the laser.
     Laser,
@@ -61,7 +52,6 @@ pub enum Part {
 }
 
 impl Part {
-    /// Label in the window.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {

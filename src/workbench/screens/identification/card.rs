@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 use egui::{CornerRadius, Frame, Margin, RichText, Ui};
 use egui_material_icons::icons;
 use tautline_core::diagnosis::{Cause, Evidence, Finding, FoundParameter, Verdict as Sure};
-use tautline_core::effect::EffectSetting;
+use tautline_core::effect::{EffectSetting, Search};
 
+use super::check::back_to_import;
 use super::{Panel, ambiguous, discrepancy, effects, gain};
 use crate::model::command::{FileCommand, ViewCommand};
 use crate::model::edit::{Edit, same_effect};
@@ -25,7 +26,6 @@ use tautline_workflow::wording::{count, odds, readings, sentence};
 /// Most cables of a finding whose pulleys can be inspected from there.
 const INSPECTED: usize = 2;
 
-/// Draws a finding.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: usize) {
     let Some(finding) = diagnosed.diagnosis.findings.get(number) else {
         return;
@@ -98,7 +98,6 @@ fn inspect(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, finding: &
     }
 }
 
-/// The heading of a card.
 pub fn title(ui: &mut Ui, text: &str) {
     ui.add(egui::Label::new(RichText::new(text).font(theme::strong(14.0))).wrap());
 }
@@ -199,7 +198,6 @@ fn figure_of(ui: &mut Ui, panel: &mut Panel<'_>, figure: Option<&Figure>, name: 
     }
 }
 
-/// The size with its interval.
 pub fn size(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
     let Some(size) = diagnosed.size(&finding.parameters) else {
         return;
@@ -305,6 +303,9 @@ pub fn actions(
             .any(|one| effects.iter().any(|other| same_effect(one, other)))
     {
         verdict(ui, Verdict::Bad, &format!("Not added, because {reason}."));
+    }
+    if cause.effect().search() == Search::Exchange {
+        back_to_import(ui, panel);
     }
     if cause.effect().is_damage() {
         let when = "It does not last: repair it, then measure the same plan in a new series. This one is kept.";

@@ -99,11 +99,16 @@ fn show_item(ui: &mut Ui, panel: &mut Panel<'_>, item: &CheckItem) {
     if let Some(action) = &item.action {
         muted(ui, action);
     }
-    // A wrong sign, unit or channel is one of the recipe, not of the robot.
-    let is_of_recipe = item.name == PLAUSIBLE && item.outcome == CheckOutcome::Fail;
-    if is_of_recipe && can_import_again(panel.open.session()) {
+    if item.name == PLAUSIBLE && item.outcome == CheckOutcome::Fail {
+        back_to_import(ui, panel);
+    }
+}
+
+/// A wrong sign, unit or channel is one of the recipe, not of the robot.
+pub(super) fn back_to_import(ui: &mut Ui, panel: &mut Panel<'_>) {
+    if can_import_again(panel.open.session()) {
         let button = ui.button("Back to import");
-        let tip = "Correct the recipe and import the readings again. This can be undone.";
+        let tip = "Corrects signs, units and channels in the recipe, and imports the readings again. This can be undone.";
         if button.on_hover_text(tip).clicked() {
             panel.outbox.send(RecordingCommand::Correct);
         }

@@ -82,7 +82,7 @@ fn answer(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Arc<Diagnosed>) {
     found(ui, panel, diagnosed);
 }
 
-/// What a diagnosis says.
+/// The verdict and the findings of a diagnosis.
 fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     let diagnosis = &diagnosed.diagnosis;
     if panel.open.diagnosis_is_current() && !panel.open.is_model_diagnosed() {

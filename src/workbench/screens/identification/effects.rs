@@ -8,7 +8,6 @@ use crate::theme;
 use crate::widgets::muted;
 use tautline_workflow::identification::{effect_sizes, effects_title};
 
-/// Draws the list.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let described = &panel.open.session().robot.effects;
     let added = &panel.open.session().settings.identification.effects;
@@ -57,7 +56,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// What the undo menu says of removing.
+/// Name of the removal in the undo menu.
 pub fn removing(name: &str) -> String {
     format!("remove {name} from the model")
 }

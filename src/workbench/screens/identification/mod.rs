@@ -35,7 +35,6 @@ pub enum Half {
 /// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
-    /// Which half is shown.
     pub half: Half,
     /// Whether the table shows every coordinate.
     show_axes: bool,

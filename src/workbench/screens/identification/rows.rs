@@ -38,7 +38,6 @@ impl Cell {
     }
 }
 
-/// Height of a row.
 const HEIGHT: f32 = 5.5 * GRID;
 
 /// Draws a row: the first cell at the left, the others at the right ends of their shares of the width. `selected` is

@@ -15,7 +15,6 @@ use tautline_workflow::wording::count;
 /// Most suspect poses that are listed.
 const SHOWN: usize = 5;
 
-/// Draws both lists.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Identification) {
     let poses = &fit.suspects;
     if !poses.is_empty() {

@@ -42,7 +42,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     });
 }
 
-/// Draws a channel; says whether it was clicked.
+/// Draws a channel; returns whether it was clicked.
 fn row(ui: &mut Ui, bench: &Bench<'_>, series: &Series, place: ChannelPlace) -> bool {
     let size = Vec2::new(ui.available_width(), ROW);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());

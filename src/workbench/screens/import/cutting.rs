@@ -7,7 +7,7 @@ use super::Bench;
 use crate::theme::GRID;
 use crate::widgets::{checkbox, muted, radio, section};
 
-/// A threshold of what counts as rest.
+/// A threshold of rest.
 struct Threshold {
     name: &'static str,
     unit: &'static str,

@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, import: &OpenImport, panel: &mut PanelState, outbox: &m
     }
 }
 
-/// A field for the path of a file, with a dialog, so wide; in a layout from right to left.
+/// A field of a given width for the path of a file, with a dialog; in a layout from right to left.
 pub fn path_row(ui: &mut Ui, path: &mut String, width: f32, outbox: &mut Outbox) {
     let right = ui.available_width();
     if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {

@@ -9,7 +9,6 @@ use crate::widgets::{Entered, Number, checkbox, choice, heading, muted, number};
 
 const UNUSED: &str = "Not used";
 
-/// The channel that is shown.
 struct Shown<'a> {
     series: &'a Series,
     name: &'a str,
@@ -186,7 +185,6 @@ fn plain(name: &str, value: f64) -> Number<'_> {
     }
 }
 
-/// The entry as it is for a channel.
 fn of_channel(entry: &Assignment, channel: &str, cables: usize) -> Assignment {
     let mut singles = (0..cables).map(|cable| entry.of_cable(cable));
     singles
@@ -275,7 +273,6 @@ fn choose_unit(
     chosen
 }
 
-/// The unit of the column.
 fn unit_of(quantity: Quantity) -> &'static str {
     let native = |unit: &&&str| quantity.conversion(unit) == Some((1.0, 0.0));
     quantity
@@ -310,7 +307,7 @@ fn assign(
             }
         });
     };
-    // A channel with a number is that cable's, until the operator says otherwise.
+    // A channel with a number is that cable's, unless the operator chooses another.
     if quantity.is_per_cable()
         && own.is_none()
         && let Some((pattern, first)) = &shown.pattern

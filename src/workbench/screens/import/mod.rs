@@ -20,12 +20,9 @@ use crate::model::importing::{ChannelPlace, OpenImport};
 use crate::model::part::Part;
 use crate::theme::{self, GRID};
 
-/// State of the import.
 #[derive(Debug, Default)]
 pub struct PanelState {
-    /// Path of a file to add.
     path: String,
-    /// Path of the recipe.
     recipe: String,
     /// What a small window shows.
     part: Part,
@@ -54,7 +51,6 @@ struct Bench<'a> {
     robot: &'a Robot,
     /// Sources, recipe and poses.
     open: &'a OpenImport,
-    /// Commands of this frame.
     outbox: &'a mut Outbox,
 }
 
@@ -64,7 +60,7 @@ impl Bench<'_> {
         self.change_on(what, false, change);
     }
 
-    /// Changes the recipe; a change that goes on is one with those before it.
+    /// Changes the recipe; a continued change is one step of the undo history with those before it.
     fn change_on(
         &mut self,
         what: impl Into<String>,
@@ -78,7 +74,6 @@ impl Bench<'_> {
     }
 }
 
-/// Draws the screen.
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let (Some(import), Some(session)) = (&model.importing.open, &model.open) else {
         return begin::show(ui, model, panel, outbox);

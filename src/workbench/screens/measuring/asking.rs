@@ -22,7 +22,6 @@ pub struct Typed {
     sent: bool,
 }
 
-/// Closes the input.
 pub(super) fn forget(panel: &mut PanelState) {
     panel.typed.label = None;
 }

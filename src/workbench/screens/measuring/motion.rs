@@ -2,6 +2,7 @@
 
 use egui::{Align2, ProgressBar, Rect, Sense, TextStyle, Ui, Vec2};
 use tautline_core::simulation::TensionRange;
+use tautline_link::measuring::TensionFault;
 
 use super::run::name_of;
 use crate::model::Model;
@@ -41,16 +42,18 @@ fn tensions(ui: &mut Ui, model: &Model) {
     let range = TensionRange::of(robot);
     let cables = robot.cables.iter().zip(&sample.force_n).enumerate();
     let read = cables.filter_map(|(k, (cable, force_n))| {
-        let tension_n = cable.force_sensor?.tension_n(*force_n);
-        tension_n.is_finite().then_some((k, tension_n))
+        let sensor = cable.force_sensor?;
+        let tension_n = sensor.tension_n(*force_n);
+        let fault = TensionFault::of(&sensor, tension_n, &range);
+        tension_n.is_finite().then_some((k, tension_n, fault))
     });
-    let read: Vec<(usize, f64)> = read.collect();
+    let read: Vec<(usize, f64, Option<TensionFault>)> = read.collect();
     if read.is_empty() {
         return;
     }
     section(ui, "Tensions");
-    for (k, tension_n) in read {
-        bar(ui, (k, name_of(model, k)), tension_n, range);
+    for (k, tension_n, fault) in read {
+        bar(ui, (k, name_of(model, k)), (tension_n, fault), range);
     }
     muted(
         ui,
@@ -62,17 +65,22 @@ fn tensions(ui: &mut Ui, model: &Model) {
     );
 }
 
-fn bar(ui: &mut Ui, (cable, name): (usize, &str), tension_n: f64, range: TensionRange) {
+fn bar(
+    ui: &mut Ui,
+    (cable, name): (usize, &str),
+    (tension_n, fault): (f64, Option<TensionFault>),
+    range: TensionRange,
+) {
     let palette = theme::of(ui);
     let size = Vec2::new(ui.available_width(), ROW);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-    let (state, colour) = if tension_n < range.lower_n {
-        (", slack", palette.warning)
-    } else if tension_n > range.upper_n {
-        (", too high", palette.warning)
-    } else {
-        ("", palette.text)
+    let state = match fault {
+        None => "",
+        Some(TensionFault::Negative) => ", below zero",
+        Some(TensionFault::Slack) => ", slack",
+        Some(TensionFault::Overload) => ", too high",
     };
+    let colour = fault.map_or(palette.text, |_| palette.warning);
     let words = format!("{} N{state}", fixed(tension_n, 1));
     response.widget_info(|| {
         let text = format!("Tension of {name}: {words}");

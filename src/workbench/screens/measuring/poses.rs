@@ -17,7 +17,6 @@ pub enum PhaseStatus {
     Repeat,
 }
 
-/// One pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     pub label: i64,
@@ -25,7 +24,6 @@ pub struct Row {
     pub position_mm: Option<[f64; 3]>,
     /// Rotation from the home pose (degrees).
     pub rotation_deg: Option<f64>,
-    /// Its progress.
     pub standing: PhaseStatus,
 }
 

@@ -47,16 +47,15 @@ const COLUMNS: [Column<'static>; 3] = [
     Column::number("Force reading", "N"),
 ];
 
-/// Draws the live readings.
 pub(super) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     if !model.link.is_connected() || model.link.is_measuring() {
         return;
     }
-    let mut watches = model.link.watches;
-    if checkbox(ui, &mut watches, "Show live readings").changed() {
-        outbox.send(RobotCommand::Watch(watches));
+    let mut polls_when_idle = model.link.polls_when_idle;
+    if checkbox(ui, &mut polls_when_idle, "Show live readings").changed() {
+        outbox.send(RobotCommand::PollWhenIdle(polls_when_idle));
     }
-    if !watches {
+    if !polls_when_idle {
         return;
     }
     let Some(sample) = model.link.live().sample else {

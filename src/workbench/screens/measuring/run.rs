@@ -19,7 +19,6 @@ use tautline_workflow::wording::units::signed;
 /// Poses whose difference from the prediction is listed.
 const LISTED: usize = 4;
 
-/// Draws the run.
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let Some(open) = &model.open else {
         return;

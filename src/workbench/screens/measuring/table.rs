@@ -14,7 +14,6 @@ use crate::theme::{self, GRID, Palette};
 use crate::widgets::{icon_button, muted, section};
 use tautline_workflow::wording::units::fixed;
 
-/// Draws the table.
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let Some(open) = &model.open else {
         return;

@@ -17,7 +17,6 @@ use crate::model::phase::{PhaseStatus, Progress};
 use crate::model::{Model, phase_status};
 use crate::widgets::parts;
 
-/// Part of the phase.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum Part {
     #[default]

@@ -1,6 +1,6 @@
 //! A robot from an empty table: every number that it needs comes from the operator.
 
-use egui::{DragValue, Role, TextEdit, Ui, WidgetInfo};
+use egui::{DragValue, Frame, Margin, Role, ScrollArea, TextEdit, Ui, WidgetInfo};
 
 use super::cable_table::CableTable;
 use super::description::cables::{self, FocusedCell};
@@ -9,7 +9,6 @@ use crate::model::phase::Screen;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, muted, primary, section, verdict};
 
-/// Most cables of a robot.
 const MOST_CABLES: usize = 64;
 const USUAL_CABLES: usize = 8;
 
@@ -36,7 +35,9 @@ impl Default for Draft {
 }
 
 pub(crate) fn show(ui: &mut Ui, draft: &mut Draft, back: Screen, outbox: &mut Outbox) {
-    egui::ScrollArea::vertical().show(ui, |ui| {
+    let frame = Frame::new().inner_margin(Margin::same(3 * GRID as i8));
+    let area = ScrollArea::vertical().auto_shrink(false);
+    let contents = |ui: &mut Ui| {
         heading(ui, "New robot from an empty table");
         muted(
             ui,
@@ -53,7 +54,8 @@ pub(crate) fn show(ui: &mut Ui, draft: &mut Draft, back: Screen, outbox: &mut Ou
         cables::hints(ui);
         ui.add_space(2.0 * GRID);
         finish(ui, draft, back, outbox);
-    });
+    };
+    area.show(ui, |ui| frame.show(ui, contents));
 }
 
 fn name_and_count(ui: &mut Ui, draft: &mut Draft) {

@@ -8,7 +8,6 @@ use crate::screens::bench_panel::Bench;
 pub struct Shown {
     /// What it is called, such as "home".
     pub name: String,
-    /// Where the platform is.
     pub pose: Pose,
     /// Tensions (N), if all cables were measured there.
     pub tensions_n: Option<Vec<f64>>,

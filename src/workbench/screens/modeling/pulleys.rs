@@ -149,7 +149,7 @@ fn turn(robot: &mut Robot, cable: usize, coordinate: usize, value: f64) -> Resul
     Ok(())
 }
 
-/// Does what was entered, or tells why not.
+/// Applies an entry, or refuses it.
 fn change(
     bench: &mut Bench<'_>,
     entered: Option<Entered>,

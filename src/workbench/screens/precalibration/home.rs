@@ -90,7 +90,7 @@ fn judge(ui: &mut Ui, platform: &HomePlatform, measured: &HomeMeasurement) {
         verdict(ui, Verdict::Doubtful, &text);
     }
     for (k, (sensor, repeats)) in platform.sensors.iter().zip(&measured.sensors).enumerate() {
-        // Five readings or more tell a spread to a factor of about 1.5.
+        // Five readings or more determine a spread to a factor of about 1.5.
         if repeats.count >= 5 && repeats.sd_m > 3.0 * sensor.sd_m {
             let (spread, stated) = (repeats.sd_m * 1e3, sensor.sd_m * 1e3);
             let text = format!(

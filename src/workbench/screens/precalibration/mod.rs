@@ -17,7 +17,6 @@ use crate::model::command::Outbox;
 use crate::model::{Model, phase_status};
 use crate::widgets::parts;
 
-/// Part of the phase.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Part {
     /// Cable per revolution.
@@ -25,14 +24,12 @@ pub enum Part {
     Winches,
     /// Gain and bias.
     ForceSensors,
-    /// Home pose.
     Home,
 }
 
 /// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
-    /// The part that is shown.
     pub part: Part,
     winches: TableInput,
     force_sensors: TableInput,

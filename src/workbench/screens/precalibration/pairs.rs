@@ -30,7 +30,6 @@ pub trait Pair: Sized {
 pub struct Quality<'a> {
     /// Whether they stay within the limit.
     pub passed: bool,
-    /// Standard deviation of the residuals.
     pub spread: f64,
     /// Largest residual, whatever its sign.
     pub largest: f64,
@@ -82,7 +81,6 @@ pub struct Words {
 /// A kind of instruments that are calibrated by pairs.
 pub trait ByPairs {
     type Pair: Pair;
-    /// What is fitted for a cable.
     type Fit;
     /// What is written about it.
     const WORDS: Words;
@@ -96,7 +94,6 @@ pub trait ByPairs {
     /// The pairs of a session.
     fn pairs(phases: &PhaseData) -> &[Self::Pair];
 
-    /// The same, to be changed.
     fn pairs_mut(phases: &mut PhaseData) -> &mut Vec<Self::Pair>;
 
     /// Along what the residual of a pair is drawn.

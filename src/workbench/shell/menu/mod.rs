@@ -19,7 +19,6 @@ pub enum Menu {
     File,
     /// Undo and redo.
     Edit,
-    /// What is shown.
     View,
     /// What computes.
     Model,
@@ -30,7 +29,6 @@ pub enum Menu {
 }
 
 impl Menu {
-    /// All, from the left.
     pub const ALL: [Self; 6] = [
         Self::File,
         Self::Edit,
@@ -40,7 +38,6 @@ impl Menu {
         Self::Help,
     ];
 
-    /// What the operator reads.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
@@ -54,19 +51,15 @@ impl Menu {
     }
 }
 
-/// A line of a menu.
 #[derive(Debug, Clone)]
 pub struct Item {
     pub menu: Menu,
     /// The menu below this one in which it is, if any.
     pub(crate) group: Option<&'static str>,
-    /// What the operator reads.
     pub title: String,
-    /// Its keys.
     pub shortcut: Option<KeyboardShortcut>,
     /// Whether it can be used now.
     pub enabled: bool,
-    /// What it does.
     pub commands: Vec<Command>,
 }
 

@@ -14,7 +14,7 @@ const ROW: f32 = 5.0 * GRID;
 const AXIS: f32 = 4.0 * GRID;
 const VALUE: f32 = 32.0 * GRID;
 const PRIOR: f32 = 30.0 * GRID;
-/// Up to so many times the width that the bars need, they leave room for the standard deviation of the drawing.
+/// Largest multiple of the width of the bars that is used for the standard deviation of the drawing.
 const ROOM: f64 = 3.0;
 
 /// Draws a row for each of x, y, z.

@@ -29,7 +29,6 @@ pub struct Inset {
     side: StandardView,
     /// Names of the axes to the right and up.
     axes: [String; 2],
-    /// The identified place.
     found: Vector2<f64>,
     /// Semi-axes of the 95 % region about it, where it is known: half of its long and half of its short side.
     region: Option<[Vector2<f64>; 2]>,
@@ -71,7 +70,7 @@ impl Inset {
             |whole: Matrix3<f64>| Matrix2::from_fn(|i, k| axes[i].dot(&(whole * axes[k])) * 1e6);
         let drawn = match inspection.prior_sd_m {
             [Some(x), Some(y), Some(z)] => Some([x, y, z].map(|sd| sd * sd)),
-            // A coordinate of which the drawing says nothing can be anywhere.
+            // A coordinate without a tolerance in the drawing can be anywhere.
             _ => None,
         };
         let drawn = drawn.map(|variances| Matrix3::from_diagonal(&Vec3::from(variances)));
@@ -333,7 +332,7 @@ mod tests {
         let drawn: Vec<Vec3> = (0..DRAWN)
             .map(|_| by + factor * Vec3::from_fn(|_, _| random.sample::<f64, _>(StandardNormal)))
             .collect();
-        // The columns of what each side shows, written down for it alone.
+        // Coordinates by side, written independently of the code under test.
         for (side, columns) in [
             (StandardView::Front, [0, 2]),
             (StandardView::Side, [1, 2]),

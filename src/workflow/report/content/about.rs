@@ -3,7 +3,7 @@
 use tautline_session::{Phase, Session, schemas};
 
 use super::when;
-use crate::report::document::{Block, Section, Table};
+use crate::report::document::{Section, Table};
 use crate::report::input::{PROGRAM, ReportInput};
 use crate::wording::list;
 
@@ -21,7 +21,7 @@ pub fn section(input: &ReportInput<'_>) -> Section {
         ("Fingerprint of the inputs", input.session.basis()),
     ];
     let facts = facts.map(|(name, value)| (name.to_owned(), value));
-    section.blocks.push(Block::Facts(facts.into()));
+    section.facts(facts);
     section
 }
 

@@ -80,7 +80,7 @@ fn finding(diagnosed: &Diagnosed, number: usize, finding: &Finding, section: &mu
             "The residuals depend on something that no effect in the catalogue explains. Its cause is unknown, so no size is given.",
         ),
     }
-    section.blocks.push(Block::Facts(facts(diagnosed, finding)));
+    section.facts(facts(diagnosed, finding));
     if let Some((heading, text)) = diagnosed.decides(finding) {
         section.paragraph(format!("{heading}: {text}"));
     }

@@ -60,7 +60,7 @@ fn result(input: &ComparisonInput<'_>) -> Section {
         .zip(input.fits)
         .zip(["First session", "Second session"]);
     let facts = facts.map(|((name, fit), what)| (what.to_owned(), of_session(name, fit)));
-    section.blocks.push(Block::Facts(facts.collect()));
+    section.facts(facts);
     section
 }
 
@@ -168,9 +168,9 @@ fn others(compared: &Comparison) -> Section {
                     |value| match factor * size.sd {
                         sd if sd.is_finite() && sd > 0.0 => {
                             let value = fixed(factor * value, decimals(sd));
-                            format!("{value} {name}").trim_end().replace('-', "−")
+                            format!("{value} {name}").trim_end().to_owned()
                         }
-                        _ => quantity(value, unit).replace('-', "−"),
+                        _ => quantity(value, unit),
                     },
                 )
             };
@@ -182,7 +182,7 @@ fn others(compared: &Comparison) -> Section {
                 name,
                 value(size.first),
                 value(size.second),
-                with_sd(size.difference, size.sd, unit).replace('-', "−"),
+                with_sd(size.difference, size.sd, unit),
                 verdict.to_owned(),
             ]);
         };
@@ -227,6 +227,6 @@ fn about(input: &ComparisonInput<'_>) -> Section {
         ("Robot", input.fits[0].dataset.robot.name.clone()),
     ];
     let facts = facts.map(|(name, value)| (name.to_owned(), value));
-    section.blocks.push(Block::Facts(facts.into()));
+    section.facts(facts);
     section
 }

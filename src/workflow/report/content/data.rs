@@ -4,7 +4,7 @@ use tautline_core::measurement::{Grid, Measurements};
 use tautline_session::Session;
 
 use super::when;
-use crate::report::document::{Block, Section, Table};
+use crate::report::document::{Section, Table};
 use crate::wording::list;
 
 pub fn section(session: &Session) -> Section {
@@ -26,7 +26,7 @@ pub fn section(session: &Session) -> Section {
         );
     }
     add("Tables of phases 1 and 2", phases(session));
-    section.blocks.push(Block::Facts(facts));
+    section.facts(facts);
     section.table(readings(measured));
     section
 }

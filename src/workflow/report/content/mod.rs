@@ -19,7 +19,7 @@ use super::choice::Part;
 use super::document::Document;
 use super::input::ReportInput;
 use crate::wording::local_time::with_offset as when;
-use crate::wording::units;
+use crate::wording::units::{fixed as number, signed};
 
 /// Placeholder of a missing number.
 const NONE: &str = "–";
@@ -93,32 +93,4 @@ fn head(input: &ReportInput<'_>) -> Vec<String> {
     }
     lines.push(format!("Created {}", when(input.now)));
     lines
-}
-
-/// A number with a typographic minus; zero after rounding has no sign.
-fn number(value: f64, decimals: usize) -> String {
-    units::fixed(value, decimals).replace('-', "−")
-}
-
-/// A number with a sign, plus included.
-fn signed(value: f64, decimals: usize) -> String {
-    units::signed(value, decimals).replace('-', "−")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_signs_that_mean_something() {
-        let all = [-1.25, -0.001, 0.0, 0.001, 2.0];
-        assert_eq!(
-            all.map(|v| number(v, 1)),
-            ["−1.2", "0.0", "0.0", "0.0", "2.0"]
-        );
-        assert_eq!(
-            all.map(|v| signed(v, 1)),
-            ["−1.2", "0.0", "0.0", "0.0", "+2.0"]
-        );
-    }
 }

@@ -3,14 +3,14 @@
 use tautline_core::robot::Robot;
 
 use super::{NONE, number};
-use crate::report::document::{Block, Section, Table};
+use crate::report::document::{Section, Table};
 use crate::wording::units::mm;
 use crate::wording::units::quantity;
 use crate::wording::{count, list};
 
 pub fn section(robot: &Robot) -> Section {
     let mut section = Section::new("Robot");
-    section.blocks.push(Block::Facts(facts(robot)));
+    section.facts(facts(robot));
     section.table(cables(robot));
     section
 }

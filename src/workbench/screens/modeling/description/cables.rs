@@ -3,12 +3,13 @@
 use egui::{Align, Color32, Event, Grid, Label, Layout, RichText, ScrollArea, Ui, Vec2};
 use egui_material_icons::icons;
 use tautline_workflow::wording::count;
+use tautline_workflow::wording::units::fixed;
 
 use super::field::{change, put};
 use crate::screens::bench_panel::Bench;
 use crate::screens::modeling::cable_table::{COLUMNS, CableTable, Empty, is_block};
 use crate::theme::{self, GRID};
-use crate::widgets::{Entered, Number, icon_button, muted, number, section};
+use crate::widgets::{Entered, Number, icon_button, muted, number, section, width_of};
 
 /// Height of a row of the table (points).
 const ROW: f32 = 6.5 * GRID;
@@ -62,31 +63,88 @@ pub(crate) fn grid(
         Grid::new("names of the cables")
             .min_row_height(ROW)
             .show(ui, |ui| names(ui, table));
-        let edges = ui.make_persistent_id("right edges of the columns");
-        let known: Vec<f32> = ui.data(|data| data.get_temp(edges)).unwrap_or_default();
-        ScrollArea::horizontal()
+        let id = ui.make_persistent_id("columns that are seen");
+        let known: Option<ShownColumns> = ui.data(|data| data.get_temp(id));
+        let available = ui.available_width();
+        let mut right = Vec::new();
+        let mut area = ScrollArea::horizontal()
             .id_salt("numbers of the cables")
-            .max_width(whole_columns(ui.available_width(), &known))
-            .show(ui, |ui| {
-                Grid::new("numbers of the cables")
-                    .min_row_height(ROW)
-                    .spacing([GRID, 0.0])
-                    .show(ui, |ui| {
-                        let (cells, right) = numbers(ui, table, focused, may_lack);
-                        ui.data_mut(|data| data.insert_temp(edges, right));
-                        edited = edited.take().or(cells);
-                    });
-                // The bar does not cover the last row.
-                ui.add_space(3.0 * GRID);
-            });
+            .max_width(known.map_or(available, |known| known.width));
+        if let Some(jump) = known.and_then(|known| known.jump) {
+            area = area.horizontal_scroll_offset(jump);
+        }
+        let scrolled = area.show(ui, |ui| {
+            Grid::new("numbers of the cables")
+                .min_row_height(ROW)
+                .spacing([GRID, 0.0])
+                .show(ui, |ui| {
+                    let (cells, edges) = numbers(ui, table, focused, may_lack);
+                    right = edges;
+                    edited = edited.take().or(cells);
+                });
+            // The bar does not cover the last row.
+            ui.add_space(3.0 * GRID);
+        });
+        let offset = scrolled.state.clamped_offset().x;
+        let is_moving = |known: &ShownColumns| known.jump.is_none() && known.offset != offset;
+        let is_dragged = ui.input(|input| input.pointer.any_down());
+        let shown = match known {
+            Some(known) if is_dragged || is_moving(&known) => ShownColumns {
+                offset,
+                jump: None,
+                ..known
+            },
+            _ => ShownColumns::at_rest(offset, known, available, &right),
+        };
+        if known != Some(shown) {
+            ui.data_mut(|data| data.insert_temp(id, shown));
+            ui.ctx().request_repaint();
+        }
     });
     edited
 }
 
-/// Largest width that ends with a column; `edges` are the right ends of all columns (points).
-fn whole_columns(available: f32, edges: &[f32]) -> f32 {
-    let mut fitting = edges.iter().rev().filter(|edge| **edge <= available);
-    fitting.next().copied().unwrap_or(available)
+/// Part of the numbers that is seen (points): whole columns, once scrolling has come to rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct ShownColumns {
+    offset: f32,
+    /// Offset when scrolling was last at rest.
+    origin: f32,
+    width: f32,
+    /// Offset of the next frame.
+    jump: Option<f32>,
+}
+
+impl ShownColumns {
+    /// The column at which scrolling arrives, in its direction, and those beside it that fit; `right`: right edges of all.
+    fn at_rest(offset: f32, before: Option<Self>, available: f32, right: &[f32]) -> Self {
+        let origin = before.map_or(0.0, |before| before.origin);
+        let left = std::iter::once(0.0).chain(right.iter().map(|edge| edge + GRID));
+        let mut left = left.take(right.len());
+        let first = match offset < origin {
+            true => left.filter(|left| *left <= offset + 1.0).last(),
+            false => left.find(|left| *left >= offset - 1.0),
+        };
+        let first = first.unwrap_or(0.0);
+        let mut widths = right.iter().rev().map(|edge| edge - first);
+        let width = widths.find(|width| *width <= available && *width > 0.0);
+        let width = width.unwrap_or(available);
+        // The width limits the offset of the next frame, so it changes first.
+        if before.is_none_or(|before| before.width != width) {
+            return Self {
+                offset,
+                origin,
+                width,
+                jump: None,
+            };
+        }
+        Self {
+            offset: first,
+            origin: first,
+            width,
+            jump: ((first - offset).abs() > 0.5).then_some(first),
+        }
+    }
 }
 
 fn names(ui: &mut Ui, table: &CableTable) {
@@ -128,13 +186,14 @@ fn numbers(
     });
     let edges = heads.collect();
     ui.end_row();
+    let widths: Vec<f32> = (0..COLUMNS.len()).map(|k| width(ui, table, k)).collect();
     for (k, column) in COLUMNS.iter().enumerate() {
         if !column.is_common() {
             ui.label("");
             continue;
         }
         let name = format!("{} of all cables", column.title);
-        if let Some(entered) = cell(ui, &name, k, table.common(k), may_lack).0 {
+        if let Some(entered) = cell(ui, &name, (k, widths[k]), table.common(k), may_lack).0 {
             edited = Some(entered.map(|value| {
                 let mut table = table.clone();
                 table.set_all(k, value);
@@ -146,7 +205,7 @@ fn numbers(
     for (row, values) in table.cells.iter().enumerate() {
         for (k, value) in values.iter().enumerate() {
             let name = table.cell_name(row, k);
-            let (entered, has_focus) = cell(ui, &name, k, *value, may_lack);
+            let (entered, has_focus) = cell(ui, &name, (k, widths[k]), *value, may_lack);
             if has_focus {
                 *focused = Some((row, k));
             }
@@ -163,11 +222,20 @@ fn numbers(
     (edited, edges)
 }
 
+/// Width of the cells of a column (points), which hold its longest number.
+fn width(ui: &Ui, table: &CableTable, column: usize) -> f32 {
+    let values = table.cells.iter().filter_map(|row| row[column]);
+    let texts = values.map(|value| fixed(value, COLUMNS[column].decimals));
+    texts
+        .map(|text| width_of(ui, &text))
+        .fold(LEAST_WIDTH, f32::max)
+}
+
 /// A cell of a column: what was entered, and whether it has the focus.
 fn cell(
     ui: &mut Ui,
     name: &str,
-    column: usize,
+    (column, width): (usize, f32),
     value: Option<f64>,
     may_lack: bool,
 ) -> (Option<Result<Option<f64>, String>>, bool) {
@@ -178,7 +246,7 @@ fn cell(
         decimals: column.decimals,
         unit: "",
         optional: may_lack || column.empty != Empty::Missing,
-        width: LEAST_WIDTH,
+        width,
     };
     let entered = number(ui, &field).map(|entered| match entered {
         Entered::Value(value) => Ok(Some(value)),

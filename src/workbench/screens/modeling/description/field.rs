@@ -14,7 +14,6 @@ const OF_THREE: f32 = 62.0;
 
 /// A number of the description.
 pub struct Field<'a> {
-    /// What the operator reads.
     pub name: &'a str,
     /// Unit that the operator reads and types.
     pub unit: &'a str,
@@ -161,7 +160,7 @@ fn cell(
     );
 }
 
-/// Puts a changed robot into the session, or tells why it is none.
+/// Puts a changed robot into the session, or refuses an invalid one.
 pub fn put(bench: &mut Bench<'_>, robot: Robot, what: &str) {
     match robot.check() {
         Ok(()) if robot == *bench.robot() => {}

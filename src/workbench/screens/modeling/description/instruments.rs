@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
     tracker(ui, bench);
 }
 
-/// A box that says whether the robot has an instrument.
+/// A check box for an instrument of the robot.
 fn has(
     ui: &mut Ui,
     bench: &mut Bench<'_>,

@@ -1,4 +1,4 @@
-//! What the controller is busy with.
+//! The operation of the controller: measuring or verifying.
 
 use std::collections::HashMap;
 
@@ -13,15 +13,15 @@ use tautline_session::{CheckRow, MeasuredPose, Stage};
 
 use super::message::{Doing, DriverEvent, Surprise};
 
-/// What goes on.
-pub(super) enum Work {
+/// Current operation of the driver thread.
+pub(super) enum Operation {
     None,
     Measuring(Box<Measuring>),
     Verifying(Box<Verifying>),
 }
 
-impl Work {
-    /// Whether it goes on by itself.
+impl Operation {
+    /// Whether it continues without an answer of the operator or the disk.
     pub fn needs_ticks(&self) -> bool {
         match self {
             Self::None => false,
@@ -38,7 +38,7 @@ impl Work {
         }
     }
 
-    /// Ends it and says why.
+    /// Ends the operation for a reason.
     pub fn abort(&mut self, why: &str) -> Option<DriverEvent> {
         match std::mem::replace(self, Self::None) {
             Self::None => None,
@@ -47,7 +47,6 @@ impl Work {
         }
     }
 
-    /// Does something with the measuring run, if there is one.
     pub fn measuring(&mut self, change: impl FnOnce(&mut Measuring)) {
         if let Self::Measuring(measuring) = self {
             change(measuring);
@@ -89,7 +88,7 @@ pub(super) struct Measuring {
 }
 
 impl Measuring {
-    /// Whether it goes on by itself.
+    /// Whether it continues without an answer of the operator or the disk.
     pub fn needs_ticks(&self) -> bool {
         !self.run.is_paused() && self.run.stage() != Phase::Storing
     }
@@ -211,7 +210,7 @@ impl Verifying {
         instrument: Option<&mut (dyn Instrument + 'static)>,
     ) -> Vec<DriverEvent> {
         if !self.is_home && controller.state().activity == Activity::Moving {
-            // Only a sample tells that it has arrived; what is wrong with it shows in the state.
+            // A sample updates the state; its errors show there.
             let _ = controller.sample();
             return Vec::new();
         }
