@@ -9,8 +9,11 @@ pub(super) static EFFECT: Effect = Effect {
     title: "Drum out of round",
     scope: Scope::Cable,
     parameters: &[
-        EffectParameter::new("amplitude", "m", 0.001, [0.0001, 0.001])
-            .with_tolerance([2.5e-5, 5e-5], "Circular run-out by ISO 2768-2: 0.1 mm in class H, 0.2 mm in class K, which is twice the amplitude"),
+        EffectParameter::new("amplitude", "m", 0.001, [0.0001, 0.001]).with_tolerance(
+            [2.5e-5, 5e-5],
+            "Circular run-out by ISO 2768-2: 0.1 mm in class H, 0.2 mm in class K, which \
+             is twice the amplitude",
+        ),
         EffectParameter::new(
             "phase",
             "rad",

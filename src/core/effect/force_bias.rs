@@ -11,7 +11,8 @@ pub(super) static EFFECT: Effect = Effect {
     parameters: &[
         EffectParameter::new("bias", "N", 50.0, [2.0, 50.0]).with_tolerance(
             [0.3, 3.0],
-            "Zero of a load cell after taring: 0.03 % of 1 kN, of 10 kN on a large machine",
+            "Zero of a load cell after taring: 0.03 % of 1 kN, of 10 kN on a large \
+             machine",
         ),
     ],
     cause: |found| {

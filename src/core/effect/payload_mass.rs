@@ -8,7 +8,13 @@ pub(super) static EFFECT: Effect = Effect {
     id: "payload_mass",
     title: "Mass of the platform",
     scope: Scope::Robot,
-    parameters: &[EffectParameter::new("change", "1", 0.3, [0.05, 0.3]).within(-0.9, 2.0).with_tolerance([0.005, 0.01], "Platform weighed on a bench scale, or computed from its parts, and the cables that it carries")],
+    parameters: &[EffectParameter::new("change", "1", 0.3, [0.05, 0.3])
+        .within(-0.9, 2.0)
+        .with_tolerance(
+            [0.005, 0.01],
+            "Platform weighed on a bench scale, or computed from its parts, and the \
+             cables that it carries",
+        )],
     cause,
     workshop: |found| {
         found.say("Weigh the platform with everything it carries, and enter that mass.")

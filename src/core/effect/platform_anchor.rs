@@ -5,8 +5,8 @@ use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope};
 
 /// Standard deviations of sound parts, for small and large machines.
 const TOLERANCE: [f64; 2] = [0.0001, 0.0003];
-const SOURCE_OF_TOLERANCE: &str =
-    "Lengths by ISO 2768-1: fine for a machined platform, medium for a large one";
+const SOURCE_OF_TOLERANCE: &str = "Lengths by ISO 2768-1: fine for a machined platform, medium for a \
+    large one";
 
 pub(super) static EFFECT: Effect = Effect {
     id: "platform_anchor",

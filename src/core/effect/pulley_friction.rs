@@ -6,7 +6,7 @@
 //! home pose); the direction is that of the readings. Typical 0.005 to 0.1; 3 % of the tension for 90
 //! degrees at 0.02. Source: belt friction (Euler, Eytelwein).
 
-use super::words::{self, percent};
+use super::words::{self, size};
 use super::{Effect, EffectParameter, FoundEffect, Scope, Stage};
 use crate::measurement::Variable;
 
@@ -14,7 +14,13 @@ pub(super) static EFFECT: Effect = Effect {
     id: "pulley_friction",
     title: "Pulley friction",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("mu", "1", 0.1, [0.005, 0.1]).within(0.0, f64::INFINITY).with_tolerance([0.001, 0.001], "Friction of deep groove ball bearings of [0.001, 0.001]5 at the radius of the shaft, and bending of the rope")],
+    parameters: &[EffectParameter::new("mu", "1", 0.1, [0.005, 0.1])
+        .within(0.0, f64::INFINITY)
+        .with_tolerance(
+            [0.001, 0.001],
+            "Friction of deep groove ball bearings of 0.0015 at the radius of the shaft, \
+             and bending of the rope",
+        )],
     cause,
     workshop: |found| {
         found.say("Clean and lubricate the {bearing|bearings} of {pulley}, and check that the cable runs freely in the groove.")
@@ -30,9 +36,8 @@ pub(super) static EFFECT: Effect = Effect {
 };
 
 fn cause(found: &FoundEffect<'_>) -> String {
-    let quarter_turn = (found.value(0) * std::f64::consts::FRAC_PI_2).exp_m1();
     found.say_with(
-        "{pulley} {rubs|rub}: with 90 degrees of wrap the tension at the platform is {} {0:higher|lower} than at the sensor after paying out, and about as much {0:lower|higher} after reeling in.",
-        &percent(quarter_turn),
+        "{pulley} {rubs|rub} with a friction coefficient of {}: the tension at the platform is {0:higher|lower} than at the sensor after paying out, and {0:lower|higher} after reeling in.",
+        &size(found.value(0)),
     )
 }

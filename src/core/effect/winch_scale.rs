@@ -8,7 +8,13 @@ pub(super) static EFFECT: Effect = Effect {
     id: "winch_scale",
     title: "Winch scale",
     scope: Scope::Cable,
-    parameters: &[EffectParameter::new("scale", "1", 0.03, [0.001, 0.03]).with_tolerance([0.0002, 0.0003], "Drum turned to IT7 of ISO 286-1 (0.035 mm on 100 mm), and the spread of the cable diameter that lies on it")],
+    parameters: &[
+        EffectParameter::new("scale", "1", 0.03, [0.001, 0.03]).with_tolerance(
+            [0.0002, 0.0003],
+            "Drum turned to IT7 of ISO 286-1 (0.035 mm on 100 mm), and the spread of the \
+             cable diameter that lies on it",
+        ),
+    ],
     cause,
     workshop,
     check: Some(
