@@ -90,7 +90,9 @@ fn a_missing_reading_changes_neither_fit_nor_diagnosis_by_much() {
 /// The owner tuned the build-up by hand to -1.13e-4; independent fits gave -1.21e-4 and -1.50e-4. An independent
 /// analysis found that elasticity gains nothing. Series 2 asks for a build-up of each winch (chi-square 112 with one
 /// scale for all winches) rather than a scale of each (140), as many parameters both; series 1, measured on another day, is
-/// predicted to 3.04 and 2.68 mm. Either says that drums are larger than described and that their build-up matters.
+/// predicted to 3.04 and 2.68 mm with exact parts. Either says that drums are larger than described and that their build-up
+/// matters. With typical tolerances, of which the parts take all (factor 1.0), the prediction is 3.24 mm; without the
+/// deviations that were estimated, 3.69 mm.
 #[test]
 fn diagnosis_names_drum_radii_and_build_up() {
     let Some(folder) = folder() else {
@@ -110,7 +112,7 @@ fn diagnosis_names_drum_radii_and_build_up() {
     }
     let growth = opinion.growth.unwrap();
     assert!((-1.9e-4..=-0.9e-4).contains(&growth), "{growth}");
-    // Worse than the 2.68 mm of the other grouping: known, and kept in view here.
+    // Worse than the 2.68 mm of the other grouping with exact parts: known, and kept in view here.
     let predicted = opinion.other_rms_m * 1e3;
-    assert!((predicted / 3.04 - 1.0).abs() < 0.02, "{opinion:?}");
+    assert!((predicted / 3.24 - 1.0).abs() < 0.02, "{opinion:?}");
 }

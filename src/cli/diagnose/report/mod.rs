@@ -18,7 +18,6 @@ pub fn text(diagnosed: &Diagnosed, explain: bool) -> String {
     let mut lines = vec![diagnosed.headline()];
     lines.extend(sampling_sentence(&diagnosed.dataset.measurements));
     lines.extend(diagnosed.fit());
-    lines.push(diagnosed.tolerances_line());
     for (index, finding) in diagnosis.findings.iter().enumerate() {
         lines.push(String::new());
         lines.extend(finding::lines(diagnosed, index + 1, finding));

@@ -49,8 +49,7 @@ impl Diagnosed {
     }
 
     /// Whether the parts lie within their tolerances, and by what they scatter.
-    #[must_use]
-    pub fn tolerances_line(&self) -> String {
+    fn tolerances_line(&self) -> String {
         let diagnosis = &self.diagnosis;
         let ToleranceFactor { factor, are_stated } = diagnosis.tolerances;
         let tolerances = match are_stated {
@@ -61,10 +60,15 @@ impl Diagnosed {
             EXACT.. => format!("{factor:.1} of {tolerances}"),
             _ => format!("less than {EXACT} of {tolerances}, as if they were exact"),
         };
-        match diagnosis.findings.is_empty() && diagnosis.base.adequate {
-            true => format!(
-                "No fault: all parts lie within their tolerances. They scatter by {scatter}."
+        let fault = match self.robot().effects.is_empty() {
+            true => "No fault",
+            false => "No further fault",
+        };
+        match diagnosis.findings.is_empty() {
+            true if diagnosis.base.adequate => format!(
+                "{fault}: all parts lie within their tolerances. They scatter by {scatter}."
             ),
+            true => format!("The parts scatter by {scatter}."),
             false => format!(
                 "A finding is a part outside its tolerance. All other parts scatter by {scatter}."
             ),
@@ -101,7 +105,7 @@ impl Diagnosed {
         of(&self.diagnosis.extended) != of(&self.diagnosis.base)
     }
 
-    /// Goodness of fit, and reasons to doubt the result as a whole.
+    /// Goodness of fit, scatter of the parts, and reasons to doubt the result as a whole.
     #[must_use]
     pub fn fit(&self) -> Vec<String> {
         let diagnosis = &self.diagnosis;
@@ -116,6 +120,7 @@ impl Diagnosed {
                 ratio(after)
             ));
         }
+        lines.push(self.tolerances_line());
         if diagnosis.cancelled && self.seconds >= self.limit_s {
             lines.push(format!(
                 "The diagnosis ended at its time limit of {} s: this is the best answer so far.",
