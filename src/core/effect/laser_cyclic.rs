@@ -3,7 +3,7 @@
 //!
 //! Approximation: `d` is the reading itself, which contains the error; second order in `2 pi A / P`, which must
 //! stay below 1. A fit finds the period only if it starts within about a tenth of `P^2 / range` of it.
-//! Typical amplitude 0.3 to 3 mm.
+//! Typical amplitude 0.3 to 3 mm. The period is half the wavelength of the modulation: 0.6 m at 250 MHz.
 
 use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope, Search};
 use crate::measurement::Variable;
@@ -14,7 +14,7 @@ pub(super) static EFFECT: Effect = Effect {
     scope: Scope::Robot,
     parameters: &[
         EffectParameter::new("amplitude", "m", 0.003, [0.0003, 0.003]),
-        EffectParameter::new("period", "m", 0.5, [0.02, 0.5]).around(0.1),
+        EffectParameter::new("period", "m", 1.0, [0.02, 1.0]).around(0.1),
         EffectParameter::new(
             "phase",
             "rad",

@@ -159,3 +159,17 @@ fn rows_of_a_standstill_count_once() {
     let (one, other) = (once.base_solution.chi2, thrice.base_solution.chi2);
     assert!((one - other).abs() < 1e-6 * one, "{one} {other}");
 }
+
+#[test]
+fn a_cyclic_error_of_a_long_period_is_that_of_the_laser() {
+    // Two and a half times the noise, with half the wavelength of a modulation by 250 MHz as its period.
+    let parameters = [("amplitude", 0.0025), ("period", 0.6), ("phase", 1.0)];
+    let cyclic = setting("laser_cyclic", &[], &parameters);
+    for (name, seed) in [("hall", 71), ("suspended", 72)] {
+        let run = run_with(name, 40, seed, std::slice::from_ref(&cyclic));
+        let diagnosis = diagnosed(&run.dataset);
+        assert_eq!(found(&diagnosis), [("laser_cyclic", vec![])], "{name}");
+        let period = &diagnosis.findings[0].parameters[1];
+        assert!((period.value / 0.6 - 1.0).abs() < 0.1, "{period:?}");
+    }
+}
