@@ -56,7 +56,7 @@ impl Solution {
         self.termination == Termination::Converged
     }
 
-    /// Number of estimated deviations of parts, which come last in [`Globals::deviations`].
+    /// Number of estimated deviations of parts, which come last in `globals.deviations`.
     #[must_use]
     pub fn deviation_count(&self) -> usize {
         let index = |p: &Parameter| match p.id {

@@ -48,9 +48,16 @@ pub fn section(input: &ReportInput<'_>) -> Section {
 }
 
 fn assumptions(robot: &Robot, input: &ReportInput<'_>) -> Vec<String> {
+    let parts = match robot.tolerances {
+        Some(_) => "within their tolerances of what is drawn",
+        None => "as drawn",
+    };
     let mut all = vec![
-        "Pulley radii, swivel axes, platform anchors and drums are as drawn, unless an effect above says otherwise.".to_owned(),
-        "The noise of the readings is as stated in the robot's description, and independent.".to_owned(),
+        format!(
+            "Pulley radii, swivel axes, platform anchors and drums are {parts}, unless an effect above says otherwise."
+        ),
+        "The noise of the readings is as stated in the robot's description, and independent."
+            .to_owned(),
     ];
     let inelastic = robot
         .cables
