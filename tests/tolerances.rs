@@ -92,7 +92,7 @@ impl Assumption {
 /// Sums over the data sets of one row of the table.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Row {
-    /// Whether every part is a little off, and number of faults in each data set.
+    /// Whether every part is a little off.
     pub is_real: bool,
     /// Number of faults hidden in each data set.
     pub faults: usize,
@@ -102,7 +102,7 @@ pub struct Row {
     pub sets: usize,
     /// Number of hidden faults.
     pub hidden: usize,
-    /// Hidden faults that are named, and those that are in a list.
+    /// Hidden faults that are named.
     pub named: usize,
     /// Hidden faults in a list.
     pub listed: usize,

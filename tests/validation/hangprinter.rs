@@ -91,8 +91,7 @@ fn a_missing_reading_changes_neither_fit_nor_diagnosis_by_much() {
 /// analysis found that elasticity gains nothing. Series 2 asks for a build-up of each winch (chi-square 112 with one
 /// scale for all winches) rather than a scale of each (140), as many parameters both; series 1, measured on another day, is
 /// predicted to 3.04 and 2.68 mm with exact parts. Either says that drums are larger than described and that their build-up
-/// matters. With typical tolerances, of which the parts take all (factor 1.0), the prediction is 3.24 mm; without the
-/// deviations that were estimated, 3.69 mm.
+/// matters. With typical tolerances, of which the parts take all (factor 1.0), the prediction is 3.24 mm.
 #[test]
 fn diagnosis_names_drum_radii_and_build_up() {
     let Some(folder) = folder() else {

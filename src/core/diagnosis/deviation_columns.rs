@@ -19,7 +19,7 @@ use crate::estimation::{Linearisation, ParameterId, RowKind};
 /// Factors of the tolerances that are compared. Parts that deviate by less than the smallest are exact; tolerances that
 /// are wrong by more than the largest are a matter for the background.
 pub(super) const FACTORS: [f64; 5] = [0.0, 0.3, 0.6, 1.0, 2.0];
-/// Index of the factor at which the estimation starts: half of what is stated, as of parts that were checked.
+/// Index of the factor at which the estimation starts: between exact parts and parts as stated.
 pub(super) const FIRST_FACTOR: usize = 2;
 /// Index of the factor of parts that scatter as stated.
 pub(super) const AS_STATED: usize = 3;
@@ -122,7 +122,7 @@ fn linearised(fit: &Fit<'_>, deviations: &[PartDeviation]) -> (Linearisation, DM
 }
 
 /// Whether a row is the prior of a deviation, which the combinations have in their own variance.
-pub(super) fn is_prior_of_deviation(kind: RowKind, linear: &Linearisation) -> bool {
+fn is_prior_of_deviation(kind: RowKind, linear: &Linearisation) -> bool {
     match kind {
         RowKind::Prior(k) => matches!(linear.parameters[k].id, ParameterId::Deviation { .. }),
         RowKind::Observation(_) | RowKind::AssumedTension(_) => false,

@@ -70,13 +70,13 @@ struct RankedFamilies {
 /// The families of functions for all possible targets.
 pub(super) struct ErrorSearch<'l> {
     linear: &'l LinearProblem,
-    /// Variance factors at which their estimation starts.
+    /// Factor of the tolerances, and variance factors at which their estimation starts.
     hyper: &'l Hyperparameters,
     targets: Vec<ErrorTarget>,
 }
 
 impl<'l> ErrorSearch<'l> {
-    /// Builds all targets of a linearised problem. The estimation of variance factors starts at `start`.
+    /// Builds all targets of a linearised problem. The estimation of variance factors starts at those of `hyper`.
     pub fn new(
         linear: &'l LinearProblem,
         hyper: &'l Hyperparameters,

@@ -18,18 +18,9 @@ impl MachineClass {
     /// The class of a robot by the size of its frame.
     #[must_use]
     pub fn of(robot: &Robot) -> Self {
-        let axes = [0, 1, 2].map(|axis| {
-            let points = robot.cables.iter().map(|c| c.pulley.entry_point_m[axis]);
-            let (low, high) = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
-                (low.min(p), high.max(p))
-            });
-            high - low
-        });
-        let diagonal_m = axes.iter().map(|a| a * a).sum::<f64>().sqrt();
-        if diagonal_m < LARGE_FRAME_M {
-            Self::Small
-        } else {
-            Self::Large
+        match robot.frame_diagonal_m() {
+            LARGE_FRAME_M.. => Self::Large,
+            _ => Self::Small,
         }
     }
 }

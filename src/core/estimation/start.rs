@@ -146,7 +146,8 @@ impl<'a> PoseSearch<'a> {
         };
         Some(Self {
             from_m: robot.cables.iter().enumerate().map(from).collect(),
-            forward: forward.with_residual_limit(RELATIVE_RESIDUAL_LIMIT * frame_size(robot)),
+            forward: forward
+                .with_residual_limit(RELATIVE_RESIDUAL_LIMIT * robot.frame_diagonal_m()),
             robot,
             start,
             lengths_m,
@@ -192,16 +193,4 @@ fn stretch(problem: &Problem<'_>, row: usize, index: usize) -> f64 {
         _ => 0.0,
     };
     1.0 + strain
-}
-
-/// Diagonal of the bounding box of the entry points (m).
-fn frame_size(robot: &Robot) -> f64 {
-    let extent = |axis: usize| {
-        let points = robot.cables.iter().map(|c| c.pulley.entry_point_m[axis]);
-        let (low, high) = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
-            (low.min(p), high.max(p))
-        });
-        high - low
-    };
-    extent(0).hypot(extent(1)).hypot(extent(2))
 }

@@ -29,6 +29,18 @@ impl Robot {
         (size > 0.0).then_some(size)
     }
 
+    /// Diagonal of the bounding box of the entry points (m).
+    pub(crate) fn frame_diagonal_m(&self) -> f64 {
+        let extent = |axis: usize| {
+            let points = self.cables.iter().map(|c| c.pulley.entry_point_m[axis]);
+            let (low, high) = points.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+                (low.min(p), high.max(p))
+            });
+            high - low
+        };
+        extent(0).hypot(extent(1)).hypot(extent(2))
+    }
+
     pub(super) fn check_layout(&self) -> Checked {
         if let Some(size_m) = self.frame_size_m() {
             self.check_units(size_m)?;
