@@ -47,7 +47,7 @@ impl Dual {
 
     /// Angle of the point `(x, self)`.
     pub fn atan2(self, x: Self) -> Self {
-        let square = self.value.mul_add(self.value, x.value * x.value);
+        let square = self.value * self.value + x.value * x.value;
         let slope = (self.slope * x.value - self.value * x.slope) / square;
         Self {
             value: self.value.atan2(x.value),
@@ -96,7 +96,7 @@ impl Mul for Dual {
     fn mul(self, other: Self) -> Self {
         Self {
             value: self.value * other.value,
-            slope: self.slope.mul_add(other.value, self.value * other.slope),
+            slope: self.slope * other.value + self.value * other.slope,
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::columns::{Column, ColumnStore};
+use super::effects_on_ports::{EffectsOnPorts, Ports, Variable};
 use super::motion::MotionColumns;
 use crate::effect::{
     BoundEffect, CablePort, CablePorts, Dual, PlatformPort, PlatformPorts, PoseContexts, Stage,
@@ -275,6 +276,56 @@ fn concerned(globals: &Globals, condition: impl Fn(&BoundEffect) -> bool) -> Vec
     found
 }
 
+/// Slopes of one port by one parameter, at every row.
+struct PortSlopes<Port> {
+    port: Port,
+    slopes: Vec<f64>,
+}
+
+/// Ports at every row, and for each estimated parameter the slopes of the ports that depend on it.
+fn ports_and_slopes<P: Ports>(
+    rows: &[usize],
+    effects: &[Acting<'_>],
+    parameters: &[EstimatedParameter],
+    nominal: impl Fn(usize) -> P,
+    change: impl Fn(&BoundEffect, &[Dual], usize, &mut P),
+) -> (Vec<P>, Vec<Vec<PortSlopes<P::Port>>>) {
+    let constant = seeded(effects, None);
+    let variable = |chosen: &EstimatedParameter| {
+        let position = effects.iter().position(|(index, _)| *index == chosen.owner);
+        position.map(|effect| Variable {
+            effect,
+            values: seeded(&effects[effect..=effect], Some(*chosen)).remove(0),
+        })
+    };
+    let variables: Vec<Variable> = parameters.iter().filter_map(variable).collect();
+    let mut slopes: Vec<Vec<PortSlopes<P::Port>>> = variables.iter().map(|_| vec![]).collect();
+    let mut state = EffectsOnPorts::with_capacity(effects.len());
+    let mut ports = Vec::with_capacity(rows.len());
+    for (at, row) in rows.iter().copied().enumerate() {
+        let act = |effect: usize, values: Option<&[Dual]>, ports: &mut P| {
+            let values = values.unwrap_or(&constant[effect]);
+            change(effects[effect].1, values, row, ports);
+        };
+        let apply = |effect: usize, ports: &mut P| act(effect, None, ports);
+        ports.push(state.apply(nominal(row), effects.len(), apply));
+        for (variable, slopes) in variables.iter().zip(&mut slopes) {
+            state.slopes(variable, act, |port, slope| {
+                let known = slopes.iter().position(|of| of.port == port);
+                let index = known.unwrap_or_else(|| {
+                    slopes.push(PortSlopes {
+                        port,
+                        slopes: vec![0.0; rows.len()],
+                    });
+                    slopes.len() - 1
+                });
+                slopes[index].slopes[at] = slope;
+            });
+        }
+    }
+    (ports, slopes)
+}
+
 /// Packs the ports of the platform; only ports that vary take space per pose.
 fn pack_platform<T: Packet>(
     store: &mut ColumnStore<T>,
@@ -289,33 +340,25 @@ fn pack_platform<T: Packet>(
         let columns = PlatformPorts::from_fn(|port| store.uniform(nominal.get(port).value));
         return (columns, links);
     };
-    let ports_with = |chosen: Option<EstimatedParameter>| -> Vec<PlatformPorts> {
-        let values = seeded(&concerned, chosen);
-        let at = |row: &usize| {
-            let mut ports = nominal;
-            for ((_, bound), values) in concerned.iter().zip(&values) {
-                (bound.effect.change_platform)(values, contexts.platform(*row), &mut ports);
-            }
-            ports
-        };
-        selection.rows.iter().map(at).collect()
-    };
-    let ports = ports_with(None);
+    let parameters = estimated_parameters(problem, &concerned);
+    let (ports, slopes) = ports_and_slopes(
+        &selection.rows,
+        &concerned,
+        &parameters,
+        |_| nominal,
+        |bound, values, row, ports| {
+            (bound.effect.change_platform)(values, contexts.platform(row), ports);
+        },
+    );
     let columns = PlatformPorts::from_fn(|port| pack(store, &ports, None, |p| p.get(port).value));
-    for chosen in estimated_parameters(problem, &concerned) {
-        let parameter = chosen.column;
-        let ports = ports_with(Some(chosen));
-        for port in PlatformPort::ALL {
-            if ports.iter().any(|p| p.get(port).slope != 0.0) {
-                links.push(Link {
-                    port,
-                    parameter,
-                    slope: pack(store, &ports, Some(0.0), |p| p.get(port).slope),
-                    is_proportional: false,
-                    relative_noise: 0.0,
-                });
-            }
-        }
+    for (chosen, slopes) in parameters.iter().zip(&slopes) {
+        links.extend(slopes.iter().map(|of| Link {
+            port: of.port,
+            parameter: chosen.column,
+            slope: pack(store, &of.slopes, Some(0.0), |slope| *slope),
+            is_proportional: false,
+            relative_noise: 0.0,
+        }));
     }
     (columns, links)
 }
@@ -329,59 +372,41 @@ fn pack_cable<T: Packet>(
     index: usize,
 ) -> CableColumns {
     let concerned = concerned(globals, |bound| bound.cables.contains(&index));
-    if concerned.is_empty() && !selection.is_home {
+    let (false, Some(contexts)) = (concerned.is_empty(), &selection.contexts) else {
         return CableColumns {
-            ports: pack_without_effects(store, problem, selection, index),
+            ports: pack_without_effects(store, problem, globals, selection, index),
             links: Vec::new(),
         };
+    };
+    let parameters = estimated_parameters(problem, &concerned);
+    let (mut ports, slopes) = ports_and_slopes(
+        &selection.rows,
+        &concerned,
+        &parameters,
+        |row| nominal_cable_ports(problem, selection, (row, index)),
+        |bound, values, row, ports| {
+            (bound.effect.change_cable)(values, contexts.cable(row, index), ports);
+        },
+    );
+    for ports in &mut ports {
+        ports.tension.value += home_error(globals, selection, index);
     }
-    let ports_at = |row: usize, values: &[Vec<Dual>]| {
-        let mut ports = nominal_cable_ports(problem, selection, (row, index));
-        if let Some(contexts) = &selection.contexts {
-            let at = contexts.cable(row, index);
-            for ((_, bound), values) in concerned.iter().zip(values) {
-                (bound.effect.change_cable)(values, at, &mut ports);
-            }
-        }
-        // The error of the tension at home is a separate parameter; like the errors at the other
-        // poses it refers to the tension after the effects have corrected the reading.
-        if selection.is_home {
-            ports.tension += Dual::constant(globals.home_tension_error_n[index]);
-        }
-        ports
-    };
-    let ports_with = |chosen: Option<EstimatedParameter>| -> Vec<CablePorts> {
-        let values = seeded(&concerned, chosen);
-        let rows = selection.rows.iter();
-        rows.map(|row| ports_at(*row, &values)).collect()
-    };
-    let ports = ports_with(None);
     let columns =
         CablePorts::from_fn(|port| pack(store, &ports, padding_of(port), |p| p.get(port).value));
     let mut links = Vec::new();
-    for chosen in estimated_parameters(problem, &concerned) {
-        let parameter = chosen.column;
-        let ports = ports_with(Some(chosen));
+    for (chosen, slopes) in parameters.iter().zip(&slopes) {
         let stage = concerned.iter().find(|(index, _)| *index == chosen.owner);
         let is_ratio = stage.is_some_and(|(_, bound)| bound.effect.stage == Stage::Ratio);
-        for port in CablePort::ALL {
-            // A missing reading has no derivative.
-            let slope_of = |ports: &CablePorts| {
-                let dual = ports.get(port);
-                if dual.value.is_nan() { 0.0 } else { dual.slope }
-            };
-            if !ports.iter().any(|p| slope_of(p) != 0.0) {
-                continue;
-            }
-            let scales_noise = is_ratio && port == CablePort::Paid && reads_lengths(problem);
+        for of in slopes {
+            let scales_noise = is_ratio && of.port == CablePort::Paid && reads_lengths(problem);
             links.push(Link {
-                port,
-                parameter,
-                slope: pack(store, &ports, Some(0.0), slope_of),
-                is_proportional: is_ratio && port == CablePort::Tension,
+                port: of.port,
+                parameter: chosen.column,
+                slope: pack(store, &of.slopes, Some(0.0), |slope| *slope),
+                is_proportional: is_ratio && of.port == CablePort::Tension,
                 relative_noise: if scales_noise {
-                    let at = (index, port);
-                    let gain = reading_gain(problem, globals, selection, at, Some(chosen));
+                    let at = (index, of.port);
+                    let gain = reading_gain(problem, globals, selection, at, Some(*chosen));
                     gain.slope / gain.value
                 } else {
                     0.0
@@ -395,6 +420,16 @@ fn pack_cable<T: Packet>(
     }
 }
 
+/// Error of the tension reading of a cable (N) at home, where it is a parameter of its own; like the errors at the other
+/// poses it refers to the tension after the effects have corrected the reading.
+fn home_error(globals: &Globals, selection: &Selection, index: usize) -> f64 {
+    if selection.is_home {
+        globals.home_tension_error_n[index]
+    } else {
+        0.0
+    }
+}
+
 /// Padding of the last packet: readings are missing there, everything else repeats its last value.
 fn padding_of(port: CablePort) -> Option<f64> {
     matches!(port, CablePort::Paid | CablePort::Tension).then_some(f64::NAN)
@@ -404,6 +439,7 @@ fn padding_of(port: CablePort) -> Option<f64> {
 fn pack_without_effects<T: Packet>(
     store: &mut ColumnStore<T>,
     problem: &Problem<'_>,
+    globals: &Globals,
     selection: &Selection,
     index: usize,
 ) -> CablePorts<Column> {
@@ -411,14 +447,16 @@ fn pack_without_effects<T: Packet>(
     let cable = &problem.dataset.robot.cables[index];
     let nominal = CablePorts::nominal(cable, 0.0, 0.0);
     let rows = selection.rows.iter();
+    let home_error = home_error(globals, selection, index);
     CablePorts::from_fn(|port| match port {
         CablePort::Paid => {
-            let paid = |row: &usize| nominal_paid(cable, data, (*row, index), false);
+            let paid = |row: &usize| nominal_paid(cable, data, (*row, index), selection.is_home);
             store.varying(rows.clone().map(paid), f64::NAN)
         }
         CablePort::Tension => {
-            let tension = |row: &usize| nominal_tension(problem, selection, (*row, index));
-            store.varying(rows.clone().map(tension), f64::NAN)
+            let read = |row: &usize| nominal_tension(problem, selection, (*row, index));
+            let tension = rows.clone().map(|row| read(row) + home_error);
+            store.varying(tension, f64::NAN)
         }
         _ => store.uniform(nominal.get(port).value),
     })

@@ -2,6 +2,7 @@
 
 mod cable_rows;
 mod columns;
+mod effects_on_ports;
 mod equations;
 mod inputs;
 mod layout;
