@@ -203,6 +203,29 @@ impl<T: Copy> CablePorts<T> {
         }
     }
 
+    /// All values, in the order of [`CablePort::ALL`].
+    pub fn to_array(&self) -> [T; CablePort::COUNT] {
+        let [shift, axis, anchor] = [self.entry_shift, self.axis, self.anchor];
+        [
+            self.paid,
+            self.tension,
+            self.strain,
+            self.compliance,
+            self.weight,
+            self.radius,
+            shift[0],
+            shift[1],
+            shift[2],
+            axis[0],
+            axis[1],
+            axis[2],
+            anchor[0],
+            anchor[1],
+            anchor[2],
+            self.swivel_offset,
+        ]
+    }
+
     /// Ports whose values a function gives.
     pub fn from_fn(mut value: impl FnMut(CablePort) -> T) -> Self {
         Self {
@@ -256,6 +279,40 @@ impl<T: Copy> PlatformPorts<T> {
             PlatformPort::TrackerShift(axis) => self.tracker_shift[axis],
             PlatformPort::TrackerTurn(axis) => self.tracker_turn[axis],
         }
+    }
+
+    /// All values, in the order of [`PlatformPort::ALL`].
+    pub fn to_array(&self) -> [T; PlatformPort::COUNT] {
+        let [center, beam, normal] = [self.center_of_mass, self.laser_direction, self.target_normal];
+        let [point, shift, turn] = [self.tracker_point, self.tracker_shift, self.tracker_turn];
+        let incline = self.inclination_offset;
+        [
+            self.mass,
+            center[0],
+            center[1],
+            center[2],
+            self.laser_gain,
+            self.laser_bias,
+            beam[0],
+            beam[1],
+            beam[2],
+            normal[0],
+            normal[1],
+            normal[2],
+            incline[0],
+            incline[1],
+            incline[2],
+            self.tracker_delay,
+            point[0],
+            point[1],
+            point[2],
+            shift[0],
+            shift[1],
+            shift[2],
+            turn[0],
+            turn[1],
+            turn[2],
+        ]
     }
 
     /// Ports whose values a function gives.

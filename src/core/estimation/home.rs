@@ -32,24 +32,13 @@ pub(super) fn direct_column(
     match *id {
         ParameterId::EntryPoint { cable, axis } => Some(layout.cable_column(cable) + axis),
         ParameterId::PlaneOffset => Some(layout.plane_column()),
-        ParameterId::Effect { effect, parameter } => {
-            Some(effect_column(layout, problem, effect) + parameter)
-        }
+        ParameterId::Effect { effect, parameter } => layout.column_of_effect(effect, parameter),
         ParameterId::Deviation {
             deviation,
             parameter,
-        } => {
-            let index = problem.free_effects.len() + deviation;
-            Some(effect_column(layout, problem, index) + parameter)
-        }
+        } => layout.column_of_effect(problem.free_effects.len() + deviation, parameter),
         ParameterId::Home(_) | ParameterId::HomeTension { .. } => None,
     }
-}
-
-/// First column of an estimated effect or deviation.
-fn effect_column(layout: &Layout, problem: &Problem<'_>, index: usize) -> usize {
-    let before = problem.estimated().take(index);
-    layout.effect_column() + before.map(|bound| bound.values.len()).sum::<usize>()
 }
 
 impl HomeRow {
@@ -150,7 +139,7 @@ fn length_gradient(
         }
         ParameterId::Effect { .. } | ParameterId::Deviation { .. } => {
             direct_column(id, layout, problem).map_or(0.0, |column| {
-                equations.by_effect[cable * layout.effects + column - layout.effect_column()]
+                equations.by_effect_column(layout, cable, column)
             })
         }
         _ => 0.0,
@@ -182,7 +171,7 @@ fn row_derivative(
             equations.equilibrium_by_column[column][axis.index()]
         }
         (ParameterId::Effect { .. } | ParameterId::Deviation { .. }, _, Some(column)) => {
-            equations.by_effect[row * layout.effects + column - layout.effect_column()]
+            equations.by_effect_column(layout, row, column)
         }
         (ParameterId::PlaneOffset, Kind::Laser, _) => equations.laser_by_plane,
         (ParameterId::EntryPoint { cable, axis }, Kind::Swivel(own), _) if *cable == own => {

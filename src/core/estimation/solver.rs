@@ -162,6 +162,9 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             is_continued: matches!(start, Start::Known(_)),
         };
         solver.evaluate_home();
+        if solver.is_continued {
+            solver.poses.find_tensions();
+        }
         solver.poses.assemble(solver.huber, 0.0);
         solver
     }

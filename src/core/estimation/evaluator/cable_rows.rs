@@ -315,18 +315,18 @@ impl<T: Real> CableState<T> {
         let change = self.change_by_port(link.port, constants.swivel_zero, pose);
         let present = equations.present[index];
         let length = change.length * slope * present;
-        let entry = &mut equations.effects_of(layout, index)[link.parameter];
+        let entry = &mut equations.effects_of(layout, index)[link.own];
         *entry = length.mul_add(self.weight, *entry);
         if link.relative_noise != 0.0 {
             // What scales a reading scales its noise too, which changes the weight of the row.
             let whitened = equations.residual[index] * self.own_share;
-            let entry = &mut equations.effects_of(layout, index)[link.parameter];
+            let entry = &mut equations.effects_of(layout, index)[link.own];
             *entry = *entry - whitened * whitened.lift(link.relative_noise);
         }
         if let Some(first) = layout.swivel {
             let row = first + index;
             let weight = equations.present[row] * slope.lift(constants.swivel_sd.recip());
-            let entry = &mut equations.effects_of(layout, row)[link.parameter];
+            let entry = &mut equations.effects_of(layout, row)[link.own];
             *entry = (change.swivel * slope).mul_add(weight, *entry);
         }
         if layout.equilibrium.is_some() {

@@ -15,6 +15,8 @@ pub(super) trait Ports: Copy {
     const ALL: &'static [Self::Port];
     /// Value and slope of a port.
     fn port(&self, port: Self::Port) -> Dual;
+    /// Values and slopes of all ports, in the order of [`Self::ALL`].
+    fn duals(&self) -> impl AsRef<[Dual]>;
     /// Ports whose values and slopes a function gives.
     fn of(value: impl FnMut(Self::Port) -> Dual) -> Self;
     /// Whether a port is a component of a direction.
@@ -37,6 +39,10 @@ impl Ports for CablePorts {
         self.get(port)
     }
 
+    fn duals(&self) -> impl AsRef<[Dual]> {
+        self.to_array()
+    }
+
     fn of(value: impl FnMut(CablePort) -> Dual) -> Self {
         Self::from_fn(value)
     }
@@ -52,6 +58,10 @@ impl Ports for PlatformPorts {
 
     fn port(&self, port: PlatformPort) -> Dual {
         self.get(port)
+    }
+
+    fn duals(&self) -> impl AsRef<[Dual]> {
+        self.to_array()
     }
 
     fn of(value: impl FnMut(PlatformPort) -> Dual) -> Self {
@@ -126,16 +136,19 @@ impl<P: Ports> EffectsOnPorts<P> {
         let last = self.later.len();
         let mut ports = self.before[own];
         change(own, Some(&variable.values), &mut ports);
-        let has_slope = |ports: &P, port: P::Port| ports.port(port).slope != 0.0;
-        let turns = |port: &P::Port| P::is_direction(*port) && has_slope(&ports, *port);
-        let mixes = P::ALL.iter().any(turns);
+        let mut mixes = false;
+        if own + 1 < last {
+            let duals = ports.duals();
+            let mut ports = P::ALL.iter().zip(duals.as_ref());
+            mixes = ports.any(|(port, dual)| dual.slope != 0.0 && P::is_direction(*port));
+        }
         if mixes {
             for effect in own + 1..last {
                 change(effect, None, &mut ports);
             }
         }
-        for port in P::ALL.iter().copied() {
-            let slope = ports.port(port).slope;
+        for (port, dual) in P::ALL.iter().copied().zip(ports.duals().as_ref()) {
+            let slope = dual.slope;
             // A missing reading has no derivative.
             if slope == 0.0 || self.before[last].port(port).value.is_nan() {
                 continue;

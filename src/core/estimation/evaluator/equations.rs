@@ -20,7 +20,7 @@ pub(in crate::estimation) struct Equations<T> {
     pub laser_by_plane: T,
     /// Derivative of the equilibrium rows, column by column.
     pub equilibrium_by_column: Vec<[T; 6]>,
-    /// Derivative of every row with respect to the effects, row by row; those of the
+    /// Derivative of every row with respect to the effects of [`Layout::effects_of`], row by row; those of the
     /// equilibrium rows are in `equilibrium_by_column`.
     pub by_effect: Vec<T>,
     /// 1 where a row was measured, otherwise 0.
@@ -52,7 +52,7 @@ impl<T: Real> Equations<T> {
             swivel_by_cable: vec![[zero; CABLE_COLUMNS]; swivels],
             laser_by_plane: zero,
             equilibrium_by_column: vec![[zero; 6]; dense],
-            by_effect: vec![zero; layout.rows * layout.effects],
+            by_effect: vec![zero; layout.effect_derivatives()],
             present: vec![zero; layout.rows],
             equilibrium_factor: [zero; TRIANGLE],
             length_by_tension: vec![zero; layout.cables],
@@ -60,10 +60,18 @@ impl<T: Real> Equations<T> {
         }
     }
 
-    /// Effect derivatives of one row.
+    /// Derivatives of one row by the effects of [`Layout::effects_of`].
     #[inline(always)]
     pub fn effects_of(&mut self, layout: &Layout, row: usize) -> &mut [T] {
-        &mut self.by_effect[row * layout.effects..(row + 1) * layout.effects]
+        &mut self.by_effect[layout.effect_range(row)]
+    }
+
+    /// Derivative of a row that is not of the equilibrium by a column of effects.
+    pub fn by_effect_column(&self, layout: &Layout, row: usize, column: usize) -> T {
+        let own = layout.effects_of(row);
+        let found = own.binary_search(&(column - layout.effect_column()));
+        let at = found.map(|k| self.by_effect[layout.effect_range(row)][k]);
+        at.unwrap_or(self.laser_by_plane.lift(0.0))
     }
 
     /// Applies Huber weights: rows beyond `limit` standard deviations are scaled down so that their

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use super::columns::{Column, ColumnStore};
 use super::effects_on_ports::{EffectsOnPorts, Ports, Variable};
+use super::layout::Layout;
 use super::motion::MotionColumns;
 use crate::effect::{
     BoundEffect, CablePort, CablePorts, Dual, PlatformPort, PlatformPorts, PoseContexts, Stage,
 };
 use crate::estimation::globals::Globals;
-use crate::estimation::problem::{Geometry, Problem};
+use crate::estimation::problem::Problem;
 use crate::geometry::Pose;
 use crate::measurement::Measurements;
 use crate::real::Packet;
@@ -19,7 +20,10 @@ use crate::robot::Cable;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Link<Port> {
     pub port: Port,
+    /// Column of effects of the parameter.
     pub parameter: usize,
+    /// Index of that column among those of the owner of the port, a cable or the platform.
+    pub own: usize,
     pub slope: Column,
     /// Whether the slope is proportional to the port, so that it is evaluated at the estimate of the port rather than at its
     /// reading: noise common to both would bias the parameter.
@@ -192,8 +196,10 @@ type Acting<'g> = (usize, &'g BoundEffect);
 /// An estimated parameter of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct EstimatedParameter {
-    /// Number of its column.
+    /// Its column of effects.
     column: usize,
+    /// Index of that column among those of the cable or of the platform.
+    own: usize,
     /// Index of the effect in [`Globals::acting`], and of the parameter there.
     owner: usize,
     parameter: usize,
@@ -219,13 +225,18 @@ impl<T: Packet> PortInputs<T> {
         problem: &Problem<'_>,
         globals: &Globals,
         selection: &Selection,
+        layout: &Layout,
     ) -> Self {
         let mut store = ColumnStore::new(token);
-        let robot = &problem.dataset.robot;
-        let cables = (0..robot.cable_count())
-            .map(|index| pack_cable(&mut store, problem, globals, selection, index))
-            .collect();
-        let (platform, platform_links) = pack_platform(&mut store, problem, globals, selection);
+        let from = Source {
+            problem,
+            globals,
+            selection,
+            layout,
+        };
+        let cables = (0..layout.cables).map(|index| pack_cable(&mut store, from, index));
+        let cables = cables.collect();
+        let (platform, platform_links) = pack_platform(&mut store, from);
         let motion = MotionColumns::pack(&mut store, problem, selection);
         Self {
             motion,
@@ -237,35 +248,37 @@ impl<T: Packet> PortInputs<T> {
     }
 }
 
-/// The estimated parameters of some effects in the order of their columns; known ones are left out.
-fn estimated_parameters(problem: &Problem<'_>, effects: &[Acting<'_>]) -> Vec<EstimatedParameter> {
-    if problem.geometry == Geometry::Held {
-        return Vec::new();
-    }
-    let held = problem.held_effects.len();
-    let held_deviations = held + problem.free_effects.len() + problem.held_deviations.len();
-    let free = problem.free_effects.iter().enumerate().map(|(k, bound)| {
-        let is_known = bound.effect.parameters().iter().map(|p| p.discrete);
-        (held + k, is_known.collect::<Vec<_>>())
-    });
-    let deviations = problem.deviations.iter().enumerate().map(|(k, deviation)| {
-        let is_known = deviation.prior_sd.iter().map(|sd| *sd == 0.0);
-        (held_deviations + k, is_known.collect())
-    });
-    let mut found = Vec::new();
-    let mut first = 0;
-    for (owner, is_known) in free.chain(deviations) {
-        if effects.iter().any(|(index, _)| *index == owner) {
-            let estimated = (0..is_known.len()).filter(|k| !is_known[*k]);
-            found.extend(estimated.map(|parameter| EstimatedParameter {
-                column: first + parameter,
-                owner,
+/// What the ports are packed from.
+#[derive(Clone, Copy)]
+struct Source<'s> {
+    problem: &'s Problem<'s>,
+    globals: &'s Globals,
+    selection: &'s Selection,
+    layout: &'s Layout,
+}
+
+impl Source<'_> {
+    /// The estimated parameters of these columns of effects.
+    fn estimated_parameters(&self, columns: &[usize]) -> Vec<EstimatedParameter> {
+        let problem = self.problem;
+        let free = problem.free_effects.len();
+        let parameter = |(own, column): (usize, &usize)| {
+            let (effect, parameter) = self.layout.effect_parameters[*column];
+            // Held deviations act before the estimated ones.
+            let held_deviations = if effect < free {
+                0
+            } else {
+                problem.held_deviations.len()
+            };
+            EstimatedParameter {
+                column: *column,
+                own,
+                owner: problem.held_effects.len() + held_deviations + effect,
                 parameter,
-            }));
-        }
-        first += is_known.len();
+            }
+        };
+        columns.iter().enumerate().map(parameter).collect()
     }
-    found
 }
 
 /// The effects that satisfy a condition, in the order in which they act.
@@ -329,10 +342,14 @@ fn ports_and_slopes<P: Ports>(
 /// Packs the ports of the platform; only ports that vary take space per pose.
 fn pack_platform<T: Packet>(
     store: &mut ColumnStore<T>,
-    problem: &Problem<'_>,
-    globals: &Globals,
-    selection: &Selection,
+    from: Source<'_>,
 ) -> (PlatformPorts<Column>, Vec<Link<PlatformPort>>) {
+    let Source {
+        problem,
+        globals,
+        selection,
+        layout,
+    } = from;
     let nominal = PlatformPorts::nominal(&problem.dataset.robot);
     let concerned = concerned(globals, BoundEffect::acts_on_platform);
     let mut links = Vec::new();
@@ -340,7 +357,7 @@ fn pack_platform<T: Packet>(
         let columns = PlatformPorts::from_fn(|port| store.uniform(nominal.get(port).value));
         return (columns, links);
     };
-    let parameters = estimated_parameters(problem, &concerned);
+    let parameters = from.estimated_parameters(layout.effects_of_platform());
     let (ports, slopes) = ports_and_slopes(
         &selection.rows,
         &concerned,
@@ -355,6 +372,7 @@ fn pack_platform<T: Packet>(
         links.extend(slopes.iter().map(|of| Link {
             port: of.port,
             parameter: chosen.column,
+            own: chosen.own,
             slope: pack(store, &of.slopes, Some(0.0), |slope| *slope),
             is_proportional: false,
             relative_noise: 0.0,
@@ -366,19 +384,23 @@ fn pack_platform<T: Packet>(
 /// Packs the ports of one cable; only ports that vary take space per pose.
 fn pack_cable<T: Packet>(
     store: &mut ColumnStore<T>,
-    problem: &Problem<'_>,
-    globals: &Globals,
-    selection: &Selection,
+    from: Source<'_>,
     index: usize,
 ) -> CableColumns {
+    let Source {
+        problem,
+        globals,
+        selection,
+        layout,
+    } = from;
     let concerned = concerned(globals, |bound| bound.cables.contains(&index));
     let (false, Some(contexts)) = (concerned.is_empty(), &selection.contexts) else {
         return CableColumns {
-            ports: pack_without_effects(store, problem, globals, selection, index),
+            ports: pack_without_effects(store, from, index),
             links: Vec::new(),
         };
     };
-    let parameters = estimated_parameters(problem, &concerned);
+    let parameters = from.estimated_parameters(layout.effects_of_cable(index));
     let (mut ports, slopes) = ports_and_slopes(
         &selection.rows,
         &concerned,
@@ -402,6 +424,7 @@ fn pack_cable<T: Packet>(
             links.push(Link {
                 port: of.port,
                 parameter: chosen.column,
+                own: chosen.own,
                 slope: pack(store, &of.slopes, Some(0.0), |slope| *slope),
                 is_proportional: is_ratio && of.port == CablePort::Tension,
                 relative_noise: if scales_noise {
@@ -438,16 +461,17 @@ fn padding_of(port: CablePort) -> Option<f64> {
 /// Without effects only the readings (length paid out and tension) vary from pose to pose.
 fn pack_without_effects<T: Packet>(
     store: &mut ColumnStore<T>,
-    problem: &Problem<'_>,
-    globals: &Globals,
-    selection: &Selection,
+    from: Source<'_>,
     index: usize,
 ) -> CablePorts<Column> {
+    let Source {
+        problem, selection, ..
+    } = from;
     let data = &problem.dataset.measurements;
     let cable = &problem.dataset.robot.cables[index];
     let nominal = CablePorts::nominal(cable, 0.0, 0.0);
     let rows = selection.rows.iter();
-    let home_error = home_error(globals, selection, index);
+    let home_error = home_error(from.globals, selection, index);
     CablePorts::from_fn(|port| match port {
         CablePort::Paid => {
             let paid = |row: &usize| nominal_paid(cable, data, (*row, index), selection.is_home);

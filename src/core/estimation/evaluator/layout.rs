@@ -1,5 +1,7 @@
 //! Layout of the equations: the rows of a pose and the columns of the common parameters.
 
+use std::ops::Range;
+
 use crate::estimation::observation::ObservationKind as Kind;
 use crate::estimation::problem::{Geometry, Poses, Problem};
 use crate::geometry::Coordinate;
@@ -12,8 +14,13 @@ use crate::geometry::Coordinate;
 #[derive(Debug, Clone)]
 pub(in crate::estimation) struct Layout {
     pub cables: usize,
-    /// Number of columns of effects.
-    pub effects: usize,
+    /// The estimated parameter of each column of effects: index in [`Problem::estimated`], and of the parameter there.
+    pub effect_parameters: Vec<(usize, usize)>,
+    /// The columns of effects on which the rows of each cable can depend, then those for the platform's instruments; in
+    /// rising order, counted from [`Self::effect_column`].
+    effects_of_owner: Vec<Vec<usize>>,
+    /// Where the derivatives of each row by its effects begin, then their number.
+    first_effect: Vec<usize>,
     /// First row of each kind that the problem has; the length rows precede them, one per cable.
     pub equilibrium: Option<usize>,
     pub laser: Option<usize>,
@@ -33,7 +40,7 @@ pub(in crate::estimation) struct Layout {
 pub(in crate::estimation) const CABLE_COLUMNS: usize = 4;
 
 impl Layout {
-    pub fn new(problem: &Problem<'_>, effect_columns: usize) -> Self {
+    pub fn new(problem: &Problem<'_>) -> Self {
         let data = &problem.dataset.measurements;
         let robot = &problem.dataset.robot;
         let cables = robot.cable_count();
@@ -69,9 +76,11 @@ impl Layout {
         let tracker_orientation = block(orientations, 3, &Kind::TrackerOrientation);
         let inclined = robot.inclinometer.is_some() && !data.inclination_rad.is_empty();
         let inclination = block(inclined, 3, &Kind::Inclination);
-        Self {
+        let effect_parameters = effect_parameters(problem);
+        let mut layout = Self {
             cables,
-            effects: effect_columns,
+            effects_of_owner: effects_of_owner(problem, &effect_parameters),
+            first_effect: Vec::new(),
             equilibrium,
             laser,
             swivel,
@@ -80,8 +89,55 @@ impl Layout {
             inclination,
             rows: kinds.len(),
             kinds,
-            columns: CABLE_COLUMNS * cables + 1 + effect_columns,
+            columns: CABLE_COLUMNS * cables + 1 + effect_parameters.len(),
+            effect_parameters,
+        };
+        let mut first = 0;
+        layout.first_effect.push(first);
+        for row in 0..layout.rows {
+            first += layout.effects_of(row).len();
+            layout.first_effect.push(first);
         }
+        layout
+    }
+
+    /// The columns of effects, counted from [`Self::effect_column`], on which a row can depend; none for the equilibrium,
+    /// whose derivatives are stored for all columns.
+    pub fn effects_of(&self, row: usize) -> &[usize] {
+        match self.kinds[row] {
+            Kind::Length(cable) | Kind::Swivel(cable) => self.effects_of_cable(cable),
+            Kind::Equilibrium(_) | Kind::Tension(_) => &[],
+            Kind::Laser
+            | Kind::TrackerPosition(_)
+            | Kind::TrackerOrientation(_)
+            | Kind::Inclination(_) => self.effects_of_platform(),
+        }
+    }
+
+    /// The columns of effects on which the rows of a cable can depend.
+    pub fn effects_of_cable(&self, cable: usize) -> &[usize] {
+        &self.effects_of_owner[cable]
+    }
+
+    /// The columns of effects on which the rows of the platform's instruments can depend.
+    pub fn effects_of_platform(&self) -> &[usize] {
+        &self.effects_of_owner[self.cables]
+    }
+
+    /// Where the derivatives of a row by the columns of [`Self::effects_of`] are stored.
+    pub fn effect_range(&self, row: usize) -> Range<usize> {
+        self.first_effect[row]..self.first_effect[row + 1]
+    }
+
+    /// Number of stored derivatives by effects.
+    pub fn effect_derivatives(&self) -> usize {
+        self.first_effect[self.rows]
+    }
+
+    /// Column of an estimated parameter of an effect or deviation, given by its index in [`Problem::estimated`].
+    pub fn column_of_effect(&self, effect: usize, parameter: usize) -> Option<usize> {
+        let found = self.effect_parameters.binary_search(&(effect, parameter));
+        found.ok().map(|index| self.effect_column() + index)
     }
 
     /// First column of a cable.
@@ -105,10 +161,41 @@ impl Layout {
     }
 }
 
-/// Number of columns of the free effects and the deviations.
-pub(in crate::estimation) fn effect_columns(problem: &Problem<'_>) -> usize {
+/// Every estimated parameter of the free effects and the deviations: index in [`Problem::estimated`], and of the parameter
+/// there.
+fn effect_parameters(problem: &Problem<'_>) -> Vec<(usize, usize)> {
     if problem.geometry == Geometry::Held {
-        return 0;
+        return Vec::new();
     }
-    problem.estimated().map(|bound| bound.values.len()).sum()
+    let free = problem.free_effects.iter().map(|bound| {
+        let is_estimated = bound.effect.parameters().iter().map(|p| !p.discrete);
+        is_estimated.collect::<Vec<_>>()
+    });
+    let deviations = problem.deviations.iter().map(|deviation| {
+        let is_estimated = deviation.prior_sd.iter().map(|sd| *sd != 0.0);
+        is_estimated.collect()
+    });
+    let all = free.chain(deviations).enumerate();
+    all.flat_map(|(effect, is_estimated)| {
+        let own = is_estimated.into_iter().enumerate();
+        own.filter_map(move |(parameter, is_estimated)| is_estimated.then_some((effect, parameter)))
+    })
+    .collect()
+}
+
+/// The columns that each cable's rows can depend on, then those of the platform's rows.
+fn effects_of_owner(problem: &Problem<'_>, parameters: &[(usize, usize)]) -> Vec<Vec<usize>> {
+    let cables = problem.dataset.robot.cable_count();
+    let mut columns = vec![Vec::new(); cables + 1];
+    let estimated: Vec<_> = problem.estimated().collect();
+    for (column, (effect, _)) in parameters.iter().enumerate() {
+        let bound = estimated[*effect];
+        for cable in &bound.cables {
+            columns[*cable].push(column);
+        }
+        if bound.acts_on_platform() {
+            columns[cables].push(column);
+        }
+    }
+    columns
 }

@@ -24,7 +24,7 @@ use packing::{InstrumentInputs, constants_of, pack_instruments, pack_poses};
 use steps::Eliminated;
 
 pub(super) use equations::Equations;
-pub(super) use layout::{Layout, effect_columns};
+pub(super) use layout::Layout;
 pub(super) use noise::NoiseEstimate;
 pub(super) use normal::{Elimination, Sums};
 pub(super) use parts::Parts;
@@ -52,6 +52,8 @@ pub(super) struct Evaluator<'a, T: Packet> {
     is_latent: bool,
     pub layout: Layout,
     ports: PortInputs<T>,
+    /// Values of the effects and deviations at which the ports were packed.
+    packed_at: Vec<Vec<f64>>,
     readings: ColumnStore<T>,
     platform: InstrumentInputs,
     constants: Vec<CableConstants>,
@@ -118,10 +120,11 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         let is_home = selection.is_home;
         let robot = &problem.dataset.robot;
         let zero = T::splat(token, 0.0);
-        let layout = Layout::new(problem, effect_columns(problem));
+        let layout = Layout::new(problem);
         let mut readings = ColumnStore::new(token);
         let platform = pack_instruments(&mut readings, problem, &layout, &selection.rows);
-        let ports = PortInputs::build(token, problem, globals, &selection);
+        let ports = PortInputs::build(token, problem, globals, &selection, &layout);
+        let packed_at = values_of(globals);
         let gravity = robot.gravity();
         let down = gravity.try_normalize(0.0).unwrap_or_default().into();
         let moving = problem.poses == Poses::Estimated || is_home;
@@ -162,6 +165,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
             is_latent: problem.has_latent_tension() && !is_home,
             layout,
             ports,
+            packed_at,
             readings,
             platform,
         };
@@ -172,6 +176,7 @@ impl<'a, T: Packet> Evaluator<'a, T> {
     /// Replaces the contexts; takes effect with the next `set_globals`.
     pub fn set_contexts(&mut self, contexts: Arc<PoseContexts>) {
         self.selection.contexts = Some(contexts);
+        self.packed_at.clear();
     }
 
     /// Number of packets.
@@ -197,11 +202,14 @@ impl<'a, T: Packet> Evaluator<'a, T> {
                 None => constants.run,
             });
         }
-        let is_changed = globals.acting().next().is_some();
-        if is_changed || self.selection.is_home {
-            self.ports = PortInputs::build(self.token, self.problem, globals, &self.selection);
+        let values = values_of(globals);
+        // The tensions at home are parameters of their own.
+        if values != self.packed_at || self.selection.is_home {
+            let (selection, layout) = (&self.selection, &self.layout);
+            self.ports = PortInputs::build(self.token, self.problem, globals, selection, layout);
+            self.packed_at = values;
         }
-        if !self.selection.is_home && is_changed {
+        if !self.selection.is_home && !self.packed_at.is_empty() {
             self.scale_noise(globals);
         }
     }
@@ -366,6 +374,12 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         );
         &mut self.equations
     }
+}
+
+/// Values of everything that changes the prediction.
+fn values_of(globals: &Globals) -> Vec<Vec<f64>> {
+    let values = globals.acting().map(|bound| bound.values.clone());
+    values.collect()
 }
 
 #[inline(always)]

@@ -4,6 +4,8 @@
 //! Cholesky factor `L L^T = J^T J`, `y = L^-1 J^T r` and `Y = L^-1 J^T G`, the reduced normal equations have the matrix
 //! `S = sum (G^T G - Y^T Y)` and the gradient `v = sum (G^T r - Y^T y)`, and `dx = -L^-T (y + Y dg)`.
 
+use std::ops::Range;
+
 use super::columns::{Packed, packed};
 use super::equations::Equations;
 use super::layout::{CABLE_COLUMNS, Layout};
@@ -102,13 +104,11 @@ impl<T: Packet> Elimination<T> {
         for column in &mut self.columns[layout.effect_column()..] {
             *column = [zero; 6];
         }
-        if layout.effects > 0 {
-            let effects = equations.by_effect.chunks_exact(layout.effects);
-            for (j, effects) in equations.by_pose.iter().zip(effects) {
-                let columns = &mut self.columns[layout.effect_column()..];
-                for (column, e) in columns.iter_mut().zip(effects) {
-                    add_product(column, j, *e);
-                }
+        let columns = &mut self.columns[layout.effect_column()..];
+        for (row, j) in equations.by_pose.iter().enumerate() {
+            let effects = &equations.by_effect[layout.effect_range(row)];
+            for (column, e) in layout.effects_of(row).iter().zip(effects) {
+                add_product(&mut columns[*column], j, *e);
             }
         }
         if let Some(first_row) = layout.equilibrium {
@@ -175,8 +175,11 @@ impl<T: Packet> Elimination<T> {
             | Kind::TrackerOrientation(_)
             | Kind::Inclination(_) => {}
         }
-        let effects = &equations.by_effect[row * layout.effects..(row + 1) * layout.effects];
-        add_to(&mut gradient[layout.effect_column()..], effects);
+        let effects = &equations.by_effect[layout.effect_range(row)];
+        for (column, e) in layout.effects_of(row).iter().zip(effects) {
+            let entry = &mut gradient[layout.effect_column() + column];
+            *entry = *entry + *e;
+        }
     }
 
     /// Step `dx` of the poses, from `y` and `Y dg`.
@@ -266,8 +269,8 @@ impl<T: Packet> Sums<T> {
         y: &[T; 6],
         equilibrium: Option<(&Vec<[T; 6]>, &[T; 6])>,
     ) {
-        let mut at = 0;
-        for (i, column) in elimination.columns.iter().enumerate() {
+        let columns = &elimination.columns;
+        for (i, column) in columns.iter().enumerate() {
             let minus = negated(*column);
             let mut gradient = T::load(self.token, &self.gradient, i);
             for k in 0..6 {
@@ -279,29 +282,63 @@ impl<T: Packet> Sums<T> {
                 }
             }
             gradient.store(&mut self.gradient, i);
-            let others = &elimination.columns[..=i];
-            match equilibrium {
-                None => {
-                    for other in others {
-                        let mut sum = T::load(self.token, &self.information, at);
+        }
+        let equilibrium = equilibrium.map(|(columns, _)| columns.as_slice());
+        // Two rows of the triangle at a time: what is loaded of a column serves both.
+        for i in (0..columns.len()).step_by(2) {
+            if i + 1 < columns.len() {
+                self.add_products([i, i + 1], 0..i + 1, columns, equilibrium);
+                self.add_products([i + 1], i + 1..i + 2, columns, equilibrium);
+            } else {
+                self.add_products([i], 0..i + 1, columns, equilibrium);
+            }
+        }
+    }
+
+    /// The part of [`Self::add_columns`] for some rows of the triangle and a range of their columns.
+    #[inline(always)]
+    fn add_products<const N: usize>(
+        &mut self,
+        rows: [usize; N],
+        range: Range<usize>,
+        y: &[[T; 6]],
+        equilibrium: Option<&[[T; 6]]>,
+    ) {
+        // Loops, because closures are compiled without the instructions of the kernel.
+        let mut minus = [y[0]; N];
+        let mut starts = [0; N];
+        for n in 0..N {
+            minus[n] = negated(y[rows[n]]);
+            starts[n] = entry(rows[n], 0);
+        }
+        match equilibrium {
+            None => {
+                for j in range {
+                    let other = y[j];
+                    for n in 0..N {
+                        let mut sum = T::load(self.token, &self.information, starts[n] + j);
                         for k in 0..6 {
-                            sum = minus[k].mul_add(other[k], sum);
+                            sum = minus[n][k].mul_add(other[k], sum);
                         }
-                        sum.store(&mut self.information, at);
-                        at += 1;
+                        sum.store(&mut self.information, starts[n] + j);
                     }
                 }
-                Some((columns, _)) => {
-                    let g = columns[i];
-                    for (other, h) in others.iter().zip(columns) {
-                        let mut sum = T::load(self.token, &self.information, at);
-                        let mut more = minus[0].lift(0.0);
+            }
+            Some(columns) => {
+                let mut g = minus;
+                for n in 0..N {
+                    g[n] = columns[rows[n]];
+                }
+                for j in range {
+                    let (other, h) = (y[j], columns[j]);
+                    for n in 0..N {
+                        let mut sum = T::load(self.token, &self.information, starts[n] + j);
+                        let mut more = other[0].lift(0.0);
                         for k in 0..6 {
-                            sum = minus[k].mul_add(other[k], sum);
-                            more = g[k].mul_add(h[k], more);
+                            sum = minus[n][k].mul_add(other[k], sum);
+                            more = g[n][k].mul_add(h[k], more);
                         }
-                        (sum + more).store(&mut self.information, at);
-                        at += 1;
+                        (sum + more).store(&mut self.information, starts[n] + j);
                     }
                 }
             }
@@ -331,12 +368,26 @@ impl<T: Packet> Sums<T> {
             self.add_block(layout.plane_column(), &g, equations.residual[row]);
             self.add_effects(layout.plane_column(), &g, row, equations, layout);
         }
-        if layout.effects > 0 {
-            let equilibrium = layout.equilibrium.map_or(0..0, |first| first..first + 6);
-            for row in (0..layout.rows).filter(|row| !equilibrium.contains(row)) {
-                let first = row * layout.effects;
-                let e = &equations.by_effect[first..first + layout.effects];
-                self.add_block(layout.effect_column(), e, equations.residual[row]);
+        for row in 0..layout.rows {
+            self.add_effect_block(row, equations, layout);
+        }
+    }
+
+    /// Adds the products of a row's effect derivatives with each other and with its residual.
+    #[inline(always)]
+    fn add_effect_block(&mut self, row: usize, equations: &Equations<T>, layout: &Layout) {
+        let own = layout.effects_of(row);
+        let effects = &equations.by_effect[layout.effect_range(row)];
+        let first = layout.effect_column();
+        for (k, (column, e)) in own.iter().zip(effects).enumerate() {
+            let column = first + column;
+            let gradient = T::load(self.token, &self.gradient, column);
+            e.mul_add(equations.residual[row], gradient)
+                .store(&mut self.gradient, column);
+            for (other, e_other) in own[..=k].iter().zip(effects) {
+                let at = entry(column, first + other);
+                let sum = T::load(self.token, &self.information, at);
+                e.mul_add(*e_other, sum).store(&mut self.information, at);
             }
         }
     }
@@ -367,9 +418,9 @@ impl<T: Packet> Sums<T> {
         equations: &Equations<T>,
         layout: &Layout,
     ) {
-        for e in 0..layout.effects {
-            let column = layout.effect_column() + e;
-            let by_effect = equations.by_effect[row * layout.effects + e];
+        let effects = &equations.by_effect[layout.effect_range(row)];
+        for (column, by_effect) in layout.effects_of(row).iter().zip(effects) {
+            let column = layout.effect_column() + column;
             for (q, g_q) in g.iter().enumerate() {
                 let at = entry(column, first + q);
                 let sum = T::load(self.token, &self.information, at);

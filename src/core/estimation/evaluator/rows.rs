@@ -199,7 +199,7 @@ impl<T: Packet> Evaluator<'_, T> {
         let mut links = Vec::with_capacity(self.ports.platform_links.len());
         for link in &self.ports.platform_links {
             let slope = self.ports.store.load(link.slope, batch);
-            links.push((link.port, link.parameter, slope));
+            links.push((link.port, link.own, slope));
         }
         if let (Some(row), Some(laser)) = (self.layout.laser, &robot.laser) {
             let inputs = LaserInputs {

@@ -40,9 +40,8 @@ impl Point {
         } else if column == layout.plane_column() {
             moved.globals.plane_offset_m += step;
         } else {
-            let values = moved.globals.effects.iter_mut().flat_map(|e| &mut e.values);
-            let mut values = values.skip(column - layout.effect_column());
-            *values.next().unwrap() += step;
+            let (effect, parameter) = layout.effect_parameters[column - layout.effect_column()];
+            moved.globals.effects[effect].values[parameter] += step;
         }
         moved
     }
@@ -62,11 +61,8 @@ fn scale_of(problem: &Problem<'_>, layout: &Layout, column: usize) -> f64 {
     let Some(index) = column.checked_sub(layout.effect_column()) else {
         return 1.0;
     };
-    let parameters = problem
-        .free_effects
-        .iter()
-        .flat_map(|e| e.effect.parameters());
-    let parameter = parameters.into_iter().nth(index).unwrap();
+    let (effect, parameter) = layout.effect_parameters[index];
+    let parameter = &problem.free_effects[effect].effect.parameters()[parameter];
     if parameter.name == "any" {
         1.0
     } else {
@@ -79,8 +75,8 @@ fn derivative(equations: &Equations<f64>, layout: &Layout, row: usize, column: u
     if let ObservationKind::Equilibrium(axis) = kind {
         return equations.equilibrium_by_column[column][axis.index()];
     }
-    if let Some(effect) = column.checked_sub(layout.effect_column()) {
-        return equations.by_effect[row * layout.effects + effect];
+    if column >= layout.effect_column() {
+        return equations.by_effect_column(layout, row, column);
     }
     let (cable, axis) = (column / 4, column % 4);
     match kind {
