@@ -283,7 +283,11 @@ impl<T: Copy> PlatformPorts<T> {
 
     /// All values, in the order of [`PlatformPort::ALL`].
     pub fn to_array(&self) -> [T; PlatformPort::COUNT] {
-        let [center, beam, normal] = [self.center_of_mass, self.laser_direction, self.target_normal];
+        let [center, beam, normal] = [
+            self.center_of_mass,
+            self.laser_direction,
+            self.target_normal,
+        ];
         let [point, shift, turn] = [self.tracker_point, self.tracker_shift, self.tracker_turn];
         let incline = self.inclination_offset;
         [

@@ -4,9 +4,11 @@ mod dataset;
 mod local_polynomial;
 mod noise_correlation;
 mod recording;
+mod smoothness;
 mod standstill;
 mod variable;
 
 pub use dataset::{Dataset, Grid, Measurements, Truth};
 pub use recording::{Rates, ReadingKind, Sampling};
+pub use smoothness::{SampledChannel, follows_a_motion};
 pub use variable::Variable;

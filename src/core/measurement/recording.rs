@@ -8,14 +8,13 @@ use std::ops::Range;
 
 use super::local_polynomial::{FEWEST, Weights, derivatives};
 use super::noise_correlation::Moments;
+use super::smoothness::{SampledChannel, follows_a_motion};
 use super::{Grid, Measurements};
 use crate::geometry::{Pose, Twist, Vec3};
-use crate::robot::Robot;
+use crate::robot::{Robot, Winch};
 
 /// Smallest number of samples of a recording.
 const LEAST: usize = 100;
-/// Longest sampling interval of a recording (s).
-const LONGEST_STEP_S: f64 = 0.2;
 /// A step longer than this many usual ones counts as a gap.
 const GAP: f64 = 3.0;
 /// A reading that changes by less than this many standard deviations counts as being at rest.
@@ -163,7 +162,7 @@ impl Measurements {
         Some(thinned)
     }
 
-    /// Runs of samples without gaps; `None` if none of them moves, so that this is not a recording.
+    /// Runs of samples without gaps that follow a motion; `None` if there is none, so that this is not a recording.
     fn runs(&self, robot: &Robot) -> Option<Vec<Run>> {
         if self.rates.is_some() || self.time_s.len() < LEAST {
             return None;
@@ -172,9 +171,6 @@ impl Measurements {
         let mut sorted: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
         sorted.sort_by(f64::total_cmp);
         let step_s = *sorted.get(sorted.len() / 2)?;
-        if step_s > LONGEST_STEP_S {
-            return None;
-        }
         let mut runs: Vec<Run> = Vec::new();
         for row in 0..self.len() {
             let follows = row > 0 && {
@@ -190,7 +186,23 @@ impl Measurements {
             }
         }
         runs.retain(|run| run.rows.len() >= LEAST && self.moves(robot, &run.rows));
+        runs.retain(|run| self.follows_a_motion(robot, &run.rows));
         (!runs.is_empty()).then_some(runs)
+    }
+
+    /// Whether the length readings within a range of rows are those of a motion.
+    fn follows_a_motion(&self, robot: &Robot, rows: &Range<usize>) -> bool {
+        let (grid, counts) = self.length_readings();
+        let values: Vec<_> = (0..grid.columns())
+            .map(|cable| move |row: usize| grid.get(rows.start + row, cable))
+            .collect();
+        let channels: Vec<SampledChannel<'_>> = (robot.cables.iter().zip(&values))
+            .map(|(cable, value)| SampledChannel {
+                value,
+                sd: length_reading_sd(&cable.winch, counts),
+            })
+            .collect();
+        follows_a_motion(&self.time_s[rows.clone()], &channels)
     }
 
     /// Whether a cable moves within a range of rows.
@@ -200,12 +212,7 @@ impl Measurements {
             let values = || rows.clone().map(|row| grid.get(row, index));
             let range =
                 values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
-            let unit = if counts {
-                cable.winch.cable_per_revolution_m()
-            } else {
-                1.0
-            };
-            (range * unit).abs() > STILL * cable.winch.length_sd_m
+            range > STILL * length_reading_sd(&cable.winch, counts)
         })
     }
 
@@ -366,6 +373,15 @@ impl Measurements {
             set(3 + axis, of(window, &|k| turns[k - start][axis]));
         }
         rates
+    }
+}
+
+/// Standard deviation of a length reading: of revolutions if the winch counts them.
+fn length_reading_sd(winch: &Winch, counts: bool) -> f64 {
+    if counts {
+        winch.revolutions_sd()
+    } else {
+        winch.length_sd_m
     }
 }
 

@@ -397,6 +397,12 @@ impl Winch {
     pub fn cable_per_revolution_m(&self) -> f64 {
         (std::f64::consts::PI * self.drum_diameter_m).hypot(self.drum_pitch_m) / self.gear_ratio
     }
+
+    /// Standard deviation of a reading of motor revolutions.
+    #[must_use]
+    pub fn revolutions_sd(&self) -> f64 {
+        (self.length_sd_m / self.cable_per_revolution_m()).abs()
+    }
 }
 
 impl Robot {

@@ -7,18 +7,17 @@ mod rest;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use tautline_core::measurement::{SampledChannel, follows_a_motion};
 use tautline_core::robot::Robot;
 use tautline_session::{Place, ReadError, quoted};
 
-use crate::recipe::{Cutting, Mapped, Mapping, Quantity, Recipe, Rest, resolve};
+use crate::recipe::{Cutting, Kind, Mapped, Mapping, Quantity, Recipe, Rest, resolve};
 use crate::source::{Series, Source};
 pub(crate) use clock::Times;
 use rest::Limits;
 
 /// Maximum number of samples of a recording in motion: far more than are independent.
 const MOST_SAMPLES: usize = 60_000;
-/// Longest time between samples of a recording in motion (s).
-const LONGEST_STEP_S: f64 = 0.2;
 /// Minimum number of rows of a recording: fewer rows are poses, one per row.
 const RECORDING: usize = 100;
 /// Minimum number of standstills of a recording of poses at rest: any recording may begin and end with one.
@@ -70,14 +69,38 @@ pub(crate) fn sampled_at_rest(sources: &[Source], recipe: &Recipe, robot: &Robot
     rests.len() >= FEWEST_RESTS && rests.len() * 5 < time_s.len()
 }
 
-/// Whether the series of the cables is sampled fast enough for cutting in motion.
+/// Whether the rows of the series of the cables are samples of a motion.
 pub(crate) fn sampled_in_motion(sources: &[Source], recipe: &Recipe, robot: &Robot) -> bool {
     let Ok(mapping) = resolve(sources, recipe, "recipe", robot.cable_count()) else {
         return false;
     };
     let main = main_series(&mapping);
-    let usual_s = Times::of(&mapping, main, recipe).usual_s;
-    is_recording(mapping.series[main]) && usual_s > 0.0 && usual_s <= LONGEST_STEP_S
+    let Some(time_s) = Times::of(&mapping, main, recipe).time_s else {
+        return false;
+    };
+    let moving = mapping.quantities.iter();
+    let moving: Vec<_> = moving
+        .filter(|(quantity, mapped)| mapped.series == main && quantity.moves())
+        .map(|(quantity, mapped)| {
+            let values = &mapping.series[main].channels[mapped.channel].values;
+            let value = |row: usize| mapped.factor * values.at(row);
+            (value, reading_sd(robot, *quantity))
+        })
+        .collect();
+    let channels = moving
+        .iter()
+        .map(|(value, sd)| SampledChannel { value, sd: *sd });
+    is_recording(mapping.series[main]) && follows_a_motion(&time_s, &channels.collect::<Vec<_>>())
+}
+
+/// Standard deviation of the readings of a winch; 0 for other quantities.
+fn reading_sd(robot: &Robot, quantity: Quantity) -> f64 {
+    let winch = robot.cables.get(quantity.index).map(|cable| &cable.winch);
+    match (quantity.kind, winch) {
+        (Kind::Revolutions, Some(winch)) => winch.revolutions_sd(),
+        (Kind::Length, Some(winch)) => winch.length_sd_m,
+        _ => 0.0,
+    }
 }
 
 /// The series with most of the quantities that move with the platform.
@@ -166,9 +189,10 @@ fn by_labels(
     main: usize,
     file: &str,
 ) -> Result<Vec<Range<usize>>, ReadError> {
-    let label = mapping.quantities.iter().find(|(quantity, mapped)| {
-        quantity.kind == crate::recipe::Kind::Label && mapped.series == main
-    });
+    let label = mapping
+        .quantities
+        .iter()
+        .find(|(quantity, mapped)| quantity.kind == Kind::Label && mapped.series == main);
     let Some((_, label)) = label else {
         let message =
             "cutting by labels needs a channel assigned to pose in the series of the cables";
@@ -214,9 +238,10 @@ fn pose(
         rows: range.len(),
         readings: BTreeMap::new(),
     };
-    let label = mapping.quantities.iter().find(|(quantity, mapped)| {
-        quantity.kind == crate::recipe::Kind::Label && mapped.series == main
-    });
+    let label = mapping
+        .quantities
+        .iter()
+        .find(|(quantity, mapped)| quantity.kind == Kind::Label && mapped.series == main);
     pose.label = label.map(|(_, mapped)| text_at(mapping.series[main], mapped, range.start));
     for (quantity, mapped) in &mapping.quantities {
         let rows = if mapped.series == main {
@@ -234,7 +259,7 @@ fn pose(
         };
         let Some(rows) = rows else { continue };
         if quantity.is_text() {
-            if quantity.kind == crate::recipe::Kind::Group {
+            if quantity.kind == Kind::Group {
                 pose.group = Some(text_at(mapping.series[mapped.series], mapped, rows.start));
             }
             continue;
@@ -375,7 +400,6 @@ fn average(values: impl Iterator<Item = f64>) -> Option<Averaged> {
 
 /// Normalises the means of quaternions. If the sign changes within a pose the mean is invalid and left out.
 fn align_quaternions(mapping: &Mapping<'_>, pose: &mut CutPose) {
-    use crate::recipe::Kind;
     for kind in [Kind::Commanded, Kind::Tracked] {
         let components = (3..7).map(|index| Quantity { kind, index });
         let components: Vec<Quantity> = components
