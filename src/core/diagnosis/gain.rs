@@ -1,9 +1,9 @@
 //! Cross-validation: the gain of a cause on held-out poses, and by how much it moves the platform.
 //!
 //! Each pose is left out in turn. With the orthonormal basis `V` of the estimated parameters and the rows `j` of the
-//! pose, the fit to all other poses predicts the residual `e_j = r_j + V_j z_j` with
-//! `z_j = (1 - V_j^T V_j)^-1 V_j^T r_j` (Cook and Weisberg 1982, linear at the solution). Only the pose of the platform
-//! is fitted to the held-out readings.
+//! pose, the residual that the fit to all other poses predicts is `e_j = (1 - V_j V_j^T)^-1 r_j` (Cook and Weisberg 1982,
+//! linear at the solution), and leaving the pose out moves the coordinates in the basis by `V_j^T e_j`. Only the pose of the
+//! platform is fitted to the held-out readings.
 
 use std::rc::Rc;
 
@@ -179,14 +179,14 @@ fn hold_out(linear: &Linearisation, projector: &Projector, pose: usize) -> HeldO
     let (first, count) = (block.rows.start, block.rows.len());
     let basis = projector.basis().rows(first, count);
     let residual = projector.residual.rows(first, count);
-    let n = projector.rank();
-    let left = DMatrix::identity(n, n) - basis.tr_mul(&basis);
-    let pull = basis.tr_mul(&residual);
+    let left = DMatrix::identity(count, count) - basis * basis.transpose();
     // The matrix is singular only if this pose alone determines a parameter; then the pose cannot be predicted.
-    let step = left
-        .cholesky()
-        .map_or_else(|| DVector::zeros(n), |factor| factor.solve(&pull));
-    let error = residual + basis * &step;
+    let error = left.cholesky().map(|factor| factor.solve(&residual));
+    let step = error.as_ref().map_or_else(
+        || DVector::zeros(projector.rank()),
+        |error| basis.tr_mul(error),
+    );
+    let error = error.unwrap_or_else(|| residual.into_owned());
     let own: Vec<f64> = block
         .remainder
         .row_iter()

@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use super::Quantity;
 use super::background::{Group, Shape};
 use super::conditions::{Conditions, Noise, concatenate_columns};
+use super::dense::{divide_by_lower, transposed_times};
 use super::deviation_columns::{FACTORS, FIRST_FACTOR};
 use super::reading_errors::ReadingErrors;
 
@@ -380,7 +381,8 @@ impl LinearProblem {
         base.noise.whiten(&mut columns);
         let score = columns.tr_mul(&base.residual);
         let eliminated = &base.eliminated * &columns;
-        let information = columns.tr_mul(&columns) - eliminated.tr_mul(&eliminated);
+        let information =
+            transposed_times(&columns, &columns) - transposed_times(&eliminated, &eliminated);
         evidence_of_sizes(score, information, FACTORS[at.factor], &FACTORS)
     }
 
@@ -543,34 +545,6 @@ impl Background {
     }
 }
 
-/// `b := L^-1 b` for a triangular `L` and many columns, as products of blocks that fit into the cache.
-fn divide_by_lower(l: &DMatrix<f64>, b: &mut DMatrix<f64>) {
-    const ROWS: usize = 96;
-    const COLUMNS: usize = 128;
-    let ranges = |all: usize, step: usize| {
-        let starts = (0..all).step_by(step);
-        starts.map(move |start| (start, step.min(all - start)))
-    };
-    let inverses: Vec<DMatrix<f64>> = ranges(l.nrows(), ROWS)
-        .map(|(start, count)| {
-            let mut inverse = DMatrix::identity(count, count);
-            let own = l.view((start, start), (count, count));
-            own.solve_lower_triangular_mut(&mut inverse);
-            inverse
-        })
-        .collect();
-    for (first, columns) in ranges(b.ncols(), COLUMNS) {
-        let mut panel = b.columns_mut(first, columns);
-        for ((start, count), inverse) in ranges(l.nrows(), ROWS).zip(&inverses) {
-            let mut own = panel.rows(start, count).into_owned();
-            let known = panel.rows(0, start);
-            own.gemm(-1.0, &l.view((start, 0), (count, start)), &known, 1.0);
-            let mut to = panel.rows_mut(start, count);
-            to.gemm(1.0, inverse, &own, 0.0);
-        }
-    }
-}
-
 fn log_kind_prior(kind: usize) -> f64 {
     let others = (AMPLITUDES.len() - 1) as f64;
     if kind == 0 {
@@ -597,22 +571,4 @@ fn log_amplitude_prior(amplitude: usize, kind: usize, classes: usize) -> f64 {
         (1.0 - SAME_AS_KIND) / others
     }
     .ln()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn division_in_blocks_is_that_of_the_whole_factor() {
-        let lower = DMatrix::from_fn(250, 250, |i, k| match i.cmp(&k) {
-            std::cmp::Ordering::Less => 0.0,
-            std::cmp::Ordering::Equal => 2.0 + (i % 7) as f64,
-            std::cmp::Ordering::Greater => ((3 * i + 5 * k) % 11) as f64 / 110.0,
-        });
-        let right = DMatrix::from_fn(250, 300, |i, k| ((i * k + i) % 13) as f64 - 6.0);
-        let mut found = right.clone();
-        divide_by_lower(&lower, &mut found);
-        assert!((lower * found - right).amax() < 1e-10);
-    }
 }

@@ -15,6 +15,7 @@ mod catalogue;
 mod cause_posteriors;
 mod conditions;
 mod confidence;
+mod dense;
 mod deviation_columns;
 mod discrepancy;
 mod doctor;

@@ -1,10 +1,15 @@
 //! Projection of the readings orthogonal to all parameters that are estimated in any case.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
+
+use super::dense::transposed_times;
 
 /// Eigenvalues of the scaled information below this share of the largest one count as zero: their directions are
 /// undetermined.
 const SINGULAR: f64 = 1e-12;
+/// Smallest square of a pivot of the scaled information, the share of a column that no others explain, at which the
+/// Cholesky factor has at least half of the digits.
+const WELL_DETERMINED: f64 = 1e-8;
 
 /// Projector onto the space orthogonal to the columns of a design.
 #[derive(Debug, Clone)]
@@ -51,25 +56,30 @@ impl Projector {
     }
 }
 
-/// Matrix that orthonormalises the columns of `design`, from the eigenvectors of its scaled normal matrix. A Cholesky
-/// factorisation would fail where the data leave a parameter undetermined.
+/// Matrix that orthonormalises the columns of `design`: from the Cholesky factor of its scaled normal matrix, or where the
+/// data leave a parameter nearly undetermined, from the eigenvectors.
 fn orthonormal_map(design: &DMatrix<f64>) -> DMatrix<f64> {
     if design.is_empty() {
         return DMatrix::zeros(design.ncols(), 0);
     }
-    let normal = design.tr_mul(design);
+    let normal = transposed_times(design, design);
     let scale = normal
         .diagonal()
         .map(|d| if d > 0.0 { d.sqrt().recip() } else { 0.0 });
-    let scaled = DMatrix::from_fn(normal.nrows(), normal.ncols(), |i, k| {
-        normal[(i, k)] * scale[i] * scale[k]
-    });
+    let n = normal.nrows();
+    let scaled = DMatrix::from_fn(n, n, |i, k| normal[(i, k)] * scale[i] * scale[k]);
+    if let Some(factor) = Cholesky::new(scaled.clone()).map(|factor| factor.l())
+        && factor.diagonal().min().powi(2) > WELL_DETERMINED
+        && let Some(inverse) = factor.solve_lower_triangular(&DMatrix::identity(n, n))
+    {
+        return DMatrix::from_fn(n, n, |i, k| scale[i] * inverse[(k, i)]);
+    }
     let eigen = SymmetricEigen::new(scaled);
     let largest = eigen.eigenvalues.max();
     let kept: Vec<usize> = (0..eigen.eigenvalues.len())
         .filter(|k| eigen.eigenvalues[*k] > SINGULAR * largest)
         .collect();
-    DMatrix::from_fn(normal.nrows(), kept.len(), |i, k| {
+    DMatrix::from_fn(n, kept.len(), |i, k| {
         scale[i] * eigen.eigenvectors[(i, kept[k])] / eigen.eigenvalues[kept[k]].sqrt()
     })
 }

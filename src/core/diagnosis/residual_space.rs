@@ -12,6 +12,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
+use super::dense::divide_by_lower;
 use super::reading_id::ReadingId;
 use crate::estimation::{LinearRow, Linearisation};
 
@@ -319,7 +320,7 @@ pub(super) fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
 fn orthonormalised(mut wide: DMatrix<f64>) -> DMatrix<f64> {
     match Cholesky::new(&wide * wide.transpose()) {
         Some(factor) => {
-            factor.l_dirty().solve_lower_triangular_mut(&mut wide);
+            divide_by_lower(factor.l_dirty(), &mut wide);
             wide
         }
         None => row_basis(&wide),
