@@ -11,8 +11,8 @@ use tautline_core::diagnosis::{
 };
 use tautline_core::effect::EffectSetting;
 use tautline_core::geometry::Pose;
-use tautline_core::robot::Robot;
 use tautline_core::robot::presets::{self, Preset};
+use tautline_core::robot::{PartTolerances, Robot};
 use tautline_core::simulation::{TrueGeometry, simulate};
 
 use crate::hidden::clopper_pearson;
@@ -65,11 +65,14 @@ struct Place {
 
 impl Place {
     fn new(name: &'static str, seed: u64) -> Result<Self> {
-        let preset = presets::find(name).context("a preset")?;
+        let mut preset = presets::find(name).context("a preset")?;
         let mut options = preset_options(&preset, POSES, seed);
         options.geometry = TrueGeometry::Nominal;
         options.noise = false;
-        let data = simulate(&preset.robot, &options)?.dataset;
+        let mut data = simulate(&preset.robot, &options)?.dataset;
+        // The prediction is made for exact readings; the machines that it is compared with are as machines are.
+        preset.robot.tolerances = Some(PartTolerances::typical());
+        data.robot.tolerances.clone_from(&preset.robot.tolerances);
         let commanded = data
             .measurements
             .commanded

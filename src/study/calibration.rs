@@ -101,18 +101,7 @@ impl<'a> Simulator<'a> {
             faults |= 1 << bit;
         }
         let settings: Vec<EffectSetting> = drawn.into_iter().map(|(_, setting)| setting).collect();
-        let run = match settings.is_empty() {
-            true => self.runs.simulate(&mut rng),
-            false => simulate(
-                &self.cell.robot,
-                &SimulationOptions {
-                    effects: settings.clone(),
-                    seed: rng.next_u64(),
-                    ..self.runs.options().clone()
-                },
-            ),
-        };
-        let Ok(run) = run else {
+        let Ok(run) = self.simulate(&settings, &mut rng) else {
             return Calibration::failed(Outcome::NotSimulated, faults);
         };
         let mut calibration = self.identify(&run, faults);
@@ -131,7 +120,26 @@ impl<'a> Simulator<'a> {
         run: &Simulated,
     ) -> Result<Solution, tautline_core::estimation::EstimationError> {
         let problem = Problem::new(&run.dataset)?.with_method(self.method);
+        let problem = problem.with_stated_tolerances();
         solve(&problem, &Options::default(), &mut |_| Control::Continue)
+    }
+
+    /// Simulates a run with faults; parts deviate as the tolerances of the robot say.
+    fn simulate(
+        &self,
+        faults: &[EffectSetting],
+        rng: &mut ChaCha8Rng,
+    ) -> Result<Simulated, SimulationError> {
+        let robot = &self.cell.robot;
+        if faults.is_empty() && robot.tolerances.is_none() {
+            return self.runs.simulate(rng);
+        }
+        let options = SimulationOptions {
+            effects: faults.to_vec(),
+            seed: rng.next_u64(),
+            ..self.runs.options().clone()
+        };
+        simulate(robot, &options)
     }
 
     /// Simulates a run without faults.
@@ -139,7 +147,7 @@ impl<'a> Simulator<'a> {
     /// # Errors
     /// If the true robot cannot be held.
     pub fn run(&self, index: u64) -> Result<Simulated, SimulationError> {
-        self.runs.simulate(&mut stream(self.study.seed, index))
+        self.simulate(&[], &mut stream(self.study.seed, index))
     }
 
     fn identify(&self, run: &Simulated, faults: u8) -> Calibration {

@@ -23,7 +23,7 @@ use super::{DiagnosisOptions, Observer, Stage};
 use crate::effect::{BoundEffect, CablePorts, Dual, measurements_as_modelled};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
-use crate::robot::PartTolerances;
+use crate::robot::{PartTolerances, Robot};
 use crate::statistics::normal_quantile;
 
 /// Probability of detection at the smallest visible size.
@@ -47,14 +47,9 @@ pub fn diagnose(
     report.stage(Stage::BaseFit, 0);
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
     let (averaged, rows) = measurements.independent(&dataset.robot, MOST_SAMPLES);
-    let mut robot = dataset.robot.clone();
-    // The deviations that a model states are estimated anew.
-    robot.deviations.clear();
-    // No machine is exact: what is not stated is typical.
-    robot.tolerances.get_or_insert_with(PartTolerances::typical);
     let are_stated = dataset.robot.tolerances.is_some();
     let dataset = Dataset {
-        robot,
+        robot: with_assumed_tolerances(&dataset.robot),
         measurements: averaged.into_owned(),
     };
     let problem = problem_at_fitted_poses(&dataset)?;
@@ -71,6 +66,15 @@ pub fn diagnose(
     let mut found = examine(&after, (&first, rows), exchanged, options, &mut report)?;
     found.tolerances.are_stated = are_stated;
     Ok(found)
+}
+
+/// The robot with the tolerances that a diagnosis assumes: no machine is exact, so what is not stated is typical. The
+/// deviations that a model states are estimated anew.
+pub(super) fn with_assumed_tolerances(robot: &Robot) -> Robot {
+    let mut robot = robot.clone();
+    robot.deviations.clear();
+    robot.tolerances.get_or_insert_with(PartTolerances::typical);
+    robot
 }
 
 /// The problem with the effects of the model estimated, as far as readings depend on them, and evaluated at the poses of

@@ -11,7 +11,7 @@ use super::evaluated::Evaluated;
 use super::evaluator::{Elimination, Sums};
 use super::globals::Globals;
 use super::options::Division;
-use super::parameter::Parameter;
+use super::parameter::{Parameter, ParameterId};
 use super::problem::Problem;
 use super::system::{Priors, System, home_information};
 use crate::geometry::Pose;
@@ -57,6 +57,28 @@ impl ExpectedInformation {
                 .map(|index| remaining_rows(&mut at, index))
                 .collect(),
             parameters,
+        }
+    }
+
+    /// Indices of the parameters that are deviations of parts within their tolerances.
+    pub(crate) fn deviations(&self) -> Vec<usize> {
+        let is_deviation =
+            |k: &usize| matches!(self.parameters[*k].id, ParameterId::Deviation { .. });
+        (0..self.parameters.len()).filter(is_deviation).collect()
+    }
+
+    /// The information on some parameters, all others known.
+    pub(crate) fn on(&self, parameters: &[usize]) -> Self {
+        let block = |all: &DMatrix<f64>| all.select_rows(parameters).select_columns(parameters);
+        let poses = self.poses.iter();
+        Self {
+            parameters: parameters
+                .iter()
+                .map(|k| self.parameters[*k].clone())
+                .collect(),
+            common: block(&self.common),
+            home: block(&self.home),
+            poses: poses.map(|rows| rows.select_columns(parameters)).collect(),
         }
     }
 

@@ -128,6 +128,16 @@ impl<'a> Problem<'a> {
         self.with_deviations(deviations)
     }
 
+    /// The same problem with the deviations of the parts estimated if the robot states tolerances; otherwise parts are as
+    /// described.
+    #[must_use]
+    pub fn with_stated_tolerances(self) -> Self {
+        match self.dataset.robot.tolerances.clone() {
+            Some(tolerances) => self.with_tolerances(&tolerances),
+            None => self,
+        }
+    }
+
     /// The same problem with these deviations estimated instead of those that the model states.
     #[must_use]
     pub fn with_deviations(mut self, deviations: Vec<PartDeviation>) -> Self {

@@ -82,7 +82,7 @@ impl Expectation {
         Self {
             sd: (0..information.parameters.len()).map(sd).collect(),
             criteria: DesignCriteria {
-                log_det: log_det(&total),
+                log_det: log_det(&total) - log_det(&block(&total, &information.deviations())),
                 worst_m: entry.as_ref().map(|c| {
                     let eigen = SymmetricEigen::new(c.clone());
                     eigen.eigenvalues.max().max(0.0).sqrt()
@@ -112,10 +112,14 @@ fn log_det(information: &DMatrix<f64>) -> f64 {
     })
 }
 
+fn block(matrix: &DMatrix<f64>, picked: &[usize]) -> DMatrix<f64> {
+    matrix.select_rows(picked).select_columns(picked)
+}
+
 /// Block of a covariance that belongs to the entry points.
 fn of_entry_points(parameters: &[Parameter], covariance: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let picked = entry_points(parameters);
-    (!picked.is_empty()).then(|| covariance.select_rows(&picked).select_columns(&picked))
+    (!picked.is_empty()).then(|| block(covariance, &picked))
 }
 
 /// Indices of the entry points' coordinates.

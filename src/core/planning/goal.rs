@@ -1,13 +1,13 @@
 //! Goals of a plan and their criteria of optimal design.
 //!
-//! With the information `I` on the geometry and `J` on geometry and faults together, where the parameters of a fault have the
-//! prior of the catalogue, the poses maximise
+//! With the information `I` on the geometry and the deviations of parts within stated tolerances, and `J` on these and faults
+//! together, where the parameters of a fault have the prior of the catalogue, the poses maximise
 //!
 //! | goal | criterion |
 //! |---|---|
-//! | geometry | `ln det I` (D-optimality) |
+//! | geometry | `ln det I - ln det K`, `K` the block of `I` that belongs to the deviations of parts within stated tolerances: that of the geometry with the deviations unknown (D-optimality) |
 //! | faults | `ln det J - ln det I`: twice the expected information of the readings on the faults, in nats (Ds-optimality; Lindley, Annals of Mathematical Statistics 27, 1956) |
-//! | both | `ln det I / p + (ln det J - ln det I) / q` with `p` parameters of the geometry and `q` of faults: equal weights, whatever their numbers |
+//! | both | `(ln det I - ln det K) / p + (ln det J - ln det I) / q` with `p` parameters of the geometry and `q` of faults: equal weights, whatever their numbers |
 //! | accuracy | `-ln tr(M I^-1)`: minus the logarithm of the mean square position error of a controller over test poses in a volume (Klimchik, Wu, Caro, Furet, Pashkevich, Mechanism and Machine Theory 82, 2014) |
 //!
 //! Faults that look alike share the information of the readings, so the determinant rewards poses that separate them. Events
@@ -139,6 +139,13 @@ impl Criterion {
             kind,
         };
         let determinant = TermKind::Determinant;
+        let deviations = geometry.deviations();
+        let of_deviations = |weight: f64| {
+            (!deviations.is_empty()).then(|| Term {
+                information: geometry.on(&deviations),
+                kind: determinant(-weight),
+            })
+        };
         let terms = match (goal, faults, weights) {
             (Goal::Faults, Some(both), _) => {
                 vec![
@@ -147,18 +154,25 @@ impl Criterion {
                 ]
             }
             (Goal::Both, Some(both), _) => {
-                let own = geometry.parameters.len();
-                let others = both.parameters.len() - own;
+                let all = geometry.parameters.len();
+                let own = all - deviations.len();
+                let others = both.parameters.len() - all;
                 let [own, others] = [own, others].map(|count| (count.max(1) as f64).recip());
-                vec![
+                let mut terms = vec![
                     term(&both, determinant(others)),
                     term(geometry, determinant(own - others)),
-                ]
+                ];
+                terms.extend(of_deviations(own));
+                terms
             }
             (Goal::Accuracy(_), _, Some(weights)) => {
                 vec![term(geometry, TermKind::Error(root(weights)))]
             }
-            _ => vec![term(geometry, determinant(1.0))],
+            _ => {
+                let mut terms = vec![term(geometry, determinant(1.0))];
+                terms.extend(of_deviations(1.0));
+                terms
+            }
         };
         Self { terms }
     }

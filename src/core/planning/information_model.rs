@@ -81,7 +81,7 @@ impl<'a> InformationModel<'a> {
     fn problem<'d>(&self, dataset: &'d Dataset) -> Result<Problem<'d>, PlanError> {
         let mut problem = Problem::new(dataset)?.with_method(self.options.method);
         problem.free_effects.clone_from(&self.free);
-        Ok(problem)
+        Ok(problem.with_stated_tolerances())
     }
 
     /// Pose of the platform before the first pose of the plan.
@@ -133,6 +133,7 @@ impl<'a> InformationModel<'a> {
         planned: impl Iterator<Item = PlannedRow>,
     ) -> Result<ExpectedInformation, PlanError> {
         let (dataset, poses) = self.expected(planned, true)?;
+        // A fault is what lies outside the tolerance of a part, whose deviation is estimated beside it.
         let mut problem = self.problem(&dataset)?;
         problem
             .free_effects

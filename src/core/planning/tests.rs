@@ -4,6 +4,7 @@ use super::*;
 use crate::effect::EffectRequest;
 use crate::estimation::{Options, ParameterId, Problem, Solution, solve};
 use crate::measurement::Dataset;
+use crate::robot::PartTolerances;
 use crate::robot::presets::{self, Preset};
 use crate::simulation::{SimulationOptions, TrueGeometry, simulate};
 
@@ -41,7 +42,7 @@ fn measured(preset: &Preset, poses: Vec<Pose>, noise: bool, seed: u64) -> Datase
 }
 
 fn identified(dataset: &Dataset) -> Solution {
-    let problem = Problem::new(dataset).unwrap();
+    let problem = Problem::new(dataset).unwrap().with_stated_tolerances();
     // To rounding: the information is that of the last state evaluated.
     let options = Options {
         negligible: 0.0,
@@ -123,12 +124,20 @@ fn exchanges_gain_over_the_greedy_choice_and_end() {
 #[test]
 fn expected_standard_deviations_are_those_of_identification() {
     // The commanded poses differ from the true ones by about 8 mm, the standard deviations therefore by per cents.
-    for name in ["mini", "planar", "suspended"] {
-        let preset = presets::find(name).unwrap();
+    for (name, tolerances) in [
+        ("mini", None),
+        ("planar", None),
+        ("suspended", None),
+        ("mini", Some(PartTolerances::typical())),
+    ] {
+        let mut preset = presets::find(name).unwrap();
+        preset.robot.tolerances = tolerances;
         let plan = planned(&preset, 20);
         let dataset = measured(&preset, poses_of(&plan), true, 8);
         let solution = identified(&dataset);
-        for (k, parameter) in solution.parameters.iter().enumerate() {
+        // What the readings say of stiffnesses depends on the tensions, which a controller keeps otherwise than planned.
+        let all = solution.parameters.iter().enumerate();
+        for (k, parameter) in all.filter(|(_, p)| !matches!(p.id, ParameterId::Deviation { .. })) {
             let ratio = plan.expected.sd[k].unwrap() / solution.standard_deviation(k).unwrap();
             assert!(
                 (ratio - 1.0).abs() < 0.1,

@@ -64,6 +64,15 @@ impl PartTolerances {
     pub fn typical() -> Self {
         Self::Typical(Typical::Typical)
     }
+
+    /// No tolerances: every part is exactly as described.
+    #[must_use]
+    pub fn exact() -> Self {
+        Self::Stated(StatedTolerances {
+            factor: 1.0,
+            effects: BTreeMap::new(),
+        })
+    }
 }
 
 impl StatedTolerances {

@@ -1,6 +1,6 @@
 //! Many calibration runs of one robot at the same commanded poses, each with new truth and new noise.
 //!
-//! The same as [`simulate`](super::simulate) at given poses for robots without effects, but much faster than
+//! The same as [`simulate`](super::simulate) at given poses for robots without effects and of exact parts, but much faster than
 //! the identification. Tensions are the nominal ones `T0` with the smallest correction to the equilibrium of the true
 //! geometry, `T = T0 - A (A^T A)^-1 (A^T T0 + w)`; and because readings enter the prediction of such a robot linearly, they
 //! follow directly from lengths, tensions and distances: `rev = (L0 - L0(home)) / k`, `F = g T + f0`.
@@ -91,7 +91,11 @@ impl RepeatedRuns {
     ///
     /// # Errors
     /// If the true robot cannot be held at one of the poses, with any of the displacements drawn.
+    ///
+    /// # Panics
+    /// If the robot states tolerances: only [`simulate`](super::simulate) makes parts deviate.
     pub fn simulate(&self, rng: &mut ChaCha8Rng) -> Result<Simulated, SimulationError> {
+        assert!(self.robot.tolerances.is_none(), "a robot of exact parts");
         let truth = draw_truth(&self.robot, &self.options, rng);
         let visits: Result<Vec<Visit>, SimulationError> = (0..self.commanded.len())
             .map(|row| self.visit(&truth, row, rng))

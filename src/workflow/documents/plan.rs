@@ -3,6 +3,7 @@
 use super::isolability::IsolabilityDocument;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tautline_core::estimation::ParameterId;
 use tautline_core::planning::{Expectation, Plan, Refused};
 use tautline_core::robot::Robot;
 use tautline_session::VersionedFile;
@@ -117,6 +118,7 @@ impl PlanDocument {
             mean_m: expectation.criteria.mean_m,
             platform_m: expectation.criteria.platform_m,
             parameters: (plan.parameters().iter().zip(&expectation.sd))
+                .filter(|(parameter, _)| !matches!(parameter.id, ParameterId::Deviation { .. }))
                 .map(|(parameter, sd)| ExpectedParameter {
                     name: parameter.name.clone(),
                     unit: parameter.unit.to_owned(),

@@ -9,8 +9,8 @@
 //! b_c ~ N(-G_ca phi, G_cc)
 //! ```
 //!
-//! with the Gram matrix `G` of the columns after elimination of poses, tensions and geometry; the scores of two
-//! candidates are jointly normal with the corresponding blocks. `lambda = phi^T G_aa phi` is the noncentrality: the
+//! with the Gram matrix `G` of the columns after elimination of poses, tensions, geometry and the deviations of parts within
+//! their tolerances, stated or typical ones; the scores of two candidates are jointly normal with the corresponding blocks. `lambda = phi^T G_aa phi` is the noncentrality: the
 //! chi-square of a model without the fault for data without noise. The log posterior odds of a candidate against no
 //! cause follow from the evidence of [`super::evidence`] and the candidate's prior. They are a function `L_c(b_c)` of
 //! its score alone, so that
@@ -22,7 +22,8 @@
 //! - the **expected log Bayes factor** of `a` over `c` is `E[ln p(y | a) - ln p(y | c)]`, for which
 //!   `E[b^T W b] = m^T W m + tr(W G)` with the mean `m`.
 //!
-//! Noise is taken as described and other causes as absent. Probabilities are means over a low-discrepancy sequence of
+//! Noise is taken as described, parts scatter by their tolerances, and other causes are absent: a fault below the tolerance
+//! of its part is none. Probabilities are means over a low-discrepancy sequence of
 //! normal variables with as many dimensions as the faults have parameters (Halton, Numerische Mathematik 2, 1960;
 //! Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, 1992).
 
@@ -37,7 +38,7 @@ use super::DiagnosisOptions;
 use super::candidates::{Candidate, is_same_effect_and_targets};
 use super::cause_posteriors::NAMING_PROBABILITY;
 use super::deviation_columns::AS_STATED;
-use super::doctor::problem_at_fitted_poses;
+use super::doctor::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::fit::Fit;
 use super::gram::{CandidateScore, Gram};
 use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
@@ -110,7 +111,11 @@ pub fn isolability(
     dataset: &Dataset,
     options: &DiagnosisOptions,
 ) -> Result<Isolability, EstimationError> {
-    let problem = problem_at_fitted_poses(dataset)?;
+    let dataset = Dataset {
+        robot: with_assumed_tolerances(&dataset.robot),
+        measurements: dataset.measurements.clone(),
+    };
+    let problem = problem_at_fitted_poses(&dataset)?;
     let fit = Fit::new(&problem, &[])?;
     let at = LinearFit::new(&fit, EXPECTED_PER_ALPHA * options.alpha, true);
     let mut gram = at.gram(&at.linear.described(AS_STATED));
@@ -133,7 +138,7 @@ pub fn log_odds(
 ) -> Result<Vec<f64>, EstimationError> {
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
     let dataset = Dataset {
-        robot: dataset.robot.clone(),
+        robot: with_assumed_tolerances(&dataset.robot),
         measurements: measurements.into_owned(),
     };
     let problem = problem_at_fitted_poses(&dataset)?;

@@ -3,11 +3,12 @@
 use super::*;
 use crate::effect::{BoundEffect, Search};
 use crate::estimation::{Control, Options, Problem, solve};
-use crate::robot::presets;
+use crate::robot::{PartTolerances, StatedTolerances, Tolerance, presets};
 use crate::simulation::{SimulationOptions, TrueGeometry, simulate};
 
 fn exact(name: &str, causes: &[BoundEffect]) -> Dataset {
-    let preset = presets::find(name).unwrap();
+    let mut preset = presets::find(name).unwrap();
+    preset.robot.tolerances = Some(PartTolerances::exact());
     let options = SimulationOptions {
         geometry: TrueGeometry::Nominal,
         noise: false,
@@ -72,6 +73,48 @@ fn noncentrality_is_the_chi_square_that_a_fit_without_the_fault_leaves() {
         }
         assert!(checked > 60, "{name}: {checked}");
     }
+}
+
+/// A drum that is off by 5 % of its tolerance is no fault, whatever the sensors could show of an exact drum.
+#[test]
+fn what_lies_within_the_tolerances_is_not_seen() {
+    let options = DiagnosisOptions::default();
+    let winch = |tolerance: f64| {
+        let mut data = exact("mini", &[]);
+        data.robot.tolerances = Some(PartTolerances::Stated(StatedTolerances {
+            factor: 1.0,
+            effects: [(
+                "winch_scale".to_owned(),
+                Tolerance::ByCable([("cable-1".to_owned(), tolerance)].into()),
+            )]
+            .into(),
+        }));
+        let expected = isolability(&data, &options).unwrap();
+        let is_winch = |f: &&ExpectedFault| f.cause.effect().id() == "winch_scale";
+        let winch = expected.faults.iter().find(is_winch).unwrap();
+        (winch.noncentrality, winch.detection)
+    };
+    let size = typical_winch_scale();
+    let ([exact, seen], [loose, unseen]) = (winch(1e-9).into(), winch(20.0 * size).into());
+    assert!(exact > 50.0 && seen > 0.99, "{exact} {seen}");
+    // A deviation of prior variance t^2 leaves lambda / (1 + t^2 lambda / size^2) of the noncentrality lambda.
+    let expected = exact / (1.0 + 400.0 * exact);
+    assert!((loose / expected - 1.0).abs() < 1e-3, "{loose} {expected}");
+    assert!(unseen < 0.01, "{unseen}");
+}
+
+fn typical_winch_scale() -> f64 {
+    let expected = isolability(&exact("mini", &[]), &DiagnosisOptions::default()).unwrap();
+    let is_winch = |f: &&ExpectedFault| f.cause.effect().id() == "winch_scale";
+    expected
+        .faults
+        .iter()
+        .find(is_winch)
+        .unwrap()
+        .cause
+        .instances[0]
+        .values[0]
+        .abs()
 }
 
 #[test]
