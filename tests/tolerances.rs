@@ -11,8 +11,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use tautline_core::diagnosis::{Cause, Diagnosis, DiagnosisOptions, Verdict, diagnose};
-use tautline_core::effect::{EffectSetting, PartDeviation, Scope, find, part_deviations};
-use tautline_core::estimation::{Control, ParameterId};
+use tautline_core::effect::{
+    BoundEffect, EffectSetting, PartDeviation, Scope, find, part_deviations,
+};
+use tautline_core::estimation::{Control, Options, ParameterId, Problem, solve};
 use tautline_core::robot::presets::{self, Preset};
 use tautline_core::robot::{PartTolerances, Robot, StatedTolerances, Tolerance};
 use tautline_core::simulation::{Simulated, SimulationOptions, simulate};
@@ -25,6 +27,9 @@ const SCATTER: [f64; 2] = [0.3, 1.5];
 const MISSTATED: f64 = 2.0;
 /// Size of a fault in units of the geometric mean of its typical sizes.
 const FAULT: [f64; 2] = [1.2, 2.5];
+/// Noncentrality from which a fault counts as visible: a test corrected for some hundred hypotheses detects it with a
+/// probability of about 0.99.
+const VISIBLE: f64 = 40.0;
 /// Number of poses with up to two faults, and with more.
 const POSES: [usize; 2] = [41, 60];
 /// Effects that are hidden as faults.
@@ -106,6 +111,12 @@ pub struct Row {
     pub named: usize,
     /// Hidden faults in a list.
     pub listed: usize,
+    /// Hidden faults whose part is visibly outside its typical tolerance.
+    pub visible: usize,
+    /// Visible faults that are named.
+    pub visible_named: usize,
+    /// Visible faults that are named or in a list.
+    pub visible_found: usize,
     /// Names of something that is not hidden.
     pub wrong: usize,
     /// Data sets with a wrong name.
@@ -130,6 +141,8 @@ pub struct Row {
 struct Machine {
     run: Simulated,
     hidden: Vec<EffectSetting>,
+    /// Whether each hidden fault is visible.
+    is_visible: Vec<bool>,
 }
 
 fn stream(seed: u64, number: u64) -> ChaCha8Rng {
@@ -263,7 +276,41 @@ fn machine(preset: &Preset, is_real: bool, faults: usize, seed: u64) -> Result<M
         ..SimulationOptions::new(poses, seed)
     };
     let run = simulate(robot, &options)?;
-    Ok(Machine { run, hidden })
+    let noncentralities =
+        (0..hidden.len()).map(|fault| noncentrality(robot, &options, &hidden, fault));
+    let noncentralities = noncentralities.collect::<Result<Vec<f64>>>()?;
+    Ok(Machine {
+        run,
+        is_visible: noncentralities
+            .iter()
+            .map(|value| *value >= VISIBLE)
+            .collect(),
+        hidden,
+    })
+}
+
+/// Chi-square that parts within typical tolerances and the other faults leave of a fault, in readings without noise.
+fn noncentrality(
+    robot: &Robot,
+    options: &SimulationOptions,
+    hidden: &[EffectSetting],
+    fault: usize,
+) -> Result<f64> {
+    let options = SimulationOptions {
+        effects: hidden.to_vec(),
+        noise: false,
+        ..options.clone()
+    };
+    let data = simulate(robot, &options)?.dataset;
+    let others = hidden.iter().enumerate().filter(|(k, _)| *k != fault);
+    let others = others.map(|(_, other)| BoundEffect::from_setting(other, robot));
+    let problem = Problem::new(&data)?
+        .with_tolerances(&PartTolerances::typical())
+        .with_effects(others.collect::<Result<_, _>>()?);
+    let quiet = &mut |_: &_| Control::Continue;
+    let first = solve(&problem, &Options::default(), quiet)?;
+    let second = solve(&problem.at_poses_of(&first), &Options::default(), quiet)?;
+    Ok(second.chi2)
 }
 
 impl Machine {
@@ -317,6 +364,7 @@ impl Machine {
                 }
             }
         }
+        self.judge_visible(found, row);
         row.wrong += wrong;
         row.sets_with_wrong += usize::from(wrong > 0);
         let solution = &found.extended_solution;
@@ -331,6 +379,24 @@ impl Machine {
             let off = solution.globals.entry_points[cable][axis] - truth;
             row.coordinates += 1;
             row.covered += usize::from(off.abs() < 1.96 * sd);
+        }
+    }
+
+    /// Counts which of the visible faults are found.
+    fn judge_visible(&self, found: &Diagnosis, row: &mut Row) {
+        let visible = self.hidden.iter().zip(&self.is_visible);
+        for (hidden, _) in visible.filter(|(_, is_visible)| **is_visible) {
+            let is_named = found.findings.iter().any(|finding| {
+                finding.verdict == Verdict::Named && self.is_fault(&finding.cause, hidden)
+            });
+            let is_listed = found.findings.iter().any(|finding| {
+                let others = finding.alternatives.iter().map(|a| &a.cause);
+                let mut causes = others.chain([&finding.cause]);
+                causes.any(|cause| self.is_fault(cause, hidden))
+            });
+            row.visible += 1;
+            row.visible_named += usize::from(is_named);
+            row.visible_found += usize::from(is_named || is_listed);
         }
     }
 
@@ -403,7 +469,7 @@ pub fn rows_of(is_real: bool, faults: usize, sets: usize, first_seed: u64) -> Re
 /// The study as a table.
 #[must_use]
 pub fn markdown(rows: &[Row]) -> String {
-    let mut text = "| machines | faults | parts taken as | sets | named | in a list | wrong names | sets with one | pulleys covered | sizes covered | explained | factor | median s |\n|---|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n".to_owned();
+    let mut text = "| machines | faults | parts taken as | sets | named | in a list | visible | of these named | or in a list | wrong names | sets with one | pulleys covered | sizes covered | explained | factor | median s |\n|---|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n".to_owned();
     let share = |some: usize, of: usize| match of {
         0 => "-".to_owned(),
         _ => format!("{:.1} %", 100.0 * some as f64 / of as f64),
@@ -413,13 +479,16 @@ pub fn markdown(rows: &[Row]) -> String {
         seconds.sort_by(f64::total_cmp);
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.2} | {:.2} |",
+            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.2} | {:.2} |",
             if row.is_real { "real" } else { "exact" },
             row.faults,
             row.assumption.map_or("", Assumption::name),
             row.sets,
             share(row.named, row.hidden),
             share(row.listed, row.hidden),
+            row.visible,
+            share(row.visible_named, row.visible),
+            share(row.visible_found, row.visible),
             row.wrong,
             share(row.sets_with_wrong, row.sets),
             share(row.covered, row.coordinates),
