@@ -81,7 +81,7 @@ pub(super) fn noise_of_all(
     space: &ResidualSpace,
     separate: &SeparateVariances,
 ) -> Vec<NoiseStatement> {
-    let estimate = VarianceEstimate::new(space, separate);
+    let estimate = VarianceEstimate::new(space, separate, None);
     let classes = 0..estimate.classes.len();
     classes
         .filter_map(|class| estimate.statement(class))
@@ -131,19 +131,22 @@ struct VarianceEstimate {
 }
 
 impl VarianceEstimate {
-    fn new(space: &ResidualSpace, separate: &SeparateVariances) -> Self {
+    /// Estimates the variances, starting from those in `separate`, else from those of an estimate with fewer classes,
+    /// else from the described ones.
+    fn new(space: &ResidualSpace, separate: &SeparateVariances, from: Option<&Self>) -> Self {
         let (classes, of_row) = classes(space, |id| class_of(id, separate));
+        let start = |class: &Class| {
+            let known = || from.and_then(|from| from.variance_of(class));
+            separate.get(class).copied().or_else(known).unwrap_or(1.0)
+        };
         let mut estimate = Self {
-            variance: classes
-                .iter()
-                .map(|class| separate.get(class).copied().unwrap_or(1.0))
-                .collect(),
+            variance: classes.iter().map(start).collect(),
             freedom: vec![None; classes.len()],
             classes,
             of_row,
             space: space.clone(),
         };
-        if !separate.is_empty() {
+        if estimate.variance.iter().any(|variance| *variance != 1.0) {
             estimate.space = space.rescaled(&estimate.row_factors());
         }
         for _ in 0..MAX_STEPS {
@@ -171,13 +174,21 @@ impl VarianceEstimate {
         mut separate: SeparateVariances,
         level: f64,
     ) -> Self {
-        loop {
-            let estimate = Self::new(space, &separate);
-            match estimate.outlying_variance(&separate, level) {
-                Some((class, variance)) => separate.insert(class, variance),
-                None => return estimate,
-            };
+        let mut estimate = Self::new(space, &separate, None);
+        while let Some((class, variance)) = estimate.outlying_variance(&separate, level) {
+            for (class, start) in &mut separate {
+                *start = estimate.variance_of(class).unwrap_or(*start);
+            }
+            separate.insert(class, variance);
+            estimate = Self::new(space, &separate, Some(&estimate));
         }
+        estimate
+    }
+
+    /// Variance of a class over the described one, if it has one of its own.
+    fn variance_of(&self, class: &Class) -> Option<f64> {
+        let index = self.classes.iter().position(|own| own == class)?;
+        Some(self.variance[index])
     }
 
     /// Standard deviation of each row over the described one.
