@@ -3,14 +3,25 @@
 /// Poses per part: one pass takes some milliseconds, beside which starting a thread is negligible. A multiple of the
 /// packet size of every instruction set.
 const POSES_PER_PART: usize = 1 << 14;
+/// Number of common parameters up to which a part has so many poses. The work for a pose grows with their square.
+const FEW_PARAMETERS: usize = 48;
 
 /// Division of the poses between threads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Division {
-    /// Poses per part, a multiple of 8.
+    /// Poses per part with few common parameters, a multiple of 8.
     pub poses_per_part: usize,
     /// Largest number of threads; `None`: as many as the processor runs at once.
     pub threads: Option<usize>,
+}
+
+impl Division {
+    /// Poses per part with a number of common parameters: such that a part is about as much work whatever that number.
+    pub(super) fn poses_per_part_with(&self, parameters: usize) -> usize {
+        let few = FEW_PARAMETERS * FEW_PARAMETERS;
+        let all = (parameters * parameters).max(few);
+        (self.poses_per_part * few / all).next_multiple_of(8).max(8)
+    }
 }
 
 impl Default for Division {

@@ -1,6 +1,6 @@
 //! Poses divided into parts, which are evaluated on separate threads and summed in order.
 //!
-//! The division depends on the number of poses only, so that any number of threads gives the same result to the last
+//! The division depends on the numbers of poses and parameters only, so that any number of threads gives the same result to the last
 //! bit. A small number of poses is one part and starts no thread.
 
 use std::sync::Arc;
@@ -32,7 +32,7 @@ impl<'a, T: Packet> Parts<'a, T> {
         (rows, start): (&[usize], &[Pose]),
         division: Division,
     ) -> Self {
-        let size = division.poses_per_part;
+        let size = division.poses_per_part_with(Layout::new(problem).columns);
         let count = rows.len().div_ceil(size).max(1);
         let threads = match (count, division.threads) {
             (1, _) => 1,
