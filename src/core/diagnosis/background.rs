@@ -11,21 +11,14 @@ use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::budget::MIN_INDEPENDENT_PART;
 use super::conditions::{Conditions, concatenate_columns};
+use super::priors::{BACKGROUND_DEGREE, BACKGROUND_HALF_WAVES, READINGS_PER_BACKGROUND_FUNCTION};
 use super::reading_id::ReadingId;
 use super::variables::Variables;
 use crate::estimation::Linearisation;
 use crate::measurement::Variable;
 
-/// Readings needed for each function.
-const READINGS_PER_FUNCTION: usize = 3;
-/// Half waves over the duration of the measurement. The first one is left out because it looks like a drift.
-const HALF_WAVES: std::ops::RangeInclusive<usize> = 2..=8;
-/// Smallest share of a function's norm that must remain after projection for it to count as new.
-const MIN_INDEPENDENT_PART: f64 = 0.05;
-
-/// Highest degree of the polynomials of the position.
-const DEGREE: usize = 5;
 /// The variables that a group of functions depends on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Group {
@@ -198,8 +191,8 @@ impl ScaledVariables {
         }
         let mut found: WeightedFunctions = Vec::new();
         for (function, size) in wanted {
-            let has_room =
-                found.len() < self.count / READINGS_PER_FUNCTION && basis.len() < self.count;
+            let has_room = found.len() < self.count / READINGS_PER_BACKGROUND_FUNCTION
+                && basis.len() < self.count;
             if let Some(new) = orthogonal_component(&basis, &function).filter(|_| has_room) {
                 basis.push(new.clone());
                 found.push((new, size));
@@ -218,7 +211,7 @@ impl ScaledVariables {
             .enumerate()
             .map(|(k, x)| (x.clone(), k))
             .collect();
-        for degree in 2..=DEGREE {
+        for degree in 2..=BACKGROUND_DEGREE {
             let more = monomials.iter().flat_map(|(m, last)| {
                 (*last..position.len()).map(|k| (m.component_mul(&position[k]), k))
             });
@@ -237,7 +230,7 @@ impl ScaledVariables {
             return [Vec::new(), Vec::new()];
         };
         let wave = |k: usize| time.map(|t| (PI * k as f64 * (t + 1.0) / 2.0).cos());
-        let waves = HALF_WAVES.map(|k| (wave(k), 1.0));
+        let waves = BACKGROUND_HALF_WAVES.map(|k| (wave(k), 1.0));
         [vec![(time.clone(), 1.0)], waves.collect()]
     }
 

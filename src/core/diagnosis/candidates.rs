@@ -9,18 +9,10 @@ use std::f64::consts::FRAC_PI_4;
 
 use nalgebra::DMatrix;
 
+use super::calibration::DISTINCT_PERIODS;
+use super::priors::{ATYPICAL_SHARE, RELATIVE_SD, SCALE_RATIO};
 use super::report::Cause;
 use crate::effect::{Effect, EffectParameter, Scope, Search};
-
-/// Prior probability that a size exceeds the typical ones, and ratio of adjacent scales.
-const ATYPICAL_SHARE: f64 = 0.04;
-const SCALE_RATIO: f64 = 4.0;
-
-/// Prior standard deviation of a size over the largest typical size, at scale 1.
-const RELATIVE_SD: f64 = 0.5;
-
-/// Ratio of their periods from which two waves are different causes. Closer ones may be the same wave, estimated twice.
-const DISTINCT_PERIODS: f64 = 1.1;
 
 /// How the effect of a generator depends on the pose.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,31 +4,17 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nalgebra::{DMatrix, DVector};
 
+use super::budget::{COLUMNS_AT_ONCE, FREQUENCIES_PER_WAVE, MAX_PERIODS};
 use super::candidates::{
     Candidate, Column, PoseWeights, amplitude_of, estimable, is_same_effect_and_targets,
     is_same_period, prior_sd, probe_offset, scales, size_parameter,
 };
 use super::conditions::Conditions;
 use super::fit::Fit;
+use super::priors::{COMMON_VALUE_SHARE, FAMILY_CORRELATION, SEVERAL_CABLES_SHARE, TARGET_SHARES};
 use super::report::Cause;
 use crate::effect::{BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_EXTERNAL_POSES, Scope, Search};
 use crate::estimation::{Linearisation, ParameterId};
-
-/// Maximum number of columns in one linearisation.
-const CHUNK: usize = 64;
-/// Number of frequencies tried per wave over the range of the variable.
-const FREQUENCIES_PER_WAVE: f64 = 2.5;
-/// Maximum number of periods tried.
-const MAX_PERIODS: f64 = 300.0;
-/// Shares of an effect's prior probability by target. For several cables with a common value it is split evenly over
-/// their number, then over the choices of that many cables.
-const COMMON_VALUE_SHARE: f64 = 0.05;
-/// For one cable, for all cables alike, and for each cable with its own value.
-const TARGET_SHARES: [f64; 3] = [0.5, 0.3, 0.1];
-/// For several cables with values of their own, split in the same way.
-const SEVERAL_CABLES_SHARE: f64 = 0.1;
-/// Prior correlation between the values of different cables.
-const FAMILY_CORRELATION: f64 = 0.3;
 
 /// All candidates at a fit, with the generators of their columns.
 pub(super) struct Catalogue {
@@ -427,7 +413,7 @@ impl Builder<'_> {
         while first < self.bounds.len() {
             let mut until = first;
             let mut columns = 0;
-            while until < self.bounds.len() && columns < CHUNK {
+            while until < self.bounds.len() && columns < COLUMNS_AT_ONCE {
                 columns += self.bounds[until].values.len();
                 until += 1;
             }

@@ -1,24 +1,11 @@
 //! Posterior probabilities of the causes of the most probable set, and of what replaces them in other sets.
 
+use super::budget::{MAX_ALTERNATIVES, MIN_LISTED_PROBABILITY, MIN_POSSIBLE_PROBABILITY};
+use super::calibration::{NAMING_PROBABILITY, ODDS_AGAINST_SUPERSEDED, ODDS_AGAINST_UNCONFIRMED};
 use super::candidates::{is_same_effect_and_targets, is_same_kind, is_same_period};
 use super::inference::RankedSet;
 use super::report::{Alternative, Cause};
 use crate::effect::Search;
-
-/// Posterior probability from which a cause is named, or several together are listed.
-pub(super) const NAMING_PROBABILITY: f64 = 0.95;
-/// Maximum number of alternatives listed with a cause.
-const MAX_ALTERNATIVES: usize = 2;
-/// Smallest probability of an alternative that is listed.
-const MIN_LISTED_PROBABILITY: f64 = 0.005;
-/// Smallest probability of a possible cause.
-const MIN_POSSIBLE_PROBABILITY: f64 = 0.05;
-/// Odds against a cause that the evidence makes possible but that did not become a finding: where the findings explain
-/// the readings, and where an unmodelled error remains, which explains what such a cause would explain. Of 103 and 93
-/// such causes in simulated data, half of them with effects outside the catalogue or a slightly wrong model, 4 and 0
-/// were present.
-const ODDS_AGAINST_UNCONFIRMED: f64 = 4.0;
-const ODDS_AGAINST_SUPERSEDED: f64 = 20.0;
 
 /// Posterior of one cause of the most probable set.
 #[derive(Debug, Clone)]

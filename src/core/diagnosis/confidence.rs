@@ -2,8 +2,12 @@
 
 use super::DiagnosisOptions;
 use super::adequacy::adequacy;
+use super::calibration::{
+    ERROR_SHARE, EXCESS_SHARE, IMITATION_RATE, LIKELY, LOOKS_THE_SAME, MAX_IMITATION_RATE,
+    NAMING_PROBABILITY, NONE_PRESENT_RATE, READINGS_SHARE,
+};
 use super::candidates::{log_rarity, size_parameter};
-use super::cause_posteriors::{CausePosterior, NAMING_PROBABILITY};
+use super::cause_posteriors::CausePosterior;
 use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
 use super::gain::Prediction;
@@ -20,26 +24,6 @@ use super::unmodelled_errors::{UnmodelledError, UnmodelledErrors};
 use super::variables::Variables;
 use crate::effect::Search;
 use crate::estimation::{EstimationError, Problem};
-
-/// Probability from which an unconfirmed cause counts as likely.
-const LIKELY: f64 = 0.5;
-/// A name becomes ambiguous if readings of its cables have excess scatter of more than this share of what the cause
-/// explains.
-const EXCESS_SHARE: f64 = 0.25;
-/// A remaining unmodelled error makes a name ambiguous if it explains more than `ERROR_SHARE` of what the cause
-/// explains and either is on the same cable or is in readings that have more than `READINGS_SHARE` of the effect of the
-/// cause.
-const ERROR_SHARE: f64 = 0.05;
-const READINGS_SHARE: f64 = 0.2;
-/// Log odds for a cause against an error outside the catalogue that looks exactly like it.
-const LOOKS_THE_SAME: f64 = 4.5;
-/// Probability that an error outside the catalogue imitates a cause that explains a chi-square of 1, which falls with
-/// the square root of the chi-square explained, its upper bound, and the probability that none of the causes of a list
-/// is present. They were counted on simulated development data, some with a slightly wrong model or an effect outside
-/// the catalogue.
-const IMITATION_RATE: f64 = 0.5;
-const MAX_IMITATION_RATE: f64 = 0.02;
-const NONE_PRESENT_RATE: f64 = 0.2;
 
 /// Confirmed causes with their posteriors, and other possible causes.
 pub(super) struct ConfirmedCauses<'a> {

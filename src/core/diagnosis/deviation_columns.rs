@@ -10,21 +10,12 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
+use super::budget::MIN_VISIBLE_VARIANCE;
 use super::conditions::Conditions;
 use super::fit::Fit;
 use super::hyperparameters::LinearProblem;
 use crate::effect::{PartDeviation, part_deviations};
 use crate::estimation::{Linearisation, ParameterId, RowKind};
-
-/// Factors of the tolerances that are compared. Parts that deviate by less than the smallest are exact; tolerances that
-/// are wrong by more than the largest are a matter for the background.
-pub(super) const FACTORS: [f64; 5] = [0.0, 0.3, 0.6, 1.0, 2.0];
-/// Index of the factor at which the estimation starts: between exact parts and parts as stated.
-pub(super) const FIRST_FACTOR: usize = 2;
-/// Index of the factor of parts that scatter as stated.
-pub(super) const AS_STATED: usize = 3;
-/// Eigenvalue (variance of a reading in units of its noise, at factor 1) below which a combination cannot be seen.
-const MIN_VARIANCE: f64 = 3e-3;
 
 /// Combinations of the deviations at a fit.
 #[derive(Debug, Clone)]
@@ -65,13 +56,13 @@ impl DeviationColumns {
             _ => None,
         });
         for (deviation, variance) in of_deviations.zip(&information.diagonal()) {
-            is_visible[deviation] |= *variance > MIN_VARIANCE;
+            is_visible[deviation] |= *variance > MIN_VISIBLE_VARIANCE;
         }
         let visible = deviations.into_iter().zip(is_visible);
         let visible = visible.filter_map(|(deviation, is_visible)| is_visible.then_some(deviation));
         let eigen = SymmetricEigen::new(information);
         let kept: Vec<usize> = (0..eigen.eigenvalues.len())
-            .filter(|k| eigen.eigenvalues[*k] > MIN_VARIANCE)
+            .filter(|k| eigen.eigenvalues[*k] > MIN_VISIBLE_VARIANCE)
             .collect();
         Self {
             rows: columns * eigen.eigenvectors.select_columns(&kept),

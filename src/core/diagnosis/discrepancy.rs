@@ -14,25 +14,15 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::adequacy::classes;
+use super::budget::{MAX_REPORTED_VARIABLES, MIN_PLOTTED_REDUNDANCY, MIN_VISIBLE_SHARE};
+use super::calibration::EXCESS_LEVEL;
 use super::noise::excess_sd_factors;
+use super::priors::{MAX_SMOOTH_FUNCTIONS, READINGS_PER_SMOOTH_FUNCTION};
 use super::reading_id::ReadingId;
 use super::residual_space::{ClassSums, ResidualSpace, RowGroup, Score};
 use super::variables::{Variables, varies};
 use super::{Discrepancy, Quantity, Variable};
 use crate::statistics::{chi_square_survival, f_survival};
-
-/// Maximum number of smooth functions of a variable.
-const MAX_FUNCTIONS: usize = 5;
-/// Readings needed for each function.
-const READINGS_PER_FUNCTION: usize = 4;
-/// Directions of the functions whose share in the residuals is smaller than this are left out.
-const MIN_VISIBLE_SHARE: f64 = 1e-6;
-/// Significance level at which readings count as scattering more than described.
-const EXCESS_LEVEL: f64 = 0.01;
-/// Maximum number of variables that are reported for the same readings.
-const MAX_REPORTED_VARIABLES: usize = 3;
-/// Readings with a smaller redundancy than this are left out of plots, because their residuals carry no information.
-const MIN_REDUNDANCY: f64 = 1e-3;
 
 /// Test of whether some readings depend on a variable.
 #[derive(Debug, Clone)]
@@ -85,7 +75,7 @@ pub fn smooth_functions(values: &[f64], variable: Variable, most: usize) -> DMat
             let angle = TAU * values[row] * (1 + k / 2) as f64;
             if k % 2 == 0 { angle.sin() } else { angle.cos() }
         }),
-        _ => DMatrix::from_fn(values.len(), most.min(MAX_FUNCTIONS), |row, k| {
+        _ => DMatrix::from_fn(values.len(), most.min(MAX_SMOOTH_FUNCTIONS), |row, k| {
             (PI * (k + 1) as f64 * (values[row] - least) / spread).cos()
         }),
     }
@@ -183,7 +173,7 @@ struct TestedReadings {
 
 impl TestedReadings {
     fn test(&self, variable: Variable, values: Vec<f64>) -> Option<DependenceTest> {
-        let most = values.len() / READINGS_PER_FUNCTION;
+        let most = values.len() / READINGS_PER_SMOOTH_FUNCTION;
         let functions = smooth_functions(&values, variable, most);
         if functions.is_empty() {
             return None;
@@ -320,7 +310,7 @@ fn to_discrepancy(
         .sum();
     let trace: f64 = test.rows.iter().map(|row| redundancy[*row]).sum();
     let point = |(row, value): (&usize, &f64)| {
-        let share = Some(redundancy[*row]).filter(|share| *share > MIN_REDUNDANCY)?;
+        let share = Some(redundancy[*row]).filter(|share| *share > MIN_PLOTTED_REDUNDANCY)?;
         Some((
             space.measured[*row]?,
             *value,

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use super::budget::MOST_SAMPLES;
+use super::calibration::POWER;
 use super::candidates::size_parameter;
 use super::cause_posteriors::{cause_posteriors, discount_possible_causes};
 use super::confidence::{
     ConfirmedCauses, allow_for_imitations, assess_fit, confirm_causes, downgrade_doubtful_names,
     excess_chi2, readmit_likely_causes, reject_replaceable_causes,
 };
-use super::deviation_columns::FACTORS;
 use super::exchange::find_exchange;
 use super::exploration::Visibility;
 use super::finding::FindingBuilder;
@@ -16,6 +17,7 @@ use super::fit::Fit;
 use super::gain::Prediction;
 use super::inference::{Inference, infer, inference_at_fit};
 use super::noise::noise_statements;
+use super::priors::FACTORS;
 use super::progress::Reporter;
 use super::report::{Diagnosis, Finding, Invisible, ToleranceFactor};
 use super::unmodelled_errors::UnmodelledError;
@@ -25,12 +27,6 @@ use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 use crate::robot::{PartTolerances, Robot};
 use crate::statistics::normal_quantile;
-
-/// Probability of detection at the smallest visible size.
-const POWER: f64 = 0.9;
-
-/// Maximum number of samples taken from a recording in motion.
-pub const MOST_SAMPLES: usize = 300;
 
 /// Diagnoses a dataset with the joint problem of its robot. The effects of its model are estimated in every set of
 /// causes, as the geometry is. Rows of one standstill are averaged, and recordings in motion are thinned to independent

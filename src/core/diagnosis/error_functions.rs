@@ -6,30 +6,17 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Quantity;
 use super::background::{ScaledVariables, at_all_poses, orthogonal_component};
+use super::budget::{FREQUENCIES_PER_WAVE, MAX_INDUCING_POINTS, MAX_WAVES, NUGGET};
 use super::discrepancy::smooth_functions;
 use super::hyperparameters::LinearProblem;
+use super::priors::{CORRELATION_LENGTHS, MAX_SMOOTH_FUNCTIONS, MIN_READINGS_OF_ERROR, MIN_WAVES};
 use super::reading_id::ReadingId;
 use super::variables::Variables;
 use crate::measurement::Variable;
 use crate::robot::Robot;
 
-/// Maximum number of functions of one variable.
-const MAX_FUNCTIONS: usize = 5;
-/// Maximum number of waves over the range of a variable, and number of frequencies per wave.
-const MAX_WAVES: f64 = 64.0;
-const FREQUENCIES_PER_WAVE: f64 = 2.5;
-/// Minimum number of waves over the range; anything slower is covered by the smooth functions.
-const MIN_WAVES: f64 = 1.5;
 /// Variables along which periodic errors are looked for.
 const WAVE_VARIABLES: [Variable; 3] = [Variable::Revolutions, Variable::Time, Variable::Distance];
-/// Correlation lengths of Gaussian fields, whose variables are scaled to the interval from -1 to 1, and maximum number
-/// of inducing points.
-const CORRELATION_LENGTHS: [f64; 2] = [0.5, 1.2];
-const MAX_INDUCING_POINTS: usize = 40;
-/// Added to the diagonal to keep the covariance of a field positive definite.
-const NUGGET: f64 = 1e-6;
-/// Minimum number of readings for fitting an error.
-const MIN_READINGS: usize = 8;
 
 /// Functional form of an error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,7 +83,7 @@ impl ErrorTarget {
         variables: &Variables<'_>,
     ) -> Option<Self> {
         let poses = linear.conditions.poses_of(classes[0]);
-        if poses.len() < MIN_READINGS {
+        if poses.len() < MIN_READINGS_OF_ERROR {
             return None;
         }
         let own: Vec<usize> = poses.iter().map(|pose| rows[*pose]).collect();
@@ -115,7 +102,7 @@ impl ErrorTarget {
         };
         for variable in Variable::ALL {
             if let Some(values) = values(variable) {
-                let most = MAX_FUNCTIONS.min(values.len() / 4);
+                let most = MAX_SMOOTH_FUNCTIONS.min(values.len() / 4);
                 let functions = smooth_functions(&values, variable, most);
                 let expressed = scaled_variables.expressed(variable);
                 target.push(

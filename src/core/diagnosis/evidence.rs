@@ -9,6 +9,7 @@ use std::ops::{Range, RangeInclusive};
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use super::budget::{MAX_DEFICIT, STRONG_GAIN};
 use super::candidates::Candidate;
 use super::catalogue::log_joint_odds_ratio;
 use super::exploration::log_sum;
@@ -361,11 +362,6 @@ fn joint_odds_bonus(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
     let log = |count| log_joint_odds_ratio(count, gram.cables, candidate.log_odds);
     log(count + 1) - log(count)
 }
-
-/// The other scales are not tried if the middle one is lower than required by more than `MAX_DEFICIT`, unless the gain
-/// there exceeds `STRONG_GAIN`, where the scale may matter more.
-const MAX_DEFICIT: f64 = 12.0;
-const STRONG_GAIN: f64 = 20.0;
 
 /// Logarithm of twice the probability that a normal variable is positive.
 fn log_positive(mean: f64, variance: f64) -> f64 {

@@ -2,6 +2,8 @@
 //! if it explains what no effect could.
 
 use super::Stage;
+use super::budget::PATIENCE_WITH_EXCHANGE;
+use super::calibration::{HUGE_CHI2, MAX_REMAINING_EXCESS};
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::progress::Reporter;
@@ -10,13 +12,6 @@ use crate::effect::{BoundEffect, CATALOGUE, Search};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 
-/// Chi-square per degree of freedom above which an exchange is looked for, because wrong channels make huge residuals.
-const HUGE: f64 = 4.0;
-/// Number of steps after which a fit is abandoned if chi-square is still too large; the right exchange converges in
-/// half as many.
-const PATIENCE: usize = 6;
-/// Share of the excess chi-square that may remain, for example that of a second exchange.
-const MAX_REMAINING_EXCESS: f64 = 0.25;
 /// Difference of chi-square that separates one exchange from another.
 const DISTINGUISHING_CHI2: f64 = 9.0;
 
@@ -39,7 +34,7 @@ pub(super) fn find_exchange(
     let Some(effect) = CATALOGUE.iter().find(is_exchange) else {
         return Ok(None);
     };
-    if solution.chi2 < HUGE * solution.degrees_of_freedom {
+    if solution.chi2 < HUGE_CHI2 * solution.degrees_of_freedom {
         return Ok(None);
     }
     let dataset = fit.problem.dataset;
@@ -68,7 +63,7 @@ pub(super) fn find_exchange(
             let mut problem = Problem::new(&exchanged)?;
             problem.held_effects.clone_from(&fit.problem.held_effects);
             problem.free_effects.clone_from(&fit.problem.free_effects);
-            Fit::with_early_stop((allowed, PATIENCE), &problem, &[])?
+            Fit::with_early_stop((allowed, PATIENCE_WITH_EXCHANGE), &problem, &[])?
         };
         tried.push((bound, fit.solution.chi2));
     }

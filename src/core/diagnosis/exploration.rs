@@ -3,6 +3,10 @@
 use std::collections::HashMap;
 
 use super::Stage;
+use super::budget::{
+    KEPT_WITHIN, MAX_EXTENDED, MAX_POINTS, MIN_INFORMATION, RIVAL_WITHIN, SETTLED_WITHIN,
+};
+use super::calibration::LINEARISATION_ERROR;
 use super::candidates::is_same_effect_and_targets;
 use super::evidence::{Member, System};
 use super::gram::Gram;
@@ -10,21 +14,10 @@ use super::hyperparameters::{Hyperparameters, Start};
 use super::linear_fit::{LinearFit, OwnEvidence};
 use super::progress::Reporter;
 use super::report::Cause;
-use super::search::{CandidateSet, EvaluatedSet, LINEARISATION_ERROR, Search, set_of, settled};
-use super::set_comparison::RIVAL_WITHIN;
+use super::search::{CandidateSet, EvaluatedSet, Search, set_of, settled};
 
-/// Maximum number of points at each fit.
-const MAX_POINTS: usize = 5;
-/// Maximum number of sets that each search extends.
-pub(super) const MAX_EXTENDED: usize = 20;
 /// Chi-square per degree of freedom above which the described noise is no sensible point.
 pub(super) const UNEXPLAINED_CHI2: f64 = 100.0;
-/// Log posterior below the best down to which sets are kept.
-const KEPT_WITHIN: f64 = 12.0;
-/// Log posterior below the best down to which the scales of a set are optimised again.
-const SETTLED_WITHIN: f64 = 8.0;
-/// Information relative to that of the prior below which the data do not determine a parameter.
-const MIN_INFORMATION: f64 = 1e-2;
 
 /// How well the data show one cause; for events and waves at the pose or period that shows them best.
 #[derive(Debug, Clone)]

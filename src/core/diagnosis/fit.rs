@@ -4,17 +4,13 @@ use std::cell::OnceCell;
 use std::ops::Range;
 use std::rc::Rc;
 
+use super::budget::{MAX_STEPS_WITH_CAUSES, PATIENCE};
 use super::deviation_columns::DeviationColumns;
 use super::report::Cause;
 use crate::estimation::{
     Control, EstimationError, Linearisation, Options, ParameterId, Problem, Progress, Solution,
     solve,
 };
-
-/// Number of steps after which a fit that is still worse than required is abandoned; successful fits need half as many.
-const PATIENCE: usize = 15;
-/// Maximum number of steps of a fit with causes; one that converges more slowly explains nothing.
-const MAX_STEPS: usize = 40;
 
 /// A problem with its solution.
 #[derive(Debug, Clone)]
@@ -63,7 +59,7 @@ impl<'a> Fit<'a> {
         };
         let mut options = Options::default();
         if bound.is_finite() {
-            options.max_iterations = MAX_STEPS;
+            options.max_iterations = MAX_STEPS_WITH_CAUSES;
         }
         let solution = solve(&problem, &options, watch)?;
         let of_model = problem.held_effects.len() + base.free_effects.len();

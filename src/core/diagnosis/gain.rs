@@ -11,16 +11,13 @@ use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::budget::{BOOTSTRAP_SEED, RESAMPLES};
 use super::fit::Fit;
 use super::projector::Projector;
 use super::report::{Gain, KindGain, PositionChange, Quantity};
 use crate::effect::Search;
 use crate::estimation::{Linearisation, RowKind};
 use crate::statistics::normal_quantile;
-
-/// Number of bootstrap samples for an interval, and seed of their random numbers.
-const RESAMPLES: usize = 1000;
-const SEED: u64 = 2018;
 
 /// Prediction of one held-out pose.
 #[derive(Debug, Clone)]
@@ -259,7 +256,7 @@ fn resampled(pairs: &[(&HeldOut, &HeldOut)]) -> [f64; 2] {
     if pairs.is_empty() {
         return [f64::NAN; 2];
     }
-    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let mut rng = ChaCha8Rng::seed_from_u64(BOOTSTRAP_SEED);
     let mut differences: Vec<f64> = (0..RESAMPLES)
         .map(|_| {
             let mut sums = [(0.0, 0.0); 2];

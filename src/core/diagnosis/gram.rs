@@ -10,12 +10,10 @@ use std::rc::Rc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::budget::FEW_COLUMNS;
 use super::candidates::{Candidate, Column, PoseWeights};
 use super::catalogue::Catalogue;
 use super::hyperparameters::{LinearProblem, ReducedProblem};
-
-/// Number of columns up to which their products with others are computed alone instead of with whole rows.
-const FEW_COLUMNS: usize = 24;
 
 /// Score and information of one candidate alone.
 #[derive(Debug, Clone)]

@@ -7,20 +7,13 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::budget::MIN_REDUNDANCY_OF_TAILS;
 use super::exploration::log_sum;
 use super::inference::Inference;
+use super::priors::{HEAVY_TAILS, TAIL_FREEDOMS, TAIL_SCALES};
 use super::report::{Finding, Quantity};
 use super::residual_space::ResidualSpace;
 use crate::effect::Search;
-
-/// Prior probability that the noise of a kind of reading has heavy tails.
-const PRIOR: f64 = 0.01;
-/// Degrees of freedom of Student's t that are tried: the fewer, the heavier the tails.
-const DEGREES_OF_FREEDOM: [f64; 3] = [3.0, 4.0, 6.0];
-/// Scales of Student's t that are tried, in standard deviations of the other readings.
-const SCALES: [f64; 5] = [0.6, 0.7, 0.8, 0.9, 1.0];
-/// Redundancy below which the residual of a reading says nothing about its error.
-const MIN_REDUNDANCY: f64 = 0.1;
 
 /// A single wrong reading.
 #[derive(Debug, Clone, Copy)]
@@ -90,7 +83,7 @@ fn other_residuals(
     let redundancy = space.redundancy();
     let rows = (0..space.rows()).filter(|row| {
         space.readings[*row].is_some_and(|id| id.quantity == quantity)
-            && redundancy[*row] > MIN_REDUNDANCY
+            && redundancy[*row] > MIN_REDUNDANCY_OF_TAILS
     });
     let mut residuals: Vec<(f64, f64)> = rows
         .map(|row| {
@@ -117,8 +110,8 @@ fn log_odds(wrong: &[WrongReading], others: &[(f64, f64)]) -> f64 {
     let with_wrong_readings = wrong.iter().map(|w| w.log_prior).sum::<f64>()
         + others.iter().map(|(z, w)| w * normal(*z)).sum::<f64>();
     let mut with_tails = Vec::new();
-    for freedom in DEGREES_OF_FREEDOM {
-        for scale in SCALES {
+    for freedom in TAIL_FREEDOMS {
+        for scale in TAIL_SCALES {
             let density = |z: f64| log_student_t(z / scale, freedom) - scale.ln();
             with_tails.push(
                 wrong.iter().map(|w| density(w.size)).sum::<f64>()
@@ -127,7 +120,8 @@ fn log_odds(wrong: &[WrongReading], others: &[(f64, f64)]) -> f64 {
         }
     }
     let count = (with_tails.len() as f64).ln();
-    log_sum(with_tails.into_iter()) - count - with_wrong_readings + (PRIOR / (1.0 - PRIOR)).ln()
+    log_sum(with_tails.into_iter()) - count - with_wrong_readings
+        + (HEAVY_TAILS / (1.0 - HEAVY_TAILS)).ln()
 }
 
 /// Log density of Student's t with 3, 4 or 6 degrees of freedom.
@@ -161,7 +155,7 @@ mod tests {
 
     #[test]
     fn the_density_integrates_to_one() {
-        for freedom in DEGREES_OF_FREEDOM {
+        for freedom in TAIL_FREEDOMS {
             let step = 0.01;
             let sum: f64 = (-100_000..=100_000)
                 .map(|k| log_student_t(f64::from(k) * step, freedom).exp() * step)

@@ -12,28 +12,14 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::Quantity;
 use super::background::{Group, Shape};
+use super::budget::{HYPER_CONVERGED, MAX_HYPER_STEPS, RIDGE, TOLERATED_DECREASE};
 use super::conditions::{Conditions, Noise, concatenate_columns};
 use super::dense::{divide_by_lower, transposed_times};
-use super::deviation_columns::{FACTORS, FIRST_FACTOR};
+use super::priors::{
+    AMPLITUDES, CABLE_VARIANCE_WEIGHT, FACTORS, FIRST_FACTOR, KIND_VARIANCE_WEIGHT, NO_BACKGROUND,
+    SAME_AS_KIND, VARIANCES,
+};
 use super::reading_errors::ReadingErrors;
-
-/// Grid of amplitudes, in standard deviations of the readings as described.
-pub(super) const AMPLITUDES: [f64; 8] = [0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
-/// Prior probabilities that a kind of reading has no background, and that a class has the amplitude of its kind.
-const NO_BACKGROUND: f64 = 0.7;
-const SAME_AS_KIND: f64 = 0.85;
-/// Weights of the variance priors in numbers of readings: of a kind around 1, and of a cable around its kind.
-const KIND_PRIOR: f64 = 1.0;
-const CABLE_PRIOR: f64 = 60.0;
-/// Bounds of the variance factors.
-const VARIANCES: [f64; 2] = [1e-3, 1e5];
-/// Maximum number of steps of the estimation, and the largest change of a log variance at convergence.
-const MAX_STEPS: usize = 12;
-const CONVERGED: f64 = 0.05;
-/// Decrease of the log posterior density that a step may cause.
-const TOLERATED_DECREASE: f64 = 0.05;
-/// Regularises directions of the fixed parameters that the data do not determine.
-pub(super) const RIDGE: f64 = 1e-11;
 
 /// Variance factor of each class of readings, and amplitude of each background shape.
 #[derive(Debug, Clone, PartialEq)]
@@ -165,9 +151,9 @@ impl LinearProblem {
         for (_, classes) in self.kinds() {
             let mean =
                 classes.iter().map(|k| variance[*k].ln()).sum::<f64>() / classes.len() as f64;
-            log_prior += density(mean.exp(), KIND_PRIOR);
+            log_prior += density(mean.exp(), KIND_VARIANCE_WEIGHT);
             for class in &classes {
-                log_prior += density(variance[*class] / mean.exp(), CABLE_PRIOR);
+                log_prior += density(variance[*class] / mean.exp(), CABLE_VARIANCE_WEIGHT);
             }
         }
         for shapes in self.kinds_of_shapes() {
@@ -272,7 +258,7 @@ impl LinearProblem {
         let mut best = self.estimate_at(start, further);
         let mut step = self.step(&best);
         let mut next = step.all.clone();
-        for _ in 1..MAX_STEPS {
+        for _ in 1..MAX_HYPER_STEPS {
             if step.is_small {
                 break;
             }
@@ -313,7 +299,7 @@ impl LinearProblem {
         let change = at.variance.iter().zip(&variance);
         let change = change.map(|(a, b)| (a / b).ln().abs()).fold(0.0, f64::max);
         Step {
-            is_small: change < CONVERGED && strongest.is_none() && factor == at.factor,
+            is_small: change < HYPER_CONVERGED && strongest.is_none() && factor == at.factor,
             strongest: self.with_prior(variance.clone(), single, single_factor),
             all: self.with_prior(variance, amplitude, factor),
         }
@@ -333,7 +319,7 @@ impl LinearProblem {
     /// The same, starting from hyperparameters whose amplitudes and factor are kept.
     pub fn refined(&self, from: &Hyperparameters, further: &DMatrix<f64>) -> Estimate<'_> {
         let mut reached = self.estimate_at(from.clone(), further);
-        for _ in 1..MAX_STEPS {
+        for _ in 1..MAX_HYPER_STEPS {
             let variance = self.next_variances(&reached.base);
             let next = self.with_prior(variance, from.amplitude.clone(), from.factor);
             let before = reached.log_density;
@@ -351,10 +337,11 @@ impl LinearProblem {
         let mut variance = vec![1.0; sums.len()];
         for (_, classes) in self.kinds() {
             let total = |k: usize| classes.iter().map(|class| sums[*class][k]).sum::<f64>();
-            let kind = (total(0) + KIND_PRIOR) / (total(1) + KIND_PRIOR);
+            let kind = (total(0) + KIND_VARIANCE_WEIGHT) / (total(1) + KIND_VARIANCE_WEIGHT);
             for class in classes {
                 let [squares, redundancy] = sums[class];
-                let own = (squares + CABLE_PRIOR * kind) / (redundancy + CABLE_PRIOR);
+                let own =
+                    (squares + CABLE_VARIANCE_WEIGHT * kind) / (redundancy + CABLE_VARIANCE_WEIGHT);
                 variance[class] = own.clamp(VARIANCES[0], VARIANCES[1]);
             }
         }

@@ -10,18 +10,20 @@ use std::rc::Rc;
 
 use nalgebra::DMatrix;
 
+use super::budget::{MAX_LINEARISATIONS, RIDGE};
 use super::candidates::{is_same_effect_and_targets, is_same_period};
 use super::catalogue::Catalogue;
 use super::conditions::concatenate_columns;
-use super::deviation_columns::{DeviationColumns, FACTORS};
+use super::deviation_columns::DeviationColumns;
 use super::evidence::{Member, System};
 use super::exploration::{Visibility, explore, log_sum};
 use super::fit::Fit;
 use super::gram::Gram;
 use super::grouping::merge_common_values;
-use super::hyperparameters::{AMPLITUDES, Hyperparameters, LinearProblem, RIDGE, Start};
+use super::hyperparameters::{Hyperparameters, LinearProblem, Start};
 use super::initial_fit::initial_fit;
-use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
+use super::linear_fit::LinearFit;
+use super::priors::{AMPLITUDES, EXPECTED_PER_ALPHA, FACTORS, IMPOSSIBLE_FACTOR};
 use super::progress::Reporter;
 use super::reading_id::ReadingId;
 use super::report::Cause;
@@ -31,12 +33,8 @@ use super::{DiagnosisOptions, Stage};
 use crate::effect::Search;
 use crate::estimation::{EstimationError, Problem};
 
-/// Maximum number of linearisations.
-const MAX_LINEARISATIONS: usize = 5;
 /// Change of chi-square from which the effects are evaluated at the poses of the new fit.
 const MOVED_CHI2: f64 = 0.5;
-/// Sizes from this multiple of the largest typical size on are taken as impossible.
-const IMPOSSIBLE_FACTOR: f64 = 10.0;
 
 /// A set of causes with its posterior.
 #[derive(Debug, Clone)]

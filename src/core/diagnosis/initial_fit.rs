@@ -3,26 +3,21 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use super::budget::{
+    FAR_FROM_NOISE, MAX_BEST_SETS, MAX_EXTENDED, MAX_KINDS, PATIENCE_FAR_FROM_NOISE,
+};
 use super::candidates::Candidate;
 use super::deviation_columns::DeviationColumns;
 use super::evidence::Member;
-use super::exploration::{MAX_EXTENDED, UNEXPLAINED_CHI2, Visibility, visibility};
+use super::exploration::{UNEXPLAINED_CHI2, Visibility, visibility};
 use super::fit::Fit;
 use super::inference::{causes_of, is_physically_possible};
-use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
+use super::linear_fit::LinearFit;
+use super::priors::EXPECTED_PER_ALPHA;
 use super::progress::Reporter;
 use super::search::{CandidateSet, EvaluatedSet, Search};
 use super::{DiagnosisOptions, Stage};
 use crate::estimation::EstimationError;
-
-/// Chi-square per degree of freedom above which sets are compared by full fits rather than in the linearised problem.
-const FAR_FROM_NOISE: f64 = 5.0;
-/// Number of steps after which a fit is abandoned if it is still worse than the best one found. Readings far from the
-/// model need more steps than others.
-const PATIENCE_FAR_FROM_NOISE: usize = 25;
-/// Number of sets that are fitted in each step: the best ones, and the best of each kind that has one cause more.
-const MAX_BEST_SETS: usize = 5;
-const MAX_KINDS: usize = 8;
 
 /// The best sets, and for variety the best set with `count` causes of each kind, smaller sets first. The kind is that of
 /// the last cause: its effect, and whether it acts on one cable, on all alike or on each with its own value.

@@ -13,9 +13,6 @@ use super::hyperparameters::{Estimate, Hyperparameters, LinearProblem, ReducedPr
 use super::search::Search;
 use super::variables::Variables;
 
-/// Prior expectation of the number of causes for each unit of the false alarm probability.
-pub(super) const EXPECTED_PER_ALPHA: f64 = 80.0;
-
 /// A fit with its linear problem.
 pub(super) struct LinearFit<'f, 'a> {
     pub fit: &'f Fit<'a>,

@@ -10,6 +10,8 @@ mod adequacy;
 #[cfg(test)]
 mod adequacy_tests;
 mod background;
+mod budget;
+mod calibration;
 mod candidates;
 mod catalogue;
 mod cause_posteriors;
@@ -35,6 +37,7 @@ mod initial_fit;
 mod isolability;
 mod linear_fit;
 mod noise;
+mod priors;
 mod progress;
 mod projector;
 mod reading_errors;
@@ -48,8 +51,9 @@ mod structured_errors;
 mod unmodelled_errors;
 mod variables;
 
+pub use budget::MOST_SAMPLES;
 pub use discrepancy::smooth_functions;
-pub use doctor::{MOST_SAMPLES, diagnose};
+pub use doctor::diagnose;
 pub use isolability::{
     ExpectedFault, ExpectedPair, Isolability, is_confused, is_seen, isolability, log_odds,
 };

@@ -16,20 +16,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::adequacy::classes;
+use super::budget::{
+    MAX_VARIANCE_STEPS, MIN_CABLES, MIN_FREEDOM, MIN_VARIANCE_STEP, VARIANCE_CONVERGED,
+};
 use super::reading_id::ReadingId;
 use super::residual_space::{ClassSums, ResidualSpace};
 use super::{Discrepancy, NoiseStatement, Quantity};
 use crate::statistics::{chi_square_quantile, chi_square_two_sided};
-
-/// Maximum number of steps of the estimation, and the largest relative change of a variance at convergence.
-const MAX_STEPS: usize = 8;
-const CONVERGED: f64 = 1e-2;
-/// A variance with fewer degrees of freedom than this is not estimated.
-const MIN_FREEDOM: f64 = 2.0;
-/// Smallest factor of a variance in one step; anything smaller would overshoot.
-const MIN_STEP: f64 = 0.1;
-/// Minimum number of cables for deciding that one of them differs from the others.
-const MIN_CABLES: usize = 3;
 
 /// Readings with a common variance: a kind of reading, or one cable of it.
 pub(super) type Class = (Quantity, Option<usize>);
@@ -149,14 +142,14 @@ impl VarianceEstimate {
         if estimate.variance.iter().any(|variance| *variance != 1.0) {
             estimate.space = space.rescaled(&estimate.row_factors());
         }
-        for _ in 0..MAX_STEPS {
+        for _ in 0..MAX_VARIANCE_STEPS {
             let sums = estimate
                 .space
                 .class_sums(&estimate.of_row, estimate.classes.len());
             let step = VarianceStep::new(&sums);
             estimate.freedom.clone_from(&step.freedom);
             let change = step.factors.iter().map(|factor| (factor - 1.0).abs());
-            if change.fold(0.0, f64::max) < CONVERGED {
+            if change.fold(0.0, f64::max) < VARIANCE_CONVERGED {
                 break;
             }
             for (variance, factor) in estimate.variance.iter_mut().zip(&step.factors) {
@@ -268,10 +261,10 @@ impl VarianceStep {
             let scored = 1.0 + change[k];
             // The ratio to the expectation is always positive and has the same fixed point.
             let mean_square = sums.squares[*class] / sums.traces[*class];
-            step.factors[*class] = if scored > MIN_STEP {
+            step.factors[*class] = if scored > MIN_VARIANCE_STEP {
                 scored
             } else {
-                mean_square.max(MIN_STEP)
+                mean_square.max(MIN_VARIANCE_STEP)
             };
             step.freedom[*class] = Some(inverse[(k, k)].recip());
         }

@@ -2,14 +2,8 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
+use super::budget::{SINGULAR, WELL_DETERMINED};
 use super::dense::transposed_times;
-
-/// Eigenvalues of the scaled information below this share of the largest one count as zero: their directions are
-/// undetermined.
-const SINGULAR: f64 = 1e-12;
-/// Smallest square of a pivot of the scaled information, the share of a column that no others explain, at which the
-/// Cholesky factor has at least half of the digits.
-const WELL_DETERMINED: f64 = 1e-8;
 
 /// Projector onto the space orthogonal to the columns of a design.
 #[derive(Debug, Clone)]

@@ -12,15 +12,10 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
+use super::budget::{PROJECTOR_THRESHOLD, UNDETERMINED};
 use super::dense::divide_by_lower;
 use super::reading_id::ReadingId;
 use crate::estimation::{LinearRow, Linearisation};
-
-/// Directions of the common parameters with less information than this share of the best determined one count as not
-/// estimated. It is a thousand times the rounding error of the information.
-const UNDETERMINED: f64 = 1e-13;
-/// Eigenvalues of a projector are 0 or 1; this threshold tells them apart.
-const HALF: f64 = 0.5;
 
 /// The rows of one pose.
 #[derive(Debug, Clone)]
@@ -310,7 +305,7 @@ pub(super) fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
     }
     let eigen = SymmetricEigen::new(c.tr_mul(c));
     let kept: Vec<usize> = (0..eigen.eigenvalues.len())
-        .filter(|k| eigen.eigenvalues[*k] > HALF)
+        .filter(|k| eigen.eigenvalues[*k] > PROJECTOR_THRESHOLD)
         .collect();
     let directions = eigen.eigenvectors.select_columns(&kept);
     directions.transpose() * c.transpose()

@@ -8,23 +8,11 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::budget::{EXTEND_WITHIN, MAX_RECORDED, MAX_REDUCED, MAX_REPLACEMENTS, RECORD_WITHIN};
+use super::calibration::{COLLINEAR, LINEARISATION_ERROR};
 use super::candidates::PoseWeights;
 use super::evidence::{Member, System};
 use super::gram::Gram;
-
-/// Log posterior below the best down to which a set is extended, and down to which an extension is recorded.
-const EXTEND_WITHIN: f64 = 6.0;
-const RECORD_WITHIN: f64 = 9.0;
-/// Maximum number of sets whose families are reduced at a time.
-const MAX_REDUCED: usize = 8;
-/// Number of causes tried in place of a family, each extended by another cause.
-const MAX_REPLACEMENTS: usize = 4;
-/// Relative error of the linear comparison when another cause replaces one, as a share of what the cause explains.
-pub(super) const LINEARISATION_ERROR: f64 = 0.05;
-/// Members that have less than this share of their information left, given the others, count as collinear.
-const COLLINEAR: f64 = 0.05;
-/// Maximum number of extensions recorded for one set.
-const MAX_RECORDED: usize = 40;
 
 /// Indices of candidates in ascending order.
 pub(super) type CandidateSet = Vec<usize>;

@@ -3,6 +3,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::budget::{
+    MAX_REPEATS, MAX_SEPARATING_POSES, MIN_SEPARATING_POSES, PROPOSED_POSES, SEPARATING_SEED,
+};
+use super::calibration::DECISIVE_CHI2;
 use super::fit::Fit;
 use super::report::Separation;
 use crate::effect::Search;
@@ -11,17 +15,6 @@ use crate::geometry::Pose;
 use crate::measurement::{Dataset, Measurements};
 use crate::robot::Robot;
 use crate::simulation::{SimulationOptions, TensionRange, TrueGeometry, Workspace, simulate};
-
-/// Minimum and maximum number of poses tried, and number of poses proposed.
-const MIN_TRIED: usize = 80;
-const MAX_TRIED: usize = 500;
-const PROPOSED: usize = 5;
-/// Seed of the poses tried.
-const SEED: u64 = 41;
-/// Difference of chi-square that counts as decisive.
-const DECISIVE: f64 = 9.0;
-/// Maximum number of measurements at one pose.
-const MAX_REPEATS: usize = 40;
 
 /// The robot of a fit, with its readings on the correct channels.
 fn robot_of(fit: &Fit<'_>) -> Robot {
@@ -44,7 +37,7 @@ pub(super) fn separation(one: &Fit<'_>, other: &Fit<'_>) -> Option<Separation> {
     let information = &other.solution.information;
     let alone = |candidate: &CandidatePose| expected_difference(&[candidate], 1.0, information);
     candidates.sort_by(|a, b| alone(b).total_cmp(&alone(a)));
-    candidates.truncate(PROPOSED);
+    candidates.truncate(PROPOSED_POSES);
     let chosen: Vec<&CandidatePose> = candidates.iter().collect();
     let Some(needed) = measurements_needed(&chosen, information) else {
         return Some(Separation {
@@ -117,7 +110,10 @@ fn predicted_readings(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
         noise: false,
         workspace: Workspace::around(fit.solution.poses.iter().map(|(_, pose)| pose)),
         tension: tension_of(fit),
-        ..SimulationOptions::new((last + PROPOSED).clamp(MIN_TRIED, MAX_TRIED), SEED)
+        ..SimulationOptions::new(
+            (last + PROPOSED_POSES).clamp(MIN_SEPARATING_POSES, MAX_SEPARATING_POSES),
+            SEPARATING_SEED,
+        )
     };
     let run = simulate(&robot_of(fit), &options).ok()?;
     let mut further = run.dataset.measurements;
@@ -166,7 +162,7 @@ fn expected_difference(chosen: &[&CandidatePose], times: f64, information: &DMat
 /// Number of measurements for a decision: the first poses once each, or all of them several times.
 fn measurements_needed(chosen: &[&CandidatePose], information: &DMatrix<f64>) -> Option<usize> {
     let decides = |poses: usize, times: usize| {
-        expected_difference(&chosen[..poses], times as f64, information) >= DECISIVE
+        expected_difference(&chosen[..poses], times as f64, information) >= DECISIVE_CHI2
     };
     let few = (1..=chosen.len()).find(|poses| decides(*poses, 1));
     let often = || (2..=MAX_REPEATS).find(|times| decides(chosen.len(), *times));

@@ -5,16 +5,11 @@
 //! changes the evidence of a set in which another cause replaces it. The change found for one set is applied to the
 //! sets most similar to it.
 
+use super::budget::{FIT_WITHIN, MAX_FITS, RIVAL_WITHIN};
 use super::evidence::Member;
 use super::inference::{RankedSet, is_same_set};
 use super::linear_fit::LinearFit;
 use super::report::Cause;
-
-/// Maximum number of full fits, and how far below the best a set may be to get one.
-const MAX_FITS: usize = 8;
-const FIT_WITHIN: f64 = 5.0;
-/// Log posterior below the best down to which the most probable set without one of its causes is still fitted.
-pub(super) const RIVAL_WITHIN: f64 = 18.0;
 
 /// A set with its evidence from the linear comparison and from its own fit.
 struct ComparedSet {

@@ -15,26 +15,17 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::Quantity;
+use super::budget::{COMPARE_ABOVE, MAX_COMPARED};
+use super::calibration::MIN_SHARE_LEFT;
 use super::conditions::concatenate_columns;
 use super::error_functions::{ErrorForm, ErrorTarget, FunctionFamily};
 use super::exploration::log_sum;
 use super::hyperparameters::{Estimate, Hyperparameters, LinearProblem};
+use super::priors::{ERROR_SIZES, ERROR_VARIANCE_WEIGHT, EXPECTED_ERRORS};
 use super::reading_errors::ReadingErrors;
 use super::reading_id::ReadingId;
 use super::variables::Variables;
 use crate::estimation::Linearisation;
-
-/// Prior expectation of the number of unmodelled errors; real machines have more of them than faults.
-const EXPECTED_ERRORS: f64 = 2.0;
-/// Prior sizes of the functions, in standard deviations of a reading.
-const SIZES: [f64; 8] = [0.5, 1.0, 2.0, 4.0, 16.0, 64.0, 256.0, 1024.0];
-/// Weight of the variance prior in numbers of readings.
-const VARIANCE_PRIOR: f64 = 8.0;
-/// Lower bound of the share of squared residuals that an error leaves, used when targets are compared.
-const MIN_SHARE_LEFT: f64 = 0.25;
-/// Number of the best errors that are compared exactly, and log odds of all together from which they are.
-const MAX_COMPARED: usize = 5;
-const COMPARE_ABOVE: f64 = -2.0;
 
 /// An error of a given form in some readings.
 #[derive(Debug, Clone)]
@@ -169,7 +160,7 @@ impl<'l> ErrorSearch<'l> {
 
     /// Log prior probability of a family at one of the sizes.
     fn log_prior(&self, scored: &ScoredFamily) -> f64 {
-        self.family(scored).log_prior - (SIZES.len() as f64).ln()
+        self.family(scored).log_prior - (ERROR_SIZES.len() as f64).ln()
     }
 
     fn structure(
@@ -213,7 +204,7 @@ impl<'l> ErrorSearch<'l> {
     ) -> RankedFamilies {
         let (base, variance) = (&at.base, &at.hyper.variance);
         let sums = base.noise.class_sums(&base.residual, &base.eliminated);
-        let size_prior = -(SIZES.len() as f64).ln();
+        let size_prior = -(ERROR_SIZES.len() as f64).ln();
         let mut best: Vec<ScoredFamily> = Vec::new();
         let mut all: Vec<f64> = Vec::new();
         for (number, target) in self.targets.iter().enumerate() {
@@ -222,8 +213,9 @@ impl<'l> ErrorSearch<'l> {
             }
             let errors = ReadingErrors::new(base, &target.classes);
             let squares = target.classes.iter().map(|k| sums[*k][0] / variance[*k]);
-            let squares = squares.sum::<f64>() + VARIANCE_PRIOR;
-            let freedom = target.classes.iter().map(|k| sums[*k][1]).sum::<f64>() + VARIANCE_PRIOR;
+            let squares = squares.sum::<f64>() + ERROR_VARIANCE_WEIGHT;
+            let freedom =
+                target.classes.iter().map(|k| sums[*k][1]).sum::<f64>() + ERROR_VARIANCE_WEIGHT;
             let mut own: Option<(f64, ScoredFamily)> = None;
             for (index, family) in target.families.iter().enumerate() {
                 let functions = with_constant(functions(family), &target.poses);
@@ -304,5 +296,5 @@ fn evidence(
             .fold((0.0, 0.0), |sum, t| (sum.0 + t.0, sum.1 + t.1));
         (*size, gain - own.0, price - own.1)
     };
-    SIZES.iter().map(of).collect()
+    ERROR_SIZES.iter().map(of).collect()
 }

@@ -2,6 +2,11 @@
 
 use nalgebra::DMatrix;
 
+use super::budget::MAX_REPORTED_ERRORS;
+use super::calibration::{
+    CAUSE_LIKELIER, EVERYTHING, NEARLY_ALL, NEGLIGIBLE_LOG_ODDS, REPORTED_LOG_ODDS,
+    UNDECIDED_ABOVE, UNDECIDED_LOG_ODDS,
+};
 use super::conditions::concatenate_columns;
 use super::fit::Fit;
 use super::gain::Prediction;
@@ -13,23 +18,6 @@ use super::variables::Variables;
 use crate::effect::unknown::{ADVICE, FIRST, FUNCTIONS, READING, SCALE};
 use crate::effect::{BiasedReading, BoundEffect, UNKNOWN};
 use crate::robot::Robot;
-
-/// Maximum number of unmodelled errors that are reported.
-const MAX_REPORTED: usize = 3;
-/// Log posterior odds from which an unmodelled error is reported.
-const REPORTED_LOG_ODDS: f64 = 5.0;
-/// Log odds of a rival below which it is ignored.
-const NEGLIGIBLE_LOG_ODDS: f64 = -6.0;
-/// Log odds that an unmodelled error exists beside a cause below which the cause is more probable.
-const CAUSE_LIKELIER: f64 = 3.0;
-/// A cause with no more parameters than an unmodelled error is preferred if it explains at least `NEARLY_ALL` of what
-/// the error explains. From the share `EVERYTHING` on, the error has no advantage at all.
-const NEARLY_ALL: f64 = 0.9;
-const EVERYTHING: f64 = 0.98;
-/// If the log odds of the error exceed `UNDECIDED_ABOVE` all the same, the question is remaining open with the log odds
-/// `UNDECIDED_LOG_ODDS`.
-const UNDECIDED_ABOVE: f64 = 6.0;
-const UNDECIDED_LOG_ODDS: f64 = 2.2;
 
 /// An error of some readings that no effect of the catalogue explains.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +48,7 @@ impl UnmodelledErrors {
         let search = ErrorSearch::new(linear, &inference.hyper, &linearisation, &variables);
         let mut remaining: Vec<StructuredError> = Vec::new();
         let mut columns = inference.columns.clone();
-        while remaining.len() < MAX_REPORTED {
+        while remaining.len() < MAX_REPORTED_ERRORS {
             let Some(found) = search.find_beside(&columns, REPORTED_LOG_ODDS) else {
                 break;
             };

@@ -4,19 +4,13 @@
 //! is the reading minus its estimated error. Fitted values and residuals of least squares are uncorrelated, so the
 //! residuals cannot seem to depend on a variable just because both contain the same noise.
 
+use super::budget::{MIN_RELATIVE_SPREAD, MIN_VALUES, SAME_VALUE};
 use super::{Quantity, Variable};
 use crate::effect::travel;
 use crate::estimation::{Linearisation, ObservationKind, Problem, RowKind, Solution};
 use crate::geometry::{Pose, Vec3};
 use crate::kinematics::{CablePath, PulleyGeometry};
 use crate::measurement::Grid;
-
-/// Minimum number of different values for a dependence to be visible.
-const MIN_VALUES: usize = 6;
-/// Values that differ by less than this share of their spread count as equal.
-const SAME_VALUE: f64 = 1e-9;
-/// A spread below this share of the largest value is rounding error.
-const MIN_RELATIVE_SPREAD: f64 = 1e-12;
 
 /// Variables of all readings at a solution.
 pub struct Variables<'a> {

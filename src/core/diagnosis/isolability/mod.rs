@@ -35,25 +35,20 @@ mod tests;
 use nalgebra::{DMatrix, DVector};
 
 use super::DiagnosisOptions;
+use super::budget::{ISOLABILITY_POINTS, RULED_OUT};
+use super::calibration::NAMING_PROBABILITY;
 use super::candidates::{Candidate, is_same_effect_and_targets};
-use super::cause_posteriors::NAMING_PROBABILITY;
-use super::deviation_columns::AS_STATED;
 use super::doctor::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::fit::Fit;
 use super::gram::{CandidateScore, Gram};
-use super::linear_fit::{EXPECTED_PER_ALPHA, LinearFit};
+use super::linear_fit::LinearFit;
+use super::priors::{AS_STATED, EXPECTED_PER_ALPHA};
 use super::report::Cause;
 use crate::effect::measurements_as_modelled;
 use crate::estimation::EstimationError;
 use crate::measurement::Dataset;
 use odds::Evidence;
 use points::{covariance_root, normal_points};
-
-/// Number of points of the sequence for a single fault, and for a pair.
-const POINTS: [usize; 2] = [4096, 1024];
-/// Noncentrality that a candidate leaves unexplained above which it is ruled out without sampling: the log odds are
-/// then above 100, with a standard deviation of 14.
-const RULED_OUT: f64 = 200.0;
 
 /// A fault of typical size, with its probability of detection.
 #[derive(Debug, Clone)]
@@ -238,7 +233,7 @@ impl ExpectedScores {
             .max()
             .unwrap_or(0);
         let points = (0..=2 * most)
-            .map(|count| normal_points(count, POINTS[1]))
+            .map(|count| normal_points(count, ISOLABILITY_POINTS[1]))
             .collect();
         Self {
             candidates,
@@ -283,7 +278,7 @@ impl ExpectedScores {
     }
 
     fn detection(&self, index: usize) -> f64 {
-        let points = normal_points(self.candidates[index].size.len(), POINTS[0]);
+        let points = normal_points(self.candidates[index].size.len(), ISOLABILITY_POINTS[0]);
         let mut scores = covariance_root(&self.block(index, index)) * points;
         let mean = self.mean(index, index);
         let evidence = &self.candidates[index].evidence;
@@ -291,7 +286,7 @@ impl ExpectedScores {
             score += &mean;
             is_seen(evidence.log_odds(score.as_slice())).then_some(())
         });
-        seen.count() as f64 / POINTS[0] as f64
+        seen.count() as f64 / ISOLABILITY_POINTS[0] as f64
     }
 
     fn pair(&self, present: usize, other: usize) -> ExpectedPair {
@@ -341,7 +336,7 @@ impl ExpectedScores {
             let (first, second) = (one.log_odds(first), rival.log_odds(second));
             is_confused(first, second).then_some(())
         });
-        confused.count() as f64 / POINTS[1] as f64
+        confused.count() as f64 / ISOLABILITY_POINTS[1] as f64
     }
 
     /// Noncentrality of a fault that another candidate leaves unexplained.

@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::*;
-use crate::diagnosis::deviation_columns::FACTORS;
 use crate::diagnosis::linear_fit::LinearFit;
+use crate::diagnosis::priors::FACTORS;
 use crate::robot::presets;
 use crate::simulation::run_of_machine;
 
