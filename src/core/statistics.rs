@@ -2,6 +2,16 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
+/// Logarithm of the sum of numbers given by their logarithms; minus infinity for none.
+pub(crate) fn log_sum(values: impl Iterator<Item = f64>) -> f64 {
+    let values: Vec<f64> = values.collect();
+    let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if largest == f64::NEG_INFINITY {
+        return largest;
+    }
+    largest + values.iter().map(|v| (v - largest).exp()).sum::<f64>().ln()
+}
+
 /// Probability that a chi-square variable exceeds `value`; `None` without degrees of freedom.
 #[must_use]
 pub fn chi_square_survival(value: f64, degrees_of_freedom: f64) -> Option<f64> {

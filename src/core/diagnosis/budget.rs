@@ -13,6 +13,8 @@ pub(super) const MAX_REDUCED: usize = 8;
 pub(super) const MAX_REPLACEMENTS: usize = 4;
 /// Maximum number of points of hyperparameters at each fit.
 pub(super) const MAX_POINTS: usize = 5;
+/// Chi-square per degree of freedom above which the described noise is no sensible point.
+pub(super) const UNEXPLAINED_CHI2: f64 = 100.0;
 /// Maximum number of sets that each search extends.
 pub(super) const MAX_EXTENDED: usize = 20;
 /// Log posterior below the best down to which sets are kept.
@@ -30,6 +32,8 @@ pub(super) const STRONG_GAIN: f64 = 20.0;
 // Full fits.
 /// Maximum number of linearisations.
 pub(super) const MAX_LINEARISATIONS: usize = 5;
+/// Change of chi-square from which the effects are evaluated at the poses of the new fit.
+pub(super) const MOVED_CHI2: f64 = 0.5;
 /// Maximum number of full fits at a time.
 pub(super) const MAX_FITS: usize = 8;
 /// Log posterior below the best down to which a set gets a full fit.

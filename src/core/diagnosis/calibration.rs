@@ -15,6 +15,8 @@ pub(super) const EXCESS_LEVEL: f64 = 0.01;
 pub(super) const HUGE_CHI2: f64 = 4.0;
 /// Share of the excess chi-square that may remain after an exchange of channels, for example that of a second one.
 pub(super) const MAX_REMAINING_EXCESS: f64 = 0.25;
+/// Difference of chi-square that separates one exchange from another.
+pub(super) const DISTINGUISHING_CHI2: f64 = 9.0;
 
 // Identity of causes.
 /// Ratio of their periods from which two waves are different causes. Closer ones may be the same wave, estimated twice.

@@ -3,7 +3,7 @@
 use super::budget::{MAX_ALTERNATIVES, MIN_LISTED_PROBABILITY, MIN_POSSIBLE_PROBABILITY};
 use super::calibration::{NAMING_PROBABILITY, ODDS_AGAINST_SUPERSEDED, ODDS_AGAINST_UNCONFIRMED};
 use super::candidates::{is_same_effect_and_targets, is_same_kind, is_same_period};
-use super::inference::RankedSet;
+use super::cause_sets::RankedSet;
 use super::report::{Alternative, Cause};
 use crate::effect::Search;
 

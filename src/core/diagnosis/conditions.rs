@@ -10,10 +10,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::deviation_columns::is_fixed;
 use super::reading_id::ReadingId;
 use super::residual_space::range_basis;
-use crate::estimation::{Linearisation, RowKind};
+use crate::estimation::{Linearisation, ParameterId, RowKind};
 
 /// The conditions of one pose, or of one row that belongs to no pose.
 #[derive(Debug, Clone)]
@@ -258,4 +257,25 @@ impl Noise<'_> {
         }
         sums
     }
+}
+
+/// Whether a parameter is estimated with every set of causes: all but those of causes and deviations.
+pub(super) fn is_fixed(id: &ParameterId, model_effects: usize) -> bool {
+    match id {
+        ParameterId::Effect { effect, .. } => *effect < model_effects,
+        ParameterId::Deviation { .. } => false,
+        _ => true,
+    }
+}
+
+/// The columns of the parameters that satisfy a condition.
+pub(super) fn columns_of(
+    linear: &Linearisation,
+    condition: impl Fn(&ParameterId) -> bool,
+) -> DMatrix<f64> {
+    let all = 0..linear.parameters.len();
+    let chosen: Vec<usize> = all
+        .filter(|k| condition(&linear.parameters[*k].id))
+        .collect();
+    linear.design.select_columns(&chosen)
 }

@@ -8,13 +8,12 @@ use super::calibration::{
 };
 use super::candidates::{log_rarity, size_parameter};
 use super::cause_posteriors::CausePosterior;
+use super::cause_sets::{has_possible_values, is_physically_possible, is_same_cause};
 use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::heavy_tails::shares_of_heavy_tails;
-use super::inference::{
-    Inference, has_possible_values, inference_at_fit, is_physically_possible, is_same_cause,
-};
+use super::inference::{Inference, inference_at_fit};
 use super::reading_id::ReadingId;
 use super::report::{
     Adequacy, Alternative, Cause, Discrepancy, Finding, FoundParameter, NoiseStatement, Verdict,

@@ -11,11 +11,10 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::budget::MIN_VISIBLE_VARIANCE;
-use super::conditions::Conditions;
-use super::fit::Fit;
+use super::conditions::{Conditions, columns_of, is_fixed};
 use super::hyperparameters::LinearProblem;
 use crate::effect::{PartDeviation, part_deviations};
-use crate::estimation::{Linearisation, ParameterId, RowKind};
+use crate::estimation::{Linearisation, ParameterId, Problem, RowKind, Solution};
 
 /// Combinations of the deviations at a fit.
 #[derive(Debug, Clone)]
@@ -28,26 +27,26 @@ pub(super) struct DeviationColumns {
 
 impl DeviationColumns {
     /// The combinations for the tolerances that the robot states; none if it states none.
-    pub fn new(fit: &Fit<'_>) -> Self {
-        let robot = &fit.problem.dataset.robot;
+    pub fn new(problem: &Problem<'_>, solution: &Solution, model_effects: usize) -> Self {
+        let robot = &problem.dataset.robot;
         let tolerances = robot.tolerances.as_ref();
         let deviations = tolerances.map_or_else(Vec::new, |t| part_deviations(robot, t));
         if deviations.is_empty() {
             return Self::none();
         }
-        let (linear, columns) = linearised(fit, &deviations);
-        let conditions = Conditions::new(&linear, fit.model_effects());
-        let fixed = columns_of(&linear, |id| is_fixed(id, fit.model_effects()));
+        let (linear, columns) = linearised(problem, solution, &deviations);
+        let conditions = Conditions::new(&linear, model_effects);
+        let fixed = columns_of(&linear, |id| is_fixed(id, model_effects));
         let of_conditions = conditions.project_rows(&columns);
-        let problem = LinearProblem {
+        let without = LinearProblem {
             residual: DVector::zeros(conditions.count),
             fixed: conditions.project_rows(&fixed),
             deviations: DMatrix::zeros(conditions.count, 0),
             shapes: Vec::new(),
             conditions,
         };
-        let none = DMatrix::zeros(problem.conditions.count, 0);
-        let base = problem.reduced(&problem.described(0), &none);
+        let none = DMatrix::zeros(without.conditions.count, 0);
+        let base = without.reduced(&without.described(0), &none);
         let eliminated = &base.eliminated * &of_conditions;
         let information = of_conditions.tr_mul(&of_conditions) - eliminated.tr_mul(&eliminated);
         let mut is_visible = vec![false; deviations.len()];
@@ -89,9 +88,13 @@ impl DeviationColumns {
 }
 
 /// A linearisation of a fit's problem with all deviations, and their columns in units of the tolerances.
-fn linearised(fit: &Fit<'_>, deviations: &[PartDeviation]) -> (Linearisation, DMatrix<f64>) {
-    let mut problem = fit.problem.clone();
-    let mut solution = fit.solution.clone();
+fn linearised(
+    problem: &Problem<'_>,
+    solution: &Solution,
+    deviations: &[PartDeviation],
+) -> (Linearisation, DMatrix<f64>) {
+    let mut problem = problem.clone();
+    let mut solution = solution.clone();
     let neutral = deviations.iter().map(|deviation| deviation.bound.clone());
     solution.globals.deviations = neutral.collect();
     problem.held_deviations.clear();
@@ -120,29 +123,12 @@ fn is_prior_of_deviation(kind: RowKind, linear: &Linearisation) -> bool {
     }
 }
 
-/// Whether a parameter is estimated with every set of causes: all but those of causes and deviations.
-pub(super) fn is_fixed(id: &ParameterId, model_effects: usize) -> bool {
-    match id {
-        ParameterId::Effect { effect, .. } => *effect < model_effects,
-        ParameterId::Deviation { .. } => false,
-        _ => true,
-    }
-}
-
-/// The columns of the parameters that satisfy a condition.
-pub(super) fn columns_of(
-    linear: &Linearisation,
-    condition: impl Fn(&ParameterId) -> bool,
-) -> DMatrix<f64> {
-    let all = 0..linear.parameters.len();
-    let chosen: Vec<usize> = all
-        .filter(|k| condition(&linear.parameters[*k].id))
-        .collect();
-    linear.design.select_columns(&chosen)
-}
-
 /// What the estimated deviations of a fit change in its rows, to first order.
-pub(super) fn explained_by_deviations(fit: &Fit<'_>, linear: &Linearisation) -> DVector<f64> {
+pub(super) fn explained_by_deviations(
+    problem: &Problem<'_>,
+    solution: &Solution,
+    linear: &Linearisation,
+) -> DVector<f64> {
     let mut explained = DVector::zeros(linear.rows.len());
     for (column, parameter) in linear.design.column_iter().zip(&linear.parameters) {
         if let ParameterId::Deviation {
@@ -150,9 +136,9 @@ pub(super) fn explained_by_deviations(fit: &Fit<'_>, linear: &Linearisation) -> 
             parameter,
         } = parameter.id
         {
-            let held = fit.problem.held_deviations.len();
-            let value = fit.solution.globals.deviations[held + deviation].values[parameter];
-            let centre = fit.problem.deviations[deviation].bound.values[parameter];
+            let held = problem.held_deviations.len();
+            let value = solution.globals.deviations[held + deviation].values[parameter];
+            let centre = problem.deviations[deviation].bound.values[parameter];
             explained.axpy(value - centre, &column, 1.0);
         }
     }

@@ -12,9 +12,8 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use super::budget::{MAX_DEFICIT, STRONG_GAIN};
 use super::candidates::Candidate;
 use super::catalogue::log_joint_odds_ratio;
-use super::exploration::log_sum;
 use super::gram::{CandidateScore, Gram};
-use crate::statistics::log_normal_cdf;
+use crate::statistics::{log_normal_cdf, log_sum};
 
 /// A cause in a set: index of its candidate, and index of its scale.
 pub(super) type Member = (usize, usize);

@@ -3,6 +3,7 @@
 
 use super::Stage;
 use super::budget::PATIENCE_WITH_EXCHANGE;
+use super::calibration::DISTINGUISHING_CHI2;
 use super::calibration::{HUGE_CHI2, MAX_REMAINING_EXCESS};
 use super::fit::Fit;
 use super::gain::Prediction;
@@ -11,9 +12,6 @@ use super::report::{Alternative, Cause, Evidence, Finding, Rival, Verdict};
 use crate::effect::{BoundEffect, CATALOGUE, Search};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
-
-/// Difference of chi-square that separates one exchange from another.
-const DISTINGUISHING_CHI2: f64 = 9.0;
 
 /// An exchange that explains the readings.
 pub(super) struct Exchange {

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::Stage;
+use super::budget::UNEXPLAINED_CHI2;
 use super::budget::{
     KEPT_WITHIN, MAX_EXTENDED, MAX_POINTS, MIN_INFORMATION, RIVAL_WITHIN, SETTLED_WITHIN,
 };
@@ -15,9 +16,7 @@ use super::linear_fit::{LinearFit, OwnEvidence};
 use super::progress::Reporter;
 use super::report::Cause;
 use super::search::{CandidateSet, EvaluatedSet, Search, set_of, settled};
-
-/// Chi-square per degree of freedom above which the described noise is no sensible point.
-pub(super) const UNEXPLAINED_CHI2: f64 = 100.0;
+use crate::statistics::log_sum;
 
 /// How well the data show one cause; for events and waves at the pose or period that shows them best.
 #[derive(Debug, Clone)]
@@ -59,15 +58,6 @@ pub(super) struct Exploration<'l> {
     pub ranking: Vec<(Vec<Member>, f64)>,
     /// All candidates at the hyperparameters estimated for the best set.
     pub gram: Gram<'l>,
-}
-
-pub(super) fn log_sum(values: impl Iterator<Item = f64>) -> f64 {
-    let values: Vec<f64> = values.collect();
-    let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if largest == f64::NEG_INFINITY {
-        return largest;
-    }
-    largest + values.iter().map(|v| (v - largest).exp()).sum::<f64>().ln()
 }
 
 /// Explores sets at a fit whose own evidence is known. At the first fit of a diagnosis, the search is also started with

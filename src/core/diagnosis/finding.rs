@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::cause_posteriors::CausePosterior;
-use super::deviation_columns::is_fixed;
+use super::conditions::is_fixed;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::projector::{Projector, cosine};

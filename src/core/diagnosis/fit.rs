@@ -96,8 +96,13 @@ impl<'a> Fit<'a> {
 
     /// The columns of the deviations at this fit.
     pub fn deviation_columns(&self) -> Rc<DeviationColumns> {
-        let new = || Rc::new(DeviationColumns::new(self));
+        let new = || Rc::new(self.own_deviation_columns());
         Rc::clone(self.deviation_columns.get_or_init(new))
+    }
+
+    /// The columns of the deviations evaluated at this fit, whether or not it has those of another one.
+    pub fn own_deviation_columns(&self) -> DeviationColumns {
+        DeviationColumns::new(&self.problem, &self.solution, self.model_effects())
     }
 
     /// The same fit with the columns of the deviations of another one, which are small and hardly depend on the fit.

@@ -13,7 +13,8 @@ use nalgebra::{DMatrix, DVector};
 use super::budget::FEW_COLUMNS;
 use super::candidates::{Candidate, Column, PoseWeights};
 use super::catalogue::Catalogue;
-use super::hyperparameters::{LinearProblem, ReducedProblem};
+use super::hyperparameters::LinearProblem;
+use super::reduced_problem::ReducedProblem;
 
 /// Score and information of one candidate alone.
 #[derive(Debug, Clone)]

@@ -8,12 +8,12 @@
 use std::f64::consts::{PI, TAU};
 
 use super::budget::MIN_REDUNDANCY_OF_TAILS;
-use super::exploration::log_sum;
 use super::inference::Inference;
 use super::priors::{HEAVY_TAILS, TAIL_FREEDOMS, TAIL_SCALES};
 use super::report::{Finding, Quantity};
 use super::residual_space::ResidualSpace;
 use crate::effect::Search;
+use crate::statistics::log_sum;
 
 /// A single wrong reading.
 #[derive(Debug, Clone, Copy)]

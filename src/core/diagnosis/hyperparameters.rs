@@ -20,6 +20,7 @@ use super::priors::{
     SAME_AS_KIND, VARIANCES,
 };
 use super::reading_errors::ReadingErrors;
+use super::reduced_problem::ReducedProblem;
 
 /// Variance factor of each class of readings, and amplitude of each background shape.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,19 +82,6 @@ struct Step {
     strongest: Hyperparameters,
     /// Whether it changes so little that the estimation has converged.
     is_small: bool,
-}
-
-/// The problem at given hyperparameters, with the background and the parameters that are always estimated eliminated.
-pub(super) struct ReducedProblem<'l> {
-    pub noise: Noise<'l>,
-    /// `U^T`, where `1 - U U^T` is the projection of whitened conditions by the elimination.
-    pub eliminated: DMatrix<f64>,
-    /// Whitened and projected residual.
-    pub residual: DVector<f64>,
-    /// Weighted sum of squared residuals, including those of the parameters with priors.
-    pub chi2: f64,
-    /// Log density of the readings.
-    pub log_evidence: f64,
 }
 
 impl LinearProblem {

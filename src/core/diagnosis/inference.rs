@@ -10,38 +10,28 @@ use std::rc::Rc;
 
 use nalgebra::DMatrix;
 
+use super::budget::MOVED_CHI2;
 use super::budget::{MAX_LINEARISATIONS, RIDGE};
-use super::candidates::{is_same_effect_and_targets, is_same_period};
 use super::catalogue::Catalogue;
+use super::cause_sets::{RankedSet, is_physically_possible, is_same_set};
 use super::conditions::concatenate_columns;
 use super::deviation_columns::DeviationColumns;
-use super::evidence::{Member, System};
-use super::exploration::{Visibility, explore, log_sum};
+use super::evidence::Member;
+use super::exploration::{Visibility, explore};
 use super::fit::Fit;
-use super::gram::Gram;
 use super::grouping::merge_common_values;
 use super::hyperparameters::{Hyperparameters, LinearProblem, Start};
 use super::initial_fit::initial_fit;
 use super::linear_fit::LinearFit;
-use super::priors::{AMPLITUDES, EXPECTED_PER_ALPHA, FACTORS, IMPOSSIBLE_FACTOR};
+use super::priors::{AMPLITUDES, EXPECTED_PER_ALPHA, FACTORS};
 use super::progress::Reporter;
 use super::reading_id::ReadingId;
 use super::report::Cause;
 use super::search::collinear_members;
 use super::set_comparison::SetComparison;
 use super::{DiagnosisOptions, Stage};
-use crate::effect::Search;
 use crate::estimation::{EstimationError, Problem};
-
-/// Change of chi-square from which the effects are evaluated at the poses of the new fit.
-const MOVED_CHI2: f64 = 0.5;
-
-/// A set of causes with its posterior.
-#[derive(Debug, Clone)]
-pub(super) struct RankedSet {
-    pub causes: Vec<Cause>,
-    pub log_posterior: f64,
-}
+use crate::statistics::log_sum;
 
 /// Result of the inference.
 pub(super) struct Inference<'a> {
@@ -209,45 +199,6 @@ impl Inference<'_> {
     }
 }
 
-/// Whether all parameter values of a fit are physically possible.
-pub(super) fn is_physically_possible(fit: &Fit<'_>) -> bool {
-    fit.solution.chi2.is_finite() && fit.causes.iter().all(has_possible_values)
-}
-
-/// Whether all parameter values of a cause are physically possible.
-pub(super) fn has_possible_values(cause: &Cause) -> bool {
-    let bounds = cause.instances.iter();
-    let mut values = bounds.flat_map(|b| b.values.iter().zip(b.effect.parameters()));
-    values.all(|(value, p)| {
-        let [_, largest] = p.typical_sizes();
-        let sized =
-            p.discrete || (value - p.neutral).abs() < IMPOSSIBLE_FACTOR * largest.max(p.prior_sd);
-        sized && *value >= p.bounds[0] && *value <= p.bounds[1]
-    })
-}
-
-/// The causes of some members, with the values estimated in the linear problem.
-pub(super) fn causes_of(
-    at: &LinearFit<'_, '_>,
-    gram: &mut Gram<'_>,
-    members: &[Member],
-) -> Vec<Cause> {
-    let system = System::new(gram, members);
-    let candidates = &at.catalogue.candidates;
-    let ranges = system.parameters(candidates);
-    let mut causes = Vec::new();
-    for ((index, _), range) in members.iter().zip(ranges) {
-        let estimate: Vec<f64> = system.estimate.rows_range(range).iter().copied().collect();
-        // Values from the nonlinear fit are more accurate than linear estimates.
-        let known = at.present.iter().position(|m| m.0 == *index);
-        causes.push(match known {
-            Some(k) => at.fit.causes[k].clone(),
-            None => candidates[*index].estimated(&estimate),
-        });
-    }
-    causes
-}
-
 /// Infers the causes of a problem. Effects are evaluated at the poses of each fit, which a large cause moves, so the
 /// problem is returned with the poses of the last one.
 pub(super) fn infer<'a>(
@@ -277,7 +228,7 @@ pub(super) fn infer<'a>(
             }
         }
         if round == 1 || has_moved {
-            columns = Rc::new(DeviationColumns::new(&fit));
+            columns = Rc::new(fit.own_deviation_columns());
         }
         fit = fit.with_deviation_columns(&columns);
         let at = LinearFit::new(&fit, expected, true);
@@ -301,7 +252,7 @@ pub(super) fn infer<'a>(
             if report.cancelled && best.is_some() {
                 break;
             }
-            let start = causes_of(&at, &mut gram, compared.members(place));
+            let start = at.causes_of(&mut gram, compared.members(place));
             let refit = Fit::new(&base, &start)?.with_deviation_columns(&columns);
             let value = if is_physically_possible(&refit) {
                 let refit = LinearFit::new(&refit, expected, false);
@@ -407,23 +358,4 @@ pub(super) fn inference_at_fit<'a>(
         present,
         fit,
     }
-}
-
-/// Whether two sets consist of the same causes, in any order.
-pub(super) fn is_same_set(one: &[Cause], other: &[Cause]) -> bool {
-    let contains = |all: &[Cause], cause: &Cause| all.iter().any(|c| is_same_cause(c, cause));
-    one.len() == other.len() && one.iter().all(|cause| contains(other, cause))
-}
-
-/// Whether two causes have the same effect and targets, events the same pose, and waves about the same period.
-pub(super) fn is_same_cause(one: &Cause, other: &Cause) -> bool {
-    let value = |cause: &Cause, k: usize| cause.instances[0].values[k];
-    is_same_effect_and_targets(one, other)
-        && match one.effect().search() {
-            Search::FromPose(k) | Search::AtPose(k) => value(one, k) == value(other, k),
-            Search::Wave {
-                period: Some(k), ..
-            } => is_same_period(value(one, k), value(other, k)),
-            _ => true,
-        }
 }

@@ -5,13 +5,14 @@ use std::rc::Rc;
 
 use super::budget::{
     FAR_FROM_NOISE, MAX_BEST_SETS, MAX_EXTENDED, MAX_KINDS, PATIENCE_FAR_FROM_NOISE,
+    UNEXPLAINED_CHI2,
 };
 use super::candidates::Candidate;
+use super::cause_sets::is_physically_possible;
 use super::deviation_columns::DeviationColumns;
 use super::evidence::Member;
-use super::exploration::{UNEXPLAINED_CHI2, Visibility, visibility};
+use super::exploration::{Visibility, visibility};
 use super::fit::Fit;
-use super::inference::{causes_of, is_physically_possible};
 use super::linear_fit::LinearFit;
 use super::priors::EXPECTED_PER_ALPHA;
 use super::progress::Reporter;
@@ -111,7 +112,7 @@ pub(super) fn initial_fit<'a>(
             if found.causes.len() < members.len() && chi2_per_freedom(found) < FAR_FROM_NOISE {
                 break;
             }
-            let causes = causes_of(&at, &mut gram, &members);
+            let causes = at.causes_of(&mut gram, &members);
             let refit = if left < UNEXPLAINED_CHI2 {
                 Fit::new(&problem, &causes)?
             } else {

@@ -4,12 +4,14 @@ use nalgebra::{DMatrix, DVector};
 
 use super::background::shapes;
 use super::catalogue::Catalogue;
-use super::conditions::{Conditions, concatenate_columns};
-use super::deviation_columns::{columns_of, explained_by_deviations, is_fixed};
-use super::evidence::Member;
+use super::conditions::{Conditions, columns_of, concatenate_columns, is_fixed};
+use super::deviation_columns::explained_by_deviations;
+use super::evidence::{Member, System};
 use super::fit::Fit;
 use super::gram::Gram;
-use super::hyperparameters::{Estimate, Hyperparameters, LinearProblem, ReducedProblem, Start};
+use super::hyperparameters::{Estimate, Hyperparameters, LinearProblem, Start};
+use super::reduced_problem::ReducedProblem;
+use super::report::Cause;
 use super::search::Search;
 use super::variables::Variables;
 
@@ -44,7 +46,8 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         let fixed = conditions.project_rows(&fixed);
         let deviations = fit.deviation_columns().conditions(&linear, &conditions);
         let generators = conditions.project_rows(&catalogue.generators);
-        let residual = &linear.residual - explained_by_deviations(fit, &linear);
+        let residual =
+            &linear.residual - explained_by_deviations(&fit.problem, &fit.solution, &linear);
         let residual = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
         let mut residual: DVector<f64> = conditions.project_rows(&residual).column(0).into_owned();
         let mut present = Vec::new();
@@ -128,5 +131,23 @@ impl<'f, 'a> LinearFit<'f, 'a> {
             hyper,
             gram,
         }
+    }
+
+    /// The causes of some members, with the values estimated in the linear problem.
+    pub fn causes_of(&self, gram: &mut Gram<'_>, members: &[Member]) -> Vec<Cause> {
+        let system = System::new(gram, members);
+        let candidates = &self.catalogue.candidates;
+        let ranges = system.parameters(candidates);
+        let mut causes = Vec::new();
+        for ((index, _), range) in members.iter().zip(ranges) {
+            let estimate: Vec<f64> = system.estimate.rows_range(range).iter().copied().collect();
+            // Values from the nonlinear fit are more accurate than linear estimates.
+            let known = self.present.iter().position(|m| m.0 == *index);
+            causes.push(match known {
+                Some(k) => self.fit.causes[k].clone(),
+                None => candidates[*index].estimated(&estimate),
+            });
+        }
+        causes
     }
 }

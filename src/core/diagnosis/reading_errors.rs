@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::hyperparameters::ReducedProblem;
+use super::reduced_problem::ReducedProblem;
 
 /// Score and information of a unit error in the readings of some classes at each pose.
 pub(super) struct ReadingErrors {

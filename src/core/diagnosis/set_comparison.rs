@@ -6,8 +6,8 @@
 //! sets most similar to it.
 
 use super::budget::{FIT_WITHIN, MAX_FITS, RIVAL_WITHIN};
+use super::cause_sets::{RankedSet, is_same_set};
 use super::evidence::Member;
-use super::inference::{RankedSet, is_same_set};
 use super::linear_fit::LinearFit;
 use super::report::Cause;
 

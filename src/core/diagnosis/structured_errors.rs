@@ -19,13 +19,13 @@ use super::budget::{COMPARE_ABOVE, MAX_COMPARED};
 use super::calibration::MIN_SHARE_LEFT;
 use super::conditions::concatenate_columns;
 use super::error_functions::{ErrorForm, ErrorTarget, FunctionFamily};
-use super::exploration::log_sum;
 use super::hyperparameters::{Estimate, Hyperparameters, LinearProblem};
 use super::priors::{ERROR_SIZES, ERROR_VARIANCE_WEIGHT, EXPECTED_ERRORS};
 use super::reading_errors::ReadingErrors;
 use super::reading_id::ReadingId;
 use super::variables::Variables;
 use crate::estimation::Linearisation;
+use crate::statistics::log_sum;
 
 /// An error of a given form in some readings.
 #[derive(Debug, Clone)]

@@ -4,8 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::candidates::Candidate;
-use crate::diagnosis::exploration::log_sum;
-use crate::statistics::log_normal_cdf;
+use crate::statistics::{log_normal_cdf, log_sum};
 
 /// Log posterior odds of one candidate as a function of its score.
 pub(super) struct Evidence {

@@ -3,11 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::super::candidates::PoseWeights;
+use super::super::cause_sets::is_same_cause;
 use super::super::conditions::concatenate_columns;
 use super::super::evidence::{Member, System};
 use super::super::gram::Gram;
 use super::super::hyperparameters::Hyperparameters;
-use super::super::inference::{inference_at_fit, is_same_cause};
+use super::super::inference::inference_at_fit;
 use super::super::linear_fit::LinearFit;
 use super::super::priors::AMPLITUDES;
 use super::super::report::Cause;
