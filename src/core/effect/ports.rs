@@ -204,7 +204,7 @@ impl<T: Copy> CablePorts<T> {
     }
 
     /// All values, in the order of [`CablePort::ALL`].
-    pub fn to_array(&self) -> [T; CablePort::COUNT] {
+    pub fn values(&self) -> [T; CablePort::COUNT] {
         let [shift, axis, anchor] = [self.entry_shift, self.axis, self.anchor];
         [
             self.paid,
@@ -282,7 +282,7 @@ impl<T: Copy> PlatformPorts<T> {
     }
 
     /// All values, in the order of [`PlatformPort::ALL`].
-    pub fn to_array(&self) -> [T; PlatformPort::COUNT] {
+    pub fn values(&self) -> [T; PlatformPort::COUNT] {
         let [center, beam, normal] = [
             self.center_of_mass,
             self.laser_direction,

@@ -40,7 +40,7 @@ impl Ports for CablePorts {
     }
 
     fn duals(&self) -> impl AsRef<[Dual]> {
-        self.to_array()
+        self.values()
     }
 
     fn of(value: impl FnMut(CablePort) -> Dual) -> Self {
@@ -61,7 +61,7 @@ impl Ports for PlatformPorts {
     }
 
     fn duals(&self) -> impl AsRef<[Dual]> {
-        self.to_array()
+        self.values()
     }
 
     fn of(value: impl FnMut(PlatformPort) -> Dual) -> Self {

@@ -295,14 +295,21 @@ struct PortSlopes<Port> {
     slopes: Vec<f64>,
 }
 
-/// Ports at every row, and for each estimated parameter the slopes of the ports that depend on it.
+/// Ports at every row with their slopes.
+struct PortsWithSlopes<P: Ports> {
+    ports: Vec<P>,
+    /// Of the ports that depend on each estimated parameter.
+    slopes: Vec<Vec<PortSlopes<P::Port>>>,
+}
+
+/// Applies effects to the ports of every row.
 fn ports_and_slopes<P: Ports>(
     rows: &[usize],
     effects: &[Acting<'_>],
     parameters: &[EstimatedParameter],
     nominal: impl Fn(usize) -> P,
     change: impl Fn(&BoundEffect, &[Dual], usize, &mut P),
-) -> (Vec<P>, Vec<Vec<PortSlopes<P::Port>>>) {
+) -> PortsWithSlopes<P> {
     let constant = seeded(effects, None);
     let variable = |chosen: &EstimatedParameter| {
         let position = effects.iter().position(|(index, _)| *index == chosen.owner);
@@ -336,7 +343,7 @@ fn ports_and_slopes<P: Ports>(
             });
         }
     }
-    (ports, slopes)
+    PortsWithSlopes { ports, slopes }
 }
 
 /// Packs the ports of the platform; only ports that vary take space per pose.
@@ -358,7 +365,7 @@ fn pack_platform<T: Packet>(
         return (columns, links);
     };
     let parameters = from.estimated_parameters(layout.effects_of_platform());
-    let (ports, slopes) = ports_and_slopes(
+    let PortsWithSlopes { ports, slopes } = ports_and_slopes(
         &selection.rows,
         &concerned,
         &parameters,
@@ -401,7 +408,7 @@ fn pack_cable<T: Packet>(
         };
     };
     let parameters = from.estimated_parameters(layout.effects_of_cable(index));
-    let (mut ports, slopes) = ports_and_slopes(
+    let PortsWithSlopes { mut ports, slopes } = ports_and_slopes(
         &selection.rows,
         &concerned,
         &parameters,
