@@ -98,7 +98,10 @@ impl DeviationColumns {
 }
 
 /// A linearisation of a fit's problem with all deviations, and their columns in units of the tolerances.
-fn linearised(fit: &Fit<'_>, deviations: &[PartDeviation]) -> (Linearisation, DMatrix<f64>) {
+pub(super) fn linearised(
+    fit: &Fit<'_>,
+    deviations: &[PartDeviation],
+) -> (Linearisation, DMatrix<f64>) {
     let mut problem = fit.problem.clone();
     let mut solution = fit.solution.clone();
     let neutral = deviations.iter().map(|deviation| deviation.bound.clone());

@@ -16,6 +16,7 @@ mod cause_posteriors;
 mod conditions;
 mod confidence;
 mod deviation_columns;
+mod deviation_sensitivity;
 mod discrepancy;
 mod doctor;
 mod error_functions;
@@ -47,6 +48,7 @@ mod structured_errors;
 mod unmodelled_errors;
 mod variables;
 
+pub use deviation_sensitivity::{DeviationSensitivity, deviation_sensitivities};
 pub use discrepancy::smooth_functions;
 pub use doctor::{MOST_SAMPLES, diagnose};
 pub use isolability::{
