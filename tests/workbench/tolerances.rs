@@ -154,16 +154,19 @@ fn cables_that_the_file_names_are_shown_edited_and_kept() {
         robot["tolerances"] = serde_json::json!({
             "factor": 2.0,
             "winch_scale": {"cable-3": 1e-3, "default": 2e-4},
-            "winch_scale_common": 1e-4
+            "winch_scale_common": 1e-4,
+            "tracker_frame": 1e-3
         });
     });
     let mut bench = opened(bench);
     assert!(bench.shows("of cable-3"));
+    assert!(bench.shows("kept as it is: frame of the external instrument"));
     enter(&mut bench, "Tolerance of winch scale", "0.03");
     enter(&mut bench, "Tolerance of winch scale, cable-3", "0.2");
     let now = stated(&bench);
     assert_eq!(now.factor, 2.0);
     assert_eq!(now.others("winch_scale_common"), Some(1e-4));
+    assert_eq!(now.others("tracker_frame"), Some(1e-3));
     let close = |sd: f64, expected: f64| (sd / expected - 1.0).abs() < 1e-9;
     assert!(close(now.sd_of("winch_scale", Some("cable-1")), 3e-4));
     assert!(close(now.sd_of("winch_scale", Some("cable-3")), 2e-3));

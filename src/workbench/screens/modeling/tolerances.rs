@@ -1,6 +1,7 @@
 //! Tolerances of the parts: exact, typical or stated, with what each changes in the readings.
 
 use egui::{Align, Label, Layout, RichText, Ui, Vec2};
+use tautline_core::effect::find;
 use tautline_core::robot::{PartTolerances, StatedTolerances};
 use tautline_workflow::tolerances::{
     DeviatingPart, DeviationsInReadings, class_in_words, deviating_parts, typical_as_stated,
@@ -151,6 +152,18 @@ fn table(ui: &mut Ui, bench: &mut Bench<'_>, in_readings: Option<&DeviationsInRe
         let change = in_readings.map(|found| found.of_part(robot, part));
         let change = change.filter(|change| *change > 0.0);
         row(ui, bench, part, (stated, change));
+    }
+    let kept = stated.into_iter().flat_map(|stated| stated.effects.keys());
+    let kept = kept.filter(|id| shown.iter().all(|part| part.effect.id() != *id));
+    let kept = kept.filter_map(|id| Some(find(id)?.title().to_lowercase()));
+    let kept: Vec<String> = kept.collect();
+    if !kept.is_empty() {
+        ui.add_space(2.0 * GRID);
+        let what = list(&kept);
+        muted(
+            ui,
+            &format!("Stated in the file and kept as it is: {what}."),
+        );
     }
     if !unread.is_empty() {
         ui.add_space(2.0 * GRID);
