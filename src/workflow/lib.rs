@@ -21,4 +21,5 @@ pub mod report;
 pub mod samples;
 pub mod session_file;
 pub mod templates;
+pub mod tolerances;
 pub mod wording;

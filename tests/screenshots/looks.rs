@@ -266,6 +266,7 @@ fn phases(looks: &mut Looks) -> Result<()> {
             looks.at(&format!("phase-{}-{part}", step.number()))?;
         }
     }
+    tolerances(looks)?;
     looks.stage.press_named("Geometry");
     inspector(looks)?;
     looks.stage.press("Check geometry and faults");
@@ -287,6 +288,17 @@ fn phases(looks: &mut Looks) -> Result<()> {
     looks.stage.press("Hide faults");
     phase(&mut looks.stage, Phase::Adjustment);
     looks.at("phase-5")
+}
+
+fn tolerances(looks: &mut Looks) -> Result<()> {
+    phase(&mut looks.stage, Phase::Modeling);
+    looks.stage.press_named("Tolerances");
+    looks.at("phase-2-tolerances")?;
+    looks.stage.press_named("Stated");
+    looks.at("phase-2-tolerances-stated")?;
+    looks.stage.give(Command::Undo);
+    phase(&mut looks.stage, Phase::Identification);
+    Ok(())
 }
 
 fn inspector(looks: &mut Looks) -> Result<()> {

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use tautline_core::diagnosis::{DiagnosisOptions, diagnose};
 use tautline_core::effect::EffectSetting;
 use tautline_core::estimation::Control;
-use tautline_core::robot::{Robot, presets};
+use tautline_core::robot::{PartTolerances, Robot, presets};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{
     LogEntry, Phase, ResultDocument, Session, Simulator, Timestamp, VersionedFile,
@@ -66,6 +66,7 @@ fn measured(recipe: &Recipe) -> Result<Session> {
     let begun: Timestamp = recipe.begun.parse()?;
     let preset = presets::find(recipe.preset).context("a preset of this name")?;
     let mut drawing = preset.robot.clone();
+    drawing.tolerances = Some(PartTolerances::typical());
     if !recipe.cable_weight_is_stated {
         for cable in &mut drawing.cables {
             cable.cable.weight_n_per_m = 0.0;
@@ -122,7 +123,11 @@ fn measure_on_bench(session: &mut Session, recipe: &Recipe, truth: &Robot, rng: 
     let Some(home) = truth.home.as_ref().filter(|_| recipe.has_bench) else {
         return;
     };
-    let mut phases = rounding::tables(bench(&session.robot, &home.pose(), rng));
+    let mut phases = rounding::tables(bench(
+        &session.robot,
+        (&truth.deviations, &home.pose()),
+        rng,
+    ));
     if !recipe.has_winch_bench {
         phases.winch.clear();
     }

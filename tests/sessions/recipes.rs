@@ -85,7 +85,7 @@ pub const RECIPES: [Recipe; 6] = [
             (
                 "cable_slip",
                 Some("cable-6"),
-                &[("step", 0.012), ("pose", 22.0)],
+                &[("step", 0.02), ("pose", 22.0)],
             ),
         ],
         has_bench: false,
@@ -97,7 +97,7 @@ pub const RECIPES: [Recipe; 6] = [
         name: "Suspended robot, cables that sag",
         preset: "suspended",
         begun: "2026-03-16T09:00:00Z",
-        hidden: &[("cable_sag", None, &[("weight", 2.0)])],
+        hidden: &[("cable_sag", None, &[("weight", 3.0)])],
         cable_weight_is_stated: false,
         has_bench: false,
         has_winch_bench: false,

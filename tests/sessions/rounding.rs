@@ -7,7 +7,7 @@ use tautline_core::measurement::{Grid, Measurements, Truth};
 use tautline_core::robot::Robot;
 use tautline_session::PhaseData;
 
-/// Significant digits of a computed result.
+/// Significant digits of a computed result, and of a deviation.
 const DIGITS: usize = 6;
 /// Steps of what is true, and of what is commanded (m, or parts of a quaternion).
 const EXACT: f64 = 1e9;
@@ -73,7 +73,7 @@ pub fn tables(mut phases: PhaseData) -> PhaseData {
     phases
 }
 
-/// What is true of a robot, to a nanometre.
+/// What is true of a robot: its geometry to a nanometre, deviations of its parts to six significant digits.
 pub fn truth(robot: &Robot) -> Robot {
     let mut rounded = robot.clone();
     let exact = |values: [f64; 3]| values.map(|v| to(EXACT, v));
@@ -88,7 +88,17 @@ pub fn truth(robot: &Robot) -> Robot {
     if let Some(laser) = &mut rounded.laser {
         laser.target_plane.offset_m = to(EXACT, laser.target_plane.offset_m);
     }
+    for deviation in &mut rounded.deviations {
+        for value in deviation.parameters.values_mut() {
+            *value = significant(*value).unwrap_or(*value);
+        }
+    }
     rounded
+}
+
+/// A number to six significant digits.
+fn significant(value: f64) -> Option<f64> {
+    format!("{value:.*e}", DIGITS - 1).parse().ok()
 }
 
 /// A computed document to six significant digits.
@@ -97,8 +107,7 @@ pub fn result(value: &mut Value) {
         Value::Array(values) => values.iter_mut().for_each(result),
         Value::Object(fields) => fields.values_mut().for_each(result),
         Value::Number(number) if number.is_f64() => {
-            let digits = number.as_f64().map(|v| format!("{v:.*e}", DIGITS - 1));
-            let rounded = digits.and_then(|text| text.parse().ok());
+            let rounded = number.as_f64().and_then(significant);
             if let Some(rounded) = rounded.and_then(Number::from_f64) {
                 *number = rounded;
             }

@@ -2,6 +2,7 @@
 
 use egui::{Event, Key, Role};
 use egui_kittest::kittest::{NodeT, Queryable};
+use tautline_core::robot::PartTolerances;
 use tautline_workbench::model::command::{FileCommand, ViewCommand};
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workflow::templates::Template;
@@ -166,6 +167,8 @@ fn an_empty_table_says_what_is_missing_until_it_is_a_robot() {
     }
     let made = &bench.session().robot;
     assert_eq!(made.cable_count(), 8);
+    // A real robot is never taken as exact by accident.
+    assert_eq!(made.tolerances, Some(PartTolerances::typical()));
     for (made, given) in made.cables.iter().zip(&full.cables) {
         for axis in 0..3 {
             let [a, b] = [made, given].map(|cable| cable.pulley.entry_point_m[axis]);

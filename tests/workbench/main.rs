@@ -36,6 +36,7 @@ mod stop;
 mod support;
 mod tables;
 mod timeline;
+mod tolerances;
 mod undo;
 mod unruly;
 mod walk;

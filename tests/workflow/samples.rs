@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use tautline_core::comparison::{Identified, compare};
 use tautline_core::diagnosis::{Finding, Verdict};
-use tautline_core::estimation::{Control, Options, Problem, solve};
+use tautline_core::estimation::Control;
 use tautline_session::{Session, read_session, write_session};
 use tautline_validation::sessions::{Made, RECIPES, Recipe, folder, make};
+use tautline_workflow::comparison::{LEVEL, compare_identifications, identify_to_compare};
 use tautline_workflow::samples;
 
 fn recipe(file: &str) -> &'static Recipe {
@@ -138,15 +138,10 @@ fn sag_that_is_not_modelled_is_named() {
 #[test]
 fn the_pulley_that_was_moved_is_the_only_one() {
     let runs = ["before-after/before.json", "before-after/after.json"].map(read);
-    let datasets = [runs[0].dataset(), runs[1].dataset()];
-    let problems = [0, 1].map(|k| Problem::new(&datasets[k]).expect("a problem"));
-    let solve = |problem| solve(problem, &Options::default(), &mut |_| Control::Continue);
-    let solutions = [0, 1].map(|k| solve(&problems[k]).expect("a solution"));
-    let identified = |k: usize| Identified {
-        problem: &problems[k],
-        solution: &solutions[k],
-    };
-    let compared = compare(&identified(0), &identified(1), 0.05).expect("a comparison");
+    let [before, after] = runs.map(|session| {
+        identify_to_compare(&session, &mut |_| Control::Continue).expect("an identification")
+    });
+    let compared = compare_identifications([&before, &after], LEVEL).expect("a comparison");
     let moved: Vec<&str> = (compared.pulleys.iter())
         .filter(|pulley| pulley.moved)
         .map(|pulley| pulley.cable.as_str())

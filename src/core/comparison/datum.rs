@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen};
 
-use super::estimate::Estimate;
+use super::estimate::{Estimate, Estimates};
 use super::least_squares::Difference;
 use super::{CommonMotion, Displacement, ScalarDifference, Test};
 use crate::estimation::ParameterId;
@@ -34,7 +34,8 @@ pub(super) struct Datum {
 
 impl Datum {
     /// `None` if no coordinate of a pulley is estimated.
-    pub fn of(runs: &[Estimate<'_>; 2]) -> Option<Self> {
+    pub fn of(estimates: &Estimates<'_>) -> Option<Self> {
+        let runs = &estimates.runs;
         let [first, second] = runs;
         let cables = first.robot().cable_count();
         let all = (0..cables)
@@ -49,8 +50,7 @@ impl Datum {
         let change = |id: &ParameterId| value(second, id) - value(first, id);
         let count = coordinates.len();
         let covariance = DMatrix::from_fn(count, count, |i, k| {
-            let of = |run: &Estimate<'_>| run.covariance_of(&coordinates[i], &coordinates[k]);
-            of(first) + of(second)
+            estimates.covariance_of(&coordinates[i], &coordinates[k])
         });
         let differences = DVector::from_iterator(count, coordinates.iter().map(change));
         let middle = middle(first);

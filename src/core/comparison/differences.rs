@@ -2,13 +2,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::estimate::Estimate;
+use super::estimate::{Estimate, Estimates};
 use super::{EffectDifference, HomeDifference, ScalarDifference, Test};
 use crate::estimation::ParameterId;
-use crate::geometry::Coordinate;
+use crate::geometry::{Coordinate, Pose};
 
 /// Home pose of the second run less that of the first.
-pub(super) fn home(runs: &[Estimate<'_>; 2]) -> Option<HomeDifference> {
+pub(super) fn home(estimates: &Estimates<'_>) -> Option<HomeDifference> {
+    let runs = &estimates.runs;
     let estimated: Vec<Coordinate> = (Coordinate::ALL.into_iter())
         .filter(|c| {
             let id = ParameterId::Home(*c);
@@ -18,14 +19,12 @@ pub(super) fn home(runs: &[Estimate<'_>; 2]) -> Option<HomeDifference> {
     if estimated.is_empty() {
         return None;
     }
-    let [first, second] = runs.each_ref().map(|run| run.run.solution.globals.home);
+    let [first, second] = runs.each_ref().map(home_pose);
     let twist = second.difference(&first);
     let value = DVector::from_iterator(estimated.len(), estimated.iter().map(|c| twist[c.index()]));
     let covariance = DMatrix::from_fn(estimated.len(), estimated.len(), |i, k| {
         let [one, other] = [i, k].map(|index| ParameterId::Home(estimated[index]));
-        runs.iter()
-            .map(|run| run.covariance_of(&one, &other))
-            .sum::<f64>()
+        estimates.covariance_of(&one, &other)
     });
     Some(HomeDifference {
         coordinates: (estimated.iter().enumerate())
@@ -33,6 +32,20 @@ pub(super) fn home(runs: &[Estimate<'_>; 2]) -> Option<HomeDifference> {
             .collect(),
         test: Test::of(&value, &covariance),
     })
+}
+
+/// Home pose of a run by its estimates.
+fn home_pose(run: &Estimate<'_>) -> Pose {
+    let solved = run.run.solution.globals.home;
+    let Some(stated) = run.robot().home.map(|home| home.pose()) else {
+        return solved;
+    };
+    let mut twist = solved.difference(&stated);
+    for coordinate in Coordinate::ALL {
+        let index = coordinate.index();
+        twist[index] = run.value_or(&ParameterId::Home(coordinate), twist[index]);
+    }
+    stated.perturbed(&twist)
 }
 
 /// A parameter of an effect in a run: its identity across runs, its index among the parameters, unit and neutral value.
@@ -65,7 +78,8 @@ fn entries(run: &Estimate<'_>) -> Vec<Entry> {
 }
 
 /// Differences of the effect parameters that either run estimates.
-pub(super) fn effects(runs: &[Estimate<'_>; 2]) -> Vec<EffectDifference> {
+pub(super) fn effects(estimates: &Estimates<'_>) -> Vec<EffectDifference> {
+    let runs = &estimates.runs;
     let [first, second] = runs.each_ref().map(entries);
     let only_second = (second.iter()).filter(|e| !first.iter().any(|other| other.key == e.key));
     let all = first.iter().chain(only_second);
@@ -76,9 +90,8 @@ pub(super) fn effects(runs: &[Estimate<'_>; 2]) -> Vec<EffectDifference> {
         };
         let places = [place(&first), place(&second)];
         let at = |run: usize| places[run].map(|place| runs[run].values[place]);
-        let variance = |run: usize| places[run].map_or(0.0, |k| runs[run].covariance[(k, k)]);
         let difference = at(1).unwrap_or(entry.neutral) - at(0).unwrap_or(entry.neutral);
-        let sum = variance(0) + variance(1);
+        let variance = estimates.covariance_at(places, places);
         EffectDifference {
             effect: entry.key.0.clone(),
             targets: entry.key.1.clone(),
@@ -88,10 +101,10 @@ pub(super) fn effects(runs: &[Estimate<'_>; 2]) -> Vec<EffectDifference> {
                 first: at(0),
                 second: at(1),
                 difference,
-                sd: sum.sqrt(),
+                sd: variance.sqrt(),
                 test: Test::of(
                     &DVector::from_element(1, difference),
-                    &DMatrix::from_element(1, 1, sum),
+                    &DMatrix::from_element(1, 1, variance),
                 ),
             },
         }

@@ -1,49 +1,24 @@
-//! Estimates of one run with the priors removed that it shares with the other run.
+//! Estimates of both runs with the priors removed that they share, and the deviations of parts common to both.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Identified;
+use super::{ComparisonError, Identified};
 use crate::estimation::{Parameter, ParameterId, covariance_of};
 use crate::robot::Robot;
 
 /// Fraction `k` of the shared priors that is removed.
 const REMOVED_PRIOR: f64 = 0.99;
 
-/// Estimates of a run, free of the shared priors.
+/// The estimates of one run.
 pub(super) struct Estimate<'a> {
     pub run: Identified<'a>,
     /// `g`, in the order of the solution's parameters; home coordinates as deviations from the stated home pose.
     pub values: DVector<f64>,
-    /// `J^-1`.
-    pub covariance: DMatrix<f64>,
+    /// Index of each parameter in the system of both runs.
+    joint: Vec<usize>,
 }
 
 impl<'a> Estimate<'a> {
-    /// `None` where the data do not determine all parameters.
-    pub fn of(run: &Identified<'a>) -> Option<Self> {
-        let solution = run.solution;
-        solution.covariance.as_ref()?;
-        let count = solution.parameters.len();
-        let mut information = solution.information.clone();
-        let mut values = DVector::zeros(count);
-        let mut pull = DVector::zeros(count);
-        for (k, parameter) in solution.parameters.iter().enumerate() {
-            let (value, centre) = value_and_centre(run, parameter);
-            values[k] = value;
-            if let (true, Some(sd)) = (is_shared(&parameter.id), parameter.prior_sd) {
-                let weight = REMOVED_PRIOR * sd.powi(-2);
-                information[(k, k)] -= weight;
-                pull[k] = weight * (value - centre);
-            }
-        }
-        let covariance = covariance_of(&information)?;
-        Some(Self {
-            run: *run,
-            values: values + &covariance * pull,
-            covariance,
-        })
-    }
-
     pub fn robot(&self) -> &'a Robot {
         &self.run.problem.dataset.robot
     }
@@ -57,24 +32,158 @@ impl<'a> Estimate<'a> {
     pub fn value_or(&self, id: &ParameterId, stated: f64) -> f64 {
         self.index_of(id).map_or(stated, |k| self.values[k])
     }
+}
 
-    /// Covariance of two parameters; zero if either is held fixed.
+/// The estimates of both runs with their joint covariance.
+pub(super) struct Estimates<'a> {
+    pub runs: [Estimate<'a>; 2],
+    covariance: DMatrix<f64>,
+}
+
+impl<'a> Estimates<'a> {
+    /// # Errors
+    /// If the data of a run do not determine all parameters.
+    pub fn of(runs: [&Identified<'a>; 2]) -> Result<Self, ComparisonError> {
+        let undetermined = |run| ComparisonError::Undetermined { run };
+        let mut system = JointSystem::new();
+        let [first, second] = runs;
+        let first_indices = system.add(first).ok_or(undetermined("first"))?;
+        let second_indices = system.add(second).ok_or(undetermined("second"))?;
+        let covariance = covariance_of(&system.information).ok_or(undetermined("second"))?;
+        let values = &covariance * &system.moment;
+        let estimate = |run: &Identified<'a>, joint: Vec<usize>| Estimate {
+            run: *run,
+            values: values.select_rows(&joint),
+            joint,
+        };
+        Ok(Self {
+            runs: [
+                estimate(first, first_indices),
+                estimate(second, second_indices),
+            ],
+            covariance,
+        })
+    }
+
+    /// Covariance of the differences of two parameters, each with its index in either run; a run that holds the parameter
+    /// fixed has none.
+    pub fn covariance_at(&self, one: [Option<usize>; 2], other: [Option<usize>; 2]) -> f64 {
+        let signed = |places: [Option<usize>; 2]| {
+            let runs = self.runs.iter().zip(places).zip([-1.0, 1.0]);
+            runs.filter_map(|((run, place), sign)| Some((run.joint[place?], sign)))
+        };
+        let pairs = signed(one).flat_map(|(i, a)| signed(other).map(move |(k, b)| (i, k, a * b)));
+        pairs
+            .map(|(i, k, sign)| sign * self.covariance[(i, k)])
+            .sum()
+    }
+
+    /// Covariance of the differences of two parameters.
     pub fn covariance_of(&self, one: &ParameterId, other: &ParameterId) -> f64 {
-        match (self.index_of(one), self.index_of(other)) {
-            (Some(i), Some(k)) => self.covariance[(i, k)],
-            _ => 0.0,
-        }
+        let places = |id: &ParameterId| self.runs.each_ref().map(|run| run.index_of(id));
+        self.covariance_at(places(one), places(other))
     }
 }
 
-/// Whether the prior of a parameter describes the robot, common to both runs, rather than the run.
+/// Identity of a deviation's parameter across runs: the deviation, and the index of the parameter.
+type DeviationKey = (&'static str, Vec<usize>, Vec<u64>, usize);
+
+/// Normal equations of both runs: the information, and its product with the estimates.
+struct JointSystem {
+    information: DMatrix<f64>,
+    moment: DVector<f64>,
+    /// Index of each deviation that the runs estimate.
+    deviations: Vec<(DeviationKey, usize)>,
+}
+
+impl JointSystem {
+    fn new() -> Self {
+        Self {
+            information: DMatrix::zeros(0, 0),
+            moment: DVector::zeros(0),
+            deviations: Vec::new(),
+        }
+    }
+
+    /// Adds a run and returns the indices of its parameters. `None` if its data do not determine them.
+    fn add(&mut self, run: &Identified<'_>) -> Option<Vec<usize>> {
+        let solution = run.solution;
+        solution.covariance.as_ref()?;
+        let estimated = solution.parameters.iter().map(|p| value_and_centre(run, p));
+        let (values, centres): (Vec<f64>, Vec<f64>) = estimated.unzip();
+        let mut information = solution.information.clone();
+        let mut moment = &information * DVector::from_vec(values);
+        let before = self.moment.len();
+        let indices = self.indices(run);
+        for (k, parameter) in solution.parameters.iter().enumerate() {
+            // The prior of a deviation is in the system already if the run before has it, too.
+            let fraction = match &parameter.id {
+                ParameterId::Deviation { .. } if indices[k] < before => 1.0,
+                id if is_shared(id) => REMOVED_PRIOR,
+                _ => 0.0,
+            };
+            if let Some(sd) = parameter.prior_sd {
+                let weight = fraction * sd.powi(-2);
+                information[(k, k)] -= weight;
+                moment[k] -= weight * centres[k];
+            }
+        }
+        for (k, row) in indices.iter().enumerate() {
+            self.moment[*row] += moment[k];
+            for (l, column) in indices.iter().enumerate() {
+                self.information[(*row, *column)] += information[(k, l)];
+            }
+        }
+        covariance_of(&self.information)?;
+        Some(indices)
+    }
+
+    /// Indices of the parameters of a run; those of deviations that the run before has are the same.
+    fn indices(&mut self, run: &Identified<'_>) -> Vec<usize> {
+        let mut count = self.moment.len();
+        let mut indices = Vec::with_capacity(run.solution.parameters.len());
+        for parameter in &run.solution.parameters {
+            let key = deviation_key(run, &parameter.id);
+            let mut known = self.deviations.iter();
+            let known = known.find(|(other, _)| Some(other) == key.as_ref());
+            indices.push(known.map_or(count, |(_, index)| *index));
+            if known.is_none() {
+                self.deviations.extend(key.map(|key| (key, count)));
+                count += 1;
+            }
+        }
+        self.information.resize_mut(count, count, 0.0);
+        self.moment.resize_vertically_mut(count, 0.0);
+        indices
+    }
+}
+
+/// `None` for a parameter that is no deviation.
+fn deviation_key(run: &Identified<'_>, id: &ParameterId) -> Option<DeviationKey> {
+    let ParameterId::Deviation {
+        deviation,
+        parameter,
+    } = id
+    else {
+        return None;
+    };
+    let bound = &run.problem.deviations[*deviation].bound;
+    // The two deviations of a wave differ by their phases.
+    let values = bound.values.iter().map(|value| value.to_bits());
+    let cables = bound.cables.clone();
+    Some((bound.effect.id(), cables, values.collect(), *parameter))
+}
+
+/// Whether the prior of a parameter describes the robot, common to both runs, rather than the run. That of a deviation
+/// stays once, with the deviation itself.
 fn is_shared(id: &ParameterId) -> bool {
     match id {
-        ParameterId::EntryPoint { .. }
-        | ParameterId::PlaneOffset
-        | ParameterId::Effect { .. }
-        | ParameterId::Deviation { .. } => true,
-        ParameterId::Home(_) | ParameterId::HomeTension { .. } => false,
+        ParameterId::EntryPoint { .. } | ParameterId::PlaneOffset | ParameterId::Effect { .. } => {
+            true
+        }
+        ParameterId::Home(_) | ParameterId::HomeTension { .. } | ParameterId::Deviation { .. } => {
+            false
+        }
     }
 }
 

@@ -7,8 +7,9 @@
 //! `J = I - k P`, `g = m + J^-1 k P (m - m_0)`, `cov g = J^-1`.
 //!
 //! `k = 0.99` keeps one percent of the prior, so that the variance of undetermined parameters is large but finite. The home
-//! pose was approached anew in each run, so its prior stays. The runs are independent: `d = g_B - g_A` has the covariance
-//! `S = J_A^-1 + J_B^-1`.
+//! pose was approached anew in each run, so its prior stays. The deviations of the parts within their tolerances are the
+//! same in both runs: they are unknowns of both together, with their prior once. Apart from them the runs are independent:
+//! without tolerances `d = g_B - g_A` has the covariance `S = J_A^-1 + J_B^-1`.
 //!
 //! **Datum.** Each run is referred to its own home pose, so a common motion of all pulleys and the target plane by a small
 //! translation `t` and rotation `w` about the centroid `c` of the pulleys is no change of the robot. With
@@ -41,7 +42,7 @@ use crate::geometry::{Coordinate, Vec3};
 
 use datum::{Datum, FramePart};
 use differences::{effects, home};
-use estimate::Estimate;
+use estimate::Estimates;
 
 /// An identification problem with its solution.
 #[derive(Debug, Clone, Copy)]
@@ -268,14 +269,11 @@ pub fn compare(
             second: names(second).join(", "),
         });
     }
-    let undetermined = |run| ComparisonError::Undetermined { run };
-    let runs = [
-        Estimate::of(first).ok_or(undetermined("first"))?,
-        Estimate::of(second).ok_or(undetermined("second"))?,
-    ];
-    let datum = Datum::of(&runs).ok_or(ComparisonError::NothingEstimated)?;
-    let effects = effects(&runs);
-    let home = home(&runs);
+    let estimates = Estimates::of([first, second])?;
+    let runs = &estimates.runs;
+    let datum = Datum::of(&estimates).ok_or(ComparisonError::NothingEstimated)?;
+    let effects = effects(&estimates);
+    let home = home(&estimates);
     // The tests of effects, home pose and common motion share the level with those of pulleys and plane.
     let others = effects.len() + usize::from(home.is_some()) + usize::from(datum.freedom() > 0);
     let moved = datum.moved(level, others);
@@ -301,7 +299,7 @@ pub fn compare(
             })
             .collect(),
         motion: datum.motion(&moved),
-        plane: datum.plane(&runs, &moved),
+        plane: datum.plane(runs, &moved),
         home,
         effects,
         global: datum.global(),

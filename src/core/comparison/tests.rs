@@ -4,7 +4,7 @@ use super::*;
 use crate::effect::EffectRequest;
 use crate::estimation::{Control, Options, solve};
 use crate::measurement::Dataset;
-use crate::robot::{Robot, presets};
+use crate::robot::{PartTolerances, Robot, presets};
 use crate::simulation::{SimulationOptions, TrueGeometry, simulate};
 
 const LEVEL: f64 = 0.05;
@@ -17,9 +17,19 @@ fn true_robot(name: &str) -> Robot {
         .truth
 }
 
+/// The same of parts that deviate within typical tolerances, which the drawing states.
+fn true_machine(name: &str) -> Robot {
+    let mut drawing = presets::find(name).unwrap().robot;
+    drawing.tolerances = Some(PartTolerances::typical());
+    simulate(&drawing, &SimulationOptions::new(1, 77))
+        .unwrap()
+        .truth
+}
+
 /// Measurements on a robot as it truly is, with the drawing as its description.
 fn run_on(truth: &Robot, name: &str, poses: usize, seed: u64) -> Dataset {
-    let preset = presets::find(name).unwrap();
+    let mut preset = presets::find(name).unwrap();
+    preset.robot.tolerances = truth.tolerances.clone();
     let options = SimulationOptions {
         geometry: TrueGeometry::Nominal,
         workspace: Some(preset.workspace),
@@ -39,8 +49,16 @@ fn compared_with(first: &Dataset, second: &Dataset, effects: [&str; 2]) -> Compa
         let names = effects.split(',').filter(|name| !name.is_empty());
         let requests: Vec<_> = names.map(EffectRequest::parse).collect();
         problem.free(&requests).unwrap();
-        let solution = solve(&problem, &Options::default(), &mut |_| Control::Continue).unwrap();
-        assert!(solution.converged());
+        let solved = |problem: &Problem<'_>| {
+            let solution = solve(problem, &Options::default(), &mut |_| Control::Continue).unwrap();
+            assert!(solution.converged());
+            solution
+        };
+        let mut solution = solved(&problem);
+        if let Some(tolerances) = &dataset.robot.tolerances {
+            problem = problem.with_tolerances(tolerances).at_poses_of(&solution);
+            solution = solved(&problem);
+        }
         (problem, solution)
     });
     let [one, other] = [&one, &other].map(|(problem, solution)| Identified { problem, solution });
@@ -83,6 +101,38 @@ fn two_runs_of_one_robot_are_called_different_as_often_as_stated() {
     }
     assert!(different <= 10, "{different}");
     assert!((chi2 - 19.0).abs() < 3.2, "{chi2}");
+}
+
+#[test]
+fn parts_that_deviate_in_both_runs_alike_are_no_difference() {
+    // As above, of 30 pairs: 19 +- 4 sqrt(38/30) = 19 +- 4.5.
+    let truth = true_machine("mini");
+    let pairs = 30;
+    let (mut different, mut chi2) = (0, 0.0);
+    for pair in 0..pairs {
+        let first = run_on(&truth, "mini", 20, 1000 + 2 * pair);
+        let second = run_on(&truth, "mini", 20, 1001 + 2 * pair);
+        let comparison = compared(&first, &second);
+        different += usize::from(comparison.is_different());
+        chi2 += comparison.global.unwrap().chi2 / pairs as f64;
+    }
+    assert!(different <= 7, "{different}");
+    assert!((chi2 - 19.0).abs() < 4.5, "{chi2}");
+}
+
+#[test]
+fn a_moved_pulley_is_found_as_precisely_as_on_exact_parts() {
+    let [exact, machine] = [true_robot("mini"), true_machine("mini")].map(|truth| {
+        let mut changed = truth.clone();
+        changed.cables[2].pulley.entry_point_m[0] += 0.01;
+        let first = run_on(&truth, "mini", 25, 300);
+        let second = run_on(&changed, "mini", 25, 400);
+        let comparison = compared(&first, &second);
+        assert_eq!(moved(&comparison), ["cable-3"]);
+        comparison.pulleys[2].relative.unwrap().length_sd_m()
+    });
+    // With deviations of its own in each run it would be more than twice that of exact parts.
+    assert!(machine < 1.2 * exact, "{machine} {exact}");
 }
 
 #[test]

@@ -88,7 +88,7 @@ impl DeviationColumns {
 }
 
 /// A linearisation of a fit's problem with all deviations, and their columns in units of the tolerances.
-fn linearised(
+pub(super) fn linearised(
     problem: &Problem<'_>,
     solution: &Solution,
     deviations: &[PartDeviation],

@@ -20,6 +20,7 @@ mod conditions;
 mod confidence;
 mod dense;
 mod deviation_columns;
+mod deviation_sensitivity;
 mod discrepancy;
 mod doctor;
 mod error_functions;
@@ -54,6 +55,7 @@ mod unmodelled_errors;
 mod variables;
 
 pub use budget::MOST_SAMPLES;
+pub use deviation_sensitivity::{DeviationSensitivity, deviation_sensitivities};
 pub use discrepancy::smooth_functions;
 pub use doctor::diagnose;
 pub use isolability::{

@@ -216,8 +216,10 @@ pub(super) fn draw_truth(
 /// Stream of the random numbers of deviations, apart from all others so that stating tolerances changes nothing else.
 const DEVIATIONS: u64 = 1;
 
-/// Deviations of the parts drawn from the tolerances that a robot states, each in the form of an effect.
-fn draw_deviations(robot: &Robot, seed: u64) -> Vec<EffectSetting> {
+/// Deviations of the parts drawn from the tolerances that a robot states, each in the form of an effect. They are those of
+/// [`simulate`] with the same seed.
+#[must_use]
+pub fn draw_deviations(robot: &Robot, seed: u64) -> Vec<EffectSetting> {
     let Some(tolerances) = &robot.tolerances else {
         return Vec::new();
     };

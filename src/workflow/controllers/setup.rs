@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use tautline_core::effect::{EffectSetting, find};
 use tautline_core::robot::Robot;
-use tautline_core::simulation::{TensionRange, Workspace};
+use tautline_core::simulation::{TensionRange, Workspace, draw_deviations};
 use tautline_link::ads::{AdsAddress, AdsOptions};
 use tautline_link::opcua::{OpcUaAddress, OpcUaOptions};
 use tautline_link::simulated::SimulatedSetup;
@@ -105,7 +105,7 @@ impl Source {
     }
 }
 
-/// Seed of the noise of a robot simulated from its description.
+/// Seed of the deviations and the noise of a robot simulated from its description.
 const SEED: u64 = 1;
 
 impl ConnectionSetup {
@@ -239,7 +239,7 @@ fn setup_of(session: &Session, identified: &[EffectSetting], limits: &Limits) ->
     }
     let (truth, seed) = match &session.simulator {
         Some(simulator) => (simulator.truth.clone(), simulator.seed),
-        None => (session.robot.clone(), SEED),
+        None => (as_built(&session.robot), SEED),
     };
     let half_extents_m = limits.workspace.half_extent_m;
     let velocity_m_s = half_extents_m.into_iter().fold(0.0, f64::max);
@@ -251,6 +251,14 @@ fn setup_of(session: &Session, identified: &[EffectSetting], limits: &Limits) ->
         acceleration_m_s2: 5.0 * velocity_m_s,
         // A run that continues after a break needs new noise.
         ..SimulatedSetup::new(nominal, truth, seed_after(seed, session.measurements.len()))
+    }
+}
+
+/// A machine built after a description: its parts deviate by the tolerances that are stated.
+fn as_built(robot: &Robot) -> Robot {
+    Robot {
+        deviations: draw_deviations(robot, SEED),
+        ..robot.clone()
     }
 }
 
@@ -292,7 +300,7 @@ fn effect_of(name: &str) -> Option<EffectSetting> {
 
 #[cfg(test)]
 mod tests {
-    use tautline_core::robot::presets;
+    use tautline_core::robot::{PartTolerances, presets};
     use tautline_session::{NamedValue, Timestamp};
 
     use super::*;
@@ -314,6 +322,27 @@ mod tests {
             refused.contains("pulls with 250 N, at most 150 N"),
             "{refused}"
         );
+    }
+
+    #[test]
+    fn a_robot_of_a_description_has_parts_within_their_tolerances() {
+        let mut robot = presets::find("mini").expect("a preset").robot;
+        robot.tolerances = Some(PartTolerances::typical());
+        let session = Session::new("test", robot, Timestamp::from_unix_seconds(0));
+        let rig = ConnectionSetup::of(&session, &[]);
+        let Source::Simulated(setup) = &rig.source else {
+            panic!("a session offers a simulated robot");
+        };
+        let deviations = &setup.truth.deviations;
+        let of_drums = deviations.iter().filter(|d| d.effect == "winch_scale");
+        assert_eq!(of_drums.count(), 8);
+        assert!(setup.nominal.deviations.is_empty());
+        // The next connection is to the same machine.
+        let again = ConnectionSetup::of(&session, &[]);
+        let Source::Simulated(again) = &again.source else {
+            panic!("a session offers a simulated robot");
+        };
+        assert_eq!(again.truth, setup.truth);
     }
 
     #[test]

@@ -1,9 +1,10 @@
-//! The demonstration: MINI as drawn, a true robot with the measured geometry, and a random fault.
+//! The demonstration: MINI as drawn, a true robot with the measured geometry whose parts are a little off, and a random
+//! fault.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tautline_core::effect::{EffectSetting, find};
-use tautline_core::robot::{Robot, presets};
+use tautline_core::robot::{PartTolerances, Robot, presets};
 use tautline_core::simulation::{SimulationError, SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{LogEntry, Phase, Session, Simulator, Timestamp};
 
@@ -24,7 +25,8 @@ const FAULTS: [(&str, f64, f64); 5] = [
 /// If the robot cannot be simulated, which has not occurred with any seed tried.
 pub fn demo(seed: u64, now: Timestamp) -> Result<Session, SimulationError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let preset = mini();
+    let mut preset = mini();
+    preset.robot.tolerances = Some(PartTolerances::typical());
     let fault = fault(&preset.robot, &mut rng);
     let options = SimulationOptions {
         geometry: preset
@@ -41,7 +43,7 @@ pub fn demo(seed: u64, now: Timestamp) -> Result<Session, SimulationError> {
     let home = truth.home.map(|home| home.pose());
     let mut session = Session::new("Demo robot", nominal.clone(), now);
     if let Some(home) = home {
-        session.phases = bench(&nominal, &home, &mut rng);
+        session.phases = bench(&nominal, (&truth.deviations, &home), &mut rng);
     }
     session.simulator = Some(Simulator {
         truth,

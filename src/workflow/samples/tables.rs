@@ -3,6 +3,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
+use tautline_core::effect::EffectSetting;
 use tautline_core::geometry::Pose;
 use tautline_core::robot::{FrameTransform, HomePlatform, HomeSensor, Plane, Robot};
 use tautline_session::{ElongationPoint, ForcePair, HomeReading, PhaseData, WinchPair};
@@ -22,12 +23,16 @@ fn normal(rng: &mut ChaCha8Rng, sd: f64) -> f64 {
     sd * rng.sample::<f64, _>(StandardNormal)
 }
 
-/// Tables of a robot whose winches, sensors and cables are as described; the
-/// platform of the home reading is at `home`.
-pub fn bench(robot: &Robot, home: &Pose, rng: &mut ChaCha8Rng) -> PhaseData {
+/// Tables of a robot before any fault: its winches and force sensors deviate from the description within their tolerances.
+/// The platform of the home reading is at `home`.
+pub fn bench(
+    robot: &Robot,
+    (deviations, home): (&[EffectSetting], &Pose),
+    rng: &mut ChaCha8Rng,
+) -> PhaseData {
     PhaseData {
-        winch: winches(robot, rng),
-        force: forces(robot, rng),
+        winch: winches(robot, deviations, rng),
+        force: forces(robot, deviations, rng),
         home: home_readings(robot, home, rng),
         home_poses: Vec::new(),
         elongation: elongation(robot, rng),
@@ -35,12 +40,22 @@ pub fn bench(robot: &Robot, home: &Pose, rng: &mut ChaCha8Rng) -> PhaseData {
     }
 }
 
-fn winches(robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<WinchPair> {
+/// Deviation of a parameter on a cable.
+fn deviation(deviations: &[EffectSetting], (effect, parameter): (&str, &str), cable: &str) -> f64 {
+    let is_it = |one: &&EffectSetting| {
+        one.effect == effect && one.targets.iter().any(|target| target == cable)
+    };
+    let values = deviations.iter().filter(is_it);
+    values.filter_map(|one| one.parameters.get(parameter)).sum()
+}
+
+fn winches(robot: &Robot, deviations: &[EffectSetting], rng: &mut ChaCha8Rng) -> Vec<WinchPair> {
     let mut pairs = Vec::new();
     for (cable, description) in robot.cables.iter().enumerate() {
+        let scale = deviation(deviations, ("winch_scale", "scale"), &description.name);
         for step in 0..=12 {
             let revolutions = f64::from(step) * 0.5;
-            let exact = revolutions * description.winch.cable_per_revolution_m();
+            let exact = revolutions * description.winch.cable_per_revolution_m() * (1.0 + scale);
             let length_m = exact + normal(rng, WINCH_SD_M);
             pairs.push(WinchPair {
                 cable,
@@ -53,15 +68,18 @@ fn winches(robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<WinchPair> {
     pairs
 }
 
-fn forces(robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<ForcePair> {
+fn forces(robot: &Robot, deviations: &[EffectSetting], rng: &mut ChaCha8Rng) -> Vec<ForcePair> {
     let mut pairs = Vec::new();
     for (cable, description) in robot.cables.iter().enumerate() {
         let Some(sensor) = description.force_sensor else {
             continue;
         };
+        let of = |effect| deviation(deviations, effect, &description.name);
+        let gain = sensor.tension_gain * (1.0 + of(("force_gain", "change")));
+        let bias_n = sensor.bias_n + of(("force_bias", "bias"));
         for step in 0..=8 {
             let load_n = f64::from(step) * 10.0;
-            let reading_n = sensor.reading_n(load_n) + normal(rng, FORCE_SD_N);
+            let reading_n = gain * load_n + bias_n + normal(rng, FORCE_SD_N);
             pairs.push(ForcePair {
                 cable,
                 reading_n,

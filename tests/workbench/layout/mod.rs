@@ -252,6 +252,22 @@ fn cut_numbers(harness: &Harness<'_, App>) -> Vec<String> {
     cut.map(|part| format!("{part:?}")).collect()
 }
 
+#[test]
+fn the_tolerances_fit() {
+    let mut bench = Bench::with_robot(|robot| {
+        robot["tolerances"] = serde_json::json!({
+            "winch_scale": {"cable-3": 1e-3, "default": 2e-4},
+            "cable_creep": 1.234e-5
+        });
+    });
+    give(
+        &mut bench.harness,
+        ViewCommand::Go(Screen::Phase(Phase::Modeling)),
+    );
+    bench.open("Tolerances");
+    check(&mut bench.harness, "tolerances");
+}
+
 /// No number is cut off, wherever the table was scrolled to, and also where the numbers are long.
 #[test]
 fn the_table_of_cables_shows_whole_numbers() {

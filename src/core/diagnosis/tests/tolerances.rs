@@ -5,7 +5,9 @@ use nalgebra::DMatrix;
 use super::*;
 use crate::diagnosis::linear_fit::LinearFit;
 use crate::diagnosis::priors::FACTORS;
-use crate::robot::presets;
+use crate::diagnosis::{DeviationSensitivity, deviation_sensitivities};
+use crate::estimation::{Linearisation, ObservationKind, RowKind};
+use crate::robot::{Robot, presets};
 use crate::simulation::run_of_machine;
 
 const POSES: usize = 30;
@@ -56,6 +58,50 @@ fn a_part_outside_its_tolerance_is_named() {
     let off = (size.value - scale).abs();
     // Its own deviation, which is part of the size, has a standard deviation of 2e-4.
     assert!(off < 4.0 * size.sd.unwrap().hypot(2e-4), "{size:?}");
+}
+
+/// A description with another payload or another drum changes the readings as the sensitivity says.
+#[test]
+fn sensitivities_are_those_of_a_changed_description() {
+    let run = run_of(&presets::find("mini").unwrap(), POSES, 17, &[]);
+    let found = deviation_sensitivities(&run.dataset).unwrap();
+    let sensitivity = |id: &str, cable| {
+        let is_it = |one: &&DeviationSensitivity| one.effect.id() == id && one.cable == cable;
+        found.iter().find(is_it).unwrap().largest
+    };
+    let problem = problem_at_fitted_poses(&run.dataset);
+    let fit = Fit::new(&problem, &[]).unwrap();
+    let changed = |change: &dyn Fn(&mut Robot)| {
+        let mut dataset = run.dataset.clone();
+        change(&mut dataset.robot);
+        let problem = Problem::new(&dataset).unwrap().at_poses_of(&fit.solution);
+        let after = Linearisation::new(&problem, &fit.solution).residual;
+        let before = &fit.linearisation().residual;
+        let rows = fit.linearisation().rows.clone().into_iter().enumerate();
+        let readings = rows.filter(|(_, row)| match row.kind {
+            RowKind::Observation(kind) => !matches!(kind, ObservationKind::Equilibrium(_)),
+            _ => false,
+        });
+        let changes = readings.map(|(k, _)| (after[k] - before[k]).abs());
+        changes.fold(0.0, f64::max)
+    };
+    let by = 1e-4;
+    let mass =
+        changed(&|robot| robot.platform.mass_kg = robot.platform.mass_kg.map(|m| m * (1.0 + by)));
+    let drum = changed(&|robot| robot.cables[2].winch.drum_diameter_m *= 1.0 + by);
+    let expected = [
+        sensitivity("payload_mass", None),
+        sensitivity("winch_scale", Some(2)),
+    ];
+    for (change, expected) in [mass, drum].into_iter().zip(expected) {
+        assert!(expected > 1.0, "{expected}");
+        assert!(
+            (change / by / expected - 1.0).abs() < 0.01,
+            "{change} {expected}"
+        );
+    }
+    // MINI has no inclinometer.
+    assert_eq!(sensitivity("inclinometer_tilt", None), 0.0);
 }
 
 /// The evidence of each factor from one elimination is that of dense covariances.

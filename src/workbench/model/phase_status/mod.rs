@@ -5,7 +5,7 @@ mod measuring;
 mod modeling;
 mod precalibration;
 
-pub use self::modeling::{elongation, pulleys};
+pub use self::modeling::{elongation, pulleys, tolerances};
 pub use self::precalibration::{force_sensors, home, winches};
 
 use super::open_session::Stored;

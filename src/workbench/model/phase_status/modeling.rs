@@ -1,5 +1,8 @@
 //! How far the parts of phase 2 are.
 
+use tautline_core::robot::PartTolerances;
+use tautline_workflow::wording::count;
+
 use super::precalibration::begun;
 use crate::model::OpenSession;
 use crate::model::phase::{PhaseStatus, Progress};
@@ -40,4 +43,16 @@ pub fn pulleys(open: &OpenSession) -> PhaseStatus {
         (eyelets, count) => format!("{} pulleys, {eyelets} eyelets", count - eyelets),
     };
     PhaseStatus::new(Progress::Done, line)
+}
+
+#[must_use]
+pub fn tolerances(open: &OpenSession) -> PhaseStatus {
+    match &open.session().robot.tolerances {
+        None => PhaseStatus::new(Progress::NotStarted, "parts count as exact"),
+        Some(PartTolerances::Typical(_)) => PhaseStatus::new(Progress::Done, "typical"),
+        Some(PartTolerances::Stated(stated)) => {
+            let line = format!("{} stated", count(stated.effects.len(), "tolerance"));
+            PhaseStatus::new(Progress::Done, line)
+        }
+    }
 }

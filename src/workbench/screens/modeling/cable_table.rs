@@ -2,7 +2,9 @@
 //! known. A block that was copied from a spreadsheet is pasted into it.
 
 use tautline_core::geometry::{Coordinate, Vec3};
-use tautline_core::robot::{Cable, CableMaterial, PerAxis, Platform, Pulley, Robot, Winch};
+use tautline_core::robot::{
+    Cable, CableMaterial, PartTolerances, PerAxis, Platform, Pulley, Robot, Winch,
+};
 use tautline_workflow::wording::{count, list};
 
 use crate::widgets::parse_number;
@@ -356,7 +358,7 @@ impl CableTable {
             tracker: None,
             cables: cables.collect::<Result<_, _>>()?,
             home_platform: None,
-            tolerances: None,
+            tolerances: Some(PartTolerances::typical()),
             deviations: Vec::new(),
             effects: Vec::new(),
         })

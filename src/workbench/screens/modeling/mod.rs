@@ -1,4 +1,5 @@
-//! The panel of the phase Modeling: the description of the robot, elongation of the cables, pulleys, where their length goes.
+//! The panel of the phase Modeling: the description of the robot with its tolerances, elongation of the cables, pulleys,
+//! where their length goes.
 
 pub(crate) mod cable_table;
 pub(crate) mod description;
@@ -8,6 +9,7 @@ pub mod new_robot;
 mod pose;
 mod pulley_picture;
 mod pulleys;
+mod tolerances;
 
 use egui::Ui;
 
@@ -24,6 +26,7 @@ enum Part {
     Pulleys,
     Lengths,
     Description,
+    Tolerances,
 }
 
 /// State of the panel between frames.
@@ -32,6 +35,7 @@ pub struct PanelState {
     part: Part,
     elongation: TableInput,
     focused: description::cables::FocusedCell,
+    tolerances: tolerances::PanelState,
 }
 
 impl PanelState {
@@ -67,6 +71,11 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         (Part::Pulleys, "Pulleys", phase_status::pulleys(open)),
         (Part::Lengths, "Cable lengths", lengths),
         (Part::Description, "Description", description),
+        (
+            Part::Tolerances,
+            "Tolerances",
+            phase_status::tolerances(open),
+        ),
     ];
     parts(ui, rows, &mut panel.part);
     match panel.part {
@@ -74,5 +83,6 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         Part::Pulleys => pulleys::show(ui, &mut bench),
         Part::Lengths => lengths::show(ui, &mut bench),
         Part::Description => description::show(ui, &mut bench, &mut panel.focused),
+        Part::Tolerances => tolerances::show(ui, &mut bench, &mut panel.tolerances),
     }
 }

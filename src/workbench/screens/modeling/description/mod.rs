@@ -2,7 +2,7 @@
 
 pub(crate) mod cables;
 mod common;
-mod field;
+pub(in crate::screens::modeling) mod field;
 mod instruments;
 
 use egui::Ui;
