@@ -6,7 +6,9 @@ mod xml;
 
 use std::path::PathBuf;
 
-use tautline_core::robot::{Cable, CableMaterial, PerAxis, Platform, Pulley, Robot, Winch};
+use tautline_core::robot::{
+    Cable, CableMaterial, PartTolerances, PerAxis, Platform, Pulley, Robot, Winch,
+};
 use tautline_session::{Loaded, Place, ReadError, VersionedFile, open_input};
 
 use xml::Element;
@@ -114,7 +116,7 @@ fn robot_of(
     mut notices: Vec<String>,
 ) -> Result<Loaded<Robot>, ReadError> {
     notices.push(format!(
-        "{file}: does not state winches, noise and tolerances of the pulleys: a motor revolution is assumed to wind 1 m of cable, a length to have a standard deviation of {} mm, and entry points to be unknown; correct robot.json",
+        "{file}: does not state winches, noise and tolerances of the pulleys: a motor revolution is assumed to wind 1 m of cable, a length to have a standard deviation of {} mm, entry points to be unknown, and all other parts to have typical tolerances; correct robot.json",
         1e3 * LENGTH_SD_M
     ));
     let robot = Robot {
@@ -128,7 +130,7 @@ fn robot_of(
         tracker: None,
         cables,
         home_platform: None,
-        tolerances: None,
+        tolerances: Some(PartTolerances::typical()),
         deviations: Vec::new(),
         effects: Vec::new(),
     };

@@ -102,6 +102,7 @@ fn cables_alone_make_a_robot_of_six_degrees_of_freedom() {
         robot.platform.free,
         [Coordinate::X, Coordinate::Z, Coordinate::Ry]
     );
+    assert_eq!(robot.tolerances, Some(PartTolerances::typical()));
 }
 
 #[test]
