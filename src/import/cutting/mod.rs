@@ -87,10 +87,12 @@ pub(crate) fn sampled_in_motion(sources: &[Source], recipe: &Recipe, robot: &Rob
             (value, reading_sd(robot, *quantity))
         })
         .collect();
-    let channels = moving
-        .iter()
-        .map(|(value, sd)| SampledChannel { value, sd: *sd });
-    is_recording(mapping.series[main]) && follows_a_motion(&time_s, &channels.collect::<Vec<_>>())
+    let channels: Vec<SampledChannel<'_>> = (moving.iter())
+        .map(|(value, sd)| SampledChannel { value, sd: *sd })
+        .collect();
+    // While no channel that moves is assigned, nothing tells: rows with times are then samples.
+    let moves = || channels.is_empty() || follows_a_motion(&time_s, &channels);
+    is_recording(mapping.series[main]) && moves()
 }
 
 /// Standard deviation of the readings of a winch; 0 for other quantities.

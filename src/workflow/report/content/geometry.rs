@@ -5,13 +5,15 @@ use tautline_core::estimation::ParameterId;
 use super::{NONE, displacements, number, signed};
 use crate::identification::{Identification, nominal_and_value, unit_of_value};
 use crate::report::document::{Section, Table};
-use crate::wording::sentence;
 use crate::wording::units::{decimals, display_unit};
+use crate::wording::{count, sentence};
 
 /// Correlations above this magnitude are listed.
 const CORRELATED: f64 = 0.9;
 /// Largest number of correlations listed.
 const LISTED: usize = 10;
+/// Standard deviation of a part's deviation over its tolerance above which the readings say hardly more than the tolerance.
+const HARDLY_KNOWN: f64 = 0.9;
 /// Largest number of decimals shown.
 const FINEST: usize = 4;
 
@@ -26,7 +28,14 @@ pub fn section(fit: &Identification, tolerance_m: Option<f64>) -> Section {
     }
     displacements::drawn(fit, tolerance_m, &mut section);
     section.table(entry_points(fit));
-    section.table(others(fit));
+    let unknown = deviations_hardly_known(fit);
+    section.table(others(fit, &unknown));
+    if !unknown.is_empty() {
+        section.note(format!(
+            "Left out: {} of parts, of which the readings say hardly more than the tolerances.",
+            count(unknown.len(), "deviation")
+        ));
+    }
     correlations(fit, &mut section);
     section
 }
@@ -92,7 +101,22 @@ fn entry_points(fit: &Identification) -> Table {
     table
 }
 
-fn others(fit: &Identification) -> Table {
+/// Indices of the deviations of parts that the readings hardly determine.
+fn deviations_hardly_known(fit: &Identification) -> Vec<usize> {
+    let is_unknown = |index: &usize| {
+        let parameter = &fit.solution.parameters[*index];
+        let sd = fit.solution.standard_deviation(*index);
+        let is_deviation = matches!(parameter.id, ParameterId::Deviation { .. });
+        let known = sd.zip(parameter.prior_sd);
+        is_deviation && known.is_some_and(|(sd, prior)| sd > HARDLY_KNOWN * prior)
+    };
+    (0..fit.solution.parameters.len())
+        .filter(is_unknown)
+        .collect()
+}
+
+/// The other parameters without those of the given indices.
+fn others(fit: &Identification, left_out: &[usize]) -> Table {
     let mut table = Table::new(
         "Other identified parameters; home rotations are relative to the nominal pose",
         2,
@@ -106,7 +130,7 @@ fn others(fit: &Identification) -> Table {
         ],
     );
     for (index, parameter) in fit.solution.parameters.iter().enumerate() {
-        if let ParameterId::EntryPoint { .. } = parameter.id {
+        if matches!(parameter.id, ParameterId::EntryPoint { .. }) || left_out.contains(&index) {
             continue;
         }
         let Some((nominal, found)) = nominal_and_value(fit, parameter) else {
