@@ -8,7 +8,7 @@ use tautline_core::diagnosis::{DiagnosisOptions, ExpectedFault, Isolability, iso
 use tautline_core::effect::Scope;
 use tautline_core::estimation::EstimationError;
 use tautline_core::measurement::Dataset;
-use tautline_core::robot::Robot;
+use tautline_core::robot::{PartTolerances, Robot};
 
 use crate::wording::units::{quantity, unit_of};
 use crate::wording::{count, list};
@@ -56,6 +56,16 @@ impl IsolabilityDocument {
     pub fn of_dataset(dataset: &Dataset) -> Result<Self, EstimationError> {
         let found = isolability(dataset, &DiagnosisOptions::default())?;
         Ok(Self::new(&dataset.robot, &found))
+    }
+
+    /// The same if all parts were exactly as described: what the poses alone would reveal.
+    ///
+    /// # Errors
+    /// If the readings cannot be used with the robot.
+    pub fn of_exact_parts(dataset: &Dataset) -> Result<Self, EstimationError> {
+        let mut exact = dataset.clone();
+        exact.robot.tolerances = Some(PartTolerances::exact());
+        Self::of_dataset(&exact)
     }
 
     /// Describes the result for a robot.
