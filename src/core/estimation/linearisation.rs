@@ -14,9 +14,12 @@ use super::evaluator::{Elimination, Evaluator, NoiseEstimate};
 use super::observation::ObservationKind;
 use super::options::Division;
 use super::parameter::{Parameter, ParameterId};
-use super::problem::Problem;
+use super::problem::{Poses, Problem};
 use super::solution::Solution;
 use super::system::Priors;
+
+/// Singular values below this fraction of the largest belong to directions that the cables do not constrain.
+const UNCONSTRAINED: f64 = 1e-9;
 
 /// Kind of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -203,6 +206,54 @@ impl<'a> LinearisedProblem<'a> {
             mapped.row_mut(k).copy_from_slice(&row);
         }
         mapped
+    }
+
+    /// Derivative of the position that a controller reaches at pose `index` with respect to the parameters that it has, 3 x
+    /// parameters (m per unit of the parameter); `None` where a length was not read or the pose is not estimated.
+    ///
+    /// The controller commands the length that it expects at the pose. With its length row `r(x; p)`, which is 0 for the true
+    /// parameters where the platform comes to rest, parameters that are off by `dp` move the platform by `dx = J^+ (dr/dp) dp`,
+    /// `J = dr/dx`; contradicting lengths are met in the least-squares sense. Tensions are taken as known.
+    pub fn position_by_parameter(&mut self, index: usize) -> Option<DMatrix<f64>> {
+        let (poses, index) = self.at.poses.part_with(index);
+        let layout = poses.layout.clone();
+        let equations = &*poses.equations_at(index);
+        let is_read = |cable: usize| equations.present[cable] > 0.0;
+        if self.problem.poses != Poses::Estimated || !(0..layout.cables).all(is_read) {
+            return None;
+        }
+        let freedom = self.problem.dataset.robot.platform.freedom();
+        let coordinates = freedom.coordinates();
+        // The derivative of a row by the length at home is minus its weight, which is taken out again.
+        let scale = |cable: usize| -equations.length_by_cable[cable][3].recip();
+        let by_pose = DMatrix::from_fn(layout.cables, coordinates.len(), |cable, k| {
+            scale(cable) * equations.by_pose[cable][coordinates[k].index()]
+        });
+        let mut by_parameter = DMatrix::zeros(layout.cables, self.solution.parameters.len());
+        let nothing = Elimination::new(&layout, 0.0);
+        let mut gradient = vec![0.0; layout.columns];
+        for cable in 0..layout.cables {
+            nothing.remaining_gradient(equations, &layout, cable, [0.0; 6], &mut gradient);
+            let mapped = self.at.map.map_row(&self.at.home, &gradient);
+            for (k, (slope, parameter)) in mapped.iter().zip(&self.solution.parameters).enumerate()
+            {
+                if !matches!(parameter.id, ParameterId::HomeTension { .. }) {
+                    by_parameter[(cable, k)] = scale(cable) * slope;
+                }
+            }
+        }
+        let svd = by_pose.svd(true, true);
+        let cutoff = UNCONSTRAINED * svd.singular_values.max();
+        let moved = svd.solve(&by_parameter, cutoff).ok()?;
+        let mut position = DMatrix::zeros(3, by_parameter.ncols());
+        for (k, coordinate) in coordinates.iter().enumerate() {
+            if coordinate.index() < 3 {
+                position
+                    .row_mut(coordinate.index())
+                    .copy_from(&moved.row(k));
+            }
+        }
+        Some(position)
     }
 
     /// The readings at the home pose except the lengths and tensions, which have no rows of their own.
