@@ -28,6 +28,7 @@
 pub mod accuracy;
 pub mod cable;
 pub mod comparison;
+pub mod conformance;
 pub mod diagnosis;
 pub mod effect;
 pub mod estimation;

@@ -52,12 +52,18 @@ pub fn normal_two_sided(size: f64) -> f64 {
     2.0 * Normal::standard().sf(size.abs())
 }
 
+/// Probability that a standard normal variable is below `value`.
+#[must_use]
+pub fn normal_cdf(value: f64) -> f64 {
+    Normal::standard().cdf(value)
+}
+
 /// Logarithm of the probability that a standard normal variable is below `value`, also where the probability
 /// itself underflows.
 #[must_use]
 pub fn log_normal_cdf(value: f64) -> f64 {
     if value > -30.0 {
-        Normal::standard().cdf(value).ln()
+        normal_cdf(value).ln()
     } else {
         // Asymptotic tail, density over distance: Abramowitz and Stegun 26.2.12.
         -0.5 * (value * value + std::f64::consts::TAU.ln()) - (-value).ln()

@@ -11,8 +11,8 @@ use tautline_core::estimation::{Control, Loss};
 use tautline_core::measurement::{Dataset, Truth};
 use tautline_session::{Method, write_bytes, write_robot};
 use tautline_workflow::identification::{
-    Identification, IdentificationRequest, PublishedIdentification, identify, identify_published,
-    readings_table, solved_method, values_table,
+    Identification, IdentificationDocument, IdentificationRequest, PublishedIdentification,
+    identify, identify_published, readings_table, solved_method, values_table,
 };
 use tautline_workflow::wording::sampling_sentence;
 
@@ -93,7 +93,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 write_bytes(path, values_table(&identified).csv().as_bytes())?;
             }
             let converged = identified.solution.converged();
-            (identified.model.clone(), identified.document(), converged)
+            let document = IdentificationDocument {
+                budget: identified.budget(),
+                ..identified.document()
+            };
+            (identified.model.clone(), document, converged)
         }
     };
     if let Some(path) = &arguments.model_out {

@@ -1,12 +1,17 @@
 //! The human-readable report of an identification.
 
 use tautline_core::robot::Robot;
-use tautline_workflow::identification::{FitVerdict, IdentificationDocument};
+use tautline_workflow::identification::{
+    BudgetDocument, FitVerdict, IdentificationDocument, PulleyBudget, SourceSummary, source_title,
+};
+use tautline_workflow::wording::sentence;
 use tautline_workflow::wording::units::{unit_of, with_sd};
 
 use crate::output::say;
 use crate::table;
 
+/// Smallest share of a source that is listed.
+const LISTED_SHARE: f64 = 0.01;
 /// Largest number of suspect readings listed.
 const SUSPECTS_SHOWN: usize = 10;
 
@@ -19,6 +24,9 @@ pub fn print(identification: &IdentificationDocument, drawing: &Robot) {
         print_effects(identification);
     }
     print_residuals(identification);
+    if let Some(budget) = &identification.budget {
+        print_budget(budget);
+    }
     for sentence in &identification.undetermined {
         say!("undetermined: {sentence}");
     }
@@ -75,6 +83,35 @@ fn print_residuals(identification: &IdentificationDocument) {
     show("of lengths", rms.length_m, 1e3, "mm");
     show("of the laser", rms.laser_m, 1e3, "mm");
     show("of tensions", rms.tension_n, 1.0, "N");
+}
+
+/// Sources of uncertainty with their shares, and the pulley in which each has its largest share.
+fn print_budget(budget: &BudgetDocument) {
+    if let Some(position) = &budget.position {
+        let rms = table::mm(position.sd_m(), 2);
+        say!(
+            "expected rms position error at the measured poses with these values in the controller: {rms} mm"
+        );
+    }
+    let mut shares = table::numbers(&["Uncertainty from", "pulleys", "position", "most in"]);
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    for one in budget.summary(LISTED_SHARE) {
+        let position = one.position.map_or_else(no_sd, percent);
+        let title = sentence(&source_title(&one.source));
+        let most = most_in(budget, &one);
+        let most = most.map_or_else(String::new, |(cable, share)| {
+            format!("{cable}: {}", percent(share))
+        });
+        table::push(&mut shares, &[title, percent(one.pulleys), position, most]);
+    }
+    say!("{shares}");
+}
+
+/// The pulley in which a source has its largest share, and that share.
+fn most_in<'a>(budget: &'a BudgetDocument, of: &SourceSummary) -> Option<(&'a str, f64)> {
+    let share = |one: &'a PulleyBudget| (one.cable.as_str(), one.budget.share(&of.source));
+    let shares = budget.pulleys.iter().map(share);
+    shares.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 fn print_suspects(suspects: &[String]) {

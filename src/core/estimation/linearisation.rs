@@ -14,9 +14,12 @@ use super::evaluator::{Elimination, Evaluator, NoiseEstimate};
 use super::observation::ObservationKind;
 use super::options::Division;
 use super::parameter::{Parameter, ParameterId};
-use super::problem::Problem;
+use super::problem::{Poses, Problem};
 use super::solution::Solution;
 use super::system::Priors;
+
+/// Singular values below this fraction of the largest belong to directions that the cables do not constrain.
+const UNCONSTRAINED: f64 = 1e-9;
 
 /// Kind of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,57 +78,81 @@ impl Linearisation {
     /// Linearises `problem` at `solution`, whose parameters are those of the problem.
     #[must_use]
     pub fn new(problem: &Problem<'_>, solution: &Solution) -> Self {
-        Builder::new(problem, solution).build()
+        let mut at = LinearisedProblem::new(problem, solution);
+        let (mut blocks, mut poses) = (Vec::new(), Vec::new());
+        let mut first = 0;
+        for index in 0..at.pose_count() {
+            let pose = at.pose(index);
+            let last = first + pose.block.rows.len();
+            poses.push(PoseBlock {
+                row: pose.row,
+                rows: first..last,
+                remainder: pose.remainder,
+                pose_by_parameter: pose.pose_by_parameter,
+            });
+            blocks.push(pose.block);
+            first = last;
+        }
+        blocks.push(at.home());
+        blocks.push(at.priors());
+        let count = blocks.iter().map(|block| block.rows.len()).sum();
+        let mut design = DMatrix::zeros(count, solution.parameters.len());
+        let mut first = 0;
+        for block in &blocks {
+            let count = block.rows.len();
+            design.rows_mut(first, count).copy_from(&block.design);
+            first += count;
+        }
+        let residuals = blocks.iter().flat_map(|block| block.residual.iter());
+        Self {
+            parameters: solution.parameters.clone(),
+            residual: DVector::from_iterator(count, residuals.copied()),
+            rows: blocks.into_iter().flat_map(|block| block.rows).collect(),
+            design,
+            poses,
+        }
     }
 }
 
-struct Builder<'a> {
+/// Rows that belong together: those of a pose, of the home pose, or the priors.
+pub(super) struct LinearBlock {
+    pub rows: Vec<LinearRow>,
+    /// See [`Linearisation::residual`].
+    pub residual: DVector<f64>,
+    /// See [`Linearisation::design`].
+    pub design: DMatrix<f64>,
+}
+
+/// One pose of a linearised problem; names as in [`PoseBlock`].
+pub(super) struct LinearisedPose {
+    pub row: usize,
+    pub block: LinearBlock,
+    pub remainder: DMatrix<f64>,
+    pub pose_by_parameter: DMatrix<f64>,
+}
+
+/// A problem at a solution, linearised block by block, so that many poses need no more memory than one.
+pub(super) struct LinearisedProblem<'a> {
     problem: &'a Problem<'a>,
     solution: &'a Solution,
     at: Evaluated<'a, f64>,
-    rows: Vec<LinearRow>,
-    residual: Vec<f64>,
-    /// Blocks of the design, stacked at the end.
-    blocks: Vec<DMatrix<f64>>,
-    poses: Vec<PoseBlock>,
 }
 
-impl<'a> Builder<'a> {
-    fn new(problem: &'a Problem<'a>, solution: &'a Solution) -> Self {
+impl<'a> LinearisedProblem<'a> {
+    pub fn new(problem: &'a Problem<'a>, solution: &'a Solution) -> Self {
         Self {
             problem,
             solution,
             at: Evaluated::at((), problem, solution, Division::default()),
-            rows: Vec::new(),
-            residual: Vec::new(),
-            blocks: Vec::new(),
-            poses: Vec::new(),
         }
     }
 
-    fn build(mut self) -> Linearisation {
-        for index in 0..self.at.poses.len() {
-            self.add_pose(index);
-        }
-        self.add_home();
-        self.add_priors();
-        let parameters = self.solution.parameters.clone();
-        let mut design = DMatrix::zeros(self.rows.len(), parameters.len());
-        let mut first = 0;
-        for block in &self.blocks {
-            design.rows_mut(first, block.nrows()).copy_from(block);
-            first += block.nrows();
-        }
-        Linearisation {
-            parameters,
-            rows: self.rows,
-            residual: DVector::from_vec(self.residual),
-            design,
-            poses: self.poses,
-        }
+    /// Number of poses besides the home pose.
+    pub fn pose_count(&self) -> usize {
+        self.at.poses.len()
     }
 
-    fn add_pose(&mut self, index: usize) {
+    pub fn pose(&mut self, index: usize) -> LinearisedPose {
         // The first evaluation finds the tensions at which the second one linearises.
         let (poses, index) = self.at.poses.part_with(index);
         poses.equations_at(index);
@@ -152,18 +179,18 @@ impl<'a> Builder<'a> {
             present.len(),
             present.iter().map(|r| equations.residual[*r]),
         );
-        let (kinds, noise) = noise_of(self.problem, poses, (row, &present));
+        let (rows, noise) = noise_of(self.problem, poses, (row, &present));
         let remainder = &noise - (&noise * &basis) * basis.transpose();
-        let first = self.rows.len();
-        self.rows.extend(kinds);
-        self.residual.extend((&remainder * whitened).iter());
-        self.blocks.push(&noise * design);
-        self.poses.push(PoseBlock {
+        LinearisedPose {
             row,
-            rows: first..self.rows.len(),
+            block: LinearBlock {
+                rows,
+                residual: &remainder * whitened,
+                design: &noise * design,
+            },
             remainder,
             pose_by_parameter: self.pose_by_parameter(&elimination),
-        });
+        }
     }
 
     fn pose_by_parameter(&self, elimination: &Elimination<f64>) -> DMatrix<f64> {
@@ -181,52 +208,111 @@ impl<'a> Builder<'a> {
         mapped
     }
 
-    fn add_home(&mut self) {
+    /// Derivative of the position that a controller reaches at pose `index` with respect to the parameters that it has, 3 x
+    /// parameters (m per unit of the parameter); `None` where a length was not read or the pose is not estimated.
+    ///
+    /// The controller commands the length that it expects at the pose. With its length row `r(x; p)`, which is 0 for the true
+    /// parameters where the platform comes to rest, parameters that are off by `dp` move the platform by `dx = J^+ (dr/dp) dp`,
+    /// `J = dr/dx`; contradicting lengths are met in the least-squares sense. Tensions are taken as known.
+    pub fn position_by_parameter(&mut self, index: usize) -> Option<DMatrix<f64>> {
+        let (poses, index) = self.at.poses.part_with(index);
+        let layout = poses.layout.clone();
+        let equations = &*poses.equations_at(index);
+        let is_read = |cable: usize| equations.present[cable] > 0.0;
+        if self.problem.poses != Poses::Estimated || !(0..layout.cables).all(is_read) {
+            return None;
+        }
+        let freedom = self.problem.dataset.robot.platform.freedom();
+        let coordinates = freedom.coordinates();
+        // The derivative of a row by the length at home is minus its weight, which is taken out again.
+        let scale = |cable: usize| -equations.length_by_cable[cable][3].recip();
+        let by_pose = DMatrix::from_fn(layout.cables, coordinates.len(), |cable, k| {
+            scale(cable) * equations.by_pose[cable][coordinates[k].index()]
+        });
+        let mut by_parameter = DMatrix::zeros(layout.cables, self.solution.parameters.len());
+        let nothing = Elimination::new(&layout, 0.0);
+        let mut gradient = vec![0.0; layout.columns];
+        for cable in 0..layout.cables {
+            nothing.remaining_gradient(equations, &layout, cable, [0.0; 6], &mut gradient);
+            let mapped = self.at.map.map_row(&self.at.home, &gradient);
+            for (k, (slope, parameter)) in mapped.iter().zip(&self.solution.parameters).enumerate()
+            {
+                if !matches!(parameter.id, ParameterId::HomeTension { .. }) {
+                    by_parameter[(cable, k)] = scale(cable) * slope;
+                }
+            }
+        }
+        let svd = by_pose.svd(true, true);
+        let cutoff = UNCONSTRAINED * svd.singular_values.max();
+        let moved = svd.solve(&by_parameter, cutoff).ok()?;
+        let mut position = DMatrix::zeros(3, by_parameter.ncols());
+        for (k, coordinate) in coordinates.iter().enumerate() {
+            if coordinate.index() < 3 {
+                position
+                    .row_mut(coordinate.index())
+                    .copy_from(&moved.row(k));
+            }
+        }
+        Some(position)
+    }
+
+    /// The readings at the home pose except the lengths and tensions, which have no rows of their own.
+    pub fn home(&mut self) -> LinearBlock {
+        let n = self.solution.parameters.len();
         let Some((row, evaluator)) = &mut self.at.home_evaluator else {
-            return;
+            return LinearBlock {
+                rows: Vec::new(),
+                residual: DVector::zeros(0),
+                design: DMatrix::zeros(0, n),
+            };
         };
         let layout = evaluator.layout.clone();
         let present = evaluator.equations_at(0).present.clone();
-        let n = self.solution.parameters.len();
-        for r in (layout.cables..layout.rows).filter(|r| present[*r] > 0.0) {
-            let index = r - layout.cables;
-            let kind = layout.kinds[r];
-            self.rows.push(LinearRow {
-                row: Some(*row),
-                kind: RowKind::Observation(kind),
-                sd: sd_of(self.problem, evaluator, kind, *row),
-            });
-            self.residual.push(self.at.home.residuals[index]);
-            let gradient = &self.at.home.gradients[index * n..(index + 1) * n];
-            self.blocks.push(DMatrix::from_row_slice(1, n, gradient));
+        let read: Vec<usize> = (layout.cables..layout.rows)
+            .filter(|r| present[*r] > 0.0)
+            .collect();
+        let home = &self.at.home;
+        let of = |r: &usize| LinearRow {
+            row: Some(*row),
+            kind: RowKind::Observation(layout.kinds[*r]),
+            sd: sd_of(self.problem, evaluator, layout.kinds[*r], *row),
+        };
+        let residual = read.iter().map(|r| home.residuals[r - layout.cables]);
+        LinearBlock {
+            rows: read.iter().map(of).collect(),
+            residual: DVector::from_iterator(read.len(), residual),
+            design: DMatrix::from_fn(read.len(), n, |i, k| {
+                home.gradients[(read[i] - layout.cables) * n + k]
+            }),
         }
     }
 
-    fn add_priors(&mut self) {
+    pub fn priors(&self) -> LinearBlock {
         let parameters = &self.solution.parameters;
         let priors = Priors::evaluate(self.problem, &self.solution.globals, parameters);
-        for (index, parameter) in parameters.iter().enumerate() {
-            let Some(sd) = parameter.prior_sd else {
-                continue;
-            };
-            let mut block = DMatrix::zeros(1, parameters.len());
-            for (row, column, value) in &priors.derivatives {
-                if *row == index {
-                    block[(0, *column)] = *value;
+        let known = parameters.iter().enumerate();
+        let known: Vec<(usize, f64)> = known
+            .filter_map(|(index, parameter)| Some((index, parameter.prior_sd?)))
+            .collect();
+        let of = |(index, sd): &(usize, f64)| LinearRow {
+            row: None,
+            kind: match parameters[*index].id {
+                ParameterId::HomeTension { cable } if self.problem.assumes_tensions() => {
+                    RowKind::AssumedTension(cable)
                 }
-            }
-            self.rows.push(LinearRow {
-                row: None,
-                kind: match parameter.id {
-                    ParameterId::HomeTension { cable } if self.problem.assumes_tensions() => {
-                        RowKind::AssumedTension(cable)
-                    }
-                    _ => RowKind::Prior(index),
-                },
-                sd,
-            });
-            self.residual.push(priors.residuals[index]);
-            self.blocks.push(block);
+                _ => RowKind::Prior(*index),
+            },
+            sd: *sd,
+        };
+        let mut whole = DMatrix::zeros(parameters.len(), parameters.len());
+        for (row, column, value) in &priors.derivatives {
+            whole[(*row, *column)] = *value;
+        }
+        let residuals = known.iter().map(|(index, _)| priors.residuals[*index]);
+        LinearBlock {
+            rows: known.iter().map(of).collect(),
+            residual: DVector::from_iterator(known.len(), residuals),
+            design: whole.select_rows(known.iter().map(|(index, _)| index)),
         }
     }
 }

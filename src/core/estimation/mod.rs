@@ -5,6 +5,7 @@
 //! undetermined; [`Linearisation`] and [`ExpectedInformation`] provide the matrices.
 
 mod analysis;
+mod budget;
 mod covariance;
 mod evaluated;
 mod evaluator;
@@ -27,6 +28,9 @@ mod surface;
 mod system;
 
 pub use analysis::{Analysis, SUSPECT_LEVEL};
+pub use budget::{
+    CovarianceBySource, UncertaintyBudget, UncertaintyContribution, UncertaintySource,
+};
 pub use covariance::covariance_of;
 pub use expected::ExpectedInformation;
 pub use globals::Globals;

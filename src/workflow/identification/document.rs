@@ -4,6 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_session::VersionedFile;
 
+use super::budget::BudgetDocument;
+
 /// Machine-readable form of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct IdentificationDocument {
@@ -38,6 +40,9 @@ pub struct IdentificationDocument {
     /// Suspect readings in words, the worst first.
     #[serde(default)]
     pub suspect_readings: Vec<String>,
+    /// Budget of the uncertainty.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub budget: Option<BudgetDocument>,
 }
 
 /// Root mean square residuals.

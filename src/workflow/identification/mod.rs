@@ -3,6 +3,7 @@
 //! A request states what is identified from which data; [`identify`] solves it and analyses the residuals.
 
 mod adequacy;
+mod budget;
 mod document;
 mod effects;
 mod model;
@@ -28,6 +29,9 @@ use tautline_core::robot::Robot;
 use tautline_session::Session;
 
 pub use adequacy::FitVerdict;
+pub use budget::{
+    BudgetDocument, PulleyBudget, SourceShare, SourceSummary, VarianceBudget, source_title,
+};
 pub use document::{FittedEffect, FittedPose, IdentificationDocument, Rms};
 pub use effects::{effect_sizes, effects_title, same_effect};
 pub use model::{entry_point_sd, identified};
@@ -230,7 +234,7 @@ impl Identification {
         effects
     }
 
-    /// Machine-readable form.
+    /// Machine-readable form, without the budget of uncertainty, which takes longer than the solve.
     #[must_use]
     pub fn document(&self) -> IdentificationDocument {
         let measurements = &self.dataset.measurements;
@@ -266,6 +270,7 @@ impl Identification {
             effects: self.effects(),
             undetermined: self.open.iter().map(|d| d.sentence.clone()).collect(),
             suspect_readings: self.suspect_lines(),
+            budget: None,
         }
     }
 }

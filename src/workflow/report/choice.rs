@@ -19,6 +19,8 @@ pub enum Part {
     Method,
     /// The identified values.
     Geometry,
+    /// Budget of uncertainty.
+    Budget,
     /// Goodness of fit.
     Fit,
     /// The diagnosis of the model.
@@ -39,13 +41,14 @@ pub enum Part {
 
 impl Part {
     /// All parts, in order.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Result,
         Self::Robot,
         Self::Instruments,
         Self::Data,
         Self::Method,
         Self::Geometry,
+        Self::Budget,
         Self::Fit,
         Self::Causes,
         Self::Accuracy,
@@ -66,6 +69,7 @@ impl Part {
             Self::Data => "data",
             Self::Method => "method",
             Self::Geometry => "geometry",
+            Self::Budget => "budget",
             Self::Fit => "fit",
             Self::Causes => "causes",
             Self::Accuracy => "accuracy",
@@ -93,6 +97,7 @@ impl Part {
             Self::Data => "Measured data",
             Self::Method => "Method",
             Self::Geometry => "Identified values",
+            Self::Budget => "Budget of uncertainty",
             Self::Fit => "Goodness of fit",
             Self::Causes => "Model diagnosis",
             Self::Accuracy => "Accuracy",

@@ -3,6 +3,7 @@
 use ecolor::Color32;
 use emath::{Align2, Pos2, Rect, Vec2, vec2};
 use nalgebra::{Matrix3, Vector3};
+use tautline_core::conformance::conformance_probability;
 
 use super::colours::{ACCENT, FAINT, MUTED, PLOT, WARNING};
 use super::plots::{SCALE, SIZE};
@@ -43,6 +44,12 @@ impl Deviation {
     /// Expanded uncertainty of the length of the displacement, for any direction (m).
     pub fn uncertainty_m(&self) -> Option<f64> {
         self.covariance.as_ref().map(expanded_uncertainty_m)
+    }
+
+    /// Conformance probability with a tolerance (m) on the length of the displacement.
+    pub fn conformance_probability(&self, tolerance_m: f64) -> Option<f64> {
+        let covariance = self.covariance.as_ref()?;
+        Some(conformance_probability(&self.by, covariance, tolerance_m))
     }
 }
 

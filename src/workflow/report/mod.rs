@@ -4,6 +4,7 @@
 //! here reads a clock or depends on the window, so a report is the same wherever it is made, except for times, which
 //! are in the time zone of the computer.
 
+mod bars;
 mod choice;
 mod colours;
 mod content;

@@ -310,6 +310,7 @@ fn parts_can_be_left_out_and_the_head_is_ones_own() {
     ] {
         assert!(html.contains(text), "{text}");
     }
+    assert!(html.contains("<h2>Budget of uncertainty</h2>"));
     for heading in [
         "Adjustments of the controller",
         "Appendix: log of the session",
@@ -336,7 +337,10 @@ fn a_tolerance_is_judged_with_the_uncertainty_on_the_safe_side() {
         let html = sample.html();
         assert!(html.contains(verdict), "{verdict}");
         assert!(html.contains("ISO 14253-1") && html.contains("Signatures"));
+        assert!(html.contains("Decision rule: guarded acceptance and guarded rejection"));
     }
+    sample.choice.tolerance_m = Some(10.0);
+    assert!(sample.html().contains("more than 99.9 %"), "conformance");
     // Nothing is judged by uncertainties that do not hold.
     sample.fit.solution.chi2 *= 1e3;
     let html = sample.html();

@@ -1,4 +1,5 @@
-//! Conformity with a tolerance by ISO 14253-1: the uncertainty counts against whichever verdict is claimed.
+//! Conformity with a tolerance by ISO 14253-1: the uncertainty counts against whichever verdict is claimed, which is guarded
+//! acceptance and guarded rejection (JCGM 106, 8.3) with a guard band of one expanded uncertainty.
 
 use nalgebra::Matrix3;
 

@@ -34,6 +34,9 @@ impl<'a, T: Packet> Parts<'a, T> {
     ) -> Self {
         let size = division.poses_per_part_with(Layout::new(problem).columns);
         let count = rows.len().div_ceil(size).max(1);
+        // Parts of equal size, in whole packets of every instruction set.
+        let size = rows.len().div_ceil(count).next_multiple_of(8).max(8);
+        let count = rows.len().div_ceil(size).max(1);
         let threads = match (count, division.threads) {
             (1, _) => 1,
             (_, Some(most)) => most,

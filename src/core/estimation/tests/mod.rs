@@ -2,6 +2,7 @@
 //! their failure would be for a correct program.
 
 mod assumed_tensions;
+mod budget;
 mod derivatives;
 mod evaluation;
 mod linearisation;

@@ -7,6 +7,7 @@ use crate::identification::{FitVerdict, Identification, entry_point_covariance};
 use crate::report::deviations::{Deviation, coordinates, views};
 use crate::report::document::{Block, Section, Table};
 use crate::report::tolerance::Conformity;
+use crate::wording::probability::percent;
 use crate::wording::units::{mm, significant};
 use crate::wording::{count, list};
 
@@ -96,14 +97,13 @@ pub fn judged(fit: &Identification, tolerance_m: f64, section: &mut Section) {
         ),
     });
     let mut table = Table::new(
-        format!(
-            "Displacements and the tolerance of {limit}; the expanded uncertainty (two standard deviations) counts against both verdicts, as in ISO 14253-1"
-        ),
+        format!("Displacements and the tolerance of {limit}"),
         1,
         &[
             "Pulley",
             "displacement mm",
             "expanded uncertainty mm",
+            "conformance probability",
             "verdict",
         ],
     );
@@ -113,8 +113,10 @@ pub fn judged(fit: &Identification, tolerance_m: f64, section: &mut Section) {
             cable.name.clone(),
             mm(pulley.by.norm(), 2),
             uncertainty.map_or_else(|| NONE.to_owned(), |u| number(1e3 * u, 2)),
+            (pulley.conformance_probability(tolerance_m)).map_or_else(|| NONE.to_owned(), percent),
             conformity(pulley, tolerance_m).words().to_owned(),
         ]);
     }
     section.table(table);
+    section.note("Decision rule: guarded acceptance and guarded rejection (JCGM 106, 8.3) with the expanded uncertainty, two standard deviations in the least certain direction, as guard band on either side of the limit, as in ISO 14253-1. Conformance probability: that the true displacement is within the tolerance, given its estimate and the covariance of its coordinates, for a normal distribution.");
 }

@@ -3,6 +3,7 @@
 mod about;
 mod accuracy;
 mod adjustments;
+mod budget;
 mod causes;
 pub mod comparison;
 mod data;
@@ -45,6 +46,7 @@ pub fn document(input: &ReportInput<'_>) -> Document {
                 .fit
                 .map(|fit| geometry::section(fit, input.choice.tolerance_m)),
         ),
+        (Part::Budget, input.fit.and_then(budget::section)),
         (
             Part::Fit,
             input
