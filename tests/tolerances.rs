@@ -21,6 +21,8 @@ use tautline_core::robot::presets::{self, Preset};
 use tautline_core::robot::{PartTolerances, Robot, StatedTolerances, Tolerance};
 use tautline_core::simulation::{Simulated, SimulationOptions, simulate};
 
+use crate::hidden::VISIBLE;
+
 /// Robots, in turn.
 const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
 /// By what the parts scatter in units of the typical tolerances, drawn for each effect.
@@ -29,9 +31,6 @@ const SCATTER: [f64; 2] = [0.3, 1.5];
 const MISSTATED: f64 = 2.0;
 /// Size of a fault in units of the geometric mean of its typical sizes.
 const FAULT: [f64; 2] = [1.2, 2.5];
-/// Noncentrality from which a fault counts as visible: a test corrected for some hundred hypotheses detects it with a
-/// probability of about 0.99.
-const VISIBLE: f64 = 40.0;
 /// Number of poses with up to two faults, and with more.
 const POSES: [usize; 2] = [41, 60];
 /// Effects that are hidden as faults.
@@ -86,13 +85,14 @@ impl Assumption {
 
     /// What `robot.json` states under this assumption.
     fn stated(self, robot: &Robot, seed: u64) -> Option<PartTolerances> {
-        let effects = match self {
-            Self::Typical => return None,
-            Self::Exact => BTreeMap::new(),
-            Self::Stated => misstated(robot, seed),
-        };
-        let factor = 1.0;
-        Some(PartTolerances::Stated(StatedTolerances { factor, effects }))
+        match self {
+            Self::Typical => None,
+            Self::Exact => Some(PartTolerances::exact()),
+            Self::Stated => Some(PartTolerances::Stated(StatedTolerances {
+                factor: 1.0,
+                effects: misstated(robot, seed),
+            })),
+        }
     }
 }
 

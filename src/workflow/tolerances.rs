@@ -1,7 +1,7 @@
 //! Tolerances of the parts of a robot for people: typical values in the units of the screen, and what they are worth.
 
 use tautline_core::diagnosis::{DeviationSensitivity, deviation_sensitivities};
-use tautline_core::effect::{Effect, EffectParameter, MachineClass, Search, every_effect};
+use tautline_core::effect::{Effect, EffectParameter, MachineClass, every_effect};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::{PartTolerances, Robot, StatedTolerances, Tolerance};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
@@ -52,12 +52,8 @@ pub fn deviating_parts(robot: &Robot) -> impl Iterator<Item = DeviatingPart> {
 
 /// Parameters that measure the size of an effect, which all have its tolerance.
 fn sizes(effect: &Effect) -> impl Iterator<Item = &'static EffectParameter> {
-    let phase = match effect.search() {
-        Search::Wave { phase, .. } => Some(phase),
-        _ => None,
-    };
     let parameters = effect.parameters().iter().enumerate();
-    let sizes = parameters.filter(move |(k, p)| !p.discrete && Some(*k) != phase);
+    let sizes = parameters.filter(|(k, _)| effect.is_size(*k));
     sizes.map(|(_, parameter)| parameter)
 }
 
@@ -145,6 +141,8 @@ impl DeviationsInReadings {
 fn over_the_workspace(robot: &Robot) -> Result<Dataset, String> {
     let mut described = robot.clone();
     described.effects.clear();
+    described.deviations.clear();
+    described.tolerances = None;
     let options = SimulationOptions {
         geometry: TrueGeometry::Nominal,
         noise: false,

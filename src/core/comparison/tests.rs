@@ -83,22 +83,26 @@ fn probabilities_are_corrected_as_by_hand() {
     assert!(holm(&[]).is_empty());
 }
 
-#[test]
-fn two_runs_of_one_robot_are_called_different_as_often_as_stated() {
-    // 60 pairs. Called different with 5 % at most: more than 10 of 60 with a probability below 0.001. The mean of
-    // chi-square with 19 degrees of freedom is outside 19 +- 4 sqrt(38/60) = 19 +- 3.2 with a probability below 1e-4.
-    let truth = true_robot("mini");
-    let pairs = 60;
+/// Number of so many pairs of runs of one robot that are called different, and the mean of their chi-square.
+fn differences_of_pairs(truth: &Robot, pairs: u64) -> (usize, f64) {
     let (mut different, mut chi2) = (0, 0.0);
     for pair in 0..pairs {
-        let first = run_on(&truth, "mini", 20, 1000 + 2 * pair);
-        let second = run_on(&truth, "mini", 20, 1001 + 2 * pair);
+        let first = run_on(truth, "mini", 20, 1000 + 2 * pair);
+        let second = run_on(truth, "mini", 20, 1001 + 2 * pair);
         let comparison = compared(&first, &second);
         different += usize::from(comparison.is_different());
         let global = comparison.global.unwrap();
         assert_eq!(global.degrees_of_freedom, 19);
         chi2 += global.chi2 / pairs as f64;
     }
+    (different, chi2)
+}
+
+#[test]
+fn two_runs_of_one_robot_are_called_different_as_often_as_stated() {
+    // Called different with 5 % at most: more than 10 of 60 with a probability below 0.001. The mean of
+    // chi-square with 19 degrees of freedom is outside 19 +- 4 sqrt(38/60) = 19 +- 3.2 with a probability below 1e-4.
+    let (different, chi2) = differences_of_pairs(&true_robot("mini"), 60);
     assert!(different <= 10, "{different}");
     assert!((chi2 - 19.0).abs() < 3.2, "{chi2}");
 }
@@ -106,16 +110,7 @@ fn two_runs_of_one_robot_are_called_different_as_often_as_stated() {
 #[test]
 fn parts_that_deviate_in_both_runs_alike_are_no_difference() {
     // As above, of 30 pairs: 19 +- 4 sqrt(38/30) = 19 +- 4.5.
-    let truth = true_machine("mini");
-    let pairs = 30;
-    let (mut different, mut chi2) = (0, 0.0);
-    for pair in 0..pairs {
-        let first = run_on(&truth, "mini", 20, 1000 + 2 * pair);
-        let second = run_on(&truth, "mini", 20, 1001 + 2 * pair);
-        let comparison = compared(&first, &second);
-        different += usize::from(comparison.is_different());
-        chi2 += comparison.global.unwrap().chi2 / pairs as f64;
-    }
+    let (different, chi2) = differences_of_pairs(&true_machine("mini"), 30);
     assert!(different <= 7, "{different}");
     assert!((chi2 - 19.0).abs() < 4.5, "{chi2}");
 }

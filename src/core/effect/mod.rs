@@ -390,6 +390,13 @@ impl Effect {
         self.parameters.iter().any(|p| !p.discrete)
     }
 
+    /// Whether the parameter with an index measures the size of the effect: it is neither given nor the phase of a wave.
+    #[must_use]
+    pub fn is_size(&self, parameter: usize) -> bool {
+        let is_phase = matches!(self.search, Search::Wave { phase, .. } if phase == parameter);
+        !self.parameters[parameter].discrete && !is_phase
+    }
+
     /// Whether every part deviates from its description by a little of this effect, so that a tolerance can be stated:
     /// it lasts, and readings depend on its size at first order.
     #[must_use]

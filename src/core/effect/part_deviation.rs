@@ -76,19 +76,8 @@ fn stated_sd(
         .first()
         .map(|cable| robot.cables[*cable].name.as_str());
     let sd = stated.factor * stated.sd_of(effect.id(), cable);
-    let phase = match effect.search() {
-        Search::Wave { phase, .. } => Some(phase),
-        _ => None,
-    };
-    let parameters = effect.parameters().iter().enumerate();
-    parameters
-        .map(|(k, p)| {
-            if p.discrete || Some(k) == phase {
-                0.0
-            } else {
-                sd
-            }
-        })
+    let all = 0..effect.parameters().len();
+    all.map(|k| if effect.is_size(k) { sd } else { 0.0 })
         .collect()
 }
 

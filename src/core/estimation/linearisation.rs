@@ -17,9 +17,7 @@ use super::parameter::{Parameter, ParameterId};
 use super::problem::{Poses, Problem};
 use super::solution::Solution;
 use super::system::Priors;
-
-/// Singular values below this fraction of the largest belong to directions that the cables do not constrain.
-const UNCONSTRAINED: f64 = 1e-9;
+use crate::kinematics::position_response;
 
 /// Kind of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -242,18 +240,7 @@ impl<'a> LinearisedProblem<'a> {
                 }
             }
         }
-        let svd = by_pose.svd(true, true);
-        let cutoff = UNCONSTRAINED * svd.singular_values.max();
-        let moved = svd.solve(&by_parameter, cutoff).ok()?;
-        let mut position = DMatrix::zeros(3, by_parameter.ncols());
-        for (k, coordinate) in coordinates.iter().enumerate() {
-            if coordinate.index() < 3 {
-                position
-                    .row_mut(coordinate.index())
-                    .copy_from(&moved.row(k));
-            }
-        }
-        Some(position)
+        position_response(by_pose, &by_parameter, freedom)
     }
 
     /// The readings at the home pose except the lengths and tensions, which have no rows of their own.

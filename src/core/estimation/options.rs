@@ -16,11 +16,14 @@ pub struct Division {
 }
 
 impl Division {
-    /// Poses per part with a number of common parameters: such that a part is about as much work whatever that number.
-    pub(super) fn poses_per_part_with(&self, parameters: usize) -> usize {
+    /// Size of the parts of so many poses with a number of common parameters: equal, in whole packets of every instruction
+    /// set, and such that a part is about as much work whatever that number.
+    pub(super) fn part_size(&self, poses: usize, parameters: usize) -> usize {
         let few = FEW_PARAMETERS * FEW_PARAMETERS;
         let all = (parameters * parameters).max(few);
-        (self.poses_per_part * few / all).next_multiple_of(8).max(8)
+        let most = (self.poses_per_part * few / all).next_multiple_of(8).max(8);
+        let parts = poses.div_ceil(most).max(1);
+        poses.div_ceil(parts).next_multiple_of(8).max(8)
     }
 }
 

@@ -5,6 +5,7 @@ mod drawing;
 mod forward;
 mod inverse;
 mod length_breakdown;
+mod position_response;
 mod pulley;
 #[cfg(test)]
 pub(crate) mod samples;
@@ -19,6 +20,7 @@ pub use inverse::{
     length_gradients,
 };
 pub use length_breakdown::{LengthBreakdown, LengthBreakdownError, length_breakdown};
+pub(crate) use position_response::position_response;
 pub use pulley::{CablePath, PathChange, PulleyGeometry};
 pub(crate) use statics::balanced_tension;
 pub use statics::{

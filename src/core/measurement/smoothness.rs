@@ -11,7 +11,7 @@ use super::local_polynomial::{FEWEST, Weights};
 /// stated values are up to a factor of two wrong, and moving robots vibrate.
 const LARGEST_NOISE: f64 = 3.0;
 /// Largest residual relative to the spread of the samples in the window. In the median, independent standstills give 0.6, those
-/// of a tour that leads from each to one close by 0.3, and a wave that is sampled eight times a period 0.13.
+/// of a tour that leads from each to one close by 0.3, a wave that is sampled eight times a period 0.20, and nine times 0.12.
 const LARGEST_SHARE: f64 = 0.15;
 /// Largest number of windows that are examined.
 const MOST_WINDOWS: usize = 500;
@@ -124,6 +124,17 @@ mod tests {
             })
             .collect();
         assert!(!is_motion(&times, &tour, 2e-4));
+    }
+
+    #[test]
+    fn a_wave_has_to_be_sampled_nine_times_a_period() {
+        let times: Vec<f64> = (0..400).map(f64::from).collect();
+        // Periods that are no whole number of samples show the wave at every phase.
+        for (samples, expected) in [(6.01, false), (8.01, false), (9.01, true), (20.01, true)] {
+            let wave = |time: &f64| (std::f64::consts::TAU * time / samples + 0.3).sin();
+            let lengths: Vec<f64> = times.iter().map(wave).collect();
+            assert_eq!(is_motion(&times, &lengths, 1e-6), expected, "{samples}");
+        }
     }
 
     #[test]

@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::estimation::{Parameter, ParameterId};
 use crate::geometry::Pose;
-use crate::kinematics::{KinematicsError, LengthGradient, length_gradients};
+use crate::kinematics::{KinematicsError, LengthGradient, length_gradients, position_response};
 use crate::robot::Robot;
 use crate::simulation::Workspace;
 
@@ -20,8 +20,6 @@ use crate::simulation::Workspace;
 const TARGETS: usize = 100;
 /// Seed of the targets: the same for every plan, so that plans can be compared.
 const SEED: u64 = 1;
-/// Singular values below this fraction of the largest belong to directions that the cables do not constrain; they are left out.
-const CUTOFF: f64 = 1e-9;
 
 /// Weights `M`; `None` for a robot without home pose or if no target has cable paths.
 pub(super) fn weights(
@@ -89,20 +87,7 @@ fn position_error_jacobian(
             _ => 0.0,
         }
     });
-    let svd = by_pose.svd(true, true);
-    let cutoff = CUTOFF * svd.singular_values.max();
-    let Ok(reached) = svd.solve(&by_parameter, cutoff) else {
-        return Ok(None);
-    };
-    let mut position = DMatrix::zeros(3, parameters.len());
-    for (k, coordinate) in coordinates.iter().enumerate() {
-        if coordinate.index() < 3 {
-            position
-                .row_mut(coordinate.index())
-                .copy_from(&reached.row(k));
-        }
-    }
-    Ok(Some(position))
+    Ok(position_response(by_pose, &by_parameter, freedom))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use tautline_core::effect::EffectSetting;
 use tautline_core::geometry::Pose;
-use tautline_core::robot::{FrameTransform, HomePlatform, HomeSensor, Plane, Robot};
+use tautline_core::robot::{ForceSensor, FrameTransform, HomePlatform, HomeSensor, Plane, Robot};
 use tautline_session::{ElongationPoint, ForcePair, HomeReading, PhaseData, WinchPair};
 
 /// Noise of the calliper on the cable paid out (m).
@@ -75,11 +75,14 @@ fn forces(robot: &Robot, deviations: &[EffectSetting], rng: &mut ChaCha8Rng) -> 
             continue;
         };
         let of = |effect| deviation(deviations, effect, &description.name);
-        let gain = sensor.tension_gain * (1.0 + of(("force_gain", "change")));
-        let bias_n = sensor.bias_n + of(("force_bias", "bias"));
+        let sensor = ForceSensor {
+            tension_gain: sensor.tension_gain * (1.0 + of(("force_gain", "change"))),
+            bias_n: sensor.bias_n + of(("force_bias", "bias")),
+            ..sensor
+        };
         for step in 0..=8 {
             let load_n = f64::from(step) * 10.0;
-            let reading_n = gain * load_n + bias_n + normal(rng, FORCE_SD_N);
+            let reading_n = sensor.reading_n(load_n) + normal(rng, FORCE_SD_N);
             pairs.push(ForcePair {
                 cable,
                 reading_n,

@@ -351,22 +351,16 @@ fn pack_platform<T: Packet>(
     store: &mut ColumnStore<T>,
     from: Source<'_>,
 ) -> (PlatformPorts<Column>, Vec<Link<PlatformPort>>) {
-    let Source {
-        problem,
-        globals,
-        selection,
-        layout,
-    } = from;
-    let nominal = PlatformPorts::nominal(&problem.dataset.robot);
-    let concerned = concerned(globals, BoundEffect::acts_on_platform);
+    let nominal = PlatformPorts::nominal(&from.problem.dataset.robot);
+    let concerned = concerned(from.globals, BoundEffect::acts_on_platform);
     let mut links = Vec::new();
-    let (false, Some(contexts)) = (concerned.is_empty(), &selection.contexts) else {
+    let (false, Some(contexts)) = (concerned.is_empty(), &from.selection.contexts) else {
         let columns = PlatformPorts::from_fn(|port| store.uniform(nominal.get(port).value));
         return (columns, links);
     };
-    let parameters = from.estimated_parameters(layout.effects_of_platform());
+    let parameters = from.estimated_parameters(from.layout.effects_of_platform());
     let PortsWithSlopes { ports, slopes } = ports_and_slopes(
-        &selection.rows,
+        &from.selection.rows,
         &concerned,
         &parameters,
         |_| nominal,
@@ -394,31 +388,25 @@ fn pack_cable<T: Packet>(
     from: Source<'_>,
     index: usize,
 ) -> CableColumns {
-    let Source {
-        problem,
-        globals,
-        selection,
-        layout,
-    } = from;
-    let concerned = concerned(globals, |bound| bound.cables.contains(&index));
-    let (false, Some(contexts)) = (concerned.is_empty(), &selection.contexts) else {
+    let concerned = concerned(from.globals, |bound| bound.cables.contains(&index));
+    let (false, Some(contexts)) = (concerned.is_empty(), &from.selection.contexts) else {
         return CableColumns {
             ports: pack_without_effects(store, from, index),
             links: Vec::new(),
         };
     };
-    let parameters = from.estimated_parameters(layout.effects_of_cable(index));
+    let parameters = from.estimated_parameters(from.layout.effects_of_cable(index));
     let PortsWithSlopes { mut ports, slopes } = ports_and_slopes(
-        &selection.rows,
+        &from.selection.rows,
         &concerned,
         &parameters,
-        |row| nominal_cable_ports(problem, selection, (row, index)),
+        |row| nominal_cable_ports(from.problem, from.selection, (row, index)),
         |bound, values, row, ports| {
             (bound.effect.change_cable)(values, contexts.cable(row, index), ports);
         },
     );
     for ports in &mut ports {
-        ports.tension.value += home_error(globals, selection, index);
+        ports.tension.value += home_error(from.globals, from.selection, index);
     }
     let columns =
         CablePorts::from_fn(|port| pack(store, &ports, padding_of(port), |p| p.get(port).value));
@@ -427,7 +415,8 @@ fn pack_cable<T: Packet>(
         let stage = concerned.iter().find(|(index, _)| *index == chosen.owner);
         let is_ratio = stage.is_some_and(|(_, bound)| bound.effect.stage == Stage::Ratio);
         for of in slopes {
-            let scales_noise = is_ratio && of.port == CablePort::Paid && reads_lengths(problem);
+            let scales_noise =
+                is_ratio && of.port == CablePort::Paid && reads_lengths(from.problem);
             links.push(Link {
                 port: of.port,
                 parameter: chosen.column,
@@ -436,7 +425,13 @@ fn pack_cable<T: Packet>(
                 is_proportional: is_ratio && of.port == CablePort::Tension,
                 relative_noise: if scales_noise {
                     let at = (index, of.port);
-                    let gain = reading_gain(problem, globals, selection, at, Some(*chosen));
+                    let gain = reading_gain(
+                        from.problem,
+                        from.globals,
+                        from.selection,
+                        at,
+                        Some(*chosen),
+                    );
                     gain.slope / gain.value
                 } else {
                     0.0

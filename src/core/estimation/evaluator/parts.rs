@@ -32,10 +32,7 @@ impl<'a, T: Packet> Parts<'a, T> {
         (rows, start): (&[usize], &[Pose]),
         division: Division,
     ) -> Self {
-        let size = division.poses_per_part_with(Layout::new(problem).columns);
-        let count = rows.len().div_ceil(size).max(1);
-        // Parts of equal size, in whole packets of every instruction set.
-        let size = rows.len().div_ceil(count).next_multiple_of(8).max(8);
+        let size = division.part_size(rows.len(), Layout::new(problem).columns);
         let count = rows.len().div_ceil(size).max(1);
         let threads = match (count, division.threads) {
             (1, _) => 1,
