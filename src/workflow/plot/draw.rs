@@ -5,7 +5,7 @@ use emath::{Align2, Pos2, Rangef, Rect, Vec2, vec2};
 
 use super::canvas::{Canvas, Stroke};
 use super::colours::Colours;
-use super::figure::{Axis, Columns, Figure, Ink, Marker, Series};
+use super::figure::{Axis, Columns, Figure, Ink, Marker, Point, Series};
 use super::heat::{SCALE_WIDTH, cells, colour_scale, limits};
 use super::scale::{Scale, Tick, fixed, scale_ticks};
 use super::thin::{Thinned, thin};
@@ -356,42 +356,85 @@ impl<'a> Points<'a> {
         }
     }
 
+    /// Whether there are so many that they are painted as small squares.
+    #[must_use]
+    pub fn are_dense(&self) -> bool {
+        let counts = self.thinned.iter().map(|thinned| thinned.points.len());
+        counts.sum::<usize>() > MOST_SHAPES
+    }
+
     /// Paints the series that are shown, the selected cable over the others.
     pub fn draw(&self, canvas: &mut dyn Canvas, is_shown: &dyn Fn(&Series) -> bool) {
-        let counts = self.thinned.iter().map(|thinned| thinned.points.len());
-        let is_dense = counts.sum::<usize>() > MOST_SHAPES;
-        let selected = self.selection.cable;
-        for is_top in [false, true] {
-            for (series, thinned) in self.figure.series.iter().zip(&self.thinned) {
-                let is_selected = series.cable.is_some() && series.cable == selected;
-                if is_selected == is_top && is_shown(series) {
-                    let is_dimmed = selected.is_some() && series.cable.is_some() && !is_top;
-                    self.series(canvas, (series, thinned), is_dimmed, is_dense);
-                }
+        if self.are_dense() {
+            return self.draw_dense(&mut |rect, colour| canvas.fill(rect, colour), is_shown);
+        }
+        for (series, thinned, strength) in self.order(is_shown) {
+            self.series(canvas, (series, thinned), strength);
+        }
+    }
+
+    /// Paints the series that are shown as small squares and columns, which `fill` receives with their colours.
+    pub fn draw_dense(
+        &self,
+        fill: &mut dyn FnMut(Rect, Color32),
+        is_shown: &dyn Fn(&Series) -> bool,
+    ) {
+        for (series, thinned, strength) in self.order(is_shown) {
+            crowded(
+                thinned,
+                series.ink.colour(self.colours).gamma_multiply(strength),
+                fill,
+            );
+            for (at, colour, _) in self.places((series, thinned), strength) {
+                fill(Rect::from_center_size(at, Vec2::splat(2.0)), colour);
             }
         }
     }
 
-    /// Paints a series; where points are dense, as small squares.
+    /// The series that are shown in the order of painting, each with the strength of its colour.
+    fn order<'s>(
+        &'s self,
+        is_shown: &'s dyn Fn(&Series) -> bool,
+    ) -> impl Iterator<Item = (&'s Series, &'s Thinned, f32)> {
+        let selected = self.selection.cable;
+        [false, true].into_iter().flat_map(move |is_top| {
+            let all = self.figure.series.iter().zip(&self.thinned);
+            all.filter_map(move |(series, thinned)| {
+                let is_selected = series.cable.is_some() && series.cable == selected;
+                let is_dimmed = selected.is_some() && series.cable.is_some() && !is_top;
+                let strength = if is_dimmed { 0.3 } else { 1.0 };
+                (is_selected == is_top && is_shown(series)).then_some((series, thinned, strength))
+            })
+        })
+    }
+
+    /// Place and colour of each point of a series.
+    fn places<'s>(
+        &'s self,
+        (series, thinned): (&'s Series, &'s Thinned),
+        strength: f32,
+    ) -> impl Iterator<Item = (Pos2, Color32, Point)> {
+        let used = series.ink.colour(self.colours).gamma_multiply(strength);
+        let excluded = self.colours.muted.gamma_multiply(0.6 * strength);
+        thinned.points.iter().map(move |index| {
+            let point = series.points()[*index];
+            let colour = if point.excluded { excluded } else { used };
+            (self.scale.place(point.x, point.y), colour, point)
+        })
+    }
+
+    /// Paints a series with markers and bars.
     fn series(
         &self,
         canvas: &mut dyn Canvas,
         (series, thinned): (&Series, &Thinned),
-        is_dimmed: bool,
-        is_dense: bool,
+        strength: f32,
     ) {
-        let strength = if is_dimmed { 0.3 } else { 1.0 };
-        let used = series.ink.colour(self.colours).gamma_multiply(strength);
-        let excluded = self.colours.muted.gamma_multiply(0.6 * strength);
-        crowded(thinned, used, canvas);
-        for index in &thinned.points {
-            let point = series.points()[*index];
-            let colour = if point.excluded { excluded } else { used };
-            let at = self.scale.place(point.x, point.y);
-            if is_dense {
-                canvas.fill(Rect::from_center_size(at, Vec2::splat(2.0)), colour);
-                continue;
-            }
+        let colour = series.ink.colour(self.colours).gamma_multiply(strength);
+        crowded(thinned, colour, &mut |rect, colour| {
+            canvas.fill(rect, colour)
+        });
+        for (at, colour, point) in self.places((series, thinned), strength) {
             let stroke = Stroke::new(1.0, colour.gamma_multiply(0.7));
             let [dx, dy] = point.sd;
             for (dx, dy) in [(dx, 0.0), (0.0, dy)] {
@@ -507,9 +550,9 @@ pub fn legible_ticks(axis: &Axis, view: [f64; 2], length: f32, is_x: bool) -> Ve
 }
 
 /// Fills the pixel columns that contain more points than are painted.
-fn crowded(thinned: &Thinned, colour: Color32, canvas: &mut dyn Canvas) {
+fn crowded(thinned: &Thinned, colour: Color32, fill: &mut dyn FnMut(Rect, Color32)) {
     for (x, range) in &thinned.columns {
         let rect = Rect::from_x_y_ranges(Rangef::new(x - 0.5, x + 0.5), *range);
-        canvas.fill(rect, colour.gamma_multiply(0.35));
+        fill(rect, colour.gamma_multiply(0.35));
     }
 }

@@ -6,6 +6,7 @@ mod dock;
 mod hit;
 mod kind;
 mod list;
+mod picture;
 mod print;
 mod scope;
 mod screen;
@@ -50,13 +51,20 @@ pub(crate) struct PlotState {
     view: PlotView,
     /// Counts changes of the options, with each of which everything is shown again.
     arrangement: u64,
-    figure: Option<(FigureOf, Arc<Figure>)>,
+    figure: Option<(FigureOf, KnownFigure)>,
     generation: u64,
     /// What a task computed for the plots.
     preparation: Option<Preparation>,
     /// The format in which it is to be saved.
     saving: Option<Format>,
     is_hovered: bool,
+}
+
+/// A figure and the view that shows all of it.
+#[derive(Debug, Clone)]
+struct KnownFigure {
+    figure: Arc<Figure>,
+    whole: [[f64; 2]; 2],
 }
 
 /// What a figure depends on.
@@ -129,7 +137,7 @@ fn plot(
     ui: &mut Ui,
     (model, open): (&Model, &OpenSession),
     plots: &mut PlotState,
-    figure: &Arc<Figure>,
+    KnownFigure { figure, whole }: &KnownFigure,
     hovered: &mut Selection,
     outbox: &mut Outbox,
 ) {
@@ -141,7 +149,7 @@ fn plot(
         id: Id::unique(id),
         figure,
         generation: plots.generation,
-        whole: figure.whole(),
+        whole: *whole,
         selection: model.selection,
         size: ui.available_size(),
         link: Some(Id::unique((plots.session, figure.x.title()))),
@@ -218,7 +226,7 @@ impl PlotState {
         &mut self,
         open: &OpenSession,
         compute: fn(&Source<'_>) -> Result<Figure, Unavailable>,
-    ) -> Result<Arc<Figure>, Unavailable> {
+    ) -> Result<KnownFigure, Unavailable> {
         if let Some(why) = (self.kind.missing)(open) {
             return Err(Unavailable::Empty(why));
         }
@@ -232,7 +240,7 @@ impl PlotState {
         if let Some((of, figure)) = &self.figure
             && *of == key
         {
-            return Ok(Arc::clone(figure));
+            return Ok(figure.clone());
         }
         let figure = Arc::new(compute(&Source {
             open,
@@ -246,7 +254,11 @@ impl PlotState {
             self.view = PlotView::default();
             self.arrangement += 1;
         }
-        self.figure = Some((key, Arc::clone(&figure)));
-        Ok(figure)
+        let known = KnownFigure {
+            whole: figure.whole(),
+            figure,
+        };
+        self.figure = Some((key, known.clone()));
+        Ok(known)
     }
 }

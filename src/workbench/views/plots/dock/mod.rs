@@ -153,8 +153,8 @@ impl Panes {
     #[must_use]
     pub fn range(&self, kind: &str) -> Option<(String, [f64; 2])> {
         let plot = self.plots.get(&PlotId::named(kind)?)?;
-        let (_, figure) = plot.figure.as_ref()?;
-        Some((figure.x.title(), plot.view.drawn?.scale.view[0]))
+        let (_, known) = plot.figure.as_ref()?;
+        Some((known.figure.x.title(), plot.view.drawn?.scale.view[0]))
     }
 
     /// How many plots stand above each other.

@@ -1,6 +1,7 @@
 //! What is drawn of a figure, in the order of painting.
 
 use std::collections::BTreeSet;
+use std::fmt;
 use std::ops::RangeInclusive;
 
 use egui::{Color32, Shape, Stroke, Theme, Ui};
@@ -17,6 +18,7 @@ use tautline_workflow::plot::{Colours, Figure};
 use super::axes::scale_of;
 use super::{PlotInput, PlotView};
 use crate::model::Selection;
+use crate::views::plots::picture::{Picture, PictureTexture};
 use crate::views::plots::screen::Screen;
 use crate::views::plots::sources::{POSE, TIME};
 
@@ -32,6 +34,18 @@ pub(super) struct ShapesKey {
     hidden: BTreeSet<String>,
     pixels_per_point: f32,
     theme: Theme,
+}
+
+/// The points of a view: a picture of them where they are dense, and shapes.
+pub(super) struct DrawnPoints {
+    picture: Option<PictureTexture>,
+    shapes: Vec<Shape>,
+}
+
+impl fmt::Debug for DrawnPoints {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("DrawnPoints").finish_non_exhaustive()
+    }
 }
 
 impl PlotView {
@@ -51,7 +65,7 @@ impl PlotView {
                     cells(&mut canvas, heat, &scale, &colours);
                     canvas.into_shapes()
                 };
-                let mut kept = self.shapes[0].borrow_mut();
+                let mut kept = self.heat.borrow_mut();
                 shapes.extend_from_slice(kept.get(self.key(ui, input, scale), draw));
             }));
         }
@@ -81,7 +95,10 @@ impl PlotView {
             let scale = scale_of(transform);
             let key = self.key(ui, input, scale);
             let draw = || self.points(ui, input, scale, &colours);
-            shapes.extend_from_slice(self.shapes[1].borrow_mut().get(key, draw));
+            let mut kept = self.points.borrow_mut();
+            let points = kept.get(key, draw);
+            shapes.extend(points.picture.as_ref().map(PictureTexture::shape));
+            shapes.extend_from_slice(&points.shapes);
         }));
         for curve in figure.curves.iter().filter(|curve| is_shown(&curve.name)) {
             add_curve(plot, curve, &colours);
@@ -103,20 +120,38 @@ impl PlotView {
         }
     }
 
-    /// Shapes of the points in view.
+    /// The points in view.
     fn points(
         &self,
         ui: &Ui,
         input: &PlotInput<'_>,
         scale: Scale,
         colours: &Colours,
-    ) -> Vec<Shape> {
+    ) -> DrawnPoints {
         let (figure, resolution) = (input.figure, ui.pixels_per_point());
         let points = Points::new(figure, scale, input.selection, colours, resolution);
+        let is_shown = |series: &Series| !self.is_hidden(figure, series);
+        let most = ui.input(|input| input.max_texture_side);
+        let picture = points
+            .are_dense()
+            .then(|| Picture::new(scale.rect, resolution, most))
+            .flatten();
         let mut canvas = Screen::new(ui.painter().clone());
-        points.draw(&mut canvas, &|series| !self.is_hidden(figure, series));
+        let picture = match picture {
+            Some(mut picture) => {
+                points.draw_dense(&mut |rect, colour| picture.fill(rect, colour), &is_shown);
+                Some(picture.upload(ui.ctx()))
+            }
+            None => {
+                points.draw(&mut canvas, &is_shown);
+                None
+            }
+        };
         points.draw_selected(&mut canvas);
-        canvas.into_shapes()
+        DrawnPoints {
+            picture,
+            shapes: canvas.into_shapes(),
+        }
     }
 }
 

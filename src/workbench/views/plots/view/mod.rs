@@ -26,7 +26,7 @@ use crate::model::{Memo, Selection};
 use crate::theme::{self, GRID};
 pub(crate) use axes::scale_of;
 use axes::{arranged, zoom_by_wheel};
-use items::ShapesKey;
+use items::{DrawnPoints, ShapesKey};
 
 /// State of a plot between frames, beside the zoom, which `egui_plot` keeps by the identity of the plot.
 #[derive(Debug, Default)]
@@ -39,8 +39,10 @@ pub(crate) struct PlotView {
     resets: bool,
     /// What was drawn last.
     pub(crate) drawn: Option<Drawn>,
-    /// Shapes of the heat map and of the points, which change less often than frames are drawn.
-    shapes: [RefCell<Memo<ShapesKey, Vec<Shape>>>; 2],
+    /// The heat map, which changes less often than frames are drawn.
+    heat: RefCell<Memo<ShapesKey, Vec<Shape>>>,
+    /// The points, likewise.
+    points: RefCell<Memo<ShapesKey, DrawnPoints>>,
     menu: Selection,
 }
 
