@@ -66,7 +66,7 @@ pub fn opinion(folder: &Path) -> Result<Opinion> {
     let diagnosis = diagnose(&series2, &options, &mut |_| Control::Continue)?;
     let model = diagnosis.extended_solution.globals.model(&series2.robot);
     let of = |cause: &Cause| (cause.effect().id(), cause.cables());
-    let of_drums = |f: &&Finding| f.cause.effect().id() == "drum_growth";
+    let of_drums = |f: &&Finding| f.causes().any(|cause| cause.effect().id() == "drum_growth");
     let growth = diagnosis.findings.iter().find(of_drums).map(|f| {
         let values = f.parameters.iter().map(|p| p.value);
         values.sum::<f64>() / f.parameters.len() as f64
@@ -75,15 +75,7 @@ pub fn opinion(folder: &Path) -> Result<Opinion> {
     Ok(Opinion {
         findings: all
             .clone()
-            .map(|f| {
-                (
-                    f.verdict,
-                    std::iter::once(&f.cause)
-                        .chain(f.alternatives.iter().map(|other| &other.cause))
-                        .map(of)
-                        .collect(),
-                )
-            })
+            .map(|f| (f.verdict, f.causes().map(of).collect()))
             .collect(),
         lines: all
             .map(|f| (f.sentence.clone(), f.gain.before, f.gain.after))

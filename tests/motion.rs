@@ -2,7 +2,7 @@
 //! doctor makes of them.
 
 use anyhow::{Result, anyhow};
-use tautline_core::diagnosis::{Diagnosis, Verdict};
+use tautline_core::diagnosis::{Diagnosis, Finding, Verdict};
 use tautline_core::effect::EffectSetting;
 use tautline_core::estimation::{Control, Method, ParameterId};
 use tautline_core::robot::{PerAxis, Robot, Tracker, presets};
@@ -270,7 +270,7 @@ pub fn opinion(run: &Simulated) -> Result<(Diagnosis, f64)> {
 pub fn named(diagnosis: &Diagnosis) -> Vec<(&'static str, Vec<usize>)> {
     let findings = diagnosis.findings.iter();
     let named = findings.filter(|finding| finding.verdict == Verdict::Named);
-    let causes = named.map(|finding| &finding.cause);
+    let causes = named.filter_map(Finding::cause);
     causes
         .map(|cause| (cause.effect().id(), cause.cables()))
         .collect()

@@ -370,22 +370,21 @@ impl Machine {
         row.factor += found.tolerances.factor;
         let mut wrong = 0;
         for finding in &found.findings {
-            let is_right = self.is_hidden(&finding.cause);
-            let mut others = finding.alternatives.iter();
+            let is_right = finding.cause().is_some_and(|cause| self.is_hidden(cause));
+            let is_false = |cause| self.is_false(cause, &finding.parameters);
             match finding.verdict {
                 Verdict::Named if is_right => {
                     row.named += 1;
-                    self.judge_size(&finding.cause, &finding.parameters, row);
-                    row.false_names +=
-                        usize::from(self.is_false(&finding.cause, &finding.parameters));
+                    let cause = finding.cause();
+                    cause.inspect(|cause| self.judge_size(cause, &finding.parameters, row));
+                    row.false_names += usize::from(cause.is_some_and(is_false));
                 }
                 Verdict::Named => {
                     wrong += 1;
-                    row.false_names +=
-                        usize::from(self.is_false(&finding.cause, &finding.parameters));
+                    row.false_names += usize::from(finding.cause().is_some_and(is_false));
                 }
                 Verdict::Ambiguous | Verdict::Unknown => {
-                    let is_listed = is_right || others.any(|a| self.is_hidden(&a.cause));
+                    let is_listed = finding.causes().any(|cause| self.is_hidden(cause));
                     row.listed += usize::from(is_listed);
                 }
             }
@@ -413,11 +412,11 @@ impl Machine {
         let visible = self.hidden.iter().zip(&self.is_visible);
         for (hidden, _) in visible.filter(|(_, is_visible)| **is_visible) {
             let is_named = found.findings.iter().any(|finding| {
-                finding.verdict == Verdict::Named && self.is_fault(&finding.cause, hidden)
+                let mut own = finding.cause().into_iter();
+                finding.verdict == Verdict::Named && own.any(|cause| self.is_fault(cause, hidden))
             });
             let is_listed = found.findings.iter().any(|finding| {
-                let others = finding.alternatives.iter().map(|a| &a.cause);
-                let mut causes = others.chain([&finding.cause]);
+                let mut causes = finding.causes();
                 causes.any(|cause| self.is_fault(cause, hidden))
             });
             row.visible += 1;

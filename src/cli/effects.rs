@@ -1,9 +1,6 @@
 //! `tautline effects`.
 
-use tautline_core::effect::{
-    BiasedReading, Effect, EffectParameter, Scope, Search, UNKNOWN, every_effect,
-};
-use tautline_core::measurement::Variable;
+use tautline_core::effect::{Effect, EffectParameter, Scope, Search, every_effect};
 
 use super::output::say;
 use super::table;
@@ -19,7 +16,7 @@ pub fn run() {
         "parameters (typical size)",
         "typical tolerance",
     ]);
-    for effect in every_effect().chain([&UNKNOWN]) {
+    for effect in every_effect() {
         let parameters: Vec<_> = effect.parameters().iter().map(parameter).collect();
         let freed = if effect.is_estimable() { "yes" } else { "no" };
         let cells = [
@@ -34,11 +31,6 @@ pub fn run() {
         rows.add_row(cells);
     }
     say!("{rows}");
-    let readings = numbered(BiasedReading::ALL.iter().map(|reading| reading.name()));
-    let variables = numbered(Variable::ALL.iter().map(|variable| variable.name()));
-    say!("unknown: reading is {readings}");
-    say!("unknown: variable and other are {variables}");
-    say!("unknown: shape is 0 smooth, 1 wave, 2 surface over variable and other");
 }
 
 fn on(effect: &Effect) -> &'static str {
@@ -47,13 +39,11 @@ fn on(effect: &Effect) -> &'static str {
         Scope::CableOrAll => "one cable or all",
         Scope::Pair => "two cables",
         Scope::Robot => "the robot",
-        Scope::Reading => "one reading",
     }
 }
 
 fn tried(effect: &Effect) -> &'static str {
     match effect.search() {
-        _ if effect.scope() == Scope::Reading => "along every variable",
         Search::Direct => "always",
         Search::Wave { period: None, .. } => "at any phase",
         Search::Wave { .. } => "at any phase and period",
@@ -92,12 +82,6 @@ fn tolerance(effect: &Effect) -> String {
         true => format!("{small}{unit}"),
         false => format!("{small}{unit}, large machine {large}{unit}"),
     }
-}
-
-/// `0 a, 1 b`.
-fn numbered(names: impl Iterator<Item = &'static str>) -> String {
-    let words: Vec<_> = names.enumerate().map(|(k, n)| format!("{k} {n}")).collect();
-    words.join(", ")
 }
 
 /// A typical size without insignificant digits.

@@ -202,10 +202,8 @@ impl<'a> Simulator<'a> {
         let mut found = vec![false; hidden.len()];
         let mut unknown = false;
         for finding in &diagnosis.findings {
-            let alternatives = finding.alternatives.iter().map(|other| &other.cause);
-            let causes = std::iter::once(&finding.cause).chain(alternatives);
             let mut is_right = false;
-            for bound in causes.flat_map(|cause| &cause.instances) {
+            for bound in finding.causes().flat_map(|cause| &cause.instances) {
                 let named = bound.setting(&self.cell.robot);
                 for (found, fault) in found.iter_mut().zip(hidden) {
                     let is_it = named.effect == fault.effect && named.targets == fault.targets;
@@ -268,7 +266,7 @@ fn setting(fault: &Fault, robot: &Robot, rng: &mut ChaCha8Rng) -> Option<EffectS
     let targets = match effect.scope() {
         Scope::Cable | Scope::CableOrAll => vec![robot.cables.get(cable)?.name.clone()],
         Scope::Robot => Vec::new(),
-        Scope::Pair | Scope::Reading => return None,
+        Scope::Pair => return None,
     };
     let mut parameters = fault.parameters.clone();
     for parameter in effect.parameters() {

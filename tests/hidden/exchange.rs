@@ -84,7 +84,7 @@ pub fn is_undone(
     let named = claims
         .iter()
         .filter(|claim| claim.verdict == Verdict::Named);
-    for cause in named.flat_map(|claim| claim.candidates.first()) {
+    for cause in named.filter_map(|claim| claim.candidates.first()?.cause()) {
         for bound in cause.instances.iter().filter(|_| is_exchange(cause)) {
             bound.exchange_channels(&mut data);
         }
@@ -96,6 +96,7 @@ pub fn is_undone(
 mod tests {
     use super::*;
     use crate::hidden::robots::robot;
+    use tautline_core::diagnosis::Subject;
     use tautline_core::effect::{BoundEffect, EffectSetting};
 
     #[test]
@@ -109,9 +110,9 @@ mod tests {
             };
             Claim {
                 verdict: Verdict::Named,
-                candidates: vec![Cause {
+                candidates: vec![Subject::Cause(Cause {
                     instances: vec![BoundEffect::from_setting(&setting, &mini).unwrap()],
-                }],
+                })],
                 probabilities: vec![1.0],
                 finding: 0,
             }

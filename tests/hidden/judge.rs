@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
-use tautline_core::diagnosis::{Cause, Finding, Verdict};
+use tautline_core::diagnosis::{Cause, Finding, Subject, Verdict};
 use tautline_core::effect::{BoundEffect, EffectSetting, Scope, Search};
 use tautline_core::robot::Robot;
 
@@ -36,8 +36,8 @@ pub enum Found {
 pub struct Claim {
     /// How certain the finding is.
     pub verdict: Verdict,
-    /// The cause and its alternatives.
-    pub candidates: Vec<Cause>,
+    /// The subject and its alternatives.
+    pub candidates: Vec<Subject>,
     /// Their stated probabilities.
     pub probabilities: Vec<f64>,
     /// Index of the finding.
@@ -67,23 +67,23 @@ impl Claim {
 }
 
 fn claims(finding: usize, of: &Finding) -> Vec<Claim> {
-    let claim = |candidates: Vec<Cause>| Claim {
-        verdict: of.verdict,
-        probabilities: vec![of.probability; candidates.len()],
-        candidates,
-        finding,
-    };
-    let single_readings = matches!(of.cause.effect().search(), Search::AtPose(_));
-    if single_readings && of.verdict == Verdict::Named {
-        let alone = |bound: &BoundEffect| Cause {
-            instances: vec![bound.clone()],
+    let is_reading = |cause: &&Cause| matches!(cause.effect().search(), Search::AtPose(_));
+    if of.verdict == Verdict::Named
+        && let Some(readings) = of.cause().filter(is_reading)
+    {
+        let claim = |bound: &BoundEffect| Claim {
+            verdict: of.verdict,
+            candidates: vec![Subject::Cause(Cause {
+                instances: vec![bound.clone()],
+            })],
+            probabilities: vec![of.probability],
+            finding,
         };
-        let each = of.cause.instances.iter();
-        return each.map(|bound| claim(vec![alone(bound)])).collect();
+        return readings.instances.iter().map(claim).collect();
     }
     let others = of.alternatives.iter();
-    let own = std::iter::once((of.cause.clone(), of.probability));
-    let all = own.chain(others.map(|other| (other.cause.clone(), other.probability)));
+    let own = std::iter::once((of.subject.clone(), of.probability));
+    let all = own.chain(others.map(|other| (other.subject.clone(), other.probability)));
     let (candidates, probabilities) = all.unzip();
     vec![Claim {
         verdict: of.verdict,
@@ -93,9 +93,12 @@ fn claims(finding: usize, of: &Finding) -> Vec<Claim> {
     }]
 }
 
-pub(super) fn describe(cause: &Cause) -> String {
-    let id = cause.effect().id();
-    let cables: Vec<String> = cause.cables().iter().map(|c| (c + 1).to_string()).collect();
+pub(super) fn describe(subject: &Subject) -> String {
+    let id = subject
+        .cause()
+        .map_or("unknown", |cause| cause.effect().id());
+    let cables = subject.cables();
+    let cables: Vec<String> = cables.iter().map(|c| (c + 1).to_string()).collect();
     if cables.is_empty() {
         id.to_owned()
     } else {
@@ -230,11 +233,8 @@ pub fn judge(
 
 /// Indices of the hidden effects among the candidates of a claim.
 fn hits(truths: &[EffectSetting], claim: &Claim, robot: &Robot) -> BTreeSet<usize> {
-    if claim.verdict == Verdict::Unknown {
-        return BTreeSet::new();
-    }
-    let candidates = claim.candidates.iter();
-    candidates
+    let causes = claim.candidates.iter().filter_map(Subject::cause);
+    causes
         .flat_map(|cause| matched(truths, cause, robot))
         .collect()
 }

@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
-use tautline_core::diagnosis::{Cause, Finding};
-use tautline_core::effect::{BoundEffect, EffectSetting, Search, UNKNOWN};
+use tautline_core::diagnosis::{Finding, Subject};
+use tautline_core::effect::{BoundEffect, EffectSetting, Search};
 use tautline_core::estimation::{Geometry, Globals, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
@@ -42,11 +42,14 @@ pub fn parameter_errors(
     truths: &[EffectSetting],
     robot: &Robot,
 ) -> Vec<ParameterError> {
-    let of = matched(truths, &finding.cause, robot);
-    let effect = finding.cause.effect();
+    let Some(cause) = finding.cause() else {
+        return Vec::new();
+    };
+    let of = matched(truths, cause, robot);
+    let effect = cause.effect();
     // Parameters of several outliers in one finding cannot be told apart by name.
     let single_readings = matches!(effect.search(), Search::AtPose(_));
-    if single_readings && finding.cause.instances.len() > 1 {
+    if single_readings && cause.instances.len() > 1 {
         return Vec::new();
     }
     let value = |name: &str, cable: Option<usize>| {
@@ -150,7 +153,7 @@ fn with_effects<'a>(
 /// If a fit fails.
 pub fn rivals_fit(
     dataset: &Dataset,
-    listed: &[Cause],
+    listed: &[Subject],
     truths: &[EffectSetting],
     of: usize,
 ) -> Result<bool> {
@@ -164,11 +167,8 @@ pub fn rivals_fit(
         let parameters = bound.effect.parameters().iter();
         parameters.filter(|p| !p.discrete).count() as f64
     };
-    for cause in listed {
-        if cause.effect().id() == UNKNOWN.id() {
-            // An unmodelled error has no parameters to fit; it is listed because of its evidence.
-            continue;
-        }
+    // An unmodelled error has no parameters to fit; it is listed because of its evidence.
+    for cause in listed.iter().filter_map(Subject::cause) {
         if !cause.effect().is_estimable() {
             return Ok(false);
         }
@@ -185,6 +185,8 @@ pub fn rivals_fit(
 
 #[cfg(test)]
 mod tests {
+    use tautline_core::diagnosis::Cause;
+
     use super::*;
     use crate::hidden::robots::robot;
     use crate::hidden::{Conditions, Hidden};
@@ -237,10 +239,10 @@ mod tests {
         let run = measured(&truth);
         let fits = |setting: &EffectSetting| {
             let bound = BoundEffect::from_setting(setting, &run.dataset.robot).unwrap();
-            let cause = Cause {
+            let listed = [Subject::Cause(Cause {
                 instances: vec![bound],
-            };
-            rivals_fit(&run.dataset, &[cause], std::slice::from_ref(&truth), 0).unwrap()
+            })];
+            rivals_fit(&run.dataset, &listed, std::slice::from_ref(&truth), 0).unwrap()
         };
         assert!(fits(&truth));
         assert!(!fits(&scale("cable-7", 0.0)));

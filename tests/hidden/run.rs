@@ -7,9 +7,10 @@ use std::time::Instant;
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
 use tautline_core::diagnosis::{
-    Alternative, Cause, Diagnosis, DiagnosisOptions, Finding, NoiseStatement, Verdict, diagnose,
+    Cause, Diagnosis, DiagnosisOptions, Finding, NoiseStatement, PossibleCause, Subject, Verdict,
+    diagnose,
 };
-use tautline_core::effect::{BoundEffect, EffectSetting, UNKNOWN};
+use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::estimation::{Control, Geometry, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
@@ -96,6 +97,14 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// The findings without their probabilities.
+    #[must_use]
+    pub fn answer(&self) -> String {
+        let mut said: Vec<&str> = self.said.iter().map(|said| said.text.as_str()).collect();
+        said.sort_unstable();
+        said.join("; ")
+    }
+
     /// Whether an unknown error is reported although none is hidden.
     #[must_use]
     pub fn unknown_without_reason(&self) -> bool {
@@ -141,9 +150,8 @@ pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
     let mut wrong = wrong_names(truths, &claims, robot);
     let undone = matches!(case.hidden, Hidden::Exchanged(..)) && found[0].0 == Found::Named;
     if undone {
-        let exchanges = claims
-            .iter()
-            .filter(|claim| is_exchange(&claim.candidates[0]));
+        let first = |claim: &&Claim| claim.candidates[0].cause().is_some_and(is_exchange);
+        let exchanges = claims.iter().filter(first);
         let right: Vec<String> = exchanges.map(Claim::describe).collect();
         wrong.retain(|name| !right.contains(name));
     }
@@ -154,8 +162,8 @@ pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
     } else {
         held_out_ratio(&setup, &run, &diagnosis.extended_solution.globals)?
     };
-    let possible = |other: &Alternative| Candidate {
-        name: judge::describe(&other.cause),
+    let possible = |other: &PossibleCause| Candidate {
+        name: judge::describe(&Subject::Cause(other.cause.clone())),
         probability: other.probability,
         right: !matched(truths, &other.cause, robot).is_empty(),
     };
@@ -229,10 +237,14 @@ fn finding_record(
     (truths, undone): (&[EffectSetting], bool),
     robot: &Robot,
 ) -> FindingRecord {
-    let candidate = |(cause, probability): (&Cause, &f64)| Candidate {
-        name: judge::describe(cause),
-        probability: *probability,
-        right: !matched(truths, cause, robot).is_empty() || undone && is_exchange(cause),
+    let is_right =
+        |cause: &Cause| !matched(truths, cause, robot).is_empty() || undone && is_exchange(cause);
+    let candidate = |(subject, probability): (&Subject, &f64)| {
+        Some(Candidate {
+            name: judge::describe(subject),
+            probability: *probability,
+            right: is_right(subject.cause()?),
+        })
     };
     let sure = match claim.verdict {
         Verdict::Named => Sure::Named,
@@ -240,13 +252,11 @@ fn finding_record(
         Verdict::Unknown => Sure::Unknown,
     };
     let pairs = claim.candidates.iter().zip(&claim.probabilities);
-    let is_effect = |cause: &Cause| cause.effect().id() != UNKNOWN.id();
-    let known = pairs.filter(|(cause, _)| sure != Sure::Unknown && is_effect(cause));
     FindingRecord {
         text: claim.describe(),
         sure,
         gain: findings[claim.finding].evidence.delta_chi2,
-        candidates: known.map(candidate).collect(),
+        candidates: pairs.filter_map(candidate).collect(),
     }
 }
 

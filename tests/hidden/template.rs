@@ -148,8 +148,7 @@ fn targets(scope: Scope, robot: &Robot, rng: &mut ChaCha8Rng) -> Vec<String> {
     let other = (first + rng.random_range(1..count)) % count;
     let all = rng.random_range(0.0..1.0) > ONE_CABLE;
     let chosen = match scope {
-        // Unmodelled errors cannot be hidden as effects.
-        Scope::Robot | Scope::Reading => vec![],
+        Scope::Robot => vec![],
         Scope::CableOrAll if all => vec![],
         Scope::Pair => vec![first, other],
         Scope::Cable | Scope::CableOrAll => vec![first],

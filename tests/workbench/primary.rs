@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use tautline_core::diagnosis::{Cause, Finding, Verdict};
+use tautline_core::diagnosis::{
+    Cause, ErrorForm, Finding, Quantity, ReadingId, Subject, UnmodelledError, Variable, Verdict,
+};
 use tautline_core::effect::{BoundEffect, EffectSetting, find};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
@@ -127,11 +129,7 @@ fn is_listed(harness: &Harness<'_, App>, truth: &[EffectSetting]) -> bool {
     let is_true = |cause: &Cause| cause.effect().id() == truth[0].effect;
     let mut findings = diagnosed.diagnosis.findings.iter();
     let is_planned = primary(harness) == "Go to measuring";
-    is_planned
-        && findings.any(|finding| {
-            let mut others = finding.alternatives.iter();
-            is_true(&finding.cause) || others.any(|other| is_true(&other.cause))
-        })
+    is_planned && findings.any(|finding| finding.causes().any(is_true))
 }
 
 /// One of twenty needs the poses that tell its cause from another.
@@ -165,6 +163,24 @@ const TWO: [Hidden; 2] = [
     ("winch_scale", "cable-3", &[("scale", 0.02)]),
     ("cable_slip", "cable-5", &[("step", 0.02), ("pose", 17.0)]),
 ];
+
+/// The finding as it is reported if no effect explains the readings.
+fn without_cause(finding: &Finding) -> Finding {
+    Finding {
+        verdict: Verdict::Unknown,
+        subject: Subject::UnmodelledError(UnmodelledError {
+            readings: ReadingId {
+                quantity: Quantity::Length,
+                cable: Some(2),
+                component: None,
+            },
+            form: ErrorForm::Smooth(Variable::CableLength),
+            rms: Some(0.001),
+        }),
+        parameters: Vec::new(),
+        ..finding.clone()
+    }
+}
 
 /// Replaces the findings of the diagnosis of the present model.
 fn replace_findings(harness: &mut Harness<'_, App>, change: impl FnOnce(&mut Vec<Finding>)) {
@@ -215,8 +231,7 @@ fn every_state_has_one() {
     assert_eq!(primary(&harness), "Diagnose model");
     give(&mut harness, Command::Undo);
     replace_findings(&mut harness, |findings| {
-        findings.truncate(1);
-        findings[0].verdict = Verdict::Unknown;
+        *findings = vec![without_cause(&findings[0])];
     });
     assert_eq!(primary(&harness), "Go to adjustment");
     replace_findings(&mut harness, Vec::clear);
@@ -286,9 +301,9 @@ fn an_unknown_cause_is_neither_certain_nor_added() {
     give(&mut harness, IdentificationCommand::Identify);
     give(&mut harness, IdentificationCommand::Diagnose);
     replace_findings(&mut harness, |findings| {
-        findings[0].verdict = Verdict::Unknown;
+        findings[0] = without_cause(&findings[0]);
     });
-    harness.get_by_label_contains("1. Unknown cause");
+    harness.get_by_label_contains("1. Unexplained error in the length readings of cable-3");
     for text in [
         "almost certainly",
         "Add to model",
@@ -312,12 +327,15 @@ fn an_add_that_fails_is_undone_and_the_card_says_why() {
     give(&mut harness, IdentificationCommand::Diagnose);
     // The robot has no inclinometer.
     replace_findings(&mut harness, |findings| {
-        findings[0].cause.instances = vec![BoundEffect {
+        let heading = BoundEffect {
             effect: find("heading_offset").expect("an effect"),
             cables: (0..8).collect(),
             targeted: false,
             values: vec![0.01],
-        }];
+        };
+        findings[0].subject = Subject::Cause(Cause {
+            instances: vec![heading],
+        });
     });
     let before = document(&harness).inputs();
     let title = primary(&harness);

@@ -40,8 +40,10 @@ fn named(made: &Made) -> Vec<(&'static str, Vec<usize>)> {
         .expect("a diagnosis")
         .diagnosis
         .findings;
-    let name = |finding: &Finding| (finding.cause.effect().id(), finding.cause.cables());
-    findings.iter().map(name).collect()
+    let causes = findings.iter().filter_map(Finding::cause);
+    causes
+        .map(|cause| (cause.effect().id(), cause.cables()))
+        .collect()
 }
 
 /// The sentences of the diagnosis are quoted literally in the README.

@@ -149,7 +149,7 @@ impl Builder<'_> {
         let mut targets: Vec<(Vec<BoundEffect>, f64)> = Vec::new();
         match effect.scope() {
             Scope::Robot => targets.push((whole(), 1.0)),
-            Scope::Pair | Scope::Reading => {}
+            Scope::Pair => {}
             Scope::Cable | Scope::CableOrAll => {
                 let alone = TARGET_SHARES[0] / cables as f64;
                 targets.extend(each().map(|b| (vec![b], alone)));

@@ -4,7 +4,7 @@ use super::budget::{MAX_ALTERNATIVES, MIN_LISTED_PROBABILITY, MIN_POSSIBLE_PROBA
 use super::calibration::{NAMING_PROBABILITY, ODDS_AGAINST_SUPERSEDED, ODDS_AGAINST_UNCONFIRMED};
 use super::candidates::{is_same_effect_and_targets, is_same_kind, is_same_period};
 use super::cause_sets::RankedSet;
-use super::report::{Alternative, Cause};
+use super::report::{Cause, PossibleCause};
 use crate::effect::Search;
 
 /// Posterior of one cause of the most probable set.
@@ -12,7 +12,7 @@ use crate::effect::Search;
 pub(super) struct CausePosterior {
     pub probability: f64,
     /// What replaces it in the other sets, most probable first.
-    pub alternatives: Vec<Alternative>,
+    pub alternatives: Vec<PossibleCause>,
     /// Whether it or one of its alternatives is present with near certainty.
     pub is_near_certain: bool,
 }
@@ -25,17 +25,17 @@ impl CausePosterior {
 
 /// Lowers the probabilities of possible causes that did not become findings, and drops those that are then too small.
 pub(super) fn discount_possible_causes(
-    possible: Vec<Alternative>,
+    possible: Vec<PossibleCause>,
     has_unmodelled_error: bool,
-) -> Vec<Alternative> {
+) -> Vec<PossibleCause> {
     let against = if has_unmodelled_error {
         ODDS_AGAINST_SUPERSEDED
     } else {
         ODDS_AGAINST_UNCONFIRMED
     };
-    let discounted = |other: Alternative| {
+    let discounted = |other: PossibleCause| {
         let stated = other.probability.min(NAMING_PROBABILITY);
-        Alternative {
+        PossibleCause {
             probability: stated / (stated + (1.0 - stated) * against),
             ..other
         }
@@ -46,7 +46,7 @@ pub(super) fn discount_possible_causes(
 }
 
 /// Posteriors of the causes of the most probable set, which is the first of the ranking, and the other possible causes.
-pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, Vec<Alternative>) {
+pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, Vec<PossibleCause>) {
     let Some(first) = ranking.first() else {
         return (Vec::new(), Vec::new());
     };
@@ -61,8 +61,8 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
     let weight = |r: &RankedSet| (r.log_posterior - top).exp();
     let total: f64 = ranking.iter().map(weight).sum();
     let mut probability = vec![0.0; first.causes.len()];
-    let mut others: Vec<Vec<Alternative>> = vec![Vec::new(); first.causes.len()];
-    let mut beside: Vec<Alternative> = Vec::new();
+    let mut others: Vec<Vec<PossibleCause>> = vec![Vec::new(); first.causes.len()];
+    let mut beside: Vec<PossibleCause> = Vec::new();
     for set in ranking {
         let share = weight(set) / total;
         let causes = with_matching_waves(&set.causes, &first.causes);
@@ -123,37 +123,38 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
             }
         }
     }
-    let posterior = |((probability, mut alternatives), own): ((f64, Vec<Alternative>), &Cause)| {
-        alternatives.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        let all: f64 = alternatives.iter().map(|a| a.probability).sum();
-        let mut sum = probability;
-        let mut kept: Vec<Alternative> = Vec::new();
-        for alternative in alternatives {
-            // The same event at another pose is not another cause.
-            let listed = kept.iter().map(|k| &k.cause);
-            if std::iter::once(own)
-                .chain(listed)
-                .any(|c| is_same_effect_and_targets(c, &alternative.cause))
-            {
+    let posterior =
+        |((probability, mut alternatives), own): ((f64, Vec<PossibleCause>), &Cause)| {
+            alternatives.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+            let all: f64 = alternatives.iter().map(|a| a.probability).sum();
+            let mut sum = probability;
+            let mut kept: Vec<PossibleCause> = Vec::new();
+            for alternative in alternatives {
+                // The same event at another pose is not another cause.
+                let listed = kept.iter().map(|k| &k.cause);
+                if std::iter::once(own)
+                    .chain(listed)
+                    .any(|c| is_same_effect_and_targets(c, &alternative.cause))
+                {
+                    sum += alternative.probability;
+                    continue;
+                }
+                if sum >= NAMING_PROBABILITY
+                    || kept.len() == MAX_ALTERNATIVES
+                    || alternative.probability < MIN_LISTED_PROBABILITY
+                {
+                    break;
+                }
                 sum += alternative.probability;
-                continue;
+                kept.push(alternative);
             }
-            if sum >= NAMING_PROBABILITY
-                || kept.len() == MAX_ALTERNATIVES
-                || alternative.probability < MIN_LISTED_PROBABILITY
-            {
-                break;
+            CausePosterior {
+                // Rounding can make the sum of weights exceed 1.
+                probability: probability.min(1.0),
+                alternatives: kept,
+                is_near_certain: probability + all >= NAMING_PROBABILITY,
             }
-            sum += alternative.probability;
-            kept.push(alternative);
-        }
-        CausePosterior {
-            // Rounding can make the sum of weights exceed 1.
-            probability: probability.min(1.0),
-            alternatives: kept,
-            is_near_certain: probability + all >= NAMING_PROBABILITY,
-        }
-    };
+        };
     let known = probability.into_iter().zip(others);
     let posteriors: Vec<CausePosterior> = known.zip(&first.causes).map(posterior).collect();
     let listed = |cause: &Cause| {
@@ -188,10 +189,10 @@ fn with_matching_waves(set: &[Cause], other: &[Cause]) -> Vec<Cause> {
     set.iter().map(matched).collect()
 }
 
-fn add_probability(all: &mut Vec<Alternative>, cause: &Cause, probability: f64) {
+fn add_probability(all: &mut Vec<PossibleCause>, cause: &Cause, probability: f64) {
     match all.iter_mut().find(|known| covers(&known.cause, cause)) {
         Some(known) => known.probability += probability,
-        None => all.push(Alternative {
+        None => all.push(PossibleCause {
             cause: cause.clone(),
             probability,
         }),

@@ -16,10 +16,11 @@ use super::heavy_tails::shares_of_heavy_tails;
 use super::inference::{Inference, inference_at_fit};
 use super::reading_id::ReadingId;
 use super::report::{
-    Adequacy, Alternative, Cause, Discrepancy, Finding, FoundParameter, NoiseStatement, Verdict,
+    Adequacy, Alternative, Cause, Discrepancy, Finding, FoundParameter, NoiseStatement,
+    PossibleCause, Subject, Verdict,
 };
 use super::residual_space::ResidualSpace;
-use super::unmodelled_errors::{UnmodelledError, UnmodelledErrors};
+use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
 use super::variables::Variables;
 use crate::effect::Search;
 use crate::estimation::{EstimationError, Problem};
@@ -28,7 +29,7 @@ use crate::estimation::{EstimationError, Problem};
 pub(super) struct ConfirmedCauses<'a> {
     pub inference: Inference<'a>,
     pub posteriors: Vec<CausePosterior>,
-    pub possible: Vec<Alternative>,
+    pub possible: Vec<PossibleCause>,
     /// Likely causes that are not confirmed.
     likely: Vec<(Cause, CausePosterior)>,
 }
@@ -45,7 +46,7 @@ pub(super) fn reject_replaceable_causes<'a>(
         mut possible,
         likely,
     } = confirmed;
-    let mut replacements: Vec<UnmodelledError> = Vec::new();
+    let mut replacements: Vec<WeighedError> = Vec::new();
     loop {
         let mut unmodelled = UnmodelledErrors::new(&inference);
         let mut causes = Vec::new();
@@ -57,7 +58,7 @@ pub(super) fn reject_replaceable_causes<'a>(
                 .filter(|rival| rival.probability() >= NAMING_PROBABILITY)
             {
                 Some(rival) => {
-                    possible.push(Alternative {
+                    possible.push(PossibleCause {
                         cause: cause.clone(),
                         probability: posterior.probability * (1.0 - rival.probability()),
                     });
@@ -75,7 +76,7 @@ pub(super) fn reject_replaceable_causes<'a>(
                 if unmodelled
                     .remaining
                     .iter()
-                    .all(|known| known.id != rival.id)
+                    .all(|known| known.error.readings != rival.error.readings)
                 {
                     unmodelled.remaining.push(rival);
                 }
@@ -123,7 +124,7 @@ pub(super) fn readmit_likely_causes<'a>(
             found
                 .iter()
                 .take(1)
-                .map(UnmodelledError::from_discrepancy)
+                .map(WeighedError::from_discrepancy)
                 .collect()
         } else {
             unmodelled.remaining.clone()
@@ -152,7 +153,7 @@ pub(super) fn readmit_likely_causes<'a>(
         if errors(&with, &remaining).len() >= before.len() {
             continue;
         }
-        let is_other = |a: &Alternative| !is_same_cause(&a.cause, &causes[causes.len() - 1]);
+        let is_other = |a: &PossibleCause| !is_same_cause(&a.cause, &causes[causes.len() - 1]);
         confirmed.possible.retain(is_other);
         // One of the two is present, so the odds follow from the known probability of the cause.
         instead.log_odds = (posterior.probability.recip() - 1.0).ln();
@@ -176,7 +177,7 @@ pub(super) fn confirm_causes<'a>(
     problem: &Problem<'a>,
     inference: Inference<'a>,
     posteriors: Vec<CausePosterior>,
-    mut possible: Vec<Alternative>,
+    mut possible: Vec<PossibleCause>,
     options: &DiagnosisOptions,
 ) -> Result<ConfirmedCauses<'a>, EstimationError> {
     let full = Prediction::new(&inference.fit);
@@ -194,7 +195,7 @@ pub(super) fn confirm_causes<'a>(
             confirmed.push((without.solution.chi2, cause.clone(), posterior));
             continue;
         }
-        possible.push(Alternative {
+        possible.push(PossibleCause {
             cause: cause.clone(),
             probability: posterior.probability,
         });
@@ -231,17 +232,16 @@ pub(super) fn confirm_causes<'a>(
 pub(super) fn downgrade_doubtful_names(
     findings: &mut [Finding],
     inference: &Inference<'_>,
-    (rivals, remaining): (&[Option<UnmodelledError>], &[UnmodelledError]),
+    (rivals, remaining): (&[Option<WeighedError>], &[WeighedError]),
     (scatter, space): (&[(ReadingId, f64)], &ResidualSpace),
 ) {
-    let cables = inference.fit.problem.dataset.robot.cable_count();
     // An improbable rival does not make a near-certain name ambiguous.
     let matters = |share: f64| 1.0 - share < NAMING_PROBABILITY;
     // Exchanged channels come first in the findings and have no rivals.
     let first = findings.len() - rivals.len();
     let tails = shares_of_heavy_tails(findings, first, inference, space);
     for (index, (finding, tails)) in findings.iter_mut().zip(tails).enumerate() {
-        let own = finding.cause.cables();
+        let own = finding.subject.cables();
         let own_index = index.checked_sub(first);
         let rival = own_index.and_then(|k| rivals[k].as_ref());
         let rival = rival.map(|r| (r.clone(), r.probability()));
@@ -252,22 +252,27 @@ pub(super) fn downgrade_doubtful_names(
         let scattered =
             scatter.find(|(id, excess)| of_own(id) && *excess > EXCESS_SHARE * explained);
         let beside = remaining.iter().find(|error| {
-            let same = error.id.cable.is_some_and(|cable| own.contains(&cable));
+            let same = error
+                .error
+                .readings
+                .cable
+                .is_some_and(|cable| own.contains(&cable));
             let shares = || {
-                own_index
-                    .is_some_and(|k| inference.share_of_effect_in(k, &error.id) > READINGS_SHARE)
+                own_index.is_some_and(|k| {
+                    inference.share_of_effect_in(k, &error.error.readings) > READINGS_SHARE
+                })
             };
             2.0 * error.log_odds > ERROR_SHARE * explained && (same || shares())
         });
         // It is undecided which of them explains what they share.
-        let open = scattered.map(|(id, _)| UnmodelledError::of(*id));
+        let open = scattered.map(|(id, _)| WeighedError::of(*id));
         let open = open.or_else(|| beside.cloned()).map(|other| (other, 0.5));
         // A size beyond that of real machines suggests another error that looks the same.
         let odds = (log_rarity_of(finding) - LOOKS_THE_SAME).exp();
         let share = tails.max(odds / (1.0 + odds));
         let imitated = || {
             let id = inference.most_affected_class(own_index.filter(|_| matters(share))?)?;
-            Some((UnmodelledError::of(id), share))
+            Some((WeighedError::of(id), share))
         };
         let Some((other, share)) = rival.or(open).or_else(imitated) else {
             continue;
@@ -275,7 +280,7 @@ pub(super) fn downgrade_doubtful_names(
         finding.verdict = Verdict::Ambiguous;
         finding.alternatives.truncate(1);
         finding.alternatives.push(Alternative {
-            cause: other.cause(cables),
+            subject: Subject::UnmodelledError(other.error),
             probability: finding.probability * share,
         });
         finding.probability *= 1.0 - share;
@@ -313,7 +318,9 @@ fn imitation_rate(explained: f64) -> f64 {
 /// Log prior rarity of the size of a cause, relative to the largest typical size, at the lower end of its confidence
 /// interval.
 fn log_rarity_of(finding: &Finding) -> f64 {
-    let effect = finding.cause.effect();
+    let Some(effect) = finding.cause().map(Cause::effect) else {
+        return 0.0;
+    };
     let Some(size) = size_parameter(effect) else {
         return 0.0;
     };
@@ -341,7 +348,7 @@ pub(super) fn excess_chi2(
 ) -> Vec<(ReadingId, f64)> {
     let structured = remaining.iter().map(|d| {
         let excess = d.points.len() as f64 * (d.rms_over_sd.powi(2) - 1.0);
-        (UnmodelledError::from_discrepancy(d).id, excess)
+        (WeighedError::from_discrepancy(d).error.readings, excess)
     });
     let loud = noise.iter().filter(|statement| statement.cable.is_some());
     let loud = loud.map(|statement| {

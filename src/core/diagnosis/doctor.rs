@@ -20,7 +20,7 @@ use super::noise::noise_statements;
 use super::priors::FACTORS;
 use super::progress::Reporter;
 use super::report::{Diagnosis, Finding, Invisible, ToleranceFactor};
-use super::unmodelled_errors::UnmodelledError;
+use super::unmodelled_errors::WeighedError;
 use super::{DiagnosisOptions, Observer, Stage};
 use crate::effect::{BoundEffect, CablePorts, Dual, measurements_as_modelled};
 use crate::estimation::{EstimationError, Problem};
@@ -154,7 +154,7 @@ fn examine(
     if !report.cancelled {
         let mut remaining_errors = unmodelled.remaining;
         if remaining_errors.is_empty() {
-            remaining_errors.extend(remaining.first().map(UnmodelledError::from_discrepancy));
+            remaining_errors.extend(remaining.first().map(WeighedError::from_discrepancy));
         }
         let scatter = excess_chi2(&space, &remaining, &noise);
         downgrade_doubtful_names(

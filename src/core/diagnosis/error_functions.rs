@@ -11,6 +11,7 @@ use super::discrepancy::smooth_functions;
 use super::hyperparameters::LinearProblem;
 use super::priors::{CORRELATION_LENGTHS, MAX_SMOOTH_FUNCTIONS, MIN_READINGS_OF_ERROR, MIN_WAVES};
 use super::reading_id::ReadingId;
+use super::report::ErrorForm;
 use super::variables::Variables;
 use crate::measurement::Variable;
 use crate::robot::Robot;
@@ -18,24 +19,9 @@ use crate::robot::Robot;
 /// Variables along which periodic errors are looked for.
 const WAVE_VARIABLES: [Variable; 3] = [Variable::Revolutions, Variable::Time, Variable::Distance];
 
-/// Functional form of an error.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum ErrorForm {
-    /// Smooth function of one variable.
-    Smooth(Variable),
-    /// Periodic function of one variable, with the period in its unit.
-    Wave(Variable, f64),
-    /// Smooth function of the tension of another cable.
-    Crosstalk(usize),
-    /// Gaussian field over the position, with its correlation length.
-    Position(f64),
-    /// Gaussian field over the orientation, with its correlation length.
-    Orientation(f64),
-}
-
 impl ErrorForm {
     /// Wording of the error in a sentence, after "have an error that".
-    pub fn description(self, robot: &Robot) -> String {
+    pub(super) fn description(self, robot: &Robot) -> String {
         match self {
             Self::Smooth(variable) => format!("depends on the {}", variable.name()),
             Self::Wave(Variable::Time, period) => format!("repeats every {period:.0} s"),
@@ -50,6 +36,7 @@ impl ErrorForm {
             }
             Self::Position(_) => "depends on the position".to_owned(),
             Self::Orientation(_) => "depends on the orientation".to_owned(),
+            Self::Scatter => "has no clear pattern".to_owned(),
         }
     }
 }
@@ -57,6 +44,8 @@ impl ErrorForm {
 /// Readings that may share an error: of one kind and cable, or of one kind and all cables alike.
 pub(super) struct ErrorTarget {
     pub id: ReadingId,
+    /// Standard deviation of the readings as described (SI units).
+    pub sd: f64,
     pub classes: Vec<usize>,
     /// Poses at which there is such a reading.
     pub poses: Vec<usize>,
@@ -76,7 +65,7 @@ impl ErrorTarget {
     /// Builds all function families for some readings, with log priors that sum to a probability of 1; `None` if there
     /// are too few readings.
     pub fn new(
-        id: ReadingId,
+        (id, sd): (ReadingId, f64),
         classes: Vec<usize>,
         rows: &[usize],
         linear: &LinearProblem,
@@ -96,6 +85,7 @@ impl ErrorTarget {
         let scaled_variables = ScaledVariables::new(&id, &own, variables);
         let mut target = Self {
             id,
+            sd,
             classes,
             poses,
             families: Vec::new(),

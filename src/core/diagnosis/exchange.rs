@@ -8,7 +8,7 @@ use super::calibration::{HUGE_CHI2, MAX_REMAINING_EXCESS};
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::progress::Reporter;
-use super::report::{Alternative, Cause, Evidence, Finding, Rival, Verdict};
+use super::report::{Alternative, Cause, Evidence, Finding, Rival, Subject, Verdict};
 use crate::effect::{BoundEffect, CATALOGUE, Search};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
@@ -90,8 +90,6 @@ impl Exchange {
             cause: cause(bound),
             delta_chi2: first.solution.chi2 - chi2,
             parameters: 0,
-            score: first.solution.chi2 - chi2,
-            angle_rad: f64::NAN,
             holdout: f64::NAN,
         };
         let ranking: Vec<Rival> = self.tried.iter().take(3).map(rival).collect();
@@ -101,7 +99,7 @@ impl Exchange {
             .iter()
             .filter(|rival| ranking[0].delta_chi2 - rival.delta_chi2 < DISTINGUISHING_CHI2)
             .map(|rival| Alternative {
-                cause: rival.cause.clone(),
+                subject: Subject::Cause(rival.cause.clone()),
                 probability: weight(rival) / weights,
             })
             .collect();
@@ -111,7 +109,7 @@ impl Exchange {
             } else {
                 Verdict::Ambiguous
             },
-            cause: cause(&self.bound),
+            subject: Subject::Cause(cause(&self.bound)),
             probability: weights.recip(),
             sentence: self.bound.cause(robot),
             advice: self.bound.workshop(robot),

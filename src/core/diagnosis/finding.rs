@@ -1,16 +1,15 @@
 //! Findings: confirmed causes, fitted and tested on held-out poses.
 
-use nalgebra::DMatrix;
-
 use super::cause_posteriors::CausePosterior;
-use super::conditions::is_fixed;
 use super::fit::Fit;
 use super::gain::Prediction;
-use super::projector::{Projector, cosine};
-use super::report::{Alternative, Cause, Evidence, Finding, FoundParameter, Gain, Rival, Verdict};
+use super::report::{
+    Alternative, Cause, Evidence, Finding, FoundParameter, Gain, PossibleCause, Rival, Subject,
+    Verdict,
+};
 use super::separation::separation;
 use crate::effect::BoundEffect;
-use crate::estimation::{EstimationError, LinearRow, ParameterId, RowKind};
+use crate::estimation::{EstimationError, ParameterId};
 use crate::robot::Robot;
 use crate::statistics::chi_square_survival;
 
@@ -67,7 +66,7 @@ impl FindingBuilder<'_, '_> {
             },
             gain: self.gain.clone(),
             separation,
-            cause: cause.clone(),
+            subject: Subject::Cause(cause.clone()),
         })
     }
 
@@ -88,8 +87,8 @@ impl FindingBuilder<'_, '_> {
 
     fn alternatives(&self, rivals: &[Fit<'_>]) -> Vec<Alternative> {
         let pairs = self.posterior.alternatives.iter().zip(rivals);
-        let fitted = |(alternative, fit): (&Alternative, &Fit<'_>)| Alternative {
-            cause: fit.causes.last().unwrap_or(&alternative.cause).clone(),
+        let fitted = |(alternative, fit): (&PossibleCause, &Fit<'_>)| Alternative {
+            subject: Subject::Cause(fit.causes.last().unwrap_or(&alternative.cause).clone()),
             probability: alternative.probability,
         };
         pairs.map(fitted).collect()
@@ -157,37 +156,15 @@ fn distinct_texts(
 
 /// Compares the cause with its fitted alternatives; the cause comes first.
 fn ranking(without: &Fit<'_>, own: &Fit<'_>, index: usize, rivals: &[Fit<'_>]) -> Vec<Rival> {
-    let linear = without.linearisation();
-    let projector = Projector::new(&linear.design, &linear.residual);
-    // The priors of causes and deviations come last and differ from fit to fit.
-    let is_shared = |row: &&LinearRow| match row.kind {
-        RowKind::Prior(k) => is_fixed(&linear.parameters[k].id, without.model_effects()),
-        RowKind::Observation(_) | RowKind::AssumedTension(_) => true,
-    };
-    let rows = linear.rows.iter().take_while(is_shared).count();
-    let signature = |fit: &Fit<'_>, index: usize| -> DMatrix<f64> {
-        let linear = fit.linearisation();
-        let columns = linear.design.select_columns(&fit.parameters_of(index));
-        let mut padded = DMatrix::zeros(projector.residual.len(), columns.ncols());
-        padded.rows_mut(0, rows).copy_from(&columns.rows(0, rows));
-        projector.project(&padded)
-    };
-    let first = signature(own, index);
     let last = |fit: &Fit<'_>| fit.causes.len() - 1;
     let all = rivals.iter().map(|fit| (fit, last(fit)));
     std::iter::once((own, index))
         .chain(all)
-        .map(|(fit, index)| {
-            let gain = without.solution.chi2 - fit.solution.chi2;
-            let parameters = fit.parameters_of(index).len();
-            Rival {
-                cause: fit.causes[index].clone(),
-                delta_chi2: gain,
-                parameters,
-                score: gain - (linear.rows.len() as f64).ln() * parameters as f64,
-                angle_rad: cosine(&first, &signature(fit, index)).acos(),
-                holdout: Prediction::new(fit).rms(),
-            }
+        .map(|(fit, index)| Rival {
+            cause: fit.causes[index].clone(),
+            delta_chi2: without.solution.chi2 - fit.solution.chi2,
+            parameters: fit.parameters_of(index).len(),
+            holdout: Prediction::new(fit).rms(),
         })
         .collect()
 }

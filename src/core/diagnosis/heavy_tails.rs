@@ -57,7 +57,7 @@ fn wrong_reading(
     cause: usize,
     inference: &Inference<'_>,
 ) -> Option<WrongReading> {
-    let Search::AtPose(pose) = finding.cause.effect().search() else {
+    let Search::AtPose(pose) = finding.cause()?.effect().search() else {
         return None;
     };
     let error = finding

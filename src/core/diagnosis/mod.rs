@@ -2,9 +2,8 @@
 //! quantifies the gain.
 //!
 //! All computations use one linearisation of the readings at a solution ([`crate::estimation::Linearisation`]):
-//! posterior probabilities of sets of causes, unmodelled errors, the angle between the signatures of two effects, and
-//! cross-validation. Reported values come from a new fit of the full nonlinear problem. The equations are in
-//! docs/DIAGNOSIS.md.
+//! posterior probabilities of sets of causes, unmodelled errors, and cross-validation. Reported values come from a new
+//! fit of the full nonlinear problem. The equations are in docs/DIAGNOSIS.md.
 
 mod adequacy;
 #[cfg(test)]
@@ -61,10 +60,12 @@ pub use doctor::diagnose;
 pub use isolability::{
     ExpectedFault, ExpectedPair, Isolability, is_confused, is_seen, isolability, log_odds,
 };
+pub use reading_id::ReadingId;
 pub use report::{
-    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain,
-    GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival,
-    Separation, ToleranceFactor, Verdict,
+    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, ErrorForm, Evidence, Finding,
+    FoundParameter, Gain, GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement,
+    PositionChange, PossibleCause, Quantity, Rival, Separation, Subject, ToleranceFactor,
+    UnmodelledError, Verdict,
 };
 
 pub use variables::Variables;

@@ -43,11 +43,6 @@ impl Projector {
     pub fn map(&self) -> &DMatrix<f64> {
         &self.map
     }
-
-    /// `columns - V V^T columns`.
-    pub fn project(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        columns - &self.basis * self.basis.tr_mul(columns)
-    }
 }
 
 /// Matrix that orthonormalises the columns of `design`: from the Cholesky factor of its scaled normal matrix, or where the
@@ -76,13 +71,4 @@ fn orthonormal_map(design: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(n, kept.len(), |i, k| {
         scale[i] * eigen.eigenvectors[(i, kept[k])] / eigen.eigenvalues[kept[k]].sqrt()
     })
-}
-
-/// Cosine of the smallest angle between the spans of two sets of projected columns.
-pub(super) fn cosine(one: &DMatrix<f64>, other: &DMatrix<f64>) -> f64 {
-    let (one, other) = (one * orthonormal_map(one), other * orthonormal_map(other));
-    if one.is_empty() || other.is_empty() {
-        return 0.0;
-    }
-    one.tr_mul(&other).singular_values().max().min(1.0)
 }

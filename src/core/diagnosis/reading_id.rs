@@ -5,7 +5,7 @@ use crate::estimation::{LinearRow, Linearisation, ObservationKind, ParameterId, 
 
 /// The reading that a row belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct ReadingId {
+pub struct ReadingId {
     /// Kind of reading.
     pub quantity: Quantity,
     /// Cable, for readings of a cable.
@@ -17,7 +17,7 @@ pub(crate) struct ReadingId {
 impl ReadingId {
     /// The reading of a row; `None` for equilibrium equations, and for priors except those that represent the tension
     /// readings at home.
-    pub fn of(row: &LinearRow, linear: &Linearisation) -> Option<Self> {
+    pub(super) fn of(row: &LinearRow, linear: &Linearisation) -> Option<Self> {
         let (quantity, cable, component) = match row.kind {
             RowKind::AssumedTension(_) => return None,
             RowKind::Prior(index) => match linear.parameters[index].id {

@@ -1,5 +1,6 @@
 //! The result of a diagnosis as plain data.
 
+use super::reading_id::ReadingId;
 use crate::effect::{BoundEffect, Effect};
 use crate::estimation::Solution;
 use crate::geometry::Pose;
@@ -145,9 +146,86 @@ impl Cause {
     }
 }
 
-/// A cause with its posterior probability.
+/// Functional form of an unmodelled error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ErrorForm {
+    /// Smooth function of one variable.
+    Smooth(Variable),
+    /// Periodic function of one variable, with the period in its unit.
+    Wave(Variable, f64),
+    /// Smooth function of the tension of another cable.
+    Crosstalk(usize),
+    /// Gaussian field over the position, with its correlation length, where positions range from -1 to 1.
+    Position(f64),
+    /// Gaussian field over the orientation, with its correlation length, where rotations range from -1 to 1.
+    Orientation(f64),
+    /// More scatter than that of the noise, without a form.
+    Scatter,
+}
+
+impl ErrorForm {
+    /// The variable on which it depends; `None` if there are several or none.
+    #[must_use]
+    pub fn variable(self) -> Option<Variable> {
+        match self {
+            Self::Smooth(variable) | Self::Wave(variable, _) => Some(variable),
+            Self::Crosstalk(_) | Self::Position(_) | Self::Orientation(_) | Self::Scatter => None,
+        }
+    }
+}
+
+/// An error of some readings that no effect of the catalogue explains.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnmodelledError {
+    /// The readings; no cable if they belong to none, or if those of all cables have the error alike.
+    pub readings: ReadingId,
+    /// On what the error depends, and how.
+    pub form: ErrorForm,
+    /// Root mean square of the error over the readings (m, N or rad); `None` if it was tested for but not estimated.
+    pub rms: Option<f64>,
+}
+
+/// What a finding or one of its alternatives takes to be present.
+#[derive(Debug, Clone)]
+pub enum Subject {
+    /// An effect of the catalogue on its targets.
+    Cause(Cause),
+    /// An error of readings without a known cause.
+    UnmodelledError(UnmodelledError),
+}
+
+impl Subject {
+    /// The cause; `None` for an unmodelled error.
+    #[must_use]
+    pub fn cause(&self) -> Option<&Cause> {
+        match self {
+            Self::Cause(cause) => Some(cause),
+            Self::UnmodelledError(_) => None,
+        }
+    }
+
+    /// Indices of the cables concerned; empty if it is not about single cables.
+    #[must_use]
+    pub fn cables(&self) -> Vec<usize> {
+        match self {
+            Self::Cause(cause) => cause.cables(),
+            Self::UnmodelledError(error) => error.readings.cable.into_iter().collect(),
+        }
+    }
+}
+
+/// What may be present instead of the subject of a finding.
 #[derive(Debug, Clone)]
 pub struct Alternative {
+    /// What is present.
+    pub subject: Subject,
+    /// Its posterior probability.
+    pub probability: f64,
+}
+
+/// A cause with its posterior probability.
+#[derive(Debug, Clone)]
+pub struct PossibleCause {
     /// The cause.
     pub cause: Cause,
     /// Its posterior probability.
@@ -189,11 +267,6 @@ pub struct Rival {
     pub delta_chi2: f64,
     /// Number of its parameters.
     pub parameters: usize,
-    /// Twice the log evidence in the BIC approximation: the reduction of chi-square minus the penalty for its
-    /// parameters.
-    pub score: f64,
-    /// Angle between its signature and that of the first cause of the ranking, with all else estimated (rad).
-    pub angle_rad: f64,
     /// Held-out root mean square over standard deviation with this cause.
     pub holdout: f64,
 }
@@ -268,15 +341,15 @@ pub struct Separation {
 pub struct Finding {
     /// How certain the name is.
     pub verdict: Verdict,
-    /// The cause with its values in the final model.
-    pub cause: Cause,
-    /// Posterior probability of the cause. It and its alternatives exclude each other.
+    /// What was found: a cause with its values in the final model, or an error without one.
+    pub subject: Subject,
+    /// Posterior probability of the subject. It and its alternatives exclude each other.
     pub probability: f64,
     /// Description for the user.
     pub sentence: String,
     /// What to do in the workshop.
     pub advice: String,
-    /// Causes that the data cannot tell from it, most probable first.
+    /// What the data cannot tell from it, most probable first.
     pub alternatives: Vec<Alternative>,
     /// Its parameters.
     pub parameters: Vec<FoundParameter>,
@@ -289,6 +362,19 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// The cause; `None` if an unmodelled error was found.
+    #[must_use]
+    pub fn cause(&self) -> Option<&Cause> {
+        self.subject.cause()
+    }
+
+    /// All causes of which one may be present: its own, then those among its alternatives.
+    pub fn causes(&self) -> impl Iterator<Item = &Cause> {
+        let others = self.alternatives.iter().map(|other| &other.subject);
+        let subjects = std::iter::once(&self.subject).chain(others);
+        subjects.filter_map(Subject::cause)
+    }
+
     /// Whether several causes are possible, which exclude each other. An ambiguous cause without alternatives is probable
     /// alone.
     #[must_use]
@@ -331,7 +417,7 @@ pub struct Diagnosis {
     /// Findings in the order in which they extend the model.
     pub findings: Vec<Finding>,
     /// Causes that are possible but too improbable for a finding, most probable first.
-    pub possible: Vec<Alternative>,
+    pub possible: Vec<PossibleCause>,
     /// By what the parts scatter, in units of their tolerances.
     pub tolerances: ToleranceFactor,
     /// Noise that differs from the description.

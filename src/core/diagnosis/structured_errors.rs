@@ -18,13 +18,14 @@ use super::Quantity;
 use super::budget::{COMPARE_ABOVE, MAX_COMPARED};
 use super::calibration::MIN_SHARE_LEFT;
 use super::conditions::concatenate_columns;
-use super::error_functions::{ErrorForm, ErrorTarget, FunctionFamily};
+use super::error_functions::{ErrorTarget, FunctionFamily};
 use super::hyperparameters::{Estimate, Hyperparameters, LinearProblem};
 use super::priors::{ERROR_SIZES, ERROR_VARIANCE_WEIGHT, EXPECTED_ERRORS};
 use super::reading_errors::ReadingErrors;
 use super::reading_id::ReadingId;
+use super::report::ErrorForm;
 use super::variables::Variables;
-use crate::estimation::Linearisation;
+use crate::estimation::{LinearRow, Linearisation};
 use crate::statistics::log_sum;
 
 /// An error of a given form in some readings.
@@ -37,6 +38,8 @@ pub(super) struct StructuredError {
     pub log_odds: f64,
     /// Log prior probability.
     pub log_prior: f64,
+    /// Posterior mean of the root mean square over the readings (SI units).
+    pub rms: f64,
     /// Columns as conditions, with prior variance 1.
     pub columns: DMatrix<f64>,
 }
@@ -85,11 +88,19 @@ impl<'l> ErrorSearch<'l> {
                 _ => {}
             }
         }
+        let sd = |id: &ReadingId| {
+            let of = |row: &&LinearRow| ReadingId::of(row, linearisation) == Some(*id);
+            linearisation.rows.iter().find(of).map_or(1.0, |row| row.sd)
+        };
+        let sds: Vec<f64> = classes.iter().map(sd).collect();
         let rows: Vec<usize> = linearisation.poses.iter().map(|pose| pose.row).collect();
         let mut targets: Vec<ErrorTarget> = sets
             .into_iter()
             .filter(|(id, classes)| id.cable.is_some() || classes.len() != 1 || is_single(id))
-            .filter_map(|(id, classes)| ErrorTarget::new(id, classes, &rows, linear, variables))
+            .filter_map(|(id, classes)| {
+                let sd = sds[classes[0]];
+                ErrorTarget::new((id, sd), classes, &rows, linear, variables)
+            })
             .collect();
         let each = (EXPECTED_ERRORS / targets.len().max(1) as f64).ln();
         for target in &mut targets {
@@ -123,7 +134,8 @@ impl<'l> ErrorSearch<'l> {
             let constant = concatenate_columns(&[columns, &structure.columns(0, 1).into_owned()]);
             let without = log_density(&constant);
             let log_odds = with - without.max(none.log_density) + all;
-            (log_odds >= least).then(|| self.structure(&scored, log_odds, structure))
+            let rms = || self.rms(&none, &scored, |family| &family.unexpressed);
+            (log_odds >= least).then(|| self.structure(&scored, (log_odds, rms()), structure))
         });
         exact.max_by(|a, b| a.log_odds.total_cmp(&b.log_odds))
     }
@@ -143,7 +155,8 @@ impl<'l> ErrorSearch<'l> {
             let with_columns = concatenate_columns(&[columns, &structure]);
             let with = self.linear.refined(&at.hyper, &with_columns).log_density;
             let all = ranked.log_odds - scored.log_odds + self.log_prior(&scored);
-            self.structure(&scored, with + all, structure)
+            let rms = self.rms(&at, &scored, |family| &family.functions);
+            self.structure(&scored, (with + all, rms), structure)
         });
         exact.max_by(|a, b| a.log_odds.total_cmp(&b.log_odds))
     }
@@ -166,7 +179,7 @@ impl<'l> ErrorSearch<'l> {
     fn structure(
         &self,
         scored: &ScoredFamily,
-        log_odds: f64,
+        (log_odds, rms): (f64, f64),
         columns: DMatrix<f64>,
     ) -> StructuredError {
         StructuredError {
@@ -174,8 +187,28 @@ impl<'l> ErrorSearch<'l> {
             form: self.family(scored).form,
             log_odds,
             log_prior: self.log_prior(scored),
+            rms,
             columns,
         }
+    }
+
+    /// Posterior mean of an error, `(K + 1/s^2)^-1 b` in terms of its functions, as its root mean square over the
+    /// readings (SI units).
+    fn rms(
+        &self,
+        at: &Estimate<'_>,
+        scored: &ScoredFamily,
+        functions: impl Fn(&FunctionFamily) -> &DMatrix<f64>,
+    ) -> f64 {
+        let target = &self.targets[scored.target];
+        let functions = with_constant(functions(self.family(scored)), &target.poses);
+        let (score, mut information) = ReadingErrors::new(&at.base, &target.classes).of(&functions);
+        for k in 0..score.len() {
+            information[(k, k)] += scored.size.powi(-2);
+        }
+        let mean = information.cholesky().map(|factor| factor.solve(&score));
+        let squares = mean.map_or(0.0, |mean| (functions * mean).norm_squared());
+        target.sd * (squares / target.poses.len() as f64).sqrt()
     }
 
     /// A constant and the functions of a family as conditions.

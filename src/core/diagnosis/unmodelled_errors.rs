@@ -12,20 +12,18 @@ use super::fit::Fit;
 use super::gain::Prediction;
 use super::inference::Inference;
 use super::reading_id::ReadingId;
-use super::report::{Cause, Discrepancy, Evidence, Finding, Quantity, Verdict};
+use super::report::{
+    Cause, Discrepancy, ErrorForm, Evidence, Finding, Quantity, Subject, UnmodelledError, Verdict,
+};
 use super::structured_errors::{ErrorSearch, StructuredError};
 use super::variables::Variables;
-use crate::effect::unknown::{ADVICE, FIRST, FUNCTIONS, READING, SCALE};
-use crate::effect::{BiasedReading, BoundEffect, UNKNOWN};
+use crate::effect::words::{degrees, millimetres, newtons};
 use crate::robot::Robot;
 
-/// An error of some readings that no effect of the catalogue explains.
+/// An unmodelled error with its log posterior odds.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct UnmodelledError {
-    pub id: ReadingId,
-    /// Its wording in a sentence, after "have an error that".
-    form: String,
-    /// Log posterior odds.
+pub(super) struct WeighedError {
+    pub error: UnmodelledError,
     pub log_odds: f64,
 }
 
@@ -33,16 +31,15 @@ pub(super) struct UnmodelledError {
 #[derive(Debug, Clone, Default)]
 pub(super) struct UnmodelledErrors {
     /// Errors beside the causes, the most significant first.
-    pub remaining: Vec<UnmodelledError>,
+    pub remaining: Vec<WeighedError>,
     /// For each cause the error that could replace it, with its log odds over the cause.
-    pub rivals: Vec<Option<UnmodelledError>>,
+    pub rivals: Vec<Option<WeighedError>>,
 }
 
 impl UnmodelledErrors {
     pub fn new(inference: &Inference<'_>) -> Self {
         let fit = &inference.fit;
         let linear = &inference.linear;
-        let robot = &fit.problem.dataset.robot;
         let linearisation = fit.linearisation();
         let variables = Variables::new(&fit.problem, &fit.solution, &linearisation);
         let search = ErrorSearch::new(linear, &inference.hyper, &linearisation, &variables);
@@ -61,7 +58,7 @@ impl UnmodelledErrors {
                 continue;
             };
             for index in set {
-                let known: &mut Option<UnmodelledError> = &mut rivals[index];
+                let known: &mut Option<WeighedError> = &mut rivals[index];
                 if known.as_ref().is_none_or(|k| rival.log_odds > k.log_odds) {
                     *known = Some(rival.clone());
                 }
@@ -69,10 +66,13 @@ impl UnmodelledErrors {
         }
         // A second error in the same readings is often the rest of the first one, whose period falls between two that
         // are tried.
-        let mut reported: Vec<UnmodelledError> = Vec::new();
+        let mut reported: Vec<WeighedError> = Vec::new();
         for structure in &remaining {
-            if reported.iter().all(|known| known.id != structure.id) {
-                reported.push(UnmodelledError::from_structured_error(structure, robot));
+            if reported
+                .iter()
+                .all(|known| known.error.readings != structure.id)
+            {
+                reported.push(structure.into());
             }
         }
         Self {
@@ -101,7 +101,7 @@ fn best_rival(
     search: &ErrorSearch<'_>,
     remaining: &[StructuredError],
     set: &[usize],
-) -> Option<UnmodelledError> {
+) -> Option<WeighedError> {
     let linear = &inference.linear;
     let causes = &inference.fit.causes;
     let cables: Vec<usize> = set.iter().flat_map(|k| causes[*k].cables()).collect();
@@ -171,26 +171,34 @@ fn best_rival(
         let more = search.find_in_place(&named, &amplitude, is_eligible)?;
         log_odds.min(more.log_odds - values[0].max(values[1]) - CAUSE_LIKELIER)
     };
-    (log_odds > NEGLIGIBLE_LOG_ODDS).then(|| UnmodelledError {
+    (log_odds > NEGLIGIBLE_LOG_ODDS).then(|| WeighedError {
         log_odds,
-        ..UnmodelledError::from_structured_error(&found, &inference.fit.problem.dataset.robot)
+        ..WeighedError::from(&found)
     })
 }
 
-impl UnmodelledError {
-    fn from_structured_error(structure: &StructuredError, robot: &Robot) -> Self {
+impl From<&StructuredError> for WeighedError {
+    fn from(found: &StructuredError) -> Self {
         Self {
-            id: structure.id,
-            form: structure.form.description(robot),
-            log_odds: structure.log_odds,
+            error: UnmodelledError {
+                readings: found.id,
+                form: found.form,
+                rms: Some(found.rms),
+            },
+            log_odds: found.log_odds,
         }
     }
+}
 
+impl WeighedError {
     /// Excess scatter of some readings without a recognisable pattern.
-    pub fn of(id: ReadingId) -> Self {
+    pub fn of(readings: ReadingId) -> Self {
         Self {
-            id,
-            form: "has no clear pattern".to_owned(),
+            error: UnmodelledError {
+                readings,
+                form: ErrorForm::Scatter,
+                rms: None,
+            },
             log_odds: 0.0,
         }
     }
@@ -198,12 +206,15 @@ impl UnmodelledError {
     /// An error found by a test of the residuals.
     pub fn from_discrepancy(discrepancy: &Discrepancy) -> Self {
         Self {
-            id: ReadingId {
-                quantity: discrepancy.quantity,
-                cable: discrepancy.cable,
-                component: None,
+            error: UnmodelledError {
+                readings: ReadingId {
+                    quantity: discrepancy.quantity,
+                    cable: discrepancy.cable,
+                    component: None,
+                },
+                form: ErrorForm::Smooth(discrepancy.variable),
+                rms: None,
             },
-            form: format!("depends on the {}", discrepancy.variable.name()),
             log_odds: -discrepancy.p_value.max(f64::MIN_POSITIVE).ln(),
         }
     }
@@ -213,50 +224,14 @@ impl UnmodelledError {
         1.0 / (1.0 + (-self.log_odds).exp())
     }
 
-    /// The cause that represents the error in reports.
-    pub fn cause(&self, cables: usize) -> Cause {
-        let reading = match self.id.quantity {
-            Quantity::Length => Some(BiasedReading::Length),
-            Quantity::Tension => Some(BiasedReading::Tension),
-            Quantity::Swivel => Some(BiasedReading::Swivel),
-            Quantity::Laser => Some(BiasedReading::Laser),
-            Quantity::Inclination => {
-                Some(BiasedReading::Inclination(self.id.component.unwrap_or(0)))
-            }
-            Quantity::TrackerPosition | Quantity::TrackerOrientation => None,
-        };
-        let number = BiasedReading::ALL.iter().position(|r| Some(*r) == reading);
-        let mut values = vec![0.0; FIRST + FUNCTIONS];
-        values[READING] = number.unwrap_or(BiasedReading::ALL.len()) as f64;
-        values[SCALE] = 1.0;
-        let cable = self.id.cable;
-        Cause {
-            instances: vec![BoundEffect {
-                effect: &UNKNOWN,
-                cables: cable.map_or_else(|| (0..cables).collect(), |cable| vec![cable]),
-                targeted: cable.is_some(),
-                values,
-            }],
-        }
-    }
-
     /// The finding that reports the error.
     pub fn finding(&self, fit: &Fit<'_>) -> Finding {
-        let robot = &fit.problem.dataset.robot;
-        let name = self.id.quantity.name();
-        let what = match self.id.cable {
-            Some(cable) => format!("{name} readings of {}", robot.cables[cable].name),
-            None => format!("{name} readings"),
-        };
         let prediction = Prediction::new(fit);
         Finding {
             verdict: Verdict::Unknown,
-            cause: self.cause(robot.cable_count()),
+            subject: Subject::UnmodelledError(self.error.clone()),
             probability: self.probability(),
-            sentence: format!(
-                "The {what} have an error that {}; no known cause explains it.",
-                self.form
-            ),
+            sentence: self.error.sentence(&fit.problem.dataset.robot),
             advice: ADVICE.to_owned(),
             alternatives: Vec::new(),
             parameters: Vec::new(),
@@ -270,5 +245,29 @@ impl UnmodelledError {
             gain: prediction.gain_over(&prediction),
             separation: None,
         }
+    }
+}
+
+/// What to do about an error that no effect explains.
+const ADVICE: &str = "Measure more poses between those where this error is large and small.";
+
+impl UnmodelledError {
+    fn sentence(&self, robot: &Robot) -> String {
+        let name = self.readings.quantity.name();
+        let what = match self.readings.cable {
+            Some(cable) => format!("{name} readings of {}", robot.cables[cable].name),
+            None => format!("{name} readings"),
+        };
+        let in_words = match self.readings.quantity {
+            Quantity::Length | Quantity::Laser | Quantity::TrackerPosition => millimetres,
+            Quantity::Tension => newtons,
+            Quantity::Swivel | Quantity::Inclination | Quantity::TrackerOrientation => degrees,
+        };
+        let rms = self.rms.map(|rms| format!(" of {} (rms)", in_words(rms)));
+        format!(
+            "The {what} have an error{} that {}; no known cause explains it.",
+            rms.unwrap_or_default(),
+            self.form.description(robot)
+        )
     }
 }

@@ -210,11 +210,7 @@ pub struct BoundEffect {
 impl BoundEffect {
     /// Whether it acts on the platform, the frame or an instrument.
     pub(crate) fn acts_on_platform(&self) -> bool {
-        match self.effect.scope() {
-            Scope::Robot => true,
-            Scope::Reading => !self.targeted,
-            Scope::Cable | Scope::CableOrAll | Scope::Pair => false,
-        }
+        self.effect.scope() == Scope::Robot
     }
 
     /// Attaches an effect stated in a model file to the cables of `robot`; parameters not given are neutral.

@@ -7,8 +7,8 @@ use super::{
     heading_offset, inclinometer_tilt, laser_beam_tilt, laser_bias, laser_cyclic, laser_drift,
     laser_latency, laser_outliers, laser_scale, payload_com, payload_mass, platform_anchor,
     pulley_axis_tilt, pulley_drag, pulley_friction, pulley_radius, swivel_offset, target_tilt,
-    tracker_clock, tracker_frame, tracker_latency, tracker_target, tracker_tilt, unknown,
-    winch_backlash, winch_offset, winch_scale, winch_scale_common,
+    tracker_clock, tracker_frame, tracker_latency, tracker_target, tracker_tilt, winch_backlash,
+    winch_offset, winch_scale, winch_scale_common,
 };
 
 /// All effects that poses at rest can reveal, in the order in which reports list them.
@@ -75,12 +75,10 @@ pub fn every_effect() -> impl Iterator<Item = &'static Effect> {
     shown_at_rest.chain(IN_MOTION).copied()
 }
 
-/// The effect with this identifier, including `unknown`, which the lists do not contain because it names no cause.
+/// The effect with this identifier.
 #[must_use]
 pub fn find(id: &str) -> Option<&'static Effect> {
-    every_effect()
-        .chain([&unknown::EFFECT])
-        .find(|effect| effect.id() == id)
+    every_effect().find(|effect| effect.id() == id)
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use super::motion::{finite, inertia, paid_rates, tension_rates, twists};
 use super::{BoundEffect, CablePorts, Dual, PlatformPorts};
 use crate::geometry::{Pose, Twist};
 use crate::kinematics::{PulleyGeometry, balanced_tension};
-use crate::measurement::{Grid, Measurements, Variable};
+use crate::measurement::{Grid, Measurements};
 use crate::robot::{Cable, Robot};
 
 /// Context of the readings of one cable at one pose.
@@ -48,8 +48,6 @@ pub struct CableContext {
     pub entry_point_m: [f64; 3],
     /// Nominal swivel axis.
     pub swivel_axis: [f64; 3],
-    /// All variables, in the order of [`Variable::ALL`]; NaN where unknown.
-    pub variables: [f64; Variable::COUNT],
 }
 
 /// Context of the platform's readings at one pose.
@@ -83,8 +81,6 @@ pub struct PlatformContext {
     pub laser_direction: [f64; 3],
     /// Nominal normal of the target plane, base frame; arbitrary without a laser.
     pub target_normal: [f64; 3],
-    /// All variables, in the order of [`Variable::ALL`]; NaN where unknown and for the variables of a cable.
-    pub variables: [f64; Variable::COUNT],
 }
 
 impl CableContext {
@@ -161,7 +157,6 @@ impl PoseContexts {
                 inclination_rad: inclination(data, row, &poses[row]),
                 tracked_m: data.tracked_position_at(row).map_or([0.0; 3], Into::into),
                 tracked_rotation: tracked_rotation(data, row, &poses[row]),
-                variables: platform_variables(data, row, &poses[row], &poses[home.unwrap_or(0)]),
             })
             .collect();
         let tension = tensions(robot, data, poses);
@@ -170,7 +165,6 @@ impl PoseContexts {
             .collect();
         let down = robot.gravity().try_normalize(0.0).unwrap_or_default();
         let mut cables: Vec<CableContext> = Vec::with_capacity(data.len() * robot.cable_count());
-        let mut facings = vec![None; robot.cable_count()];
         // Lengths at the previous row.
         let mut before: Vec<Option<f64>> = vec![None; robot.cable_count()];
         for at in &platform {
@@ -191,21 +185,9 @@ impl PoseContexts {
                             .unwrap_or_else(|| from.map_or(0.0, |from| path.length - from)),
                     ),
                 };
-                let facing = *facings[index].get_or_insert(path.facing);
                 let tension_n = tension.get(row, index);
                 let is_read = !data.force_n.is_empty();
-                let own = CableVariables {
-                    length: path.length,
-                    revolutions: paid_revolutions(data, home, (row, index)),
-                    drum_per_motor: cable.winch.gear_ratio.recip(),
-                    counts: !data.revolutions.is_empty(),
-                    tension: Some(tension_n).filter(|t| is_read && t.is_finite()),
-                    wrap: path.wrap,
-                    swivel: angle_about(cable.pulley.swivel_axis, facing, path.facing),
-                    direction,
-                };
                 cables.push(CableContext {
-                    variables: own.with(at.variables),
                     is_home: at.is_home,
                     label: at.label,
                     time_s: at.time_s,
@@ -291,63 +273,6 @@ fn tracked_rotation(data: &Measurements, row: usize, pose: &Pose) -> [[f64; 3]; 
     let read = data.tracked_orientation_at(row).unwrap_or(pose.orientation);
     // The columns of the transpose are the rows.
     read.to_rotation_matrix().into_inner().transpose().into()
-}
-
-/// The variables that do not depend on the cable.
-fn platform_variables(
-    data: &Measurements,
-    row: usize,
-    pose: &Pose,
-    home: &Pose,
-) -> [f64; Variable::COUNT] {
-    let mut values = [f64::NAN; Variable::COUNT];
-    let read = |column: &[f64]| column.get(row).copied().unwrap_or(f64::NAN);
-    values[Variable::Time.index()] = read(&data.time_s);
-    values[Variable::Temperature.index()] = read(&data.temperature_c);
-    values[Variable::Distance.index()] = read(&data.laser_m);
-    let turn = home.difference(pose);
-    for k in 0..3 {
-        values[Variable::Position(k).index()] = pose.position[k];
-        values[Variable::Rotation(k).index()] = -turn[3 + k];
-    }
-    values
-}
-
-/// The variables of one cable at one pose.
-struct CableVariables {
-    length: f64,
-    revolutions: f64,
-    drum_per_motor: f64,
-    /// Whether the winch counts revolutions.
-    counts: bool,
-    tension: Option<f64>,
-    wrap: f64,
-    swivel: f64,
-    direction: f64,
-}
-
-impl CableVariables {
-    fn with(&self, platform: [f64; Variable::COUNT]) -> [f64; Variable::COUNT] {
-        let mut values = platform;
-        let mut set = |variable: Variable, value: f64| values[variable.index()] = value;
-        set(Variable::CableLength, self.length);
-        if self.counts {
-            set(Variable::Revolutions, self.revolutions);
-            let drum = self.revolutions * self.drum_per_motor;
-            set(Variable::DrumFraction, drum - drum.floor());
-        }
-        set(Variable::Tension, self.tension.unwrap_or(f64::NAN));
-        set(Variable::WrapAngle, self.wrap);
-        set(Variable::SwivelAngle, self.swivel);
-        set(Variable::Direction, self.direction);
-        values
-    }
-}
-
-/// Angle about an axis from one direction to another (rad).
-fn angle_about(axis: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
-    let [axis, from, to] = [axis, from, to].map(nalgebra::Vector3::from);
-    axis.dot(&from.cross(&to)).atan2(from.dot(&to))
 }
 
 fn pulley_of(cable: &Cable) -> PulleyGeometry<f64> {

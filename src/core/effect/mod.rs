@@ -57,25 +57,23 @@ mod tracker_frame;
 mod tracker_latency;
 mod tracker_target;
 mod tracker_tilt;
-pub(crate) mod unknown;
 mod winch_backlash;
 mod winch_offset;
 mod winch_scale;
 mod winch_scale_common;
-mod words;
+pub(crate) mod words;
 
 pub use binding::{BoundEffect, EffectError, EffectRequest};
 pub use catalogue::{CATALOGUE, IN_MOTION, OF_EXTERNAL_POSES, every_effect, find};
 pub use channels::measurements_as_modelled;
 pub(crate) use context::{CableContext, PlatformContext, PoseContexts, sign, travel};
 pub(crate) use dual::Dual;
-pub(crate) use found::{FoundEffect, Part};
+pub(crate) use found::FoundEffect;
 pub(crate) use motion::inertia;
 pub use part_deviation::{PartDeviation, part_deviations};
 pub(crate) use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
 pub use tolerance::{MachineClass, TypicalTolerance};
-pub use unknown::{BiasedReading, EFFECT as UNKNOWN, Shape};
 
 use crate::measurement::{Measurements, Variable};
 
@@ -90,8 +88,6 @@ pub enum Scope {
     Pair,
     /// The whole robot: all cables, the platform, the frame or an instrument. Takes no target.
     Robot,
-    /// A reading of one cable; without a target, a reading of an instrument or of all cables.
-    Reading,
 }
 
 /// Order in which effects act where several do: by stage, regardless of their order in a model.
@@ -283,8 +279,7 @@ pub struct Effect {
     pub(crate) needs_sag: bool,
     /// Changes the ports of a cable it is attached to.
     pub(crate) change_cable: fn(&[Dual], &CableContext, &mut CablePorts),
-    /// Changes the ports of the platform; called for those of [`Scope::Robot`], and of [`Scope::Reading`] without a
-    /// target.
+    /// Changes the ports of the platform; called for those of [`Scope::Robot`].
     pub(crate) change_platform: fn(&[Dual], &PlatformContext, &mut PlatformPorts),
     /// Adds the delays of readings at a time (s) since the start of a recording; for simulations only, as the prediction
     /// applies them in `change_cable` and `change_platform`.

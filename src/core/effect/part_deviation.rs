@@ -44,7 +44,7 @@ pub fn part_deviations(robot: &Robot, tolerances: &PartTolerances) -> Vec<PartDe
         let targets: Vec<Vec<usize>> = match effect.scope() {
             Scope::Cable | Scope::CableOrAll => (0..robot.cable_count()).map(|c| vec![c]).collect(),
             Scope::Robot => vec![Vec::new()],
-            Scope::Pair | Scope::Reading => Vec::new(),
+            Scope::Pair => Vec::new(),
         };
         for cables in targets {
             let sd = match tolerances {

@@ -30,7 +30,7 @@ pub(super) fn size(value: f64) -> String {
 }
 
 /// A length (m).
-pub(super) fn millimetres(length_m: f64) -> String {
+pub(crate) fn millimetres(length_m: f64) -> String {
     format!("{} mm", size(1e3 * length_m))
 }
 
@@ -40,7 +40,7 @@ pub(super) fn milliseconds(time_s: f64) -> String {
 }
 
 /// A force (N).
-pub(super) fn newtons(force_n: f64) -> String {
+pub(crate) fn newtons(force_n: f64) -> String {
     format!("{} N", size(force_n))
 }
 
@@ -50,7 +50,7 @@ pub(super) fn percent(ratio: f64) -> String {
 }
 
 /// An angle (rad).
-pub(super) fn degrees(angle_rad: f64) -> String {
+pub(crate) fn degrees(angle_rad: f64) -> String {
     let size = size(angle_rad.to_degrees());
     let unit = if size == "1" { "degree" } else { "degrees" };
     format!("{size} {unit}")

@@ -99,7 +99,7 @@ pub(super) fn faults(robot: &Robot, known: &[BoundEffect]) -> Vec<BoundEffect> {
             Scope::Cable | Scope::CableOrAll => {
                 found.extend(all.iter().map(|cable| bound(vec![*cable], true)));
             }
-            Scope::Pair | Scope::Reading => {}
+            Scope::Pair => {}
         }
     }
     let is_known = |fault: &BoundEffect| known.iter().any(|k| k.effect.id() == fault.effect.id());

@@ -1,5 +1,6 @@
 //! The session file.
 
+use serde_json::{Map, Value};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::FieldError;
 
@@ -15,6 +16,16 @@ impl VersionedFile for SessionFile {
     const FORMAT: &'static str = "tautline-session";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 1 << 30;
+
+    fn resolve(document: &mut Map<String, Value>) -> Result<(), FieldError> {
+        let mut settings = document.get_mut("settings").into_iter();
+        let effects = settings.find_map(|one| one.get_mut("identification")?.get_mut("effects"));
+        if let Some(Value::Array(effects)) = effects {
+            // Sessions of earlier versions could hold this effect, whose functions were all zero.
+            effects.retain(|effect| effect["effect"] != "unknown");
+        }
+        Ok(())
+    }
 
     fn check(&self) -> Result<(), FieldError> {
         if self.name.trim().is_empty() {

@@ -60,7 +60,7 @@ impl Fault {
             let expected = "an effect that the command effects lists";
             return expect(false, &at("effect"), named, expected);
         };
-        let is_drawn = !matches!(found.scope(), effect::Scope::Pair | effect::Scope::Reading);
+        let is_drawn = !matches!(found.scope(), effect::Scope::Pair);
         let expected = "an effect of one cable or of the robot";
         expect(is_drawn, &at("effect"), named, expected)?;
         let names: Vec<&str> = found.parameters().iter().map(|p| p.name).collect();

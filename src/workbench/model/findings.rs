@@ -1,6 +1,6 @@
 //! What remains to be decided of a diagnosis.
 
-use tautline_core::diagnosis::{Finding, Verdict};
+use tautline_core::diagnosis::Finding;
 use tautline_core::effect::EffectSetting;
 use tautline_core::geometry::Pose;
 use tautline_session::PlannedPose;
@@ -20,10 +20,8 @@ pub(crate) fn are_in_model(open: &OpenSession, effects: &[EffectSetting]) -> boo
 /// The findings of which no cause is in the model yet.
 pub(crate) fn undecided<'d>(open: &OpenSession, diagnosed: &'d Diagnosed) -> Vec<&'d Finding> {
     let is_undecided = |finding: &&Finding| {
-        let others = finding.alternatives.iter().map(|other| &other.cause);
-        let mut causes = std::iter::once(&finding.cause).chain(others);
-        finding.verdict == Verdict::Unknown
-            || !causes.any(|cause| are_in_model(open, &diagnosed.settings(cause)))
+        let mut causes = finding.causes();
+        !causes.any(|cause| are_in_model(open, &diagnosed.settings(cause)))
     };
     let findings = diagnosed.diagnosis.findings.iter();
     findings.filter(is_undecided).collect()
@@ -31,9 +29,9 @@ pub(crate) fn undecided<'d>(open: &OpenSession, diagnosed: &'d Diagnosed) -> Vec
 
 /// The edit that adds the causes of some findings.
 pub(crate) fn adding(diagnosed: &Diagnosed, findings: &[&Finding]) -> Edit {
-    let causes = findings.iter().map(|finding| &finding.cause);
+    let causes = findings.iter().filter_map(|finding| finding.cause());
     let what = match findings {
-        [one] => adding_named(&diagnosed.title(&one.cause)),
+        [one] => adding_named(&diagnosed.subject(&one.subject)),
         several => format!("add {} to the model", count(several.len(), "finding")),
     };
     Edit::AddEffects(

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
+use tautline_core::diagnosis::Finding;
 use tautline_core::effect::EffectSetting;
 use tautline_core::robot::FieldError;
 use tautline_session::{
@@ -70,10 +71,7 @@ impl DiagnosisOfModel {
         let diagnosed = &self.result.diagnosed;
         let findings = diagnosed.diagnosis.findings.iter();
         let proposed: Vec<EffectSetting> = findings
-            .flat_map(|finding| {
-                let others = finding.alternatives.iter().map(|other| &other.cause);
-                std::iter::once(&finding.cause).chain(others)
-            })
+            .flat_map(Finding::causes)
             .flat_map(|cause| diagnosed.settings(cause))
             .collect();
         self.effects.iter().all(|one| has(effects, one))

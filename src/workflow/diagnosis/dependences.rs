@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use tautline_core::diagnosis::{Discrepancy, Finding, Quantity};
+use tautline_core::diagnosis::{Discrepancy, Finding, Quantity, Subject};
 use tautline_core::effect::measurements_as_modelled;
 use tautline_core::estimation::{Analysis, Solution};
 use tautline_core::measurement::{Dataset, Variable};
@@ -44,16 +44,15 @@ pub fn groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
 /// strongest.
 #[must_use]
 pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
-    let instances = finding.cause.instances.iter();
-    let cables: Vec<usize> = instances
-        .filter(|bound| bound.targeted)
-        .flat_map(|bound| bound.cables.iter().copied())
-        .collect();
+    let cables = finding.subject.cables();
     let is_its = |one: &Discrepancy| match one.cable {
         Some(cable) => cables.contains(&cable),
         None => cables.is_empty(),
     };
-    let own = finding.cause.effect().variable();
+    let own = match &finding.subject {
+        Subject::Cause(cause) => cause.effect().variable(),
+        Subject::UnmodelledError(error) => error.form.variable(),
+    };
     let mut all = found.iter();
     let shown = all.position(|one| is_its(one) && Some(one.variable) == own);
     let shown = shown.or_else(|| found.iter().position(is_its));
@@ -157,8 +156,12 @@ fn dependents(found: &Discrepancy, residuals: &Residuals) -> Vec<Dependent> {
 fn figure(diagnosed: &Diagnosed, found: &Discrepancy, residuals: &Residuals) -> Figure {
     let dependents = dependents(found, residuals);
     // What happens at one pose, or from one on, is no function of another variable.
-    let is_event = |finding: &Finding| finding.cause.effect().pose_parameter().is_some();
-    let has_event = diagnosed.diagnosis.findings.iter().any(is_event);
+    let mut causes = diagnosed
+        .diagnosis
+        .findings
+        .iter()
+        .filter_map(Finding::cause);
+    let has_event = causes.any(|cause| cause.effect().pose_parameter().is_some());
     let event = has_event.then_some((0, false));
     let readings = (found.quantity, found.cable, found.variable);
     figure_of(diagnosed, readings, &dependents, event)

@@ -7,7 +7,7 @@
 //! contribution depends on more than the variable, as creep on the length, its average over them is put back, so that the
 //! points scatter about the line of the cause as the residuals do about zero.
 
-use tautline_core::diagnosis::{Finding, Quantity, Variables};
+use tautline_core::diagnosis::{Cause, Finding, Quantity, Variables};
 use tautline_core::effect::{BoundEffect, Search};
 use tautline_core::estimation::{
     Analysis, Linearisation, Observation, Parameter, ParameterId, Problem, Solution,
@@ -56,7 +56,7 @@ struct ExplainedReading {
 /// The readings with a cause.
 struct Explained<'a> {
     diagnosed: &'a Diagnosed,
-    finding: &'a Finding,
+    cause: &'a Cause,
     problem: Problem<'a>,
     readings: Vec<ExplainedReading>,
 }
@@ -65,7 +65,8 @@ impl<'a> Explained<'a> {
     fn of(diagnosed: &'a Diagnosed, dataset: &'a Dataset, finding: &'a Finding) -> Option<Self> {
         let solution = &diagnosed.diagnosis.extended_solution;
         let problem = problem_of(diagnosed, dataset, solution)?;
-        let own = &finding.cause.instances;
+        let cause = finding.cause()?;
+        let own = &cause.instances;
         let is_other = |bound: &BoundEffect| !own.iter().any(|one| is_same(one, bound));
         let others: Vec<usize> = (0..problem.free_effects.len())
             .filter(|effect| is_other(&problem.free_effects[*effect]))
@@ -89,7 +90,7 @@ impl<'a> Explained<'a> {
         let readings = with.into_iter().zip(without).filter_map(explained);
         Some(Self {
             diagnosed,
-            finding,
+            cause,
             readings: readings.collect(),
             problem,
         })
@@ -100,7 +101,7 @@ impl<'a> Explained<'a> {
         let solution = &self.diagnosed.diagnosis.extended_solution;
         let linear = Linearisation::new(&self.problem, solution);
         let variables = Variables::new(&self.problem, solution, &linear);
-        let own = self.finding.cause.effect().variable();
+        let own = self.cause.effect().variable();
         let choices = [
             Variable::Time,
             Variable::CableLength,
@@ -142,7 +143,7 @@ impl<'a> Explained<'a> {
 
     /// The readings of which the cause explains most: of its own cables, if it has some.
     fn shown(&self) -> Option<(Quantity, Option<usize>)> {
-        let own = self.finding.cause.cables();
+        let own = self.cause.cables();
         let mut groups: Vec<((Quantity, Option<usize>), f64)> = Vec::new();
         for one in &self.readings {
             let square = one.explained * one.explained;
@@ -162,7 +163,7 @@ impl<'a> Explained<'a> {
 
     /// Row at which, or from which on, the cause acts.
     fn event(&self) -> Option<(usize, bool)> {
-        let bound = self.finding.cause.instances.first()?;
+        let bound = self.cause.instances.first()?;
         let index = bound.effect.pose_parameter()?;
         let labels = &self.diagnosed.dataset.measurements.labels;
         let row = labels
@@ -278,7 +279,8 @@ mod tests {
         ] {
             let diagnosed = diagnosed(effect, cable, parameter);
             let findings = &diagnosed.diagnosis.findings;
-            let is_it = |finding: &Finding| finding.cause.effect().id() == effect;
+            let is_it =
+                |finding: &Finding| finding.cause().is_some_and(|c| c.effect().id() == effect);
             let number = findings.iter().position(is_it).expect(effect);
             let shown = evidence(&diagnosed).swap_remove(number).expect(effect);
             assert_eq!(shown.quantity, of_effect, "{effect}");

@@ -1,6 +1,6 @@
 //! The effects of a model in words.
 
-use tautline_core::effect::{BoundEffect, EffectSetting, UNKNOWN, find};
+use tautline_core::effect::{BoundEffect, EffectSetting, find};
 use tautline_core::estimation::ParameterId;
 
 use super::Identification;
@@ -24,11 +24,7 @@ pub fn effects_title(settings: &[EffectSetting]) -> String {
     let id = settings
         .first()
         .map_or("", |setting| setting.effect.as_str());
-    let name = match find(id) {
-        _ if id == UNKNOWN.id() => "Unexplained pattern",
-        Some(effect) => effect.title(),
-        None => id,
-    };
+    let name = find(id).map_or(id, |effect| effect.title());
     let targets: Vec<String> = settings.iter().flat_map(|s| s.targets.clone()).collect();
     if targets.is_empty() {
         name.to_owned()
@@ -54,9 +50,6 @@ fn size(fit: &Identification, setting: &EffectSetting) -> String {
     let Some((index, bound)) = same.next_back() else {
         return "acts at no pose of these data".to_owned();
     };
-    if bound.effect.id() == UNKNOWN.id() {
-        return bound.cause(robot);
-    }
     if bound.values.is_empty() {
         return "as found; there is nothing to estimate".to_owned();
     }

@@ -135,9 +135,9 @@ mod tests {
             let is_it =
                 |cause: &tautline_core::diagnosis::Cause| cause.effect().id() == hidden.effect;
             let first = found.findings.first();
-            let right = first.is_some_and(|f| is_it(&f.cause) && f.verdict == Verdict::Named);
-            let among = first
-                .is_some_and(|f| is_it(&f.cause) || f.alternatives.iter().any(|a| is_it(&a.cause)));
+            let right =
+                first.is_some_and(|f| f.cause().is_some_and(is_it) && f.verdict == Verdict::Named);
+            let among = first.is_some_and(|f| f.causes().any(is_it));
             named += usize::from(right);
             if !among {
                 missed.push((seed, hidden.clone(), found.findings, found.possible));

@@ -1,3 +1,5 @@
+use tautline_core::diagnosis::{ErrorForm, Quantity, ReadingId, UnmodelledError};
+
 use super::*;
 use crate::hidden::robots::robot;
 
@@ -23,7 +25,9 @@ fn cause(settings: &[EffectSetting]) -> Cause {
 }
 
 fn claim(verdict: Verdict, candidates: &[EffectSetting]) -> Claim {
-    let each = candidates.iter().map(|s| cause(std::slice::from_ref(s)));
+    let each = candidates
+        .iter()
+        .map(|s| Subject::Cause(cause(std::slice::from_ref(s))));
     Claim {
         verdict,
         candidates: each.collect(),
@@ -50,7 +54,18 @@ fn effect_and_target_must_both_be_right() {
     let radius = setting("pulley_radius", &["cable-3"], &[("change", 0.1)]);
     assert_eq!(named(radius), [Found::OtherNamed]);
     assert_eq!(found(&truths, &[]), [Found::Missed]);
-    let unknown = claim(Verdict::Unknown, &[scale("cable-3")]);
+    let mut unknown = claim(Verdict::Unknown, &[]);
+    unknown
+        .candidates
+        .push(Subject::UnmodelledError(UnmodelledError {
+            readings: ReadingId {
+                quantity: Quantity::Length,
+                cable: Some(2),
+                component: None,
+            },
+            form: ErrorForm::Scatter,
+            rms: None,
+        }));
     assert_eq!(found(&truths, &[unknown]), [Found::Unknown]);
 }
 

@@ -1,7 +1,6 @@
 //! A finding in the report.
 
 use tautline_core::diagnosis::{Finding, Separation, Verdict};
-use tautline_core::effect::UNKNOWN;
 
 use super::Diagnosed;
 use crate::table;
@@ -22,10 +21,8 @@ pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<Str
     if finding.is_list() {
         body.extend(bars(diagnosed, finding));
     }
-    if finding.cause.effect().id() != UNKNOWN.id() {
-        let size = diagnosed.size(&finding.parameters);
-        body.extend(size.map(|size| format!("Size: {size}")));
-    }
+    let size = diagnosed.size(&finding.parameters);
+    body.extend(size.map(|size| format!("Size: {size}")));
     if finding.verdict != Verdict::Unknown {
         body.push(format!("Improvement: {}", gain(&finding.gain)));
     }
@@ -45,14 +42,14 @@ pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<Str
 
 /// Probabilities as bars, one line per cause.
 fn bars(diagnosed: &Diagnosed, finding: &Finding) -> Vec<String> {
-    let own = (finding.probability, &finding.cause);
+    let own = (finding.probability, &finding.subject);
     let others = finding.alternatives.iter();
-    let all = std::iter::once(own).chain(others.map(|other| (other.probability, &other.cause)));
-    all.map(|(probability, cause)| {
+    let all = std::iter::once(own).chain(others.map(|other| (other.probability, &other.subject)));
+    all.map(|(probability, subject)| {
         let filled = (probability * BAR as f64).round() as usize;
         let bar = "#".repeat(filled.min(BAR));
         let number = percent(probability);
-        format!("[{bar:.<BAR$}] {number:>5}  {}", diagnosed.title(cause))
+        format!("[{bar:.<BAR$}] {number:>5}  {}", diagnosed.subject(subject))
     })
     .collect()
 }

@@ -96,21 +96,12 @@ fn kinds(finding: &Finding) -> Table {
 }
 
 fn ranking(diagnosed: &Diagnosed, finding: &Finding) -> Table {
-    let mut rows = table::numbers(&[
-        "Cause",
-        "gained",
-        "parameters",
-        "score",
-        "angle °",
-        "held out",
-    ]);
+    let mut rows = table::numbers(&["Cause", "gained", "parameters", "held out"]);
     for rival in &finding.evidence.ranking {
         let cells = [
             diagnosed.title(&rival.cause),
             format!("{:.1}", rival.delta_chi2),
             rival.parameters.to_string(),
-            format!("{:.1}", rival.score),
-            format!("{:.1}", rival.angle_rad.to_degrees()),
             format!("{:.3}", rival.holdout),
         ];
         table::push(&mut rows, &cells);

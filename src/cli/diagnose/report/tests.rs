@@ -70,7 +70,10 @@ fn what_cannot_be_told_apart_is_said_with_poses_that_could() {
 #[test]
 fn structure_without_a_name_is_not_given_a_size() {
     let text = report(&[Verdict::Unknown], false);
-    assert_parts(&text, &["1. Unknown cause (cable-3)\n"]);
+    assert_parts(
+        &text,
+        &["1. Unexplained error in the length readings of cable-3\n"],
+    );
     assert!(
         !text.contains("Size:") && !text.contains("Improvement"),
         "{text}"

@@ -1,10 +1,10 @@
-//! Projections and angles against dense linear algebra.
+//! Projections against dense linear algebra.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::super::projector::{Projector, cosine};
+use super::super::projector::Projector;
 
 fn random(rows: usize, columns: usize, seed: u64) -> DMatrix<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -53,25 +53,6 @@ fn the_space_is_what_the_columns_leave() {
     );
     near(&(&design * projector.map()), projector.basis(), 1e-12);
     let dense = dense_projection(&design);
-    let columns = random(30, 3, 3);
-    near(&projector.project(&columns), &(&dense * &columns), 1e-8);
     let left = &dense * &residual;
     assert!((&projector.residual - left).amax() < 1e-8);
-}
-
-#[test]
-fn cosines_are_those_of_principal_angles() {
-    let one = random(30, 3, 4);
-    // The same span by other columns at another scale.
-    let mixed = &one * random(3, 3, 5) * 1e3;
-    assert!((cosine(&one, &mixed) - 1.0).abs() < 1e-9);
-    let orthogonal = dense_projection(&one) * random(30, 2, 6);
-    assert!(cosine(&one, &orthogonal) < 1e-9);
-    let angle = 0.3_f64;
-    let first = one.columns(0, 1).normalize();
-    let across = orthogonal.columns(0, 1).normalize();
-    let turned = &first * angle.cos() + across * angle.sin();
-    assert!((cosine(&first, &turned) - angle.cos()).abs() < 1e-9);
-    assert_eq!(cosine(&one, &DMatrix::zeros(30, 2)), 0.0);
-    assert_eq!(cosine(&one, &DMatrix::zeros(30, 0)), 0.0);
 }

@@ -1,6 +1,6 @@
 //! A cancelled diagnosis stops at once, and its result is consistent.
 
-use super::super::{Diagnosis, DiagnosisOptions, diagnose};
+use super::super::{Diagnosis, DiagnosisOptions, Finding, diagnose};
 use super::{run_with, setting};
 use crate::estimation::Control;
 use crate::measurement::Dataset;
@@ -56,7 +56,8 @@ fn findings_are_those_of_the_model() {
     let calls = calls_of(&dataset);
     for call in some_of(calls) {
         let (diagnosis, _) = cancelled_at(&dataset, call);
-        let found = diagnosis.findings.iter().flat_map(|f| &f.cause.instances);
+        let found = diagnosis.findings.iter().filter_map(Finding::cause);
+        let found = found.flat_map(|cause| &cause.instances);
         let found: Vec<_> = found.map(|b| (b.effect.id(), b.cables.clone())).collect();
         let effects = diagnosis.extended_solution.globals.effects.iter();
         let model: Vec<_> = effects.map(|b| (b.effect.id(), b.cables.clone())).collect();

@@ -16,7 +16,7 @@ mod unread_tensions;
 
 use super::adequacy_tests::{run_of, run_with, setting};
 use super::fit::Fit;
-use super::{Diagnosis, DiagnosisOptions, Finding, diagnose};
+use super::{Diagnosis, DiagnosisOptions, Finding, Subject, diagnose};
 use crate::estimation::{Control, Problem};
 use crate::measurement::Dataset;
 
@@ -32,12 +32,17 @@ fn diagnosed(dataset: &Dataset) -> Diagnosis {
     diagnose(dataset, &options, &mut |_| Control::Continue).unwrap()
 }
 
-/// Effect and cables of a finding and then of its alternatives.
+/// Effect, or "unknown", and cables of a finding and then of its alternatives.
 fn names(finding: &Finding) -> Vec<(&'static str, Vec<usize>)> {
-    let others = finding.alternatives.iter().map(|other| &other.cause);
-    let causes = std::iter::once(&finding.cause).chain(others);
-    causes
-        .map(|cause| (cause.effect().id(), cause.cables()))
+    let others = finding.alternatives.iter().map(|other| &other.subject);
+    let subjects = std::iter::once(&finding.subject).chain(others);
+    let name = |subject: &Subject| {
+        subject
+            .cause()
+            .map_or("unknown", |cause| cause.effect().id())
+    };
+    subjects
+        .map(|subject| (name(subject), subject.cables()))
         .collect()
 }
 

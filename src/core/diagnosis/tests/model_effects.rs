@@ -26,7 +26,7 @@ fn they_are_estimated_again_with_every_cause() {
     assert!((in_model.values[0] - 0.02).abs() < 2e-3, "{in_model:?}");
     assert_eq!(
         cause.values,
-        diagnosis.findings[0].cause.instances[0].values
+        diagnosis.findings[0].cause().unwrap().instances[0].values
     );
 }
 

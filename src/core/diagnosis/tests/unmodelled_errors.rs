@@ -7,7 +7,7 @@ use super::super::inference::inference_at_fit;
 use super::super::linear_fit::LinearFit;
 use super::super::reading_errors::ReadingErrors;
 use super::super::unmodelled_errors::UnmodelledErrors;
-use super::super::{DiagnosisOptions, Quantity, Verdict};
+use super::super::{DiagnosisOptions, ErrorForm, Quantity, Subject, Variable, Verdict};
 use super::{Fit, diagnosed, problem_at_fitted_poses, run_with};
 use crate::measurement::Dataset;
 
@@ -78,7 +78,16 @@ fn a_wave_in_one_channel_is_reported_as_unknown() {
     let found = diagnosed(&dataset).findings;
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!(found[0].verdict, Verdict::Unknown);
-    assert_eq!(found[0].cause.cables(), [2]);
+    let Subject::UnmodelledError(error) = &found[0].subject else {
+        panic!("{found:?}");
+    };
+    let id = error.readings;
+    assert_eq!((id.quantity, id.cable), (Quantity::Length, Some(2)));
+    assert!(
+        matches!(error.form, ErrorForm::Wave(Variable::Time, period) if (period - 210.0).abs() < 8.0)
+    );
+    // An amplitude of 2 mm is 1.41 mm rms, 28 times the noise of the readings.
+    assert!((error.rms.unwrap() - 1.41e-3).abs() < 0.25e-3, "{error:?}");
     assert!(
         found[0].sentence.contains("repeats every 2"),
         "{}",

@@ -8,7 +8,6 @@ mod holes;
 mod recovery;
 mod slopes;
 mod texts;
-mod unknown;
 
 use super::CATALOGUE;
 

@@ -8,7 +8,6 @@ use crate::robot::presets;
 
 pub(super) fn at_cable() -> CableContext {
     CableContext {
-        variables: [f64::NAN; crate::measurement::Variable::COUNT],
         is_home: false,
         label: 41,
         time_s: 1200.0,
@@ -30,7 +29,6 @@ pub(super) fn at_cable() -> CableContext {
 
 pub(super) fn at_platform() -> PlatformContext {
     PlatformContext {
-        variables: [f64::NAN; crate::measurement::Variable::COUNT],
         is_home: false,
         row: 4,
         label: 41,

@@ -144,6 +144,19 @@ fn a_session_reads_back() {
     assert_eq!(loaded.value.modified.to_string(), "2018-07-23T09:08:20Z");
 }
 
+/// Sessions of earlier versions could hold a pattern without a name as an effect of the model.
+#[test]
+fn a_model_with_an_unexplained_pattern_reads_without_it() {
+    let mut document = saved();
+    let effects = &mut document["settings"]["identification"]["effects"];
+    let known = effects.clone();
+    let pattern = json!({"effect": "unknown", "targets": ["b"], "parameters": {"reading": 0.0}});
+    effects.as_array_mut().expect("effects").push(pattern);
+    let loaded = parse_session(document.to_string().as_bytes(), "s.json").expect("a session");
+    let read = json!(loaded.value.settings.identification.effects);
+    assert_eq!(read, known);
+}
+
 #[test]
 fn an_acceptance_ends_when_the_controller_gets_other_values() {
     let mut session = session();

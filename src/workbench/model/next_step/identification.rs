@@ -75,7 +75,7 @@ fn proposed(open: &OpenSession, diagnosed: &Diagnosed, status: PhaseStatus) -> O
     let then = "Then: the model is identified again.";
     if let [first, others @ ..] = &named[..] {
         let title = match others {
-            [] => format!("Add to model: {}", diagnosed.title(&first.cause)),
+            [] => format!("Add to model: {}", diagnosed.subject(&first.subject)),
             _ => "Add all findings".to_owned(),
         };
         let action = Action::new(title, findings::adding(diagnosed, &named));
@@ -84,7 +84,7 @@ fn proposed(open: &OpenSession, diagnosed: &Diagnosed, status: PhaseStatus) -> O
     let finding = undecided.into_iter().find(is_list)?;
     let poses = finding.separation.as_ref().map_or(&[][..], |s| &s.poses);
     if poses.is_empty() {
-        let likeliest = diagnosed.title(&finding.cause);
+        let likeliest = diagnosed.subject(&finding.subject);
         let action = Action::new(
             format!("Add to model: {likeliest}"),
             findings::adding(diagnosed, &[finding]),

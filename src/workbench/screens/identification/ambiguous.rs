@@ -1,8 +1,7 @@
 //! Causes that the data cannot distinguish, on one card.
 
 use egui::{Align, Layout, Ui};
-use tautline_core::diagnosis::{Cause, Finding, Separation};
-use tautline_core::effect::UNKNOWN;
+use tautline_core::diagnosis::{Finding, Separation, Subject};
 
 use super::rows::{Cell, heads, row};
 use super::{Panel, card, gain};
@@ -25,8 +24,8 @@ pub fn body(
     number: usize,
 ) {
     let others = finding.alternatives.iter();
-    let causes: Vec<(&Cause, f64)> = std::iter::once((&finding.cause, finding.probability))
-        .chain(others.map(|other| (&other.cause, other.probability)))
+    let causes: Vec<(&Subject, f64)> = std::iter::once((&finding.subject, finding.probability))
+        .chain(others.map(|other| (&other.subject, other.probability)))
         .collect();
     card::title(
         ui,
@@ -71,12 +70,19 @@ fn alternative(
     ui: &mut Ui,
     panel: &mut Panel<'_>,
     diagnosed: &Diagnosed,
-    (cause, probable): (&Cause, f64),
+    (subject, probable): (&Subject, f64),
 ) {
     let robot = diagnosed.robot();
-    let name = diagnosed.title(cause);
+    let name = diagnosed.subject(subject);
     ui.add(egui::Label::new(egui::RichText::new(&name).font(theme::strong(13.0))).wrap());
     probability(ui, &name, probable);
+    let Some(cause) = subject.cause() else {
+        card::paragraph(
+            ui,
+            "No known cause explains this error. There is nothing to add to the model.",
+        );
+        return;
+    };
     let mut said: Vec<String> = Vec::new();
     let mut checks: Vec<String> = Vec::new();
     for bound in &cause.instances {
@@ -91,9 +97,7 @@ fn alternative(
     }
     card::paragraph(ui, &said.join(" "));
     card::advice(ui, &checks.join(" "));
-    if cause.effect().id() != UNKNOWN.id() {
-        card::actions(ui, panel, diagnosed, cause, &name);
-    }
+    card::actions(ui, panel, diagnosed, cause, &name);
 }
 
 fn separating(ui: &mut Ui, panel: &mut Panel<'_>, separation: &Separation) {

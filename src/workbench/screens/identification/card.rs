@@ -80,14 +80,7 @@ fn dependence(
 
 /// Buttons that show the pulleys of the cables that a finding names, where these are few.
 fn inspect(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, finding: &Finding) {
-    let bound = finding
-        .cause
-        .instances
-        .iter()
-        .filter(|bound| bound.targeted);
-    let cables: BTreeSet<usize> = bound
-        .flat_map(|bound| bound.cables.iter().copied())
-        .collect();
+    let cables: BTreeSet<usize> = finding.subject.cables().into_iter().collect();
     if cables.len() > INSPECTED {
         return;
     }
@@ -114,7 +107,7 @@ fn single(
     finding: &Finding,
     number: usize,
 ) {
-    let name = diagnosed.title(&finding.cause);
+    let name = diagnosed.subject(&finding.subject);
     let heading = match finding.verdict {
         Sure::Ambiguous => diagnosed.heading(finding),
         _ => name.clone(),
@@ -126,7 +119,9 @@ fn single(
     if let Some(otherwise) = diagnosed.otherwise(finding) {
         paragraph(ui, &otherwise);
     }
-    actions(ui, panel, diagnosed, &finding.cause, &name);
+    if let Some(cause) = finding.cause() {
+        actions(ui, panel, diagnosed, cause, &name);
+    }
     shown_by(ui, panel, diagnosed, number);
     gain::show(ui, &finding.gain);
     otherwise(ui, diagnosed, finding);
@@ -262,7 +257,7 @@ fn otherwise(ui: &mut Ui, diagnosed: &Diagnosed, finding: &Finding) {
     };
     let text = format!(
         "Otherwise: {}, {}; {} against it.",
-        diagnosed.title(&next.cause),
+        diagnosed.subject(&next.subject),
         percent(next.probability),
         odds_between(finding.probability, next.probability)
     );

@@ -1,12 +1,28 @@
 //! Causes in words.
 
-use tautline_core::diagnosis::Cause;
+use tautline_core::diagnosis::{Cause, Subject, UnmodelledError};
 use tautline_core::effect::{Scope, Search};
 
 use super::Diagnosed;
-use crate::wording::{count, list};
+use crate::wording::{count, list, readings};
 
 impl Diagnosed {
+    /// Title of what a finding or an alternative takes to be present.
+    #[must_use]
+    pub fn subject(&self, subject: &Subject) -> String {
+        match subject {
+            Subject::Cause(cause) => self.title(cause),
+            Subject::UnmodelledError(error) => self.error(error),
+        }
+    }
+
+    /// Title of an error: `Unexplained error in the length readings of cable-3`.
+    fn error(&self, error: &UnmodelledError) -> String {
+        let cable = self.cable(error.readings.cable);
+        let of = readings(error.readings.quantity, cable.as_deref());
+        format!("Unexplained error in {of}")
+    }
+
     /// Title and cables of a cause: `Winch scale (cable-3)`.
     #[must_use]
     pub fn title(&self, cause: &Cause) -> String {
@@ -14,8 +30,7 @@ impl Diagnosed {
     }
 
     /// Cables and pose of a cause in brackets, after a space: ` (cable-3, from pose 17)`.
-    #[must_use]
-    pub fn on(&self, cause: &Cause) -> String {
+    fn on(&self, cause: &Cause) -> String {
         let cables = self.cables(cause, &self.targets(cause));
         let words: Vec<_> = cables.into_iter().chain(event(cause)).collect();
         if words.is_empty() {

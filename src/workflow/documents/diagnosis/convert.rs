@@ -1,20 +1,23 @@
 //! Conversion of a diagnosis to its JSON document.
 
 use tautline_core::diagnosis::{
-    Adequacy, Alternative, Cause, Discrepancy, Evidence, Finding, FoundParameter, Gain, GlobalTest,
-    GroupTest, Invisible, NoiseStatement, PositionChange, Rival, Verdict,
+    Adequacy, Alternative, Cause, Discrepancy, ErrorForm, Evidence, Finding, FoundParameter, Gain,
+    GlobalTest, GroupTest, Invisible, NoiseStatement, PositionChange, PossibleCause, Rival,
+    Subject, UnmodelledError, Variable, Verdict,
 };
 use tautline_core::geometry::Pose;
 
 use super::Diagnosed;
 use super::document::{
-    AlternativeDocument, CauseDocument, DiagnosisDocument, DiscrepancyDocument, EvidenceDocument,
-    ExtendedDocument, FindingDocument, GainDocument, GlobalTestDocument, GroupTestDocument,
-    InvisibleDocument, ModelDocument, NoiseDocument, ParameterDocument, PointDocument,
-    PoseDocument, PositionChangeDocument, ReadingGainDocument, RivalDocument, RunnerUpDocument,
-    TolerancesDocument, VerdictDocument,
+    AlternativeDocument, CauseDocument, DiagnosisDocument, DiscrepancyDocument, ErrorDocument,
+    ErrorFormDocument, EvidenceDocument, ExtendedDocument, FindingDocument, GainDocument,
+    GlobalTestDocument, GroupTestDocument, InvisibleDocument, ModelDocument, NoiseDocument,
+    ParameterDocument, PointDocument, PoseDocument, PositionChangeDocument, ReadingGainDocument,
+    RivalDocument, RunnerUpDocument, TolerancesDocument, VerdictDocument,
 };
 
+/// What stands in place of an effect where none explains an error.
+const UNKNOWN: &str = "unknown";
 /// Unit of the held-out figures.
 const HOLDOUT_UNIT: &str = "rms over sd";
 
@@ -43,7 +46,7 @@ impl Diagnosed {
             possible: diagnosis
                 .possible
                 .iter()
-                .map(|a| self.alternative(a))
+                .map(|one| self.possible(one))
                 .collect(),
             model: ModelDocument {
                 effects: effects.map(|bound| bound.setting(self.robot())).collect(),
@@ -75,11 +78,62 @@ impl Diagnosed {
     }
 
     fn alternative(&self, alternative: &Alternative) -> AlternativeDocument {
-        let CauseDocument { effect, targets } = self.cause(&alternative.cause);
+        let (CauseDocument { effect, targets }, error) =
+            self.subject_document(&alternative.subject);
         AlternativeDocument {
             effect,
             targets,
+            error,
             probability: alternative.probability,
+        }
+    }
+
+    fn possible(&self, possible: &PossibleCause) -> AlternativeDocument {
+        let CauseDocument { effect, targets } = self.cause(&possible.cause);
+        AlternativeDocument {
+            effect,
+            targets,
+            error: None,
+            probability: possible.probability,
+        }
+    }
+
+    fn subject_document(&self, subject: &Subject) -> (CauseDocument, Option<ErrorDocument>) {
+        let error = match subject {
+            Subject::Cause(cause) => return (self.cause(cause), None),
+            Subject::UnmodelledError(error) => error,
+        };
+        let cause = CauseDocument {
+            effect: UNKNOWN.to_owned(),
+            targets: self.cable(error.readings.cable).into_iter().collect(),
+        };
+        (cause, Some(self.error_document(error)))
+    }
+
+    fn error_document(&self, error: &UnmodelledError) -> ErrorDocument {
+        let on = |variable: Variable| Some(variable.name().to_owned());
+        let (form, depends_on) = match error.form {
+            ErrorForm::Smooth(variable) => (ErrorFormDocument::Smooth, on(variable)),
+            ErrorForm::Wave(variable, _) => (ErrorFormDocument::Wave, on(variable)),
+            ErrorForm::Crosstalk(_) => (ErrorFormDocument::Crosstalk, on(Variable::Tension)),
+            ErrorForm::Position(_) => (ErrorFormDocument::Field, Some("position".to_owned())),
+            ErrorForm::Orientation(_) => (ErrorFormDocument::Field, Some("orientation".to_owned())),
+            ErrorForm::Scatter => (ErrorFormDocument::Scatter, None),
+        };
+        ErrorDocument {
+            reading: error.readings.quantity.name().to_owned(),
+            component: error.readings.component,
+            form,
+            depends_on,
+            of_cable: match error.form {
+                ErrorForm::Crosstalk(cable) => self.cable(Some(cable)),
+                _ => None,
+            },
+            period: match error.form {
+                ErrorForm::Wave(_, period) => finite(period),
+                _ => None,
+            },
+            rms: error.rms.and_then(finite),
         }
     }
 
@@ -132,7 +186,7 @@ impl Diagnosed {
     }
 
     fn finding(&self, finding: &Finding) -> FindingDocument {
-        let CauseDocument { effect, targets } = self.cause(&finding.cause);
+        let (CauseDocument { effect, targets }, error) = self.subject_document(&finding.subject);
         let separation = finding.separation.as_ref();
         let poses = separation.iter().flat_map(|s| &s.poses);
         FindingDocument {
@@ -143,6 +197,7 @@ impl Diagnosed {
             },
             effect,
             targets,
+            error,
             cause: self.text(finding),
             advice: finding.advice.clone(),
             probability: finding.probability,
@@ -189,8 +244,6 @@ impl Diagnosed {
             cause: self.cause(&rival.cause),
             delta_chi2: rival.delta_chi2,
             parameters: rival.parameters,
-            score: rival.score,
-            angle_rad: finite(rival.angle_rad),
             holdout: finite(rival.holdout),
         };
         EvidenceDocument {

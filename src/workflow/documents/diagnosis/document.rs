@@ -111,10 +111,13 @@ pub struct PointDocument {
 pub struct FindingDocument {
     /// Certainty of the cause.
     pub verdict: VerdictDocument,
-    /// Effect of the catalogue.
+    /// Effect of the catalogue; "unknown" for an error that none explains.
     pub effect: String,
     /// Cables; empty for an effect of the robot, an instrument or all cables together.
     pub targets: Vec<String>,
+    /// The error, if no effect explains it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<ErrorDocument>,
     /// The cause as a sentence for a technician.
     pub cause: String,
     /// What to do in the workshop.
@@ -161,12 +164,50 @@ pub struct CauseDocument {
 /// An effect with its targets and its posterior probability.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AlternativeDocument {
-    /// Effect of the catalogue.
+    /// Effect of the catalogue; "unknown" for an error that none explains.
     pub effect: String,
     /// Cables; empty for an effect of the robot, an instrument or all cables together.
     pub targets: Vec<String>,
+    /// The error, if no effect explains it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<ErrorDocument>,
     /// Posterior probability.
     pub probability: f64,
+}
+
+/// An error of readings that no effect explains.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ErrorDocument {
+    /// Kind of reading.
+    pub reading: String,
+    /// Index of the axis or angle, for readings with several.
+    pub component: Option<usize>,
+    /// Form of its dependence.
+    pub form: ErrorFormDocument,
+    /// Variable on which it depends; null without a form.
+    pub depends_on: Option<String>,
+    /// Cable whose tension it depends on, with the form "crosstalk".
+    pub of_cable: Option<String>,
+    /// Period in the unit of the variable, with the form "wave".
+    pub period: Option<f64>,
+    /// Root mean square over the readings (SI); null if it was not estimated.
+    pub rms: Option<f64>,
+}
+
+/// Form of the dependence of an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ErrorFormDocument {
+    /// A smooth function of the variable.
+    Smooth,
+    /// A periodic function of the variable.
+    Wave,
+    /// A smooth function of the tension of another cable.
+    Crosstalk,
+    /// A smooth function of all coordinates of the position or of the orientation.
+    Field,
+    /// More scatter than that of the noise.
+    Scatter,
 }
 
 /// A parameter of a finding.
@@ -222,10 +263,6 @@ pub struct RivalDocument {
     pub delta_chi2: f64,
     /// Number of parameters of the cause.
     pub parameters: usize,
-    /// Twice the logarithm of its evidence.
-    pub score: f64,
-    /// Angle between its signature and that of the first (rad).
-    pub angle_rad: Option<f64>,
     /// Held-out root mean square over sd with this cause.
     pub holdout: Option<f64>,
 }

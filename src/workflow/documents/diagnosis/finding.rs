@@ -14,14 +14,14 @@ impl Diagnosed {
     pub fn heading(&self, finding: &Finding) -> String {
         match finding.verdict {
             Verdict::Ambiguous if !finding.is_list() => {
-                let title = first_lower(&self.title(&finding.cause));
+                let title = first_lower(&self.subject(&finding.subject));
                 format!("Probably {title}, {}", percent(finding.probability))
             }
             Verdict::Named | Verdict::Ambiguous => {
-                let title = self.title(&finding.cause);
+                let title = self.subject(&finding.subject);
                 format!("{title}, {}", certainty(finding.probability))
             }
-            Verdict::Unknown => format!("Unknown cause{}", self.on(&finding.cause)),
+            Verdict::Unknown => self.subject(&finding.subject),
         }
     }
 
@@ -38,7 +38,7 @@ impl Diagnosed {
             ));
         }
         let odds = |other: &Alternative| {
-            let title = self.title(&other.cause);
+            let title = self.subject(&other.subject);
             let odds = odds_between(finding.probability, other.probability);
             format!(
                 "{title} ({}; {odds} against it)",
@@ -63,10 +63,9 @@ impl Diagnosed {
             true => "What decides between them",
             false => "To be sure",
         };
-        let others = finding.alternatives.iter().map(|other| &other.cause);
         let mut advice: Vec<String> = Vec::new();
         advice.extend(finding.separation.iter().map(|s| s.advice.clone()));
-        for cause in [&finding.cause].into_iter().chain(others) {
+        for cause in finding.causes() {
             advice.extend(cause.effect().check().map(str::to_owned));
         }
         let mut different: Vec<String> = Vec::new();

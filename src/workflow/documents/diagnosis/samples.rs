@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use tautline_core::diagnosis::{
-    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, Evidence, Finding, FoundParameter, Gain,
-    GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement, PositionChange, Quantity, Rival,
-    Separation, ToleranceFactor, Variable, Verdict,
+    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, ErrorForm, Evidence, Finding,
+    FoundParameter, Gain, GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement,
+    PositionChange, PossibleCause, Quantity, ReadingId, Rival, Separation, Subject,
+    ToleranceFactor, UnmodelledError, Variable, Verdict,
 };
-use tautline_core::effect::{BoundEffect, EffectRequest, UNKNOWN};
+use tautline_core::effect::EffectRequest;
 use tautline_core::estimation::{Control, Method, Options, Problem, Solution, solve};
 use tautline_core::geometry::Pose;
 use tautline_core::measurement::Dataset;
@@ -89,8 +90,6 @@ fn rival(cause: Cause, delta_chi2: f64) -> Rival {
         cause,
         delta_chi2,
         parameters: 1,
-        score: delta_chi2 - 9.0,
-        angle_rad: 0.5,
         holdout: 1.01,
     }
 }
@@ -114,29 +113,32 @@ fn gain() -> Gain {
     }
 }
 
-/// Structure on the length of the third cable.
-fn unknown() -> Cause {
-    Cause {
-        instances: vec![BoundEffect {
-            effect: &UNKNOWN,
-            cables: vec![2],
-            targeted: true,
-            values: UNKNOWN.parameters().iter().map(|p| p.neutral).collect(),
-        }],
-    }
+/// An error of the lengths of the third cable.
+fn unmodelled() -> Subject {
+    Subject::UnmodelledError(UnmodelledError {
+        readings: ReadingId {
+            quantity: Quantity::Length,
+            cable: Some(2),
+            component: None,
+        },
+        form: ErrorForm::Smooth(Variable::CableLength),
+        rms: Some(0.0008),
+    })
 }
 
-/// A finding of each verdict: a named winch scale, a pulley radius or winch offset, and structure without a name.
+/// A finding of each verdict: a named winch scale, a pulley radius or winch offset, and an error without a cause.
 pub fn finding(robot: &Robot, verdict: Verdict) -> Finding {
     let scale = cause(robot, "winch_scale:3");
     let radius = cause(robot, "pulley_radius:3");
     let (cause, other) = match verdict {
-        Verdict::Named => (scale, radius),
+        Verdict::Named | Verdict::Unknown => (scale, radius),
         Verdict::Ambiguous => (radius, cause(robot, "winch_offset:3")),
-        Verdict::Unknown => (unknown(), scale),
     };
     let is_ambiguous = verdict == Verdict::Ambiguous;
-    let ranking = vec![rival(cause.clone(), 61.0), rival(other.clone(), 20.0)];
+    let ranking = match verdict {
+        Verdict::Unknown => Vec::new(),
+        _ => vec![rival(cause.clone(), 61.0), rival(other.clone(), 20.0)],
+    };
     Finding {
         verdict,
         probability: if is_ambiguous { 0.6 } else { 0.998 },
@@ -144,19 +146,22 @@ pub fn finding(robot: &Robot, verdict: Verdict) -> Finding {
         advice: "Measure the drum.".to_owned(),
         alternatives: if is_ambiguous {
             vec![Alternative {
-                cause: other,
+                subject: Subject::Cause(other),
                 probability: 0.4,
             }]
         } else {
             Vec::new()
         },
-        parameters: vec![FoundParameter {
-            name: "scale",
-            cable: None,
-            value: 0.0031,
-            unit: "1",
-            sd: Some(0.0004),
-        }],
+        parameters: match verdict {
+            Verdict::Unknown => Vec::new(),
+            _ => vec![FoundParameter {
+                name: "scale",
+                cable: None,
+                value: 0.0031,
+                unit: "1",
+                sd: Some(0.0004),
+            }],
+        },
         evidence: Evidence {
             delta_chi2: 61.0,
             parameters: 1,
@@ -170,12 +175,15 @@ pub fn finding(robot: &Robot, verdict: Verdict) -> Finding {
             expected_delta_chi2: 25.0,
             advice: "Measure far from cable-3.".to_owned(),
         }),
-        cause,
+        subject: match verdict {
+            Verdict::Unknown => unmodelled(),
+            _ => Subject::Cause(cause),
+        },
     }
 }
 
-fn possible(robot: &Robot) -> Alternative {
-    Alternative {
+fn possible(robot: &Robot) -> PossibleCause {
+    PossibleCause {
         cause: cause(robot, "drum_growth:2"),
         probability: 0.12,
     }

@@ -1,7 +1,6 @@
 //! The diagnosis of the model.
 
 use tautline_core::diagnosis::{Finding, FoundParameter, Separation, Verdict};
-use tautline_core::effect::UNKNOWN;
 
 use super::{NONE, number};
 use crate::diagnosis::evidence::{Evidence, evidence};
@@ -77,7 +76,7 @@ fn finding(diagnosed: &Diagnosed, number: usize, finding: &Finding, section: &mu
             section.paragraph(diagnosed.otherwise(finding).unwrap_or_default());
         }
         Verdict::Unknown => section.paragraph(
-            "The residuals depend on something that no effect in the catalogue explains. Its cause is unknown, so no size is given.",
+            "The residuals depend on something that no effect in the catalogue explains. Its cause is unknown.",
         ),
     }
     section.facts(facts(diagnosed, finding));
@@ -98,11 +97,11 @@ fn candidates(diagnosed: &Diagnosed, finding: &Finding) -> Table {
         &["Cause", "Probability", "Odds of the first against it"],
     );
     let own = percent(finding.probability);
-    table.push([diagnosed.title(&finding.cause), own, NONE.to_owned()]);
+    table.push([diagnosed.subject(&finding.subject), own, NONE.to_owned()]);
     for other in &finding.alternatives {
         let odds = odds_between(finding.probability, other.probability);
         table.push([
-            diagnosed.title(&other.cause),
+            diagnosed.subject(&other.subject),
             percent(other.probability),
             odds,
         ]);
@@ -113,14 +112,12 @@ fn candidates(diagnosed: &Diagnosed, finding: &Finding) -> Table {
 fn facts(diagnosed: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
     let mut facts = Vec::new();
     let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
-    if finding.cause.effect().id() != UNKNOWN.id() {
-        if let Some(size) = diagnosed.size(&finding.parameters) {
-            add("Size", size);
-        }
-        let intervals = intervals(&finding.parameters);
-        if !intervals.is_empty() {
-            add("95 % interval", list(&intervals));
-        }
+    if let Some(size) = diagnosed.size(&finding.parameters) {
+        add("Size", size);
+    }
+    let intervals = intervals(&finding.parameters);
+    if !intervals.is_empty() {
+        add("95 % interval", list(&intervals));
     }
     add("Probability", sentence(&certainty(finding.probability)));
     add("Evidence", sentence(&chance(finding)));
@@ -136,7 +133,7 @@ fn facts(diagnosed: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
     if !finding.advice.is_empty() {
         add("What to do", finding.advice.clone());
     }
-    if let Some(check) = finding.cause.effect().check() {
+    if let Some(check) = finding.cause().and_then(|cause| cause.effect().check()) {
         add("What to check", check.to_owned());
     }
     facts

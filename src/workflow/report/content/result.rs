@@ -1,6 +1,6 @@
 //! The first page: the result.
 
-use tautline_core::diagnosis::Diagnosis;
+use tautline_core::diagnosis::{Diagnosis, Finding};
 use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::estimation::Solution;
 use tautline_session::Session;
@@ -105,7 +105,11 @@ fn state(input: &ReportInput<'_>, section: &mut Section) {
             effects.iter().any(|one| same_effect(one, &setting))
         };
         let findings = earlier.diagnosis.findings.iter();
-        let missing = findings.filter(|finding| !finding.cause.instances.iter().all(is_added));
+        let is_missing = |finding: &&Finding| {
+            let cause = finding.cause();
+            !cause.is_some_and(|cause| cause.instances.iter().all(is_added))
+        };
+        let missing = findings.filter(is_missing);
         let missing: Vec<String> = missing.map(|finding| earlier.heading(finding)).collect();
         if !missing.is_empty() {
             section.paragraph("It found the following, which the model does not have:");
