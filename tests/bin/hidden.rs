@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use tautline_validation::hidden::{
-    Plan, Records, Restriction, STUDIES, Study, TABLE_SEED, clean, coverage, describe, diagram,
-    draw_all, drawn_markdown, failures, markdown, named, outside, pairs, run_all, single, summary,
-    table_plans,
+    Change, Plan, Records, Restriction, STUDIES, Study, TABLE_SEED, clean, coverage, describe,
+    diagram, draw_all, drawn_markdown, failures, markdown, named, outside, pairs, run_all, single,
+    summary, table_plans,
 };
 
 const USAGE: &str = "what to hide: hidden single|pairs|clean|outside|all [N] [--draw] [--failures] [--robot NAME] \
                      [--effect ID] [--seed N], hidden table, or hidden STUDY [--cases N] [--seed FIRST] [--threads N] [--robot NAME] \
-                     [--records FILE] [--failures] [--draw] [--diagram FILE.svg]";
+                     [--records FILE] [--failures] [--draw] [--diagram FILE.svg], or hidden compare BEFORE AFTER";
 
 /// Data sets of the whole test: per effect and robot, per robot, in all, per effect and robot.
 const SINGLE: usize = 3;
@@ -48,6 +48,11 @@ impl Arguments {
 /// # Errors
 /// If the arguments are not understood.
 pub fn command(arguments: &[String]) -> Result<()> {
+    if let [kind, before, after] = arguments
+        && kind == "compare"
+    {
+        return compare(Path::new(before), Path::new(after));
+    }
     let arguments = parse(arguments)?;
     let plans = plans(&arguments)?;
     if arguments.draw {
@@ -73,6 +78,23 @@ pub fn command(arguments: &[String]) -> Result<()> {
         println!("{}\n{}", failures(&study), coverage(&study));
     }
     report_impossible(&study);
+    Ok(())
+}
+
+/// Lists the data sets whose answer differs between two files of records.
+fn compare(before: &Path, after: &Path) -> Result<()> {
+    for file in [before, after] {
+        ensure!(file.exists(), "{}: there is no such file", file.display());
+    }
+    let (changes, both) = Records::open(before)?.changes(&Records::open(after)?);
+    println!("{} of {both} data sets get another answer.", changes.len());
+    for Change { plan, found, said } in changes {
+        let hidden = format!("{} seed {}, {:?}", plan.robot, plan.seed, plan.wanted);
+        println!("{hidden}, {:?}", plan.circumstances);
+        for (found, said) in found.iter().zip(said) {
+            println!("    {found:?}: {said}");
+        }
+    }
     Ok(())
 }
 

@@ -36,7 +36,7 @@ pub use outside::{OUTSIDE, Outside, Scene};
 pub use plans::{
     Restriction, STUDIES, TABLE_SEED, clean, named, outside, pairs, single, table_plans,
 };
-pub use records::Records;
+pub use records::{Change, Records};
 pub use robots::{TestRobot, robot, robots};
 pub use run::{
     Candidate, FindingRecord, Outcome, Study, Sure, WithoutHoles, draw_all, run, run_all,

@@ -8,10 +8,21 @@ use std::sync::Mutex;
 
 use anyhow::{Context, Result};
 
-use super::{Outcome, Plan};
+use super::{Found, Outcome, Plan};
 
 /// Recorded outcomes by plan; `None` if the robot has no reading for the effect.
 type Known = BTreeMap<Plan, Option<Outcome>>;
+
+/// A data set that gets another answer, before and after.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// The plan of the data set.
+    pub plan: Plan,
+    /// Result for each hidden effect.
+    pub found: [Vec<Found>; 2],
+    /// Findings without their probabilities.
+    pub said: [String; 2],
+}
 
 /// A file of outcomes, one plan and its outcome per line. By default there is no file.
 #[derive(Debug, Default)]
@@ -48,6 +59,27 @@ impl Records {
     #[must_use]
     pub fn of(&self, plan: &Plan) -> Option<&Option<Outcome>> {
         self.known.get(plan)
+    }
+
+    /// The data sets of both files that get another answer, as they read before and after, and the number of data sets
+    /// that both have.
+    #[must_use]
+    pub fn changes(&self, after: &Self) -> (Vec<Change>, usize) {
+        let known = self.known.iter().filter_map(|(plan, outcome)| {
+            let now = after.known.get(plan)?.as_ref()?;
+            Some((plan, outcome.as_ref()?, now))
+        });
+        let both: Vec<(&Plan, &Outcome, &Outcome)> = known.collect();
+        let changed = both.iter().filter_map(|(plan, before, now)| {
+            let change = Change {
+                plan: **plan,
+                found: [before.found.clone(), now.found.clone()],
+                said: [before.answer(), now.answer()],
+            };
+            let is_same = change.found[0] == change.found[1] && change.said[0] == change.said[1];
+            (!is_same).then_some(change)
+        });
+        (changed.collect(), both.len())
     }
 
     /// Appends an outcome to the file.
@@ -91,5 +123,19 @@ mod tests {
         assert_eq!(known.drawn, outcome.drawn);
         assert_eq!(known.said, outcome.said);
         assert_eq!(known.parameters, outcome.parameters);
+        assert_eq!(again.changes(&again), (Vec::new(), 1));
+
+        let other = Records::open(&folder.path().join("other.jsonl")).unwrap();
+        let silent = Outcome {
+            found: vec![Found::Missed],
+            said: Vec::new(),
+            ..outcome
+        };
+        other.add(&plan, Some(&silent)).unwrap();
+        let other = Records::open(&folder.path().join("other.jsonl")).unwrap();
+        let (changes, both) = again.changes(&other);
+        assert_eq!((changes.len(), both), (1, 1));
+        assert_eq!(changes[0].found[1], [Found::Missed]);
+        assert!(changes[0].said[0].contains("winch_scale") && changes[0].said[1].is_empty());
     }
 }
