@@ -82,7 +82,7 @@ impl Place {
         Ok(Self {
             name,
             poses: poses.context("commanded poses")?,
-            expected: isolability(&data, &DiagnosisOptions::default())?,
+            expected: isolability(&data)?,
             preset,
         })
     }
@@ -141,7 +141,7 @@ fn pair(place: &Place, [present, other]: [usize; 2], data_sets: usize, seed: u64
         let mut options = preset_options(&place.preset, POSES, seed.wrapping_add(k as u64));
         options.effects.clone_from(&hidden);
         let data = simulate(robot, &options.commanding(place.poses.clone()))?.dataset;
-        let found = log_odds(&data, &causes, &DiagnosisOptions::default())?;
+        let found = log_odds(&data, &causes)?;
         seen += usize::from(is_seen(found[0]));
         confused += usize::from(is_confused(found[0], found[1]));
     }

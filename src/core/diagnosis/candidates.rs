@@ -52,6 +52,8 @@ pub(super) struct Candidate {
     pub is_positive: bool,
     /// Log prior odds.
     pub log_odds: f64,
+    /// Logarithm of the number of poses or periods that share the prior probability of the cause.
+    pub log_places: f64,
 }
 
 impl Candidate {

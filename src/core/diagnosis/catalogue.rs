@@ -11,7 +11,7 @@ use super::candidates::{
 };
 use super::conditions::Conditions;
 use super::fit::Fit;
-use super::priors::{COMMON_VALUE_SHARE, FAMILY_CORRELATION, SEVERAL_CABLES_SHARE, TARGET_SHARES};
+use super::priors::{EXPECTED_CAUSES, FAMILY_CORRELATION, TARGET_WEIGHTS, TargetShares};
 use super::report::Cause;
 use crate::effect::{BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_EXTERNAL_POSES, Scope, Search};
 use crate::estimation::{Linearisation, ParameterId};
@@ -27,8 +27,8 @@ pub(super) struct Catalogue {
 
 impl Catalogue {
     /// Builds all candidates at a fit whose linearisation is `linear`, or without `include_all` only those that are
-    /// causes of the fit. `expected` is the prior expectation of the number of causes.
-    pub fn new(fit: &Fit<'_>, linear: &Linearisation, expected: f64, include_all: bool) -> Self {
+    /// causes of the fit.
+    pub fn new(fit: &Fit<'_>, linear: &Linearisation, include_all: bool) -> Self {
         let data = &fit.problem.dataset.measurements;
         let labels: Vec<i64> = linear.poses.iter().map(|p| data.labels[p.row]).collect();
         let distances: Vec<f64> = linear.poses.iter().map(|p| data.laser_at(p.row)).collect();
@@ -52,11 +52,11 @@ impl Catalogue {
                 .chain(shown_by_motion)
         };
         let tested = || known().filter(|e| e.search() != Search::Exchange);
-        let each = expected / tested().count() as f64;
+        let each = EXPECTED_CAUSES / tested().count() as f64;
         for effect in tested() {
             builder.add(effect, each);
         }
-        builder.add_shared(each * COMMON_VALUE_SHARE);
+        builder.add_shared(each);
         builder.build()
     }
 }
@@ -151,13 +151,13 @@ impl Builder<'_> {
             Scope::Robot => targets.push((whole(), 1.0)),
             Scope::Pair => {}
             Scope::Cable | Scope::CableOrAll => {
-                let alone = TARGET_SHARES[0] / cables as f64;
-                targets.extend(each().map(|b| (vec![b], alone)));
-                if effect.scope() == Scope::CableOrAll {
-                    targets.push((whole(), TARGET_SHARES[1]));
+                let shares = target_shares(effect, cables);
+                targets.extend(each().map(|b| (vec![b], shares.one / cables as f64)));
+                if shares.all_alike > 0.0 {
+                    targets.push((whole(), shares.all_alike));
                 }
-                if effect.search() == Search::Direct && cables > 1 {
-                    targets.push((each().collect(), TARGET_SHARES[2]));
+                if shares.each_own > 0.0 {
+                    targets.push((each().collect(), shares.each_own));
                 }
             }
         }
@@ -166,7 +166,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Adds causes of the fit with a common value on several cables, which are not candidates by default.
+    /// Adds causes of the fit with a common value on several cables, which are not candidates by default. `expected` is the
+    /// prior expectation of the number of causes of an effect.
     fn add_shared(&mut self, expected: f64) {
         let cables = self.fit.problem.dataset.robot.cable_count();
         for cause in &self.fit.causes {
@@ -176,8 +177,9 @@ impl Builder<'_> {
                 for bound in &mut start.instances {
                     bound.values = bound.effect.parameters().iter().map(|p| p.start).collect();
                 }
-                let choices = (cables - 2).max(1) as f64 * binomial(cables, cause.cables().len());
-                self.add_cause(&start, expected / choices);
+                let share = target_shares(cause.effect(), cables).several_alike;
+                let choices = choices_of_several(cause.cables().len(), cables);
+                self.add_cause(&start, expected * share / choices);
             }
         }
     }
@@ -195,14 +197,14 @@ impl Builder<'_> {
         match effect.search() {
             Search::Direct | Search::Exchange => {
                 let columns = self.columns(cause, |_| PoseWeights::Everywhere);
-                self.push(cause, columns, f64::NAN, expected);
+                self.push(cause, columns, (f64::NAN, 1), expected);
             }
             Search::Wave {
                 phase,
                 period: None,
             } => {
                 let columns = self.wave(cause, phase);
-                self.push(cause, columns, f64::NAN, expected);
+                self.push(cause, columns, (f64::NAN, 1), expected);
             }
             Search::Wave {
                 phase,
@@ -274,13 +276,14 @@ impl Builder<'_> {
                 periods[k] = own;
             }
         }
-        let share = expected / periods.len().max(1) as f64;
+        let count = periods.len();
         for period in periods {
             let column = |cosine| Column {
                 generator,
                 pose_weights: PoseWeights::Wave { period, cosine },
             };
-            self.push(cause, vec![column(false), column(true)], period, share);
+            let columns = vec![column(false), column(true)];
+            self.push(cause, columns, (period, count), expected);
         }
     }
 
@@ -307,18 +310,25 @@ impl Builder<'_> {
             // From the first pose on it would be a constant offset.
             places.remove(0);
         }
-        let share = expected / places.len().max(1) as f64;
+        let count = places.len();
         for place in places {
             let columns = generators.iter().map(|generator| Column {
                 generator: *generator,
                 pose_weights: pose_weights(place),
             });
             let label = self.labels[place] as f64;
-            self.push(cause, columns.collect(), label, share);
+            self.push(cause, columns.collect(), (label, count), expected);
         }
     }
 
-    fn push(&mut self, cause: &Cause, columns: Vec<Column>, place: f64, expected: f64) {
+    /// Adds the candidate at one of the `places` of a cause, of which `expected` are expected at all of them together.
+    fn push(
+        &mut self,
+        cause: &Cause,
+        columns: Vec<Column>,
+        (place, places): (f64, usize),
+        expected: f64,
+    ) {
         let effect = cause.effect();
         let Some(size) = size_parameter(effect) else {
             return;
@@ -379,7 +389,8 @@ impl Builder<'_> {
             prior: prior.unpack(),
             scales: scales(size),
             is_positive: size.bounds[0] == 0.0 && sds.len() == 1,
-            log_odds: (expected / (1.0 - expected)).ln(),
+            log_odds: (expected / places as f64 / (1.0 - expected / places as f64)).ln(),
+            log_places: (places as f64).ln(),
         });
     }
 
@@ -479,16 +490,54 @@ fn periods(typical: [f64; 2], values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Log ratio of the prior odds of an effect on `count` single cables and of the product of their separate odds, each
-/// with the logarithm `log_odds`. What is wrong with one winch is often wrong with others, so the causes are not
+/// Shares of the prior probability of an effect by target. They sum to 1 over the targets that it can have on so many
+/// cables.
+fn target_shares(effect: &Effect, cables: usize) -> TargetShares {
+    let is_direct = effect.search() == Search::Direct;
+    let if_possible = |is_possible: bool, weight: f64| if is_possible { weight } else { 0.0 };
+    let TargetShares {
+        one,
+        all_alike,
+        each_own,
+        several_own,
+        several_alike,
+    } = TARGET_WEIGHTS;
+    let all_alike = if_possible(effect.scope() == Scope::CableOrAll, all_alike);
+    let each_own = if_possible(is_direct && cables > 1, each_own);
+    let several_own = if_possible(cables > 2, several_own);
+    let several_alike = if_possible(is_direct && cables > 2, several_alike);
+    let total = one + all_alike + each_own + several_own + several_alike;
+    TargetShares {
+        one: one / total,
+        all_alike: all_alike / total,
+        each_own: each_own / total,
+        several_own: several_own / total,
+        several_alike: several_alike / total,
+    }
+}
+
+/// Log ratio of the prior odds of an effect on `count` single cables and of the product of their separate odds, for an
+/// effect on each like `candidate`: `log(1 + q / p^count)`, where `p` is the probability of each cable and `q` that of the
+/// effect on just these cables. What is wrong with one winch is often wrong with others, so the causes are not
 /// independent.
-pub(super) fn log_joint_odds_ratio(count: usize, cables: usize, log_odds: f64) -> f64 {
+pub(super) fn log_joint_odds_ratio(candidate: &Candidate, count: usize, cables: usize) -> f64 {
     if count < 2 || count >= cables {
         return 0.0;
     }
-    let choices = (cables - 2) as f64 * binomial(cables, count);
-    let several = (SEVERAL_CABLES_SHARE / TARGET_SHARES[0] * cables as f64 / choices).ln();
-    (several - (count - 1) as f64 * log_odds).max(0.0)
+    let shares = target_shares(candidate.effect(), cables);
+    let of_each = shares.one / cables as f64;
+    let of_all = shares.several_own / choices_of_several(count, cables);
+    // The places of an event on one cable say nothing about those on another.
+    let log_odds = candidate.log_odds + candidate.log_places;
+    ((of_all / of_each).ln() - (count - 1) as f64 * log_odds)
+        .exp()
+        .ln_1p()
+}
+
+/// Number of ways in which `count` of the cables can be affected, times the numbers of several cables, from 2 on, that
+/// are not all.
+fn choices_of_several(count: usize, cables: usize) -> f64 {
+    (cables - 2).max(1) as f64 * binomial(cables, count)
 }
 
 /// Binomial coefficient: number of ways to choose `some` of `of`.

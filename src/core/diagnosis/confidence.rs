@@ -38,7 +38,6 @@ pub(super) struct ConfirmedCauses<'a> {
 pub(super) fn reject_replaceable_causes<'a>(
     problem: &Problem<'a>,
     confirmed: ConfirmedCauses<'a>,
-    options: &DiagnosisOptions,
 ) -> Result<(ConfirmedCauses<'a>, UnmodelledErrors), EstimationError> {
     let ConfirmedCauses {
         mut inference,
@@ -91,7 +90,7 @@ pub(super) fn reject_replaceable_causes<'a>(
         }
         let fit = fit_of_possible(problem, causes, &mut posteriors)?;
         let fit = fit.with_deviation_columns(&inference.fit.deviation_columns());
-        inference = inference_at_fit(fit, options, Vec::new(), Some(&inference.hyper.variance));
+        inference = inference_at_fit(fit, Vec::new(), Some(&inference.hyper.variance));
     }
 }
 
@@ -143,12 +142,7 @@ pub(super) fn readmit_likely_causes<'a>(
         }
         let columns = confirmed.inference.fit.deviation_columns();
         let fit = fit.with_deviation_columns(&columns);
-        let with = inference_at_fit(
-            fit,
-            options,
-            Vec::new(),
-            Some(&confirmed.inference.hyper.variance),
-        );
+        let with = inference_at_fit(fit, Vec::new(), Some(&confirmed.inference.hyper.variance));
         let mut remaining = UnmodelledErrors::new(&with);
         if errors(&with, &remaining).len() >= before.len() {
             continue;
@@ -178,7 +172,6 @@ pub(super) fn confirm_causes<'a>(
     inference: Inference<'a>,
     posteriors: Vec<CausePosterior>,
     mut possible: Vec<PossibleCause>,
-    options: &DiagnosisOptions,
 ) -> Result<ConfirmedCauses<'a>, EstimationError> {
     let full = Prediction::new(&inference.fit);
     let mut confirmed: Vec<(f64, Cause, CausePosterior)> = Vec::new();
@@ -218,7 +211,7 @@ pub(super) fn confirm_causes<'a>(
     } else {
         let fit = fit_of_possible(problem, causes, &mut posteriors)?;
         let fit = fit.with_deviation_columns(&inference.fit.deviation_columns());
-        inference_at_fit(fit, options, Vec::new(), Some(&inference.hyper.variance))
+        inference_at_fit(fit, Vec::new(), Some(&inference.hyper.variance))
     };
     Ok(ConfirmedCauses {
         inference,
@@ -365,7 +358,7 @@ pub(super) fn excess_chi2(
 
 /// Tests whether a fit explains the data and on which variables its residuals depend.
 pub(super) fn assess_fit(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>, ResidualSpace) {
-    // Half of the false alarm probability is allotted to the tests of the residuals, half to the causes.
+    // Half of the level is for the test of the whole fit, half for the dependences of its residuals.
     let level = alpha / 2.0;
     let linear = fit.linearisation();
     let space = ResidualSpace::new(&linear);

@@ -112,12 +112,12 @@ fn examine(
         false => first,
     };
     let (problem, inference) = match factor > 0.0 {
-        true => infer_with_deviations(factor, inference, options)?,
+        true => infer_with_deviations(factor, inference)?,
         false => (problem, inference),
     };
     let problem = &problem;
-    let confirmed = confirm_causes(problem, inference, posteriors, possible, options)?;
-    let remaining_causes = reject_replaceable_causes(problem, confirmed, options)?;
+    let confirmed = confirm_causes(problem, inference, posteriors, possible)?;
+    let remaining_causes = reject_replaceable_causes(problem, confirmed)?;
     let (confirmed, unmodelled) = readmit_likely_causes(problem, remaining_causes, options)?;
     let ConfirmedCauses {
         inference,
@@ -203,7 +203,6 @@ fn with_deviations<'a>(fit: &Fit<'a>, factor: f64) -> Problem<'a> {
 fn infer_with_deviations<'a>(
     factor: f64,
     inference: Inference<'a>,
-    options: &DiagnosisOptions,
 ) -> Result<(Problem<'a>, Inference<'a>), EstimationError> {
     let mut problem = with_deviations(&inference.fit, factor);
     let fit = Fit::new(&problem, &inference.fit.causes)?;
@@ -211,7 +210,7 @@ fn infer_with_deviations<'a>(
     let fit = fit.with_deviation_columns(&columns);
     problem.known = Some(Arc::new(fit.solution.clone()));
     let start = Some(&*inference.hyper.variance);
-    let inference = inference_at_fit(fit, options, inference.ranking, start);
+    let inference = inference_at_fit(fit, inference.ranking, start);
     Ok((problem, inference))
 }
 

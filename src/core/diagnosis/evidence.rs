@@ -358,7 +358,7 @@ fn joint_odds_bonus(gram: &Gram<'_>, members: &[Member], index: usize) -> f64 {
     let all = members.iter().map(|m| &gram.candidates[m.0]);
     let same = all.filter(|c| c.is_single() && std::ptr::eq(c.effect(), candidate.effect()));
     let count = same.count();
-    let log = |count| log_joint_odds_ratio(count, gram.cables, candidate.log_odds);
+    let log = |count| log_joint_odds_ratio(candidate, count, gram.cables);
     log(count + 1) - log(count)
 }
 

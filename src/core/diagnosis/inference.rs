@@ -23,7 +23,7 @@ use super::grouping::merge_common_values;
 use super::hyperparameters::{Hyperparameters, LinearProblem, Start};
 use super::initial_fit::initial_fit;
 use super::linear_fit::LinearFit;
-use super::priors::{AMPLITUDES, EXPECTED_PER_ALPHA, FACTORS};
+use super::priors::{AMPLITUDES, FACTORS};
 use super::progress::Reporter;
 use super::reading_id::ReadingId;
 use super::report::Cause;
@@ -206,7 +206,6 @@ pub(super) fn infer<'a>(
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
 ) -> Result<(Problem<'a>, Inference<'a>, Vec<Visibility>), EstimationError> {
-    let expected = EXPECTED_PER_ALPHA * options.alpha;
     let none = Fit::new(&base, &[])?;
     let mut seen: Option<Vec<Visibility>> = None;
     let mut fit = initial_fit(none, &mut seen, options, report)?;
@@ -231,7 +230,7 @@ pub(super) fn infer<'a>(
             columns = Rc::new(fit.own_deviation_columns());
         }
         fit = fit.with_deviation_columns(&columns);
-        let at = LinearFit::new(&fit, expected, true);
+        let at = LinearFit::new(&fit, true);
         let own_evidence = at.own_evidence(smallest_variances.as_deref());
         let own = own_evidence.value;
         lower_variances(&mut smallest_variances, &own_evidence.hyper);
@@ -255,7 +254,7 @@ pub(super) fn infer<'a>(
             let start = at.causes_of(&mut gram, compared.members(place));
             let refit = Fit::new(&base, &start)?.with_deviation_columns(&columns);
             let value = if is_physically_possible(&refit) {
-                let refit = LinearFit::new(&refit, expected, false);
+                let refit = LinearFit::new(&refit, false);
                 let evidence = refit.own_evidence(smallest_variances.as_deref());
                 lower_variances(&mut smallest_variances, &evidence.hyper);
                 evidence.value
@@ -292,7 +291,7 @@ pub(super) fn infer<'a>(
                 let merged = merged.map(|causes| Fit::new(&base, &causes)).transpose()?;
                 let merged = merged.map(|fit| fit.with_deviation_columns(&columns));
                 let better = merged.filter(|fit| {
-                    let at = LinearFit::new(fit, expected, false);
+                    let at = LinearFit::new(fit, false);
                     let evidence = at.own_evidence(smallest_variances.as_deref());
                     is_physically_possible(fit) && evidence.value > own
                 });
@@ -300,7 +299,7 @@ pub(super) fn infer<'a>(
                     Some(next) => fit = next,
                     None => {
                         let start = smallest_variances.as_deref();
-                        let inference = inference_at_fit(last, options, ranking, start);
+                        let inference = inference_at_fit(last, ranking, start);
                         return Ok((base, inference, std::mem::take(visible)));
                     }
                 }
@@ -321,12 +320,10 @@ fn lower_variances(smallest_variances: &mut Option<Vec<f64>>, at: &Hyperparamete
 /// The inference result at a fit. The estimation of its variance factors starts at `start`.
 pub(super) fn inference_at_fit<'a>(
     fit: Fit<'a>,
-    options: &DiagnosisOptions,
     mut ranking: Vec<RankedSet>,
     start: Start<'_>,
 ) -> Inference<'a> {
-    let expected = EXPECTED_PER_ALPHA * options.alpha;
-    let at = LinearFit::new(&fit, expected, false);
+    let at = LinearFit::new(&fit, false);
     let hyper = at.estimate(start, &at.present).hyper;
     let columns = at.columns(&at.present);
     // The linear comparison may rank the set of the fit slightly lower than another one.

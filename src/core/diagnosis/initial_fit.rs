@@ -14,7 +14,6 @@ use super::evidence::Member;
 use super::exploration::{Visibility, visibility};
 use super::fit::Fit;
 use super::linear_fit::LinearFit;
-use super::priors::EXPECTED_PER_ALPHA;
 use super::progress::Reporter;
 use super::search::{CandidateSet, EvaluatedSet, Search};
 use super::{DiagnosisOptions, Stage};
@@ -68,7 +67,6 @@ pub(super) fn initial_fit<'a>(
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
 ) -> Result<Fit<'a>, EstimationError> {
-    let expected = EXPECTED_PER_ALPHA * options.alpha;
     let problem = from.base().clone();
     // Next to such residuals, deviations within tolerances do not count.
     let no_deviations = Rc::new(DeviationColumns::none());
@@ -81,7 +79,7 @@ pub(super) fn initial_fit<'a>(
         {
             break;
         }
-        let at = LinearFit::new(&fit, expected, true);
+        let at = LinearFit::new(&fit, true);
         let hyper = at.linear.with_variance_factor(left);
         let mut gram = at.gram(&hyper);
         seen.get_or_insert_with(|| visibility(&at.gram(&at.linear.described(0))));

@@ -35,9 +35,9 @@ pub(super) struct OwnEvidence<'l> {
 }
 
 impl<'f, 'a> LinearFit<'f, 'a> {
-    pub fn new(fit: &'f Fit<'a>, expected: f64, include_all: bool) -> Self {
+    pub fn new(fit: &'f Fit<'a>, include_all: bool) -> Self {
         let linear = fit.linearisation();
-        let catalogue = Catalogue::new(fit, &linear, expected, include_all);
+        let catalogue = Catalogue::new(fit, &linear, include_all);
         let model_effects = fit.model_effects();
         let conditions = Conditions::new(&linear, model_effects);
         let variables = Variables::new(&fit.problem, &fit.solution, &linear);

@@ -76,7 +76,8 @@ pub use crate::measurement::Variable;
 /// Options of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DiagnosisOptions {
-    /// Probability of a false alarm: of any finding in data that the model explains.
+    /// Significance level of the tests of the residuals: probability that they reject a model that explains the data, or
+    /// find an error in it. The posterior probabilities of causes do not depend on it.
     pub alpha: f64,
     /// Maximum number of findings.
     pub most_findings: usize,

@@ -1,17 +1,33 @@
 //! What a diagnosis assumes before it has seen the readings: prior probabilities of causes and errors, of their sizes, and of the
 //! noise.
 
+/// A number for each kind of target of an effect on cables.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TargetShares {
+    /// One cable, whichever.
+    pub one: f64,
+    /// All cables with a common value.
+    pub all_alike: f64,
+    /// Each cable with a value of its own.
+    pub each_own: f64,
+    /// Several cables with values of their own, split evenly over their number, then over the choices of that many.
+    pub several_own: f64,
+    /// Several cables with a common value, split in the same way.
+    pub several_alike: f64,
+}
+
 // Causes.
-/// Prior expectation of the number of causes for each unit of the false alarm probability.
-pub(super) const EXPECTED_PER_ALPHA: f64 = 80.0;
-/// Shares of an effect's prior probability by target: for one cable, for all cables alike, and for each cable with its own
-/// value.
-pub(super) const TARGET_SHARES: [f64; 3] = [0.5, 0.3, 0.1];
-/// Share for several cables with values of their own, split evenly over their number, then over the choices of that many
-/// cables: if something is wrong with one winch, it is often wrong with others.
-pub(super) const SEVERAL_CABLES_SHARE: f64 = 0.1;
-/// Share for several cables with a common value, split in the same way.
-pub(super) const COMMON_VALUE_SHARE: f64 = 0.05;
+/// Prior expectation of the number of causes, shared equally among the effects that the readings could show.
+pub(super) const EXPECTED_CAUSES: f64 = 0.8;
+/// Prior weights of the targets of an effect on cables. Its probability is shared in their proportion by the targets that
+/// it can have. If something is wrong with one winch, it is often wrong with others.
+pub(super) const TARGET_WEIGHTS: TargetShares = TargetShares {
+    one: 0.5,
+    all_alike: 0.3,
+    each_own: 0.1,
+    several_own: 0.1,
+    several_alike: 0.05,
+};
 /// Prior correlation between the values of different cables.
 pub(super) const FAMILY_CORRELATION: f64 = 0.3;
 

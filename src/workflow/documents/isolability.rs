@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::diagnosis::{DiagnosisOptions, ExpectedFault, Isolability, isolability};
+use tautline_core::diagnosis::{ExpectedFault, Isolability, isolability};
 use tautline_core::effect::Scope;
 use tautline_core::estimation::EstimationError;
 use tautline_core::measurement::Dataset;
@@ -54,7 +54,7 @@ impl IsolabilityDocument {
     /// # Errors
     /// If the readings cannot be used with the robot.
     pub fn of_dataset(dataset: &Dataset) -> Result<Self, EstimationError> {
-        let found = isolability(dataset, &DiagnosisOptions::default())?;
+        let found = isolability(dataset)?;
         Ok(Self::new(&dataset.robot, &found))
     }
 

@@ -34,7 +34,6 @@ mod tests;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::DiagnosisOptions;
 use super::budget::{ISOLABILITY_POINTS, RULED_OUT};
 use super::calibration::NAMING_PROBABILITY;
 use super::candidates::{Candidate, is_same_effect_and_targets};
@@ -42,7 +41,7 @@ use super::doctor::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::fit::Fit;
 use super::gram::{CandidateScore, Gram};
 use super::linear_fit::LinearFit;
-use super::priors::{AS_STATED, EXPECTED_PER_ALPHA};
+use super::priors::AS_STATED;
 use super::report::Cause;
 use crate::effect::measurements_as_modelled;
 use crate::estimation::EstimationError;
@@ -102,17 +101,14 @@ impl Isolability {
 ///
 /// # Errors
 /// If the readings cannot be used with the robot.
-pub fn isolability(
-    dataset: &Dataset,
-    options: &DiagnosisOptions,
-) -> Result<Isolability, EstimationError> {
+pub fn isolability(dataset: &Dataset) -> Result<Isolability, EstimationError> {
     let dataset = Dataset {
         robot: with_assumed_tolerances(&dataset.robot),
         measurements: dataset.measurements.clone(),
     };
     let problem = problem_at_fitted_poses(&dataset)?;
     let fit = Fit::new(&problem, &[])?;
-    let at = LinearFit::new(&fit, EXPECTED_PER_ALPHA * options.alpha, true);
+    let at = LinearFit::new(&fit, true);
     let mut gram = at.gram(&at.linear.described(AS_STATED));
     let candidates: Vec<CandidateFault> = representatives(gram.candidates)
         .into_iter()
@@ -126,11 +122,7 @@ pub fn isolability(
 ///
 /// # Errors
 /// If the readings cannot be used with the robot.
-pub fn log_odds(
-    dataset: &Dataset,
-    causes: &[Cause],
-    options: &DiagnosisOptions,
-) -> Result<Vec<f64>, EstimationError> {
+pub fn log_odds(dataset: &Dataset, causes: &[Cause]) -> Result<Vec<f64>, EstimationError> {
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
     let dataset = Dataset {
         robot: with_assumed_tolerances(&dataset.robot),
@@ -138,7 +130,7 @@ pub fn log_odds(
     };
     let problem = problem_at_fitted_poses(&dataset)?;
     let fit = Fit::new(&problem, &[])?;
-    let at = LinearFit::new(&fit, EXPECTED_PER_ALPHA * options.alpha, true);
+    let at = LinearFit::new(&fit, true);
     let gram = at.gram(&at.linear.described(AS_STATED));
     let of = |cause: &Cause| {
         let index = gram.candidates.iter().position(|c| c.represents(cause));

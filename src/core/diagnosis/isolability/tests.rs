@@ -29,13 +29,12 @@ fn exact(name: &str, causes: &[BoundEffect]) -> Dataset {
 #[test]
 fn noncentrality_is_the_chi_square_that_a_fit_without_the_fault_leaves() {
     const SMALL: f64 = 0.01;
-    let options = DiagnosisOptions::default();
     let to_rounding = Options {
         negligible: 0.0,
         ..Options::default()
     };
     for name in ["mini", "suspended"] {
-        let expected = isolability(&exact(name, &[]), &options).unwrap();
+        let expected = isolability(&exact(name, &[])).unwrap();
         let mut checked = 0;
         for fault in expected
             .faults
@@ -78,7 +77,6 @@ fn noncentrality_is_the_chi_square_that_a_fit_without_the_fault_leaves() {
 /// A drum that is off by 5 % of its tolerance is no fault, whatever the sensors could show of an exact drum.
 #[test]
 fn what_lies_within_the_tolerances_is_not_seen() {
-    let options = DiagnosisOptions::default();
     let winch = |tolerance: f64| {
         let mut data = exact("mini", &[]);
         data.robot.tolerances = Some(PartTolerances::Stated(StatedTolerances {
@@ -89,7 +87,7 @@ fn what_lies_within_the_tolerances_is_not_seen() {
             )]
             .into(),
         }));
-        let expected = isolability(&data, &options).unwrap();
+        let expected = isolability(&data).unwrap();
         let is_winch = |f: &&ExpectedFault| f.cause.effect().id() == "winch_scale";
         let winch = expected.faults.iter().find(is_winch).unwrap();
         (winch.noncentrality, winch.detection)
@@ -104,7 +102,7 @@ fn what_lies_within_the_tolerances_is_not_seen() {
 }
 
 fn typical_winch_scale() -> f64 {
-    let expected = isolability(&exact("mini", &[]), &DiagnosisOptions::default()).unwrap();
+    let expected = isolability(&exact("mini", &[])).unwrap();
     let is_winch = |f: &&ExpectedFault| f.cause.effect().id() == "winch_scale";
     expected
         .faults
@@ -128,7 +126,7 @@ fn evidence_is_that_of_the_diagnosis() {
     };
     let problem = problem_at_fitted_poses(&data).unwrap();
     let fit = Fit::new(&problem, &[]).unwrap();
-    let at = LinearFit::new(&fit, 0.8, true);
+    let at = LinearFit::new(&fit, true);
     let mut gram = at.gram(&at.linear.described(0));
     let none = System::extensible(&mut gram, &[]);
     for (index, candidate) in gram.candidates.iter().enumerate() {
@@ -146,8 +144,7 @@ fn evidence_is_that_of_the_diagnosis() {
 
 #[test]
 fn equal_faults_cannot_be_told_apart() {
-    let options = DiagnosisOptions::default();
-    let expected = isolability(&exact("mini", &[]), &options).unwrap();
+    let expected = isolability(&exact("mini", &[])).unwrap();
     let all = &expected.faults;
     for (index, fault) in all.iter().enumerate() {
         assert!((0.0..=1.0).contains(&fault.detection), "{:?}", fault.cause);

@@ -13,7 +13,7 @@ use super::super::linear_fit::LinearFit;
 use super::super::priors::AMPLITUDES;
 use super::super::report::Cause;
 use super::super::search::{EvaluatedSet, Search, settled};
-use super::{DiagnosisOptions, Fit, diagnosed, found, problem_at_fitted_poses, run_with, setting};
+use super::{Fit, diagnosed, found, problem_at_fitted_poses, run_with, setting};
 use crate::effect::{BoundEffect, EffectSetting};
 
 fn causes() -> Vec<EffectSetting> {
@@ -50,7 +50,7 @@ fn evidence_is_that_of_the_dense_covariance() {
     let dataset = run_with("planar", 12, 31, &causes()).dataset;
     let problem = problem_at_fitted_poses(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
-    let at = LinearFit::new(&fit, 0.8, true);
+    let at = LinearFit::new(&fit, true);
     let described = at.linear.described(0);
     let mut with_variance_factor = at.linear.with_variance_factor(1.0);
     for (k, variance) in with_variance_factor.variance.iter_mut().enumerate() {
@@ -125,7 +125,7 @@ fn products_of_many_columns_are_those_of_their_rows() {
     let dataset = run_with("planar", 12, 31, &causes()).dataset;
     let problem = problem_at_fitted_poses(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
-    let at = LinearFit::new(&fit, 0.8, true);
+    let at = LinearFit::new(&fit, true);
     let mut gram = at.gram(&at.linear.described(0));
     let columns: Vec<usize> = (0..40)
         .map(|k| 7 * k % gram.first[gram.candidates.len()])
@@ -182,7 +182,7 @@ fn probabilities(hidden: &[EffectSetting], seed: u64) -> Vec<(f64, f64, bool)> {
     let truth: Vec<Cause> = hidden.iter().map(of).collect();
     let problem = problem_at_fitted_poses(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
-    let mut at = LinearFit::new(&fit, 0.8, true);
+    let mut at = LinearFit::new(&fit, true);
     at.catalogue.candidates.retain(|c| {
         let slip = c.effect().id() == "cable_slip" && c.cause.cables() == [0];
         FEW.contains(&c.effect().id()) || slip
@@ -276,7 +276,7 @@ fn standard_deviations_are_those_of_the_sandwich_estimator() {
     };
     let causes: Vec<Cause> = causes().iter().map(cause).collect();
     let fit = Fit::new(&problem, &causes).unwrap();
-    let mut inference = inference_at_fit(fit, &DiagnosisOptions::default(), Vec::new(), None);
+    let mut inference = inference_at_fit(fit, Vec::new(), None);
     inference.hyper = inference.linear.described(0);
     for ratio in inference.sd_ratios().iter().flatten() {
         // The tolerance is for the regularisation of the normal equations.

@@ -110,7 +110,7 @@ fn evidence_of_the_factors_is_that_of_dense_covariances() {
     let run = run_of_machine("planar", 12, 16);
     let problem = problem_at_fitted_poses(&run.dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
-    let linear = LinearFit::new(&fit, 0.8, false).linear;
+    let linear = LinearFit::new(&fit, false).linear;
     let none = DMatrix::zeros(linear.conditions.count, 0);
     let at = linear.described(1);
     let found = linear.factor_evidence(&linear.reduced(&at, &none), &at);

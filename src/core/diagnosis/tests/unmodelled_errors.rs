@@ -7,7 +7,7 @@ use super::super::inference::inference_at_fit;
 use super::super::linear_fit::LinearFit;
 use super::super::reading_errors::ReadingErrors;
 use super::super::unmodelled_errors::UnmodelledErrors;
-use super::super::{DiagnosisOptions, ErrorForm, Quantity, Subject, Variable, Verdict};
+use super::super::{ErrorForm, Quantity, Subject, Variable, Verdict};
 use super::{Fit, diagnosed, problem_at_fitted_poses, run_with};
 use crate::measurement::Dataset;
 
@@ -31,7 +31,7 @@ fn score_and_information_of_reading_errors_are_those_of_their_columns() {
     let dataset = run_with("planar", 12, 3, &[]).dataset;
     let problem = problem_at_fitted_poses(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
-    let at = LinearFit::new(&fit, 0.8, false);
+    let at = LinearFit::new(&fit, false);
     let linear = &at.linear;
     let base = linear.reduced(
         &linear.with_variance_factor(1.7),
@@ -101,7 +101,7 @@ fn clean_data_have_no_unmodelled_error() {
     let dataset = run_with("mini", 41, 5, &[]).dataset;
     let problem = problem_at_fitted_poses(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
-    let inference = inference_at_fit(fit, &DiagnosisOptions::default(), Vec::new(), None);
+    let inference = inference_at_fit(fit, Vec::new(), None);
     assert!(UnmodelledErrors::new(&inference).remaining.is_empty());
     assert!(
         inference
