@@ -6,9 +6,7 @@ use anyhow::{Context, Result};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use tautline_core::diagnosis::{
-    Cause, DiagnosisOptions, Isolability, is_confused, is_seen, isolability, log_odds,
-};
+use tautline_core::diagnosis::{Cause, Isolability, is_confused, is_seen, isolability, log_odds};
 use tautline_core::effect::EffectSetting;
 use tautline_core::geometry::Pose;
 use tautline_core::robot::presets::{self, Preset};
