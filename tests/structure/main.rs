@@ -165,7 +165,7 @@ fn violations(root: &Path, rules: &Rules) -> Result<Vec<String>, String> {
             rules.folder,
             circle.files.len()
         );
-        for import in &circle.between_folders {
+        for import in &circle.imports {
             let (from, to) = (name(&import.from), name(&import.to));
             violation += &format!("\n    {from}:{} -> {to} ({})", import.line, import.path);
         }

@@ -9,11 +9,15 @@ use crate::imports::Import;
 #[derive(Debug)]
 pub struct Circle {
     pub files: BTreeSet<PathBuf>,
-    /// Those imports of the circle that lead from one folder to another.
-    pub between_folders: Vec<Import>,
+    /// Those imports of the circle that lead from one folder to another; all if it stays in one.
+    pub imports: Vec<Import>,
 }
 
-/// Circles that are larger than one folder. Files of one folder may know each other.
+/// Largest number of files of one folder that may know each other. What a folder defines in its `mod.rs` may be used in
+/// all of its files.
+const LARGEST_CIRCLE: usize = 2;
+
+/// Circles that are larger than one folder, and those of more than two files within one.
 pub fn circles(imports: &BTreeSet<Import>) -> Vec<Circle> {
     let mut graph: BTreeMap<&Path, BTreeSet<&Path>> = BTreeMap::new();
     for import in imports {
@@ -24,20 +28,39 @@ pub fn circles(imports: &BTreeSet<Import>) -> Vec<Circle> {
     for files in strongly_connected(&graph) {
         let folders: BTreeSet<_> = files.iter().map(|file| folder(file)).collect();
         if folders.len() > 1 {
-            let is_between = |import: &&Import| {
-                files.contains(&import.from)
-                    && files.contains(&import.to)
-                    && folder(&import.from) != folder(&import.to)
-            };
-            let mut between_folders: Vec<_> = imports.iter().filter(is_between).cloned().collect();
-            keep_one_of_each(&mut between_folders);
-            circles.push(Circle {
-                files,
-                between_folders,
-            });
+            circles.push(circle(files, imports, |import| {
+                folder(&import.from) != folder(&import.to)
+            }));
+        }
+    }
+    for targets in graph.values_mut() {
+        targets.retain(|to| !is_facade(to));
+    }
+    for files in strongly_connected(&graph) {
+        let folders: BTreeSet<_> = files.iter().map(|file| folder(file)).collect();
+        if folders.len() == 1 && files.len() > LARGEST_CIRCLE {
+            circles.push(circle(files, imports, |import| !is_facade(&import.to)));
         }
     }
     circles
+}
+
+fn circle(
+    files: BTreeSet<PathBuf>,
+    imports: &BTreeSet<Import>,
+    is_shown: impl Fn(&Import) -> bool,
+) -> Circle {
+    let is_inside = |import: &&Import| {
+        files.contains(&import.from) && files.contains(&import.to) && is_shown(import)
+    };
+    let mut imports: Vec<_> = imports.iter().filter(is_inside).cloned().collect();
+    keep_one_of_each(&mut imports);
+    Circle { files, imports }
+}
+
+/// Whether a file stands for its folder.
+fn is_facade(file: &Path) -> bool {
+    file.ends_with("mod.rs") || file.with_extension("").is_dir()
 }
 
 /// One import says enough about two files.

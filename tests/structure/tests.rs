@@ -46,14 +46,27 @@ fn a_circle_of_two_folders_is_found() {
 }
 
 #[test]
-fn a_circle_within_one_folder_is_allowed() {
-    let files = [
+fn a_circle_of_two_files_of_one_folder_is_allowed_and_one_of_three_is_not() {
+    let mut files = [
         ("lib.rs", "pub mod a;"),
-        ("a/mod.rs", "mod b; mod c; pub use self::{b::B, c::C};"),
-        ("a/b.rs", "use super::C; pub struct B(C);"),
-        ("a/c.rs", "pub struct C(Option<super::B>);"),
+        (
+            "a/mod.rs",
+            "mod b; mod c; mod d; pub use self::{b::B, c::C, d::D}; pub struct A(D);",
+        ),
+        ("a/b.rs", "use super::{A, C}; pub struct B(C, A);"),
+        ("a/c.rs", "use super::A; pub struct C(Option<super::B>, A);"),
+        ("a/d.rs", "use super::A; pub struct D(A);"),
     ];
     assert!(found(&RULES, &files).is_empty());
+    files[3].1 = "use super::D; pub struct C(D);";
+    files[4].1 = "pub struct D(Option<super::B>);";
+    assert_eq!(
+        found(&RULES, &files),
+        ["planted: 3 files import each other in a circle, by way of
+    planted/a/b.rs:1 -> planted/a/c.rs (super::C)
+    planted/a/c.rs:1 -> planted/a/d.rs (super::D)
+    planted/a/d.rs:1 -> planted/a/b.rs (super::B)"]
+    );
 }
 
 /// The item of a facade counts where it is defined, so that a facade makes no circle by itself.

@@ -1,71 +1,7 @@
 //! Effects attached to the cables of a robot.
 
-use super::{Effect, EffectParameter, EffectSetting, Scope, find};
-use crate::measurement::Measurements;
+use super::{BoundEffect, Effect, EffectError, EffectParameter, EffectSetting, Scope, find};
 use crate::robot::Robot;
-
-/// Errors of attaching an effect to a robot.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum EffectError {
-    /// The identifier is not in the catalogue.
-    #[error("unknown effect \"{0}\"")]
-    UnknownEffect(String),
-    /// The robot has no cable of this name.
-    #[error("effect \"{effect}\": the robot has no cable \"{cable}\"")]
-    UnknownCable {
-        /// Effect concerned.
-        effect: String,
-        /// Name that was given.
-        cable: String,
-    },
-    /// The effect has no parameter of this name.
-    #[error("effect \"{effect}\" has no parameter \"{parameter}\"; it has {expected}")]
-    UnknownParameter {
-        /// Effect concerned.
-        effect: String,
-        /// Name that was given.
-        parameter: String,
-        /// The parameters of the effect.
-        expected: String,
-    },
-    /// The effect concerns the whole robot.
-    #[error("effect \"{0}\" concerns the whole robot and takes no cable")]
-    NoTarget(String),
-    /// The effect concerns two cables.
-    #[error("effect \"{0}\" concerns two different cables: name both")]
-    NeedsPair(String),
-    /// No value is given for a parameter that cannot be estimated.
-    #[error(
-        "effect \"{effect}\" needs a number for \"{parameter}\", which cannot be estimated: give {parameter}=NUMBER"
-    )]
-    MissingParameter {
-        /// Effect concerned.
-        effect: String,
-        /// The parameter.
-        parameter: &'static str,
-    },
-    /// A parameter has no finite value.
-    #[error("effect \"{effect}\": expected a number for \"{parameter}\"")]
-    NotANumber {
-        /// Effect concerned.
-        effect: String,
-        /// The parameter.
-        parameter: String,
-    },
-    /// The effect has no parameter that readings can determine.
-    #[error(
-        "effect \"{0}\" has no parameter that can be estimated: it can only be simulated or stated in a model file"
-    )]
-    NothingToEstimate(String),
-    /// There is no such pose.
-    #[error("effect \"{effect}\": there is no pose labelled {pose}")]
-    NoSuchPose {
-        /// Effect concerned.
-        effect: String,
-        /// Label that was given.
-        pose: String,
-    },
-}
 
 /// A request to estimate an effect: `ID[:CABLE][:NAME=NUMBER,...]`.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -194,25 +130,7 @@ fn cable_called(robot: &Robot, effect: &str, name: &str) -> Result<usize, Effect
         })
 }
 
-/// An effect attached to cables, with parameter values.
-#[derive(Clone)]
-pub struct BoundEffect {
-    /// The effect.
-    pub effect: &'static Effect,
-    /// Cables that share these parameters.
-    pub cables: Vec<usize>,
-    /// Whether it is attached to individual cables rather than to the whole robot.
-    pub targeted: bool,
-    /// Value of each parameter.
-    pub values: Vec<f64>,
-}
-
 impl BoundEffect {
-    /// Whether it acts on the platform, the frame or an instrument.
-    pub(crate) fn acts_on_platform(&self) -> bool {
-        self.effect.scope() == Scope::Robot
-    }
-
     /// Attaches an effect stated in a model file to the cables of `robot`; parameters not given are neutral.
     ///
     /// # Errors
@@ -266,59 +184,5 @@ impl BoundEffect {
             targeted,
             values,
         })
-    }
-
-    /// Checks that every pose the effect refers to is in `data`.
-    ///
-    /// # Errors
-    /// If it refers to a pose that is not there.
-    pub fn check_poses(&self, data: &Measurements) -> Result<(), EffectError> {
-        let Some(index) = self.effect.pose_parameter() else {
-            return Ok(());
-        };
-        let pose = self.values[index];
-        if data.labels.iter().any(|label| *label as f64 == pose) {
-            return Ok(());
-        }
-        Err(EffectError::NoSuchPose {
-            effect: self.effect.id().to_owned(),
-            pose: pose.to_string(),
-        })
-    }
-
-    /// Swaps the channels that the effect states as exchanged; applying it twice changes nothing.
-    pub fn exchange_channels(&self, data: &mut Measurements) {
-        (self.effect.exchange_channels)(&self.cables, &self.values, data);
-    }
-
-    /// The effect in the form of model files.
-    #[must_use]
-    pub fn setting(&self, robot: &Robot) -> EffectSetting {
-        let targets = if self.targeted {
-            self.cables
-                .iter()
-                .map(|i| robot.cables[*i].name.clone())
-                .collect()
-        } else {
-            Vec::new()
-        };
-        let names = self.effect.parameters().iter().map(|p| p.name.to_owned());
-        EffectSetting {
-            effect: self.effect.id().to_owned(),
-            targets,
-            parameters: names.zip(self.values.iter().copied()).collect(),
-        }
-    }
-}
-
-impl std::fmt::Debug for BoundEffect {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "{} on {:?} = {:?}",
-            self.effect.id(),
-            self.cables,
-            self.values
-        )
     }
 }

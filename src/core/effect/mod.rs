@@ -5,6 +5,7 @@
 //! it is found (`FoundEffect`). The same code hides an effect in simulated data and adds it to a model.
 
 mod binding;
+mod bound;
 mod cable_creep;
 mod cable_sag;
 mod cable_slip;
@@ -63,7 +64,8 @@ mod winch_scale;
 mod winch_scale_common;
 pub(crate) mod words;
 
-pub use binding::{BoundEffect, EffectError, EffectRequest};
+pub use binding::EffectRequest;
+pub use bound::{BoundEffect, EffectError};
 pub use catalogue::{CATALOGUE, IN_MOTION, OF_EXTERNAL_POSES, every_effect, find};
 pub use channels::measurements_as_modelled;
 pub(crate) use context::{CableContext, PlatformContext, PoseContexts, sign, travel};

@@ -169,3 +169,10 @@ fn plan(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox)
     });
     outlook::show(ui, model, panel);
 }
+
+/// Name of a cable; empty without a session.
+fn name_of(model: &Model, cable: usize) -> &str {
+    let open = model.open.as_ref();
+    let cable = open.and_then(|d| d.session().robot.cables.get(cable));
+    cable.map_or("", |cable| cable.name.as_str())
+}

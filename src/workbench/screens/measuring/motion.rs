@@ -4,7 +4,7 @@ use egui::{Align2, ProgressBar, Rect, Sense, TextStyle, Ui, Vec2};
 use tautline_core::simulation::TensionRange;
 use tautline_link::measuring::TensionFault;
 
-use super::run::name_of;
+use super::name_of;
 use crate::model::Model;
 use crate::theme::{self, GRID};
 use crate::widgets::{muted, section, value};

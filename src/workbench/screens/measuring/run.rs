@@ -3,7 +3,7 @@
 use egui::{Button, CollapsingHeader, ScrollArea, Ui};
 use egui_material_icons::icons;
 
-use super::PanelState;
+use super::{PanelState, name_of};
 use super::{asking, motion, readings};
 use crate::model::Model;
 use crate::model::command::Outbox;
@@ -208,12 +208,6 @@ fn surprises(ui: &mut Ui, model: &Model, run: &RunLog) {
             }
         });
     }
-}
-
-pub(super) fn name_of(model: &Model, cable: usize) -> &str {
-    let open = model.open.as_ref();
-    let cable = open.and_then(|d| d.session().robot.cables.get(cable));
-    cable.map_or("", |cable| cable.name.as_str())
 }
 
 /// Warnings, the latest first, each with its cable.
