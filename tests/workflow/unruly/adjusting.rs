@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 use tautline_link::Controller;
@@ -125,7 +126,7 @@ fn killed_after_the_last_value_a_roll_back_still_rolls_back() {
         plant.server.fault(Kind::Write, 2, Action::Late(60_000));
         let before = plant.server.values();
         let mut child = start(&adjust);
-        wait_until(&mut child, || plant.server.values() > before + VALUES);
+        wait_until(&mut child, || plant.server.values() >= before + VALUES);
         child.kill().expect("it runs");
         child.wait().expect("it ends");
         let new = held(&plant);
@@ -141,6 +142,38 @@ fn killed_after_the_last_value_a_roll_back_still_rolls_back() {
             tautline(&[adjust.as_slice(), &["--roll-back"]].concat()).succeeded();
         }
         assert_eq!(held(&plant), old);
+    }
+}
+
+#[test]
+fn a_switch_that_is_off_keeps_the_old_values() {
+    for cycle_ms in [10, 100] {
+        let plant = Plant::unruly();
+        let folder = Folder::new();
+        let file = measured(&folder, "s.json");
+        let controller = controller(&plant);
+        let old = held(&plant);
+        // The program revokes the release in each of its cycles.
+        let (orders, ends) = (plant.server.orders(), Arc::new(AtomicBool::new(false)));
+        let end = Arc::clone(&ends);
+        let program = std::thread::spawn(move || {
+            while !end.load(Ordering::SeqCst) {
+                orders.give(&json!({"set": {RELEASE: [false]}}));
+                std::thread::sleep(Duration::from_millis(cycle_ms));
+            }
+        });
+        let answer = tautline(&["adjust", &file, "--controller", &controller, "--arm"]);
+        ends.store(true, Ordering::SeqCst);
+        program.join().expect("it ends");
+        assert_eq!(answer.code, Some(1), "{}", answer.stderr);
+        assert!(
+            answer.stderr.contains("turn on the switch at the robot"),
+            "{}",
+            answer.stderr
+        );
+        assert_eq!(plant.server.values(), 0);
+        assert_eq!(held(&plant), old);
+        assert!(session(&file).adjustments().is_empty());
     }
 }
 
@@ -172,7 +205,7 @@ fn nothing_is_written_once_the_release_is_gone() {
         answer.stderr
     );
     // The request that was under way, and none after it.
-    assert!(plant.server.values() <= 1 + 16, "{}", plant.server.values());
+    assert!(plant.server.values() <= 16, "{}", plant.server.values());
     assert!(matches!(last_outcome(&file), Outcome::Unsettled(_)));
     assert_eq!(
         plant.server.numbers(RELEASE),
@@ -204,7 +237,7 @@ fn nothing_is_written_to_a_controller_that_faults_moves_or_stops() {
     ] {
         let mut robot = client(&plant);
         robot.arm().expect("armed");
-        std::thread::sleep(std::time::Duration::from_millis(60));
+        std::thread::sleep(Duration::from_millis(60));
         plant.server.carry_out(order.clone());
         let told = robot.write(&values).expect_err("it must not").to_string();
         assert!(told.contains(expected), "{order}: {told}");
