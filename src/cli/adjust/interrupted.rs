@@ -46,7 +46,8 @@ pub fn settle(
         connection.controller.arm().map_err(link_error)?;
     }
     let attempt = settle_adjustment(&mut *connection.controller, &old, &new).map_err(link_error)?;
-    let (outcome, text) = adjusting::settled(open, &found, &attempt);
+    let kept = adjusting::not_restored(&file.session);
+    let (outcome, text) = adjusting::settled(open, &found, &attempt, kept.as_deref());
     let written = WriteOutcome {
         attempt: Some(attempt),
         outcome,

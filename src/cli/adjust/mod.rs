@@ -11,10 +11,11 @@ use std::path::PathBuf;
 use crate::BadInput;
 use anyhow::{Result, anyhow};
 use tautline_link::ParameterInfo;
-use tautline_link::adjusting::plan_adjustment;
+use tautline_link::adjusting::{plan_adjustment, read_parameters};
 use tautline_session::Outcome;
 use tautline_workflow::adjusting::{
-    self, DoubtKind, Purpose, former_values, revertible, values_to_write,
+    self, DoubtKind, Purpose, former_values, not_restorable, not_restored, revertible,
+    values_to_write,
 };
 use tautline_workflow::controllers::ConnectionSetup;
 
@@ -176,8 +177,17 @@ fn roll_back(
         )));
     };
     let values = former_values(last);
+    if values.is_empty() {
+        let place = arguments.session.display();
+        let kept = not_restored(&file.session).unwrap_or_default();
+        return Err(BadInput::new(format!(
+            "{place}: none of the previous values can be restored. {kept}"
+        )));
+    }
     let parameters = parameters(connection)?;
     let mut document = AdjustmentDocument::new(connection.controller.identity());
+    document.set_not_restored(&not_restorable(&file.session));
+    let output = arguments.json.reserve(&document)?;
     let written = write(file, connection, &parameters, &values, Purpose::RollBack)?;
     written.tell(&mut document);
     arguments.deliver(&document)?;
@@ -188,7 +198,7 @@ fn roll_back(
 }
 
 fn parameters(connection: &mut Connection) -> Result<Vec<ParameterInfo>> {
-    connection.controller.parameters().map_err(link_error)
+    read_parameters(&mut *connection.controller).map_err(link_error)
 }
 
 /// Prints a message that is not part of the document, on standard error if the document goes to standard output.

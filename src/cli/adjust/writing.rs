@@ -5,10 +5,14 @@ use std::time::Duration;
 
 use anyhow::{Result, anyhow};
 use tautline_link::ParameterInfo;
-use tautline_link::adjusting::{Adjustment as Attempt, write_adjustment_reconnecting};
+use tautline_link::adjusting::{
+    Adjustment as Attempt, check_unchanged, write_adjustment_reconnecting,
+};
 use tautline_link::reconnecting::{Attempts, BackOff};
 use tautline_session::{Outcome, Phase};
-use tautline_workflow::adjusting::{Purpose, begun, held, outcome, summary};
+use tautline_workflow::adjusting::{
+    Purpose, begun, held, not_restored, old_and_new, outcome, summary,
+};
 use tautline_workflow::clock;
 
 use super::document::AdjustmentDocument;
@@ -65,7 +69,7 @@ pub fn write(
         Ok(_) if interrupt::requested() => {
             unwritten("Nothing was written: the command was interrupted.".to_owned())
         }
-        Ok(_) => attempt(connection, values, purpose),
+        Ok(_) => attempt(file, connection, values, purpose),
     };
     drop(kept);
     conclude(file, connection, &written)?;
@@ -83,6 +87,7 @@ fn unwritten(text: String) -> WriteOutcome {
 /// Writes values, and reconnects if the connection is lost. An interrupt takes effect once they are written or rolled back, and
 /// ends the attempts to reconnect.
 fn attempt(
+    file: &SessionFile,
     connection: &mut Connection,
     values: &[(String, f64)],
     purpose: Purpose,
@@ -95,9 +100,14 @@ fn attempt(
         gives_up: interrupt::requested,
     };
     let controller = &mut *connection.controller;
-    let (attempt, text) = match write_adjustment_reconnecting(controller, values, &mut policy) {
+    let recorded = file.session.adjustments().last();
+    let [old, _] = recorded.map(old_and_new).unwrap_or_default();
+    let attempted = check_unchanged(controller, &old)
+        .and_then(|()| write_adjustment_reconnecting(controller, values, &mut policy));
+    let (attempt, text) = match attempted {
         Ok(attempt) => {
-            let text = summary(&attempt, purpose, values.len());
+            let kept = not_restored(&file.session);
+            let text = summary(&attempt, purpose, values.len(), kept.as_deref());
             (Some(attempt), text)
         }
         Err(error) => (None, format!("Nothing was written: {error}.")),

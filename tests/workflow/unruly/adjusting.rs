@@ -292,6 +292,61 @@ fn short_answers_never_become_values() {
 }
 
 #[test]
+fn a_single_wrong_reading_is_never_an_old_value() {
+    let folder = Folder::new();
+    let place = ("GVL_Tautline.entry_point", 4);
+    for (number, value) in (1..=7).flat_map(|number| [(number, f64::NAN), (number, 0.0)]) {
+        let plant = Plant::unruly();
+        let file = measured(&folder, "s.json");
+        let controller = controller(&plant);
+        let adjust = ["adjust", file.as_str(), "--controller", &controller];
+        let adjust = [adjust.as_slice(), &["--arm"]].concat();
+        let old = held(&plant);
+        plant.server.wrong_reading(place, value, number);
+        // Where the new values were read back wrongly they were taken back at once.
+        tautline(&adjust);
+        plant.server.forgive();
+        let record = session(&file).adjustments()[0].clone();
+        let mut changes = record.changes.iter();
+        let misread = changes.find(|change| change.name == "cable-2.entry_point.y_m");
+        let before = misread.map(|change| change.before);
+        assert_eq!(before, Some(old[place.0][place.1]), "reading {number}");
+        assert_eq!(record.changes.len() as u64, VALUES, "reading {number}");
+        if record.outcome == Outcome::Written {
+            let back = tautline(&[adjust.as_slice(), &["--roll-back"]].concat()).succeeded();
+            let expected = "The previous values were restored (31 changed).";
+            assert!(back.stdout.contains(expected), "{}", back.stdout);
+        }
+        assert_eq!(held(&plant), old, "reading {number}");
+    }
+}
+
+#[test]
+fn values_that_read_differently_each_time_are_named_and_not_overwritten() {
+    let plant = Plant::unruly();
+    let folder = Folder::new();
+    let file = measured(&folder, "s.json");
+    let controller = controller(&plant);
+    let old = held(&plant);
+    for number in [1, 3, 5] {
+        plant
+            .server
+            .wrong_reading(("GVL_Tautline.entry_point", 4), f64::NAN, number);
+    }
+    let answer = tautline(&["adjust", &file, "--controller", &controller, "--arm"]);
+    assert_eq!(answer.code, Some(1), "{}", answer.stderr);
+    for part in [
+        "differ from one reading to the next",
+        "cable-2.entry_point.y_m = ",
+        "NaN",
+    ] {
+        assert!(answer.stderr.contains(part), "{}", answer.stderr);
+    }
+    assert_eq!(plant.server.values(), 0);
+    assert_eq!(held(&plant), old);
+}
+
+#[test]
 fn what_is_no_number_is_shown_overwritten_and_recorded() {
     let plant = Plant::unruly();
     let folder = Folder::new();
@@ -321,7 +376,10 @@ fn what_is_no_number_is_shown_overwritten_and_recorded() {
         .lines()
         .find(|line| line.contains("cable-3.winch.drum"));
     assert!(line.is_some_and(|line| line.contains("NaN")), "{text}");
-    tautline(&[adjust.as_slice(), &["--arm"]].concat()).succeeded();
+    let written = tautline(&[adjust.as_slice(), &["--arm"]].concat()).succeeded();
+    let expected =
+        "cannot restore those that were not numbers before: cable-3.winch.drum_diameter_m.";
+    assert!(written.stdout.contains(expected), "{}", written.stdout);
     assert_eq!(plant.server.numbers("GVL_Tautline.drum_diameter")[2], drum);
     let record = session(&file).adjustments()[0].clone();
     let change = record
@@ -329,7 +387,16 @@ fn what_is_no_number_is_shown_overwritten_and_recorded() {
         .iter()
         .find(|c| c.name.starts_with("cable-3.winch"));
     assert!(change.is_some_and(|change| change.before.is_nan()));
-    tautline(&[adjust.as_slice(), &["--arm", "--roll-back"]].concat()).succeeded();
+    let back = [adjust.as_slice(), &["--arm", "--roll-back", "--json", "-"]].concat();
+    let back = tautline(&back).succeeded().json();
+    assert_eq!(
+        back["not_restored"],
+        json!(["cable-3.winch.drum_diameter_m"])
+    );
+    let text = back["text"].as_str().expect("a text");
+    for part in ["31 of the previous", "was NaN and keeps", "by hand"] {
+        assert!(text.contains(part), "{text}");
+    }
     assert_eq!(plant.server.numbers("GVL_Tautline.drum_diameter")[2], drum);
 }
 
