@@ -25,7 +25,7 @@ mod session;
 mod symbols_file;
 mod table;
 
-pub use atomic::{link_target, temporary_file, write_bytes, write_text};
+pub use atomic::{ReservedFile, link_target, reserve, temporary_file, write_bytes, write_text};
 pub use damaged::read_damaged;
 pub use dataset::{
     DatasetFolder, read_calibration_tables, read_check_file, read_dataset, read_table_file,

@@ -156,9 +156,9 @@ fn adjust(
         return arguments.deliver(&document);
     }
     file.session.add_result(identified.record(&file.session));
+    let output = arguments.json.reserve(&document)?;
     let written = write(file, connection, &parameters, &values, Purpose::Adjust)?;
-    written.tell(&mut document);
-    arguments.deliver(&document)?;
+    written.deliver(output, document)?;
     match written.outcome {
         Outcome::Written => Ok(()),
         _ => Err(anyhow!("{}", written.text)),
@@ -189,8 +189,7 @@ fn roll_back(
     document.set_not_restored(&not_restorable(&file.session));
     let output = arguments.json.reserve(&document)?;
     let written = write(file, connection, &parameters, &values, Purpose::RollBack)?;
-    written.tell(&mut document);
-    arguments.deliver(&document)?;
+    written.deliver(output, document)?;
     match written.outcome {
         Outcome::RolledBack => Ok(()),
         _ => Err(anyhow!("{}", written.text)),

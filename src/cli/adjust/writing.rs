@@ -15,8 +15,9 @@ use tautline_workflow::adjusting::{
 };
 use tautline_workflow::clock;
 
-use super::document::AdjustmentDocument;
+use super::document::{AdjustmentDocument, print};
 use crate::live::{Connection, SessionFile, interrupt, link_error};
+use crate::output::ReservedOutput;
 
 /// Number of attempts to restore a lost connection.
 const ATTEMPTS: u32 = 8;
@@ -34,10 +35,15 @@ pub struct WriteOutcome {
 }
 
 impl WriteOutcome {
-    /// Copies the outcome to a document.
-    pub fn tell(&self, document: &mut AdjustmentDocument) {
+    /// Adds the outcome to a document, and delivers it.
+    ///
+    /// # Errors
+    /// If it cannot be written; the message starts with the state of the controller.
+    pub fn deliver(&self, output: ReservedOutput, mut document: AdjustmentDocument) -> Result<()> {
         let holds = self.attempt.as_ref().map(|attempt| &attempt.holds);
         document.set_outcome(&self.outcome, holds, &self.text);
+        let delivered = output.deliver(&document, || print(&document));
+        delivered.map_err(|error| anyhow!("{} {error}", self.text))
     }
 }
 

@@ -444,6 +444,77 @@ fn a_record_that_cannot_be_written_is_missed_aloud() {
 }
 
 #[test]
+fn nothing_is_written_whose_result_cannot_be_written() {
+    let plant = Plant::unruly();
+    let folder = Folder::new();
+    let file = measured(&folder, "s.json");
+    let controller = controller(&plant);
+    let old = held(&plant);
+    let adjust = ["adjust", &file, "--controller", &controller, "--arm"];
+    let nowhere = folder.join("nowhere/result.json");
+    let with = |words: &[&str]| tautline(&[adjust.as_slice(), words].concat());
+    let answer = with(&["--json", &nowhere]);
+    assert_eq!(answer.code, Some(1), "{}", answer.stderr);
+    assert!(answer.stderr.contains(&nowhere), "{}", answer.stderr);
+    assert_eq!(plant.server.values(), 0);
+    assert_eq!(held(&plant), old);
+    // Of a device it shows only when it is written to; then the message says what the controller holds.
+    if cfg!(target_os = "linux") {
+        let answer = with(&["--json", "/dev/full"]);
+        assert_eq!(answer.code, Some(1), "{}", answer.stderr);
+        for part in [
+            "written to the controller and verified (31 changed).",
+            "/dev/full: cannot be written",
+        ] {
+            assert!(answer.stderr.contains(part), "{}", answer.stderr);
+        }
+        assert_eq!(last_outcome(&file), Outcome::Written);
+    }
+    let result = folder.join("result.json");
+    with(&["--roll-back", "--json", &result]).succeeded();
+    assert_eq!(folder.json("result.json")["outcome"], "rolled_back");
+    assert_eq!(held(&plant), old);
+}
+
+#[test]
+fn the_timeout_is_an_option_that_the_session_keeps() {
+    let plant = Plant::unruly();
+    let folder = Folder::new();
+    let file = measured(&folder, "s.json");
+    let controller = controller(&plant);
+    let with = |words: &[&str]| {
+        let adjust = [
+            "adjust",
+            file.as_str(),
+            "--controller",
+            &controller,
+            "--arm",
+        ];
+        tautline(&[adjust.as_slice(), words].concat())
+    };
+    let old = held(&plant);
+    for (timeout, found) in [
+        ("90", "found 90, expected 0.05 s to 60 s"),
+        ("0", "found 0"),
+    ] {
+        with(&["--timeout", timeout]).refused(&["--timeout", found]);
+    }
+    let sim = ["adjust", &file, "--controller", "sim", "--timeout", "2"];
+    tautline(&sim).refused(&["--timeout: found the controller sim"]);
+    // The first symbol is looked up too slowly.
+    plant.server.fault(Kind::Lookup, 1, Action::Late(900));
+    let late = with(&["--timeout", "0.3"]);
+    assert_eq!(late.code, Some(1), "{}", late.stderr);
+    let expected = "did not answer within 0.3 s when asked for the symbol GVL_Tautline.";
+    assert!(late.stderr.contains(expected), "{}", late.stderr);
+    assert_eq!(held(&plant), old);
+    plant.server.forgive();
+    with(&["--timeout", "21.5"]).succeeded();
+    let place = session(&file).connection.place;
+    assert_eq!(place.map(|place| place.timeout_s), Some(21.5));
+}
+
+#[test]
 fn doubtful_values_are_written_only_by_name() {
     let plant = Plant::unruly();
     let folder = Folder::new();
