@@ -63,7 +63,7 @@ pub use session::{
     Simulator, Stage, StoppedVerification, SymbolCommand, SymbolList, SymbolMapping, SymbolNames,
     SymbolParameter, SymbolPose, SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue,
     Timestamp, ValueChange, Verification, is_per_cable, name_of_cable, parse_session, read_session,
-    write_session,
+    without_user, write_session,
 };
 pub use symbols_file::{read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};

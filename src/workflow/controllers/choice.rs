@@ -7,7 +7,7 @@ use std::str::FromStr;
 use tautline_link::LinkError;
 use tautline_link::ads::AdsAddress;
 use tautline_link::opcua::OpcUaAddress;
-use tautline_session::{Connection, ControllerKind, Session};
+use tautline_session::{Connection, ControllerKind, Session, without_user};
 
 /// The possible choices, for error messages.
 const KNOWN: &str =
@@ -76,7 +76,8 @@ impl FromStr for ControllerChoice {
     fn from_str(text: &str) -> Result<Self, ControllerChoiceError> {
         let refuse = |expected| {
             Err(ControllerChoiceError(format!(
-                "found \"{text}\", {expected}"
+                "found \"{}\", {expected}",
+                without_user(text)
             )))
         };
         if text == "sim" {
