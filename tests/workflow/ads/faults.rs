@@ -122,6 +122,27 @@ fn a_replaced_program_is_noticed_before_any_access_to_a_wrong_address() {
 }
 
 #[test]
+fn a_node_that_does_not_hold_what_it_held_is_named() {
+    let name = global("temperature");
+    for (order, found) in [
+        (
+            json!({"declare": [[name, "STRING", 1, [""]]]}),
+            "a value of type String",
+        ),
+        (json!({ "null": [name] }), "no value (null)"),
+    ] {
+        let plant = Plant::speaking(Protocol::OpcUa, Style::Arrays);
+        let mut client = plant.client();
+        client.connect().expect("connected");
+        plant.server.order(order);
+        let told = client.sample().expect_err("another value").to_string();
+        let expected = format!("its node ns=4;s={name} sent {found}, expected Double");
+        assert!(told.contains(&expected), "{told}");
+        assert!(told.contains("connect again"), "{told}");
+    }
+}
+
+#[test]
 fn a_server_without_sum_requests_gets_single_requests() {
     let plant = Plant::start(Style::Arrays);
     let mut client = plant.armed();
