@@ -77,8 +77,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut file = SessionFile::open(&arguments.session, &mut notice)?;
     let place = arguments.session.display().to_string();
     require_simulated(&file.session, &choice, &place)?;
-    let symbols = &arguments.robot_arguments.symbols;
-    let renamed = symbols.take(&mut file.session, &choice)?;
+    let link = &arguments.robot_arguments.link;
+    let changed = link.take(&mut file.session, &choice)?;
     if let Some(open) = adjusting::open(&file.session).cloned() {
         let setup = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
         let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let effects = &identified.model.effects;
     let setup = ConnectionSetup::chosen(&file.session, effects, &choice, Some(&file.controller()));
     let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
-    if renamed && !arguments.dry_run {
+    if changed && !arguments.dry_run {
         file.save()?;
     }
     adjust(arguments, &mut file, &mut connection, &identified)

@@ -21,8 +21,6 @@ use crate::output::ReservedOutput;
 
 /// Number of attempts to restore a lost connection.
 const ATTEMPTS: u32 = 8;
-/// Time after which nothing sent over a lost connection can still arrive (s): longer than any response timeout.
-const LATE_S: f64 = 1.5;
 
 /// Outcome of writing values.
 pub struct WriteOutcome {
@@ -101,7 +99,7 @@ fn attempt(
     let mut policy = Attempts {
         back_off: BackOff::default(),
         attempts: ATTEMPTS,
-        late_s: LATE_S,
+        late_s: connection.late_s,
         wait: wait_unless_interrupted,
         gives_up: interrupt::requested,
     };

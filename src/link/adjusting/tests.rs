@@ -323,7 +323,10 @@ fn a_controller_that_does_not_come_back_is_told_so() {
     struct Never;
     impl ReconnectPolicy for Never {
         fn restore(&mut self, _: &mut dyn Controller) -> Result<(), LinkError> {
-            Err(LinkError::Timeout(1.0))
+            Err(LinkError::Timeout {
+                request: "for its state".to_owned(),
+                seconds: 1.0,
+            })
         }
         fn pause(&mut self) {}
     }

@@ -452,6 +452,7 @@ fn write(
     let why = "the connection was lost while values were written";
     let reconnects = connection.rig.reconnects();
     let mut policy = ReconnectWhileWriting {
+        late_s: connection.rig.late_s(),
         wait: |pause_s: f64| {
             let pause = Duration::from_secs_f64(pause_s);
             let lost = Lost {
