@@ -186,6 +186,9 @@ impl Reader<'_> {
             Error::Format(FormatError::OffsetOverflow {
                 offset: u64::MAX, ..
             }) => "is damaged or has links by name (soft or external links), expected HDF5 without them".to_owned(),
+            Error::Format(FormatError::InvalidLayoutVersion(version)) => format!(
+                "stores an array in layout version {version}, which is unknown here, expected version 3 or 4: convert it with h5repack --high=v114"
+            ),
             error => format!("is damaged or of an unsupported version, expected HDF5 ({error})"),
         })
     }
