@@ -168,6 +168,7 @@ fn reading_of_hdf5_can_be_ended() {
     let bench = Bench::new();
     let path = bench.path("h5py.h5");
     std::fs::write(&path, seed("h5py.h5")).expect("written");
-    let watch = Watch::new(1, &|_| false);
+    let budget = MemoryBudget::default();
+    let watch = Watch::new(1, &|_| false, &budget);
     assert!(read_watched(&path, &watch).is_err() && watch.is_stopped());
 }
