@@ -142,6 +142,10 @@ mod tests {
             ("", "expected sim, replay:DIR"),
             ("simulated", "found \"simulated\", expected sim"),
             ("replay:", "the dataset folder"),
+            (
+                "http://user:secret@plc",
+                "found \"http://...@plc\", expected sim",
+            ),
             ("ads:robot", "has no Net ID"),
             ("ads:/1.2.3.4.1.1", "has no host"),
             ("opc.tcp://", "has no host"),
