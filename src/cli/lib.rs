@@ -146,7 +146,14 @@ pub struct Window {
 
 /// Runs the command line.
 pub fn run(window: &Window) -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) if error.use_stderr() => error.exit(),
+        Err(help) => {
+            output::note_failure(help.print());
+            return finish(output::check());
+        }
+    };
     let Some(command) = arguments.command else {
         return finish(open(
             window,
@@ -157,7 +164,7 @@ pub fn run(window: &Window) -> ExitCode {
             },
         ));
     };
-    finish(match command {
+    let result = match command {
         Command::New(arguments) => new::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
@@ -182,7 +189,8 @@ pub fn run(window: &Window) -> ExitCode {
             Ok(())
         }
         Command::Schemas { out } => schemas::run(&out),
-    })
+    };
+    finish(result.and_then(|()| output::check()))
 }
 
 fn open(window: &Window, options: WindowOptions) -> anyhow::Result<()> {

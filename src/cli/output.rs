@@ -1,44 +1,46 @@
 //! Output of results: to a file, written atomically, or to standard output.
 
 use std::borrow::Cow;
-use std::io::Write;
+use std::io::{ErrorKind, Write, stdout};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use serde::Serialize;
-use tautline_session::VersionedFile;
+use tautline_session::{ReservedFile, VersionedFile};
+use tautline_workflow::wording::{is_obeyed, printable};
 
-/// Prints a line on standard output. A reader that stops reading (`tautline ... | head`) is not an error.
+/// First error of writing to standard output.
+static FAILURE: OnceLock<std::io::Error> = OnceLock::new();
+
+/// Prints a line on standard output. An error, such as a full disk, is reported by [`check`].
 pub fn line(text: &str) {
-    let _ = writeln!(std::io::stdout(), "{}", printable(text));
+    note_failure(writeln!(stdout(), "{}", printable(text)));
+}
+
+/// Notes an error of writing to standard output for [`check`]. A reader that stops reading (`tautline ... | head`) is not an
+/// error.
+pub fn note_failure(written: std::io::Result<()>) {
+    if let Err(error) = written
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        // Only the first error has a cause.
+        let _ = FAILURE.set(error);
+    }
+}
+
+/// Checks that everything has arrived on standard output.
+pub fn check() -> Result<()> {
+    note_failure(stdout().flush());
+    match FAILURE.get() {
+        None => Ok(()),
+        Some(error) => Err(anyhow!("standard output: cannot be written ({error})")),
+    }
 }
 
 /// Prints a line on standard error.
 pub fn notice(text: impl AsRef<str>) {
     let _ = writeln!(std::io::stderr(), "{}", printable(text.as_ref()));
-}
-
-/// Text with its control characters made visible: names of files and controllers can contain anything, and an escape
-/// sequence in them could rewrite the terminal. Line ends and tabs stay.
-fn printable(text: &str) -> Cow<'_, str> {
-    if !text.contains(is_obeyed) {
-        return text.into();
-    }
-    let mut shown = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match is_obeyed(letter) {
-            true => shown.extend(letter.escape_unicode()),
-            false => shown.push(letter),
-        }
-    }
-    shown.into()
-}
-
-/// Whether a terminal may interpret a character instead of showing it, including marks that change the direction of
-/// writing.
-fn is_obeyed(letter: char) -> bool {
-    let turns = matches!(letter, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    turns || letter.is_control() && !matches!(letter, '\n' | '\t')
 }
 
 /// `println!` through [`line()`].
@@ -73,23 +75,67 @@ impl JsonOutput {
 
     /// Writes a document as JSON if requested, and prints the human-readable form.
     pub fn deliver<D: VersionedFile>(&self, document: &D, print: impl FnOnce()) -> Result<()> {
-        if let Some(path) = &self.file {
-            write_json(path, &tautline_session::versioned(document))?;
-        }
-        if self.is_text() {
-            print();
-        }
-        Ok(())
+        self.open(0)?.deliver(document, print)
     }
+
+    /// Opens the requested file, with space for the document and a result of at most [`RESULT`] bytes, before something is
+    /// done that cannot be repeated.
+    pub fn reserve<D: VersionedFile>(&self, document: &D) -> Result<ReservedOutput> {
+        let text = pretty(&tautline_session::versioned(document))?;
+        self.open(text.len() as u64 + RESULT)
+    }
+
+    fn open(&self, bytes: u64) -> Result<ReservedOutput> {
+        let path = self.file.as_deref().filter(|_| self.is_text());
+        let file = match path {
+            Some(path) => Some(ReservedFile::create(path, bytes)?),
+            None => None,
+        };
+        Ok(ReservedOutput {
+            file,
+            is_text: self.is_text(),
+        })
+    }
+}
+
+/// Largest growth of a document by its result (bytes).
+const RESULT: u64 = 1 << 20;
+
+/// Output for which there is space.
+#[derive(Debug)]
+pub struct ReservedOutput {
+    /// `None` if no file was requested.
+    file: Option<ReservedFile>,
+    is_text: bool,
+}
+
+impl ReservedOutput {
+    /// As [`JsonOutput::deliver`].
+    pub fn deliver<D: VersionedFile>(self, document: &D, print: impl FnOnce()) -> Result<()> {
+        let document = tautline_session::versioned(document);
+        if let Some(file) = self.file {
+            file.write_text(&pretty(&document)?)?;
+        }
+        match self.is_text {
+            true => print(),
+            false => write_json(Path::new("-"), &document)?,
+        }
+        check()
+    }
+}
+
+fn pretty<T: Serialize>(value: &T) -> Result<String> {
+    let mut text = serde_json::to_string_pretty(value)?;
+    text.push('\n');
+    Ok(text)
 }
 
 /// Writes `value` as JSON to `target`; `-` is standard output.
 pub fn write_json<T: Serialize>(target: &Path, value: &T) -> Result<()> {
-    let mut text = serde_json::to_string_pretty(value)?;
-    text.push('\n');
+    let text = pretty(value)?;
     if target == Path::new("-") {
         line(&json_printable(text.trim_end()));
-        return Ok(());
+        return check();
     }
     Ok(tautline_session::write_text(target, &text)?)
 }
@@ -112,17 +158,6 @@ fn json_printable(text: &str) -> Cow<'_, str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn control_characters_are_shown_and_not_obeyed() {
-        let name = "PLC\u{1b}]0;owned\u{7}\u{1b}[2J\r\u{9b}1m\u{202e}";
-        let shown = printable(name);
-        assert_eq!(
-            shown,
-            r"PLC\u{1b}]0;owned\u{7}\u{1b}[2J\u{d}\u{9b}1m\u{202e}"
-        );
-        assert_eq!(printable("a\tb\nµ ± 1"), "a\tb\nµ ± 1");
-    }
 
     #[test]
     fn json_on_a_terminal_means_the_same() {

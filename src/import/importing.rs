@@ -10,6 +10,7 @@ use crate::check::{Change, Readings, Suggestion, check};
 use crate::cutting::{CutPose, Times, cut, number_of};
 use crate::document::{ImportDocument, PoseReport, Reading, SourceReport};
 use crate::external::place;
+use crate::memory::MemoryBudget;
 use crate::recipe::{Cutting, Kind, Mapping, Quantity, Recipe, is_series, resolve};
 use crate::source::Source;
 
@@ -30,17 +31,19 @@ pub struct Imported {
 /// Converts sources to poses with a recipe, which messages call `recipe_file`.
 ///
 /// # Errors
-/// If a channel of the recipe is missing, no pose is found, or the readings are impossible for this robot.
+/// If a channel of the recipe is missing, no pose is found, the readings are impossible for this robot, or the poses need more
+/// memory than the budget has left.
 pub fn import(
     sources: &[Source],
     recipe: &Recipe,
     recipe_file: &str,
     robot: &Robot,
+    budget: &MemoryBudget,
 ) -> Result<Imported, ImportError> {
     let file = sources.first().map_or("", |source| source.file.as_str());
     let mapping = resolve(sources, recipe, recipe_file, robot.cable_count())?;
     let mut notices = notices(sources, &mapping);
-    let mut poses = cut(&mapping, recipe, robot, file, &mut notices)?;
+    let (mut poses, _memory) = cut(&mapping, recipe, (robot, budget), file, &mut notices)?;
     check_storage(&mapping, file)?;
     drop_empty(&mut poses, &mut notices);
     let labels = labels(&poses, recipe, &mut notices);
@@ -102,11 +105,12 @@ pub fn import_corrected(
     recipe: &Recipe,
     recipe_file: &str,
     robot: &Robot,
+    budget: &MemoryBudget,
 ) -> Result<Imported, ImportError> {
     let mut recipe = recipe.clone();
     let mut applied: Vec<Suggestion> = Vec::new();
     loop {
-        let found = import(sources, &recipe, recipe_file, robot);
+        let found = import(sources, &recipe, recipe_file, robot, budget);
         let suggestions = match &found {
             Ok(imported) => &imported.document.suggestions,
             Err(error) => &error.suggestions,

@@ -1,13 +1,15 @@
-//! Input files with progress and cancellation.
+//! Input files with progress, cancellation and a limit of memory.
 
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{Error, Read, Result, Seek, SeekFrom};
 
+use crate::memory::MemoryBudget;
+
 /// Interval between progress callbacks (bytes).
 const STEP: u64 = 1 << 20;
 
-/// Tracks progress of reading and may stop it.
+/// Tracks progress of reading and may stop it; has the memory for what is read.
 pub(crate) struct Watch<'a> {
     /// Total size of all files (bytes).
     whole: u64,
@@ -19,18 +21,25 @@ pub(crate) struct Watch<'a> {
     stopped: Cell<bool>,
     /// Receives the fraction done and returns whether to continue.
     goes_on: &'a dyn Fn(f64) -> bool,
+    budget: &'a MemoryBudget,
 }
 
 impl<'a> Watch<'a> {
     /// Calls `goes_on` with the fraction done while `whole` bytes are read.
-    pub fn new(whole: u64, goes_on: &'a dyn Fn(f64) -> bool) -> Self {
+    pub fn new(whole: u64, goes_on: &'a dyn Fn(f64) -> bool, budget: &'a MemoryBudget) -> Self {
         Self {
             whole,
             read: Cell::new(0),
             next: Cell::new(0),
             stopped: Cell::new(false),
             goes_on,
+            budget,
         }
+    }
+
+    /// The memory for what is read.
+    pub fn budget(&self) -> &'a MemoryBudget {
+        self.budget
     }
 
     /// Whether reading was ended.
@@ -69,6 +78,11 @@ impl<'a> Input<'a> {
     /// The file, for a reader that seeks in it and reports what it reads by [`Self::advance`].
     pub fn file(&self) -> Result<File> {
         self.file.try_clone()
+    }
+
+    /// The memory for what is read.
+    pub fn budget(&self) -> &'a MemoryBudget {
+        self.watch.budget
     }
 
     /// Counts bytes that were read by other means.

@@ -14,6 +14,7 @@ mod formats;
 mod importing;
 mod input;
 mod median;
+mod memory;
 mod naming;
 mod outline;
 mod proposal;
@@ -34,6 +35,7 @@ pub use document::{
 pub use draft::{Draft, clock_times, uses};
 pub use formats::{is_robot_description, read_source};
 pub use importing::{ImportError, Imported, found, import, import_corrected};
+pub use memory::{MemoryBudget, OverBudget};
 pub use naming::pattern_of;
 pub use outline::outline;
 pub use proposal::propose;

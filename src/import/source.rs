@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
+use crate::memory::{Lease, MemoryBudget, OverBudget, of_rows};
 use crate::values::Values;
 
 /// Recognised file formats.
@@ -69,6 +70,25 @@ pub struct Source {
     pub series: Vec<Series>,
     /// Notices: what was not understood or left out.
     pub notices: Vec<String>,
+}
+
+impl Source {
+    /// Memory that it takes until its poses are cut (bytes).
+    pub(crate) fn memory(&self) -> u64 {
+        let of_text = |text: &TextChannel| {
+            let texts = text.distinct.iter().map(String::capacity).sum::<usize>();
+            texts + size_of_val(&text.codes[..]) + size_of_val(&text.distinct[..])
+        };
+        let of_series = |series: &Series| {
+            let numbers = series
+                .channels
+                .iter()
+                .map(|channel| channel.values.memory());
+            let texts = series.texts.iter().map(of_text);
+            of_rows(series.rows) + numbers.chain(texts).sum::<usize>() as u64
+        };
+        self.series.iter().map(of_series).sum()
+    }
 }
 
 /// Channels that were sampled together.
@@ -140,14 +160,46 @@ pub(crate) struct FillingTexts {
     codes: Vec<u32>,
     distinct: Vec<String>,
     known: HashMap<String, u32>,
+    /// `None` for files whose texts are not larger than they are themselves.
+    lease: Option<Lease>,
+    over: Option<OverBudget>,
 }
 
 impl FillingTexts {
+    /// A column whose memory is taken of a budget.
+    pub fn within(budget: &MemoryBudget) -> Self {
+        let lease = budget.lease(0);
+        Self {
+            over: lease.as_ref().err().copied(),
+            lease: lease.ok(),
+            ..Self::default()
+        }
+    }
+
+    /// Takes memory for a row, and for its text if that is new; without memory the column is given up.
+    fn takes(&mut self, text: Option<&str>) -> bool {
+        const DISTINCT: usize = 2 * size_of::<String>() + 16;
+        let Some(lease) = &mut self.lease else {
+            return self.over.is_none();
+        };
+        let new = text.map_or(0, |text| 2 * text.len() + DISTINCT);
+        let taken = lease.take((size_of::<u32>() + new) as u64);
+        if let Err(over) = taken {
+            *self = Self {
+                over: Some(over),
+                ..Self::default()
+            };
+        }
+        taken.is_ok()
+    }
+
     /// Adds the text of a row.
     pub fn push(&mut self, cell: &str) {
-        if let Some(code) = self.known.get(cell) {
-            self.codes.push(*code);
-        } else if self.distinct.len() <= MAX_DISTINCT {
+        if let Some(code) = self.known.get(cell).copied() {
+            if self.takes(None) {
+                self.codes.push(code);
+            }
+        } else if self.distinct.len() <= MAX_DISTINCT && self.takes(Some(cell)) {
             let code = self.distinct.len() as u32;
             self.distinct.push(cell.into());
             self.known.insert(cell.into(), code);
@@ -157,6 +209,9 @@ impl FillingTexts {
 
     /// The column; the error states why it is not kept.
     pub fn finish(self, name: &str) -> Result<TextChannel, String> {
+        if let Some(over) = self.over {
+            return Err(format!("{over}, not kept"));
+        }
         if self.distinct.len() > MAX_DISTINCT {
             return Err(format!(
                 "text with more than {MAX_DISTINCT} distinct values, not kept"

@@ -8,18 +8,20 @@ use tautline_session::{Loaded, Place, ReadError};
 
 use crate::formats::read_watched;
 use crate::input::Watch;
+use crate::memory::MemoryBudget;
 use crate::source::Source;
 
 /// Reads files, and all supported files in folders; others in a folder are reported in a notice.
-/// `goes_on` receives the fraction read and returns whether to continue.
+/// Their content takes its memory of `budget`; `goes_on` receives the fraction read and returns whether to continue.
 ///
 /// # Errors
-/// If a given file cannot be read, a folder contains no readable file, or reading was stopped.
+/// If a given file cannot be read or needs too much memory, a folder contains no readable file, or reading was stopped.
 pub fn read_sources(
     paths: &[PathBuf],
+    budget: &MemoryBudget,
     goes_on: &dyn Fn(f64) -> bool,
 ) -> Result<Loaded<Vec<Source>>, ReadError> {
-    let watch = Watch::new(bytes(paths), goes_on);
+    let watch = Watch::new(bytes(paths), goes_on, budget);
     let mut sources = Vec::new();
     let mut notices = Vec::new();
     for path in paths {

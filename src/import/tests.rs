@@ -8,7 +8,9 @@ use tautline_core::measurement::{Dataset, Measurements};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{Recording, SimulationOptions, record, simulate};
 
-use crate::{Cutting, Imported, import, propose, read_sources};
+use crate::{
+    Channel, Cutting, Format, Imported, MemoryBudget, Series, Source, import, propose, read_sources,
+};
 
 fn dataset() -> Dataset {
     let robot = presets::find("mini").expect("a preset").robot;
@@ -332,9 +334,17 @@ fn imported(dataset: &Dataset, files: &[(&str, Vec<u8>)]) -> Imported {
             path
         })
         .collect();
-    let sources = read_sources(&paths, &|_| true).expect("read").value;
+    let sources = read_sources(&paths, &MemoryBudget::default(), &|_| true)
+        .expect("read")
+        .value;
     let (recipe, notices) = propose(&sources, &dataset.robot);
-    match import(&sources, &recipe, "the proposed recipe", &dataset.robot) {
+    match import(
+        &sources,
+        &recipe,
+        "the proposed recipe",
+        &dataset.robot,
+        &MemoryBudget::default(),
+    ) {
         Ok(imported) => imported,
         Err(error) => panic!("{error}\n{recipe:#?}\n{notices:#?}"),
     }
@@ -682,7 +692,9 @@ fn a_recipe_is_used_as_it_is_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.csv");
     std::fs::write(&path, text).expect("written");
-    let sources = read_sources(&[path], &|_| true).expect("read").value;
+    let sources = read_sources(&[path], &MemoryBudget::default(), &|_| true)
+        .expect("read")
+        .value;
     let json = r#"{"format": "tautline-import-recipe", "version": 1, "channels": [
         {"channel": "Winch{i}.Pos", "quantity": "rev_{i}"},
         {"channel": "Winch4.Pos", "quantity": "rev_3", "reversed": true, "factor": 2, "offset": 0.5},
@@ -691,9 +703,15 @@ fn a_recipe_is_used_as_it_is_written() {
     let recipe = tautline_session::parse_versioned(json.as_bytes(), "recipe.json")
         .expect("a recipe")
         .value;
-    let found = import(&sources, &recipe, "recipe.json", &dataset.robot)
-        .expect("imported")
-        .measurements;
+    let found = import(
+        &sources,
+        &recipe,
+        "recipe.json",
+        &dataset.robot,
+        &MemoryBudget::default(),
+    )
+    .expect("imported")
+    .measurements;
     let given = &dataset.measurements.revolutions;
     for pose in 0..dataset.measurements.len() {
         assert_eq!(found.revolutions.get(pose, 1), given.get(pose, 1));
@@ -729,9 +747,15 @@ fn a_recipe_is_used_as_it_is_written() {
         let recipe = tautline_session::parse_versioned(json.as_bytes(), "recipe.json")
             .expect("a recipe")
             .value;
-        let error = import(&sources, &recipe, "recipe.json", &dataset.robot)
-            .expect_err(part)
-            .to_string();
+        let error = import(
+            &sources,
+            &recipe,
+            "recipe.json",
+            &dataset.robot,
+            &MemoryBudget::default(),
+        )
+        .expect_err(part)
+        .to_string();
         assert!(error.contains(part), "{error}");
     }
     for (entry, part) in [
@@ -760,4 +784,32 @@ fn a_recipe_is_used_as_it_is_written() {
         let error = read.expect_err(part).to_string();
         assert!(error.contains(part), "{error}");
     }
+}
+
+#[test]
+fn more_poses_than_there_is_memory_for_are_refused_before_they_are_made() {
+    const ROWS: usize = 50_000;
+    let robot = dataset().robot;
+    let channel = |cable: usize| Channel {
+        name: format!("Winch{cable}.Pos"),
+        unit: Some("rev".to_owned()),
+        values: vec![1.5; ROWS].into(),
+    };
+    let sources = [Source {
+        file: "many.parquet".to_owned(),
+        format: Format::Parquet,
+        series: vec![Series {
+            name: "many".to_owned(),
+            rows: ROWS,
+            channels: (1..=8).map(channel).collect(),
+            ..Series::default()
+        }],
+        notices: Vec::new(),
+    }];
+    let (recipe, _) = propose(&sources, &robot);
+    let budget = MemoryBudget::new(64 << 20);
+    let told = import(&sources, &recipe, "recipe.json", &robot, &budget);
+    let told = told.expect_err("too many").to_string();
+    let expected = "many.parquet: a table of 50000 poses needs more than 64.0 MiB of memory";
+    assert!(told.starts_with(expected), "{told}");
 }

@@ -107,6 +107,12 @@ impl Values {
         self.stored.as_ref().map_or(0, Stored::len) + self.held.len()
     }
 
+    /// Memory that they take (bytes), with the block of the file that is held.
+    pub(crate) fn memory(&self) -> usize {
+        let stored = |stored: &Stored| size_of_val(&stored.places[..]) + 8 * BLOCK;
+        size_of_val(&self.held[..]) + self.stored.as_ref().map_or(0, stored)
+    }
+
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {

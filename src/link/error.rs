@@ -7,8 +7,13 @@ pub enum LinkError {
     #[error("the connection to the controller is lost: {0}")]
     Disconnected(String),
     /// No response in time.
-    #[error("the controller did not answer within {0:.1} s")]
-    Timeout(f64),
+    #[error("the controller did not answer within {seconds} s when asked {request}")]
+    Timeout {
+        /// What it was asked, as an infinitive with "to" or with "for".
+        request: String,
+        /// The time that it had (s).
+        seconds: f64,
+    },
     /// The controller is not armed.
     #[error("the controller is not armed: arm it before it may move or change values")]
     NotArmed,

@@ -24,10 +24,13 @@ pub(crate) enum SocketError {
 }
 
 impl SocketError {
-    /// Converts to an error for the operator; `closed` suggests why the other side may have closed it.
-    pub fn into_error(self, timeout_s: f64, closed: &str) -> LinkError {
+    /// Converts to an error for the operator about a request; `closed` suggests why the other side may have closed it.
+    pub fn into_error(self, (request, timeout_s): (&str, f64), closed: &str) -> LinkError {
         match self {
-            Self::Late => LinkError::Timeout(timeout_s),
+            Self::Late => LinkError::Timeout {
+                request: request.to_owned(),
+                seconds: timeout_s,
+            },
             Self::Closed => LinkError::Disconnected(format!("it closed the connection{closed}")),
             Self::Ended(why) => LinkError::Disconnected(format!("it ended the connection: {why}")),
             Self::Io(error) => LinkError::Disconnected(format!("it failed ({error})")),

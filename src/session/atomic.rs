@@ -1,9 +1,11 @@
 //! Atomic writing: files are written completely or not at all.
 
 use std::fs;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+use tempfile::NamedTempFile;
 
 use crate::error::WriteError;
 
@@ -15,6 +17,8 @@ const LETTERS: usize = 6;
 const STALE: Duration = Duration::from_secs(24 * 60 * 60);
 /// Folder for large temporary files on Unix, where /tmp is often in memory.
 const LARGE_FILES: &str = "/var/tmp";
+/// Block of zeros for reserving space.
+static BLOCK: [u8; 1 << 16] = [0; 1 << 16];
 
 /// Writes a temporary file in the same folder and renames it: a reader sees either the old content or the new, also
 /// after a power failure.
@@ -57,36 +61,129 @@ fn replace(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> std::io::Result<()> {
-    let path = &link_target(path);
-    if fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
-        // A device or a pipe is written to directly; renaming a file over it would replace it.
-        let mut out = BufWriter::new(fs::File::options().write(true).open(path)?);
-        fill(&mut out)?;
-        return out.flush();
+    Output::open(&link_target(path))?.replace(&link_target(path), fill)
+}
+
+/// A text file that is open, with its space on the disk, before its content is known: what cannot be repeated is done only
+/// once its result can be written.
+#[derive(Debug)]
+pub struct ReservedFile {
+    path: PathBuf,
+    target: PathBuf,
+    output: Output,
+}
+
+impl ReservedFile {
+    /// Opens a file for a text of at most `bytes` bytes. An existing file keeps its content until the text is written.
+    ///
+    /// # Errors
+    /// If the file cannot be written or there is not enough space.
+    pub fn create(path: &Path, bytes: u64) -> Result<Self, WriteError> {
+        let target = link_target(path);
+        let create = || {
+            let output = Output::open(&target)?;
+            if let Output::File(file) = &output {
+                reserve(file.as_file(), bytes)?;
+            }
+            Ok(output)
+        };
+        let output = create().map_err(|error| WriteError::io(path, error))?;
+        Ok(Self {
+            path: path.to_owned(),
+            target,
+            output,
+        })
     }
-    let folder = match path.parent() {
+
+    /// Writes the text atomically.
+    ///
+    /// # Errors
+    /// If the file cannot be written, which for a device shows only now.
+    pub fn write_text(self, text: &str) -> Result<(), WriteError> {
+        let written = self
+            .output
+            .replace(&self.target, |out| out.write_all(text.as_bytes()));
+        written.map_err(|error| WriteError::io(&self.path, error))
+    }
+}
+
+/// Takes `bytes` bytes of the disk at the beginning of a file; a sparse file would take none.
+///
+/// # Errors
+/// If there is not enough space.
+pub fn reserve(mut file: &fs::File, bytes: u64) -> std::io::Result<()> {
+    let mut left = bytes;
+    while left > 0 {
+        let part = usize::try_from(left).unwrap_or(usize::MAX).min(BLOCK.len());
+        file.write_all(&BLOCK[..part])?;
+        left -= part as u64;
+    }
+    file.sync_all()?;
+    file.rewind()
+}
+
+/// Where the content of a file goes.
+#[derive(Debug)]
+enum Output {
+    /// A device or a pipe is written to directly; renaming a file over it would replace it.
+    Device(fs::File),
+    /// A temporary file in the same folder.
+    File(NamedTempFile<fs::File>),
+}
+
+impl Output {
+    fn open(target: &Path) -> std::io::Result<Self> {
+        if fs::metadata(target).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+            let device = fs::File::options().write(true).open(target)?;
+            return Ok(Self::Device(device));
+        }
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(PREFIX).rand_bytes(LETTERS);
+        let mut options = fs::File::options();
+        options.write(true).create_new(true);
+        // A temporary file is private by default, but this one becomes an ordinary file.
+        #[cfg(unix)]
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode(target));
+        // Opened and written as a file of its own: errors of tempfile name the temporary file, which means nothing to the
+        // operator.
+        let file = builder.make_in(folder_of(target), |temporary| options.open(temporary))?;
+        Ok(Self::File(file))
+    }
+
+    fn replace(
+        self,
+        target: &Path,
+        fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    ) -> std::io::Result<()> {
+        let file = match self {
+            Self::Device(device) => {
+                let mut out = BufWriter::new(device);
+                fill(&mut out)?;
+                return out.flush();
+            }
+            Self::File(file) => file,
+        };
+        let mut writer = BufWriter::new(file.as_file());
+        fill(&mut writer)?;
+        writer.flush()?;
+        let length = writer.stream_position()?;
+        drop(writer);
+        // Reserved space is given back.
+        file.as_file().set_len(length)?;
+        file.as_file().sync_all()?;
+        file.persist(target).map_err(|error| error.error)?;
+        let folder = folder_of(target);
+        sync_folder(folder)?;
+        remove_stale(folder);
+        Ok(())
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PREFIX).rand_bytes(LETTERS);
-    let mut options = fs::File::options();
-    options.write(true).create_new(true);
-    // A temporary file is private by default, but this one becomes an ordinary file.
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode(path));
-    // Opened and written as a file of its own: errors of tempfile name the temporary file, which means nothing to the
-    // operator.
-    let file = builder.make_in(folder, |temporary| options.open(temporary))?;
-    let mut writer = BufWriter::new(file.as_file());
-    fill(&mut writer)?;
-    writer.flush()?;
-    drop(writer);
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
-    sync_folder(folder)?;
-    remove_stale(folder);
-    Ok(())
+    }
 }
 
 /// Largest number of links that are followed, the limit of operating systems.
@@ -117,7 +214,7 @@ fn remove_stale(folder: &Path) {
     }
 }
 
-/// Whether a name has the form that [`replace`] gives to temporary files.
+/// Whether a name has the form of temporary files.
 pub(crate) fn is_temporary(name: &str) -> bool {
     let letters = name.strip_prefix(PREFIX);
     letters.is_some_and(|l| l.len() == LETTERS && l.bytes().all(|b| b.is_ascii_alphanumeric()))
@@ -185,6 +282,34 @@ mod tests {
         assert_eq!(reader.join().expect("a thread").expect("read"), "text");
         let kind = fs::symlink_metadata(&pipe).expect("there").file_type();
         assert!(kind.is_fifo());
+    }
+
+    #[test]
+    fn a_reserved_file_appears_when_it_is_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("result.json");
+        let taken = || -> u64 {
+            let entries = fs::read_dir(folder.path()).expect("readable").flatten();
+            entries.map(|e| e.metadata().expect("a file").len()).sum()
+        };
+        let reserved = ReservedFile::create(&path, 100_000).expect("space");
+        assert_eq!((taken(), path.exists()), (100_000, false));
+        reserved.write_text("text").expect("written");
+        assert_eq!(fs::read_to_string(&path).expect("read"), "text");
+        assert_eq!(taken(), 4);
+        // What is not written leaves nothing behind, and the old content in its place.
+        drop(ReservedFile::create(&path, 100_000).expect("space"));
+        assert_eq!((taken(), fs::read(&path).expect("read").len()), (4, 4));
+        let nowhere = folder.path().join("nowhere/result.json");
+        assert!(ReservedFile::create(&nowhere, 1).is_err());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_device_is_an_error() {
+        let full = ReservedFile::create(Path::new("/dev/full"), 9).expect("open");
+        let told = full.write_text("text").expect_err("full").to_string();
+        assert!(told.starts_with("/dev/full: cannot be written"), "{told}");
     }
 
     #[test]

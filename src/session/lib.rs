@@ -25,7 +25,7 @@ mod session;
 mod symbols_file;
 mod table;
 
-pub use atomic::{link_target, temporary_file, write_bytes, write_text};
+pub use atomic::{ReservedFile, link_target, reserve, temporary_file, write_bytes, write_text};
 pub use damaged::read_damaged;
 pub use dataset::{
     DatasetFolder, read_calibration_tables, read_check_file, read_dataset, read_table_file,
@@ -63,7 +63,7 @@ pub use session::{
     Simulator, Stage, StoppedVerification, SymbolCommand, SymbolList, SymbolMapping, SymbolNames,
     SymbolParameter, SymbolPose, SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue,
     Timestamp, ValueChange, Verification, is_per_cable, name_of_cable, parse_session, read_session,
-    write_session,
+    without_user, write_session,
 };
 pub use symbols_file::{read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};

@@ -209,6 +209,9 @@ class Rig:
             value = ua.DataValue(ua.Variant(order["state"], ua.VariantType.Int32))
             self.space._nodes[STATE].attributes[ua.AttributeIds.Value].value = value
             self.space._nodes[STATE].attributes[ua.AttributeIds.Value].value_callback = None
+        for name in order.get("null", []):
+            node = self.space._nodes[ua.NodeId(name, NAMESPACE)]
+            node.attributes[ua.AttributeIds.Value].value = ua.DataValue(ua.Variant(None))
         for name in order.get("remove", []):
             await self.remove(name)
         if "id" in order:

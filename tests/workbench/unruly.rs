@@ -131,6 +131,7 @@ fn a_half_written_adjustment_is_settled_when_the_operator_arms_again() {
             problem: None,
             advice: "The controller holds its old values: find the cause, then write again.".into(),
         },
+        None,
     );
     bench.wait("the old values", |state| told(state, &settled.1));
     let record = bench

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_link::adjusting::{ControllerValues, Difference};
-use tautline_session::{Outcome, VersionedFile};
+use tautline_session::{Outcome, ValueChange, VersionedFile};
 
 use crate::output::say;
 use crate::table;
@@ -29,6 +29,9 @@ pub struct AdjustmentDocument {
     /// Values in the controller after an attempt to write: all new, all old, mixed or unknown; null
     /// if nothing was written.
     pub holds: Option<String>,
+    /// Names of the values that a roll-back does not restore, because they were not numbers before.
+    #[serde(default)]
+    pub not_restored: Vec<String>,
     /// Summary of the outcome, and what to do next.
     pub text: Option<String>,
 }
@@ -72,6 +75,7 @@ impl AdjustmentDocument {
             differences: Vec::new(),
             outcome: String::new(),
             holds: None,
+            not_restored: Vec::new(),
             text: None,
         }
     }
@@ -94,6 +98,11 @@ impl AdjustmentDocument {
     /// Sets the state found after an interrupted adjustment.
     pub fn set_interrupted(&mut self, found: &ControllerValues) {
         self.interrupted = Some(word(found).to_owned());
+    }
+
+    /// Sets the values that a roll-back does not restore.
+    pub fn set_not_restored(&mut self, changes: &[&ValueChange]) {
+        self.not_restored = changes.iter().map(|change| change.name.clone()).collect();
     }
 
     /// Sets the outcome; `holds` is the state of the controller after an attempt to write.

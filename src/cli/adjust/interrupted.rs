@@ -45,8 +45,10 @@ pub fn settle(
         interrupt::finish_first()?;
         connection.controller.arm().map_err(link_error)?;
     }
+    let output = arguments.json.reserve(&document)?;
     let attempt = settle_adjustment(&mut *connection.controller, &old, &new).map_err(link_error)?;
-    let (outcome, text) = adjusting::settled(open, &found, &attempt);
+    let kept = adjusting::not_restored(&file.session);
+    let (outcome, text) = adjusting::settled(open, &found, &attempt, kept.as_deref());
     let written = WriteOutcome {
         attempt: Some(attempt),
         outcome,
@@ -61,8 +63,7 @@ pub fn settle(
         super::message(arguments, &written.text);
         return Ok(goes_on);
     }
-    written.tell(&mut document);
-    arguments.deliver(&document)?;
+    written.deliver(output, document)?;
     match written.outcome {
         Outcome::Unsettled(text) => Err(anyhow!("{text}")),
         // The old values were requested, and they are in the controller.

@@ -11,10 +11,11 @@ use std::path::PathBuf;
 use crate::BadInput;
 use anyhow::{Result, anyhow};
 use tautline_link::ParameterInfo;
-use tautline_link::adjusting::plan_adjustment;
+use tautline_link::adjusting::{plan_adjustment, read_parameters};
 use tautline_session::Outcome;
 use tautline_workflow::adjusting::{
-    self, DoubtKind, Purpose, former_values, revertible, values_to_write,
+    self, DoubtKind, Purpose, former_values, not_restorable, not_restored, revertible,
+    values_to_write,
 };
 use tautline_workflow::controllers::ConnectionSetup;
 
@@ -76,8 +77,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut file = SessionFile::open(&arguments.session, &mut notice)?;
     let place = arguments.session.display().to_string();
     require_simulated(&file.session, &choice, &place)?;
-    let symbols = &arguments.robot_arguments.symbols;
-    let renamed = symbols.take(&mut file.session, &choice)?;
+    let link = &arguments.robot_arguments.link;
+    let changed = link.take(&mut file.session, &choice)?;
     if let Some(open) = adjusting::open(&file.session).cloned() {
         let setup = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
         let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
@@ -104,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let effects = &identified.model.effects;
     let setup = ConnectionSetup::chosen(&file.session, effects, &choice, Some(&file.controller()));
     let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
-    if renamed && !arguments.dry_run {
+    if changed && !arguments.dry_run {
         file.save()?;
     }
     adjust(arguments, &mut file, &mut connection, &identified)
@@ -155,9 +156,9 @@ fn adjust(
         return arguments.deliver(&document);
     }
     file.session.add_result(identified.record(&file.session));
+    let output = arguments.json.reserve(&document)?;
     let written = write(file, connection, &parameters, &values, Purpose::Adjust)?;
-    written.tell(&mut document);
-    arguments.deliver(&document)?;
+    written.deliver(output, document)?;
     match written.outcome {
         Outcome::Written => Ok(()),
         _ => Err(anyhow!("{}", written.text)),
@@ -176,11 +177,19 @@ fn roll_back(
         )));
     };
     let values = former_values(last);
+    if values.is_empty() {
+        let place = arguments.session.display();
+        let kept = not_restored(&file.session).unwrap_or_default();
+        return Err(BadInput::new(format!(
+            "{place}: none of the previous values can be restored. {kept}"
+        )));
+    }
     let parameters = parameters(connection)?;
     let mut document = AdjustmentDocument::new(connection.controller.identity());
+    document.set_not_restored(&not_restorable(&file.session));
+    let output = arguments.json.reserve(&document)?;
     let written = write(file, connection, &parameters, &values, Purpose::RollBack)?;
-    written.tell(&mut document);
-    arguments.deliver(&document)?;
+    written.deliver(output, document)?;
     match written.outcome {
         Outcome::RolledBack => Ok(()),
         _ => Err(anyhow!("{}", written.text)),
@@ -188,7 +197,7 @@ fn roll_back(
 }
 
 fn parameters(connection: &mut Connection) -> Result<Vec<ParameterInfo>> {
-    connection.controller.parameters().map_err(link_error)
+    read_parameters(&mut *connection.controller).map_err(link_error)
 }
 
 /// Prints a message that is not part of the document, on standard error if the document goes to standard output.

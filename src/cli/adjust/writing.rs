@@ -5,19 +5,22 @@ use std::time::Duration;
 
 use anyhow::{Result, anyhow};
 use tautline_link::ParameterInfo;
-use tautline_link::adjusting::{Adjustment as Attempt, write_adjustment_reconnecting};
+use tautline_link::adjusting::{
+    Adjustment as Attempt, check_unchanged, write_adjustment_reconnecting,
+};
 use tautline_link::reconnecting::{Attempts, BackOff};
 use tautline_session::{Outcome, Phase};
-use tautline_workflow::adjusting::{Purpose, begun, held, outcome, summary};
+use tautline_workflow::adjusting::{
+    Purpose, begun, held, not_restored, old_and_new, outcome, summary,
+};
 use tautline_workflow::clock;
 
-use super::document::AdjustmentDocument;
+use super::document::{AdjustmentDocument, print};
 use crate::live::{Connection, SessionFile, interrupt, link_error};
+use crate::output::ReservedOutput;
 
 /// Number of attempts to restore a lost connection.
 const ATTEMPTS: u32 = 8;
-/// Time after which nothing sent over a lost connection can still arrive (s): longer than any response timeout.
-const LATE_S: f64 = 1.5;
 
 /// Outcome of writing values.
 pub struct WriteOutcome {
@@ -30,10 +33,15 @@ pub struct WriteOutcome {
 }
 
 impl WriteOutcome {
-    /// Copies the outcome to a document.
-    pub fn tell(&self, document: &mut AdjustmentDocument) {
+    /// Adds the outcome to a document, and delivers it.
+    ///
+    /// # Errors
+    /// If it cannot be written; the message starts with the state of the controller.
+    pub fn deliver(&self, output: ReservedOutput, mut document: AdjustmentDocument) -> Result<()> {
         let holds = self.attempt.as_ref().map(|attempt| &attempt.holds);
         document.set_outcome(&self.outcome, holds, &self.text);
+        let delivered = output.deliver(&document, || print(&document));
+        delivered.map_err(|error| anyhow!("{} {error}", self.text))
     }
 }
 
@@ -65,7 +73,7 @@ pub fn write(
         Ok(_) if interrupt::requested() => {
             unwritten("Nothing was written: the command was interrupted.".to_owned())
         }
-        Ok(_) => attempt(connection, values, purpose),
+        Ok(_) => attempt(file, connection, values, purpose),
     };
     drop(kept);
     conclude(file, connection, &written)?;
@@ -83,6 +91,7 @@ fn unwritten(text: String) -> WriteOutcome {
 /// Writes values, and reconnects if the connection is lost. An interrupt takes effect once they are written or rolled back, and
 /// ends the attempts to reconnect.
 fn attempt(
+    file: &SessionFile,
     connection: &mut Connection,
     values: &[(String, f64)],
     purpose: Purpose,
@@ -90,14 +99,19 @@ fn attempt(
     let mut policy = Attempts {
         back_off: BackOff::default(),
         attempts: ATTEMPTS,
-        late_s: LATE_S,
+        late_s: connection.late_s,
         wait: wait_unless_interrupted,
         gives_up: interrupt::requested,
     };
     let controller = &mut *connection.controller;
-    let (attempt, text) = match write_adjustment_reconnecting(controller, values, &mut policy) {
+    let recorded = file.session.adjustments().last();
+    let [old, _] = recorded.map(old_and_new).unwrap_or_default();
+    let attempted = check_unchanged(controller, &old)
+        .and_then(|()| write_adjustment_reconnecting(controller, values, &mut policy));
+    let (attempt, text) = match attempted {
         Ok(attempt) => {
-            let text = summary(&attempt, purpose, values.len());
+            let kept = not_restored(&file.session);
+            let text = summary(&attempt, purpose, values.len(), kept.as_deref());
             (Some(attempt), text)
         }
         Err(error) => (None, format!("Nothing was written: {error}.")),

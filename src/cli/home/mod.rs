@@ -14,7 +14,7 @@ use tautline_workflow::precalibration::Calibration;
 use tautline_workflow::wording::count;
 
 use crate::BadInput;
-use crate::live::{Connection, SessionFile, SymbolsArgument, interrupt, link_error, typed};
+use crate::live::{Connection, LinkArguments, SessionFile, interrupt, link_error, typed};
 use crate::measure::{refuse_unsettled, require_simulated};
 use crate::output::{JsonOutput, note, notice};
 pub use document::HomeDocument;
@@ -31,7 +31,7 @@ pub struct Arguments {
     #[arg(long)]
     arm: bool,
     #[command(flatten)]
-    symbols: SymbolsArgument,
+    link: LinkArguments,
     /// Number of measurements of the home pose; poses are typed unless the robot is simulated
     #[arg(long, value_name = "N", default_value_t = 1)]
     repeats: usize,
@@ -124,7 +124,7 @@ fn returned(
         choice,
         &arguments.session.display().to_string(),
     )?;
-    arguments.symbols.take(&mut file.session, choice)?;
+    arguments.link.take(&mut file.session, choice)?;
     let setup = ConnectionSetup::chosen(&file.session, &[], choice, Some(&file.controller()));
     if !setup.has_instrument() {
         typed::require("The robot was not moved: the poses have to be typed")?;

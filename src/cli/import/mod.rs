@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use tautline_core::robot::Robot;
 use tautline_import::{
-    ImportDocument, Imported, Recipe, Source, align_clocks, import, import_corrected,
+    ImportDocument, Imported, MemoryBudget, Recipe, Source, align_clocks, import, import_corrected,
     is_robot_description, propose, read_recipe, read_robot_description, read_sources,
 };
 use tautline_session::{Loaded, ReadError, read_robot, write_robot, write_text, write_versioned};
@@ -55,6 +55,9 @@ pub struct Arguments {
     /// Estimate offset and drift of the clocks of further recorders from the motion that both recorded
     #[arg(long)]
     align_clocks: bool,
+    /// Largest memory for decoded content (GiB), as a small file can hold much
+    #[arg(long, value_name = "GIB", default_value_t = 2.0)]
+    memory_limit: f64,
     /// Replace existing poses in the folder
     #[arg(long)]
     replace: bool,
@@ -68,7 +71,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     // Checked before a long log is read.
     let robot = robot(arguments)?;
-    let sources = noticed(read(&arguments.sources)?);
+    let budget = budget(arguments)?;
+    let sources = noticed(read(&arguments.sources, &budget)?);
     let (mut recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
     if arguments.align_clocks {
         let clocks = align_clocks(&sources, &mut recipe, &robot.robot)?;
@@ -81,8 +85,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return deliver(arguments, document, assumptions);
     }
     let imported = match arguments.apply_suggestions {
-        true => import_corrected(&sources, &recipe, &name, &robot.robot),
-        false => import(&sources, &recipe, &name, &robot.robot),
+        true => import_corrected(&sources, &recipe, &name, &robot.robot, &budget),
+        false => import(&sources, &recipe, &name, &robot.robot, &budget),
     };
     let Imported {
         poses_csv,
@@ -95,10 +99,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     deliver(arguments, document, assumptions)
 }
 
+/// The memory for the import.
+fn budget(arguments: &Arguments) -> Result<MemoryBudget> {
+    const GIB: f64 = 1_073_741_824.0;
+    let limit = arguments.memory_limit;
+    if !(limit.is_finite() && limit > 0.0) {
+        let message = format!("--memory-limit: found {limit}, expected a positive number of GiB");
+        return Err(BadInput::new(message));
+    }
+    Ok(MemoryBudget::new((limit * GIB) as u64))
+}
+
 /// Reads the sources with progress on the terminal; an interrupt ends the program.
-fn read(sources: &[PathBuf]) -> Result<Loaded<Vec<Source>>, ReadError> {
+fn read(sources: &[PathBuf], budget: &MemoryBudget) -> Result<Loaded<Vec<Source>>, ReadError> {
     let progress = Progress::new();
-    read_sources(sources, &|part| {
+    read_sources(sources, budget, &|part| {
         progress.show(part);
         true
     })

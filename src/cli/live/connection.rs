@@ -43,6 +43,8 @@ pub struct Connection {
     pub home_instrument: Option<Box<dyn Instrument>>,
     /// The laser whose distances are typed by the operator.
     pub manual_laser: Option<ManualLaser>,
+    /// Time after which nothing that was sent over a lost connection can still arrive (s).
+    pub late_s: f64,
     clock: SimulationClock,
     pace: Pace,
 }
@@ -67,6 +69,7 @@ impl Connection {
             instrument: opened.instrument,
             home_instrument: opened.home_instrument,
             manual_laser: opened.manual_laser,
+            late_s: setup.late_s(),
             clock: opened.clock,
             pace,
         })

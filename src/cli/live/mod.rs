@@ -8,10 +8,12 @@ pub use connection::{Connection, link_error};
 pub use tautline_workflow::session_file::SessionFile;
 
 use crate::output::note;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use tautline_session::{Session, read_symbols};
+use tautline_session::{
+    AdsPlace, Connection as ConnectionSettings, OpcUaPlace, Session, read_symbols,
+};
 
 use crate::BadInput;
 use tautline_workflow::controllers::ControllerChoice;
@@ -29,42 +31,88 @@ pub struct RobotArguments {
     #[arg(long, value_name = "X")]
     pub speed: Option<f64>,
     #[command(flatten)]
-    pub symbols: SymbolsArgument,
+    pub link: LinkArguments,
 }
 
-/// Argument for the symbol names of the controller.
+/// Settings of the link to a real controller.
 #[derive(Debug, clap::Args)]
-pub struct SymbolsArgument {
+pub struct LinkArguments {
     /// Symbol names of an ads: or opc.tcp: controller, in the format written by `tautline symbols`; stored in the session
-    #[arg(long = "symbols", value_name = "FILE.json")]
-    file: Option<PathBuf>,
+    #[arg(long, value_name = "FILE.json")]
+    symbols: Option<PathBuf>,
+    /// Longest time for an answer of an ads: or opc.tcp: controller (s); stored in the session, at first 1
+    #[arg(long, value_name = "S")]
+    timeout: Option<f64>,
 }
 
-impl SymbolsArgument {
-    /// Sets the session's symbols from the file, if one was given; returns whether they have changed.
+impl LinkArguments {
+    /// Sets what was given in the session's settings; returns whether they have changed.
     pub fn take(&self, session: &mut Session, choice: &ControllerChoice) -> Result<bool> {
-        let Some(path) = &self.file else {
-            return Ok(false);
-        };
-        let symbols = match choice {
-            ControllerChoice::Ads(_) => &mut session.connection.ads,
-            ControllerChoice::OpcUa(_) => &mut session.connection.nodes,
-            ControllerChoice::Simulated | ControllerChoice::Replay(_) => {
-                let message = format!(
-                    "--symbols: found the controller {choice}, expected ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT]"
-                );
-                return Err(BadInput::new(message));
-            }
-        };
-        let read = read_symbols(path, &session.robot)?;
-        for notice in &read.notices {
-            note!("{notice}");
+        let before = session.connection.clone();
+        if let Some(timeout_s) = self.timeout {
+            take_timeout(&mut session.connection, choice, timeout_s)?;
         }
-        let new = Some(read.value);
-        let differs = *symbols != new;
-        *symbols = new;
-        Ok(differs)
+        if let Some(path) = &self.symbols {
+            take_symbols(session, choice, path)?;
+        }
+        Ok(session.connection != before)
     }
+}
+
+fn no_link(option: &str, choice: &ControllerChoice) -> anyhow::Error {
+    BadInput::new(format!(
+        "{option}: found the controller {choice}, expected ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT]"
+    ))
+}
+
+fn take_timeout(
+    settings: &mut ConnectionSettings,
+    choice: &ControllerChoice,
+    timeout_s: f64,
+) -> Result<()> {
+    let checked = match choice {
+        ControllerChoice::Ads(address) => {
+            let place = settings.place.get_or_insert_with(|| AdsPlace {
+                host: address.host.clone(),
+                port: address.port,
+                net_id: address.net_id,
+                ams_port: address.ams_port,
+                timeout_s,
+            });
+            place.timeout_s = timeout_s;
+            place.check()
+        }
+        ControllerChoice::OpcUa(address) => {
+            let place = settings.opcua.get_or_insert_with(|| OpcUaPlace {
+                host: address.host.clone(),
+                port: address.port,
+                path: address.path.clone(),
+                timeout_s,
+            });
+            place.timeout_s = timeout_s;
+            place.check()
+        }
+        ControllerChoice::Simulated | ControllerChoice::Replay(_) => {
+            return Err(no_link("--timeout", choice));
+        }
+    };
+    checked.map_err(|error| BadInput::new(format!("--timeout: {}", error.message)))
+}
+
+fn take_symbols(session: &mut Session, choice: &ControllerChoice, path: &Path) -> Result<()> {
+    let symbols = match choice {
+        ControllerChoice::Ads(_) => &mut session.connection.ads,
+        ControllerChoice::OpcUa(_) => &mut session.connection.nodes,
+        ControllerChoice::Simulated | ControllerChoice::Replay(_) => {
+            return Err(no_link("--symbols", choice));
+        }
+    };
+    let read = read_symbols(path, &session.robot)?;
+    for notice in &read.notices {
+        note!("{notice}");
+    }
+    *symbols = Some(read.value);
+    Ok(())
 }
 
 impl RobotArguments {

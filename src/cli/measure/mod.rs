@@ -94,8 +94,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         note!("{place}: continues with its own simulated robot; --effect is ignored");
     }
     check(&file, arguments, &choice)?;
-    let symbols = &arguments.robot_arguments.symbols;
-    symbols.take(&mut file.session, &choice)?;
+    let link = &arguments.robot_arguments.link;
+    link.take(&mut file.session, &choice)?;
     let laser = arguments
         .laser
         .as_ref()

@@ -14,9 +14,7 @@ use tautline_session::{
     write_check,
 };
 
-use super::live::{
-    Connection, SessionFile, SymbolsArgument, interrupt, link_error, typed as typing,
-};
+use super::live::{Connection, LinkArguments, SessionFile, interrupt, link_error, typed as typing};
 use super::measure::{refuse_unsettled, require_simulated};
 use crate::BadInput;
 use crate::output::{JsonOutput, note, notice};
@@ -43,7 +41,7 @@ pub struct Arguments {
     #[arg(long, value_name = "X")]
     speed: Option<f64>,
     #[command(flatten)]
-    symbols: SymbolsArgument,
+    link: LinkArguments,
     /// Targets: cube (15 poses in three cubes), circle, line
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',', default_values_t = TargetName::ALL)]
     targets: Vec<TargetName>,
@@ -95,7 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (rows, source) = match (&arguments.check, &choice) {
         (Some(path), _) => (from_file(path)?, format!("from {}", path.display())),
         (None, Some(choice)) => {
-            arguments.symbols.take(&mut file.session, choice)?;
+            arguments.link.take(&mut file.session, choice)?;
             driven(arguments, &file, choice)?
         }
         (None, None) => return Err(BadInput::new("expected --controller or --check")),

@@ -11,6 +11,7 @@ use tautline_core::measurement::{SampledChannel, follows_a_motion};
 use tautline_core::robot::Robot;
 use tautline_session::{Place, ReadError, quoted};
 
+use crate::memory::{Lease, MemoryBudget, of_poses};
 use crate::recipe::{Cutting, Kind, Mapped, Mapping, Quantity, Recipe, Rest, resolve};
 use crate::source::{Series, Source};
 pub(crate) use clock::Times;
@@ -117,17 +118,17 @@ pub(crate) fn main_series(mapping: &Mapping<'_>) -> usize {
         .unwrap_or(0)
 }
 
-/// Cuts sources into poses.
+/// Cuts sources into poses, with the memory for them.
 ///
 /// # Errors
-/// If series cannot be matched, or no pose is found.
+/// If series cannot be matched, no pose is found, or there are more than the budget has memory for.
 pub(crate) fn cut(
     mapping: &Mapping<'_>,
     recipe: &Recipe,
-    robot: &Robot,
+    (robot, budget): (&Robot, &MemoryBudget),
     file: &str,
     notices: &mut Vec<String>,
-) -> Result<Vec<CutPose>, ReadError> {
+) -> Result<(Vec<CutPose>, Lease), ReadError> {
     if mapping.quantities.is_empty() {
         let message = "no channel is assigned to a quantity of the robot: expected a recipe that assigns at least one";
         return Err(ReadError::new(file, Place::File, message));
@@ -174,6 +175,15 @@ pub(crate) fn cut(
             found
         }
     };
+    let memory = budget.lease(of_poses(ranges.len(), mapping.quantities.len()));
+    let memory = memory.map_err(|over| {
+        let count = ranges.len();
+        ReadError::new(
+            file,
+            Place::File,
+            format!("a table of {count} poses {over}"),
+        )
+    })?;
     let mut poses = Vec::with_capacity(ranges.len());
     for range in &ranges {
         poses.push(match recipe.cutting {
@@ -182,7 +192,7 @@ pub(crate) fn cut(
         });
     }
     from_first_pose(mapping, &mut poses);
-    Ok(poses)
+    Ok((poses, memory))
 }
 
 /// Runs of rows with the same label.

@@ -6,7 +6,7 @@ use tautline_core::robot::{PerAxis, Tracker, presets};
 
 use super::*;
 use crate::source::{Channel, Format, Series, Source};
-use crate::{Change, Cutting, import, import_corrected, propose};
+use crate::{Change, Cutting, MemoryBudget, import, import_corrected, propose};
 
 /// Markers on the platform (m, its frame).
 const ON_PLATFORM: [[f64; 3]; 4] = [
@@ -160,7 +160,14 @@ fn markers_in_a_frame_of_their_own_become_poses_of_the_platform() {
                 .any(|n| n.contains("robot:P0, robot:P1, robot:P2, robot:P3 move")),
             "{notices:?}"
         );
-        let imported = import(&sources, &recipe, "recipe", &robot).expect("imported");
+        let imported = import(
+            &sources,
+            &recipe,
+            "recipe",
+            &robot,
+            &MemoryBudget::default(),
+        )
+        .expect("imported");
         let [distance, angle] = errors(&imported.measurements, &poses);
         assert!(distance < allowed && angle < allowed, "{distance} {angle}");
         assert!(
@@ -175,7 +182,8 @@ fn markers_in_a_frame_of_their_own_become_poses_of_the_platform() {
         // What was found holds for the next recording, even one with too few poses to find it.
         let found = imported.document.recipe.clone();
         let few = [table(&robot, &poses[..3], true), capture(&poses[..3])];
-        let next = import(&few, &found, "recipe", &robot).expect("imported again");
+        let next = import(&few, &found, "recipe", &robot, &MemoryBudget::default())
+            .expect("imported again");
         let [distance, angle] = errors(&next.measurements, &poses[..3]);
         assert!(distance < allowed && angle < allowed, "{distance} {angle}");
     }
@@ -192,11 +200,25 @@ fn poses_in_another_frame_are_recognised_and_brought_over() {
     }
     let sources = [log];
     let (recipe, _) = propose(&sources, &robot);
-    let as_it_is = import(&sources, &recipe, "recipe", &robot).expect("imported");
+    let as_it_is = import(
+        &sources,
+        &recipe,
+        "recipe",
+        &robot,
+        &MemoryBudget::default(),
+    )
+    .expect("imported");
     let suggestions = &as_it_is.document.suggestions;
     assert_eq!(suggestions.len(), 1, "{suggestions:?}");
     assert_eq!(suggestions[0].change, Change::AlignInstrument);
-    let corrected = import_corrected(&sources, &recipe, "recipe", &robot).expect("imported");
+    let corrected = import_corrected(
+        &sources,
+        &recipe,
+        "recipe",
+        &robot,
+        &MemoryBudget::default(),
+    )
+    .expect("imported");
     for (row, pose) in poses.iter().enumerate() {
         let position = corrected
             .measurements
@@ -217,7 +239,7 @@ fn what_markers_do_not_say_is_told() {
             table(&robot, &poses[..count], true),
             capture(&poses[..count]),
         ];
-        import(&sources, recipe, "recipe", &robot)
+        import(&sources, recipe, "recipe", &robot, &MemoryBudget::default())
             .unwrap_err()
             .error
             .to_string()

@@ -1,11 +1,11 @@
 //! Zip archives, of which `.npz` and `.xlsx` are made.
 
-use std::io::Read;
+use std::io::ErrorKind;
 
 use flate2::read::DeflateDecoder;
 use rawzip::{CompressionMethod, ZipArchive, ZipSliceArchive};
 
-use super::MAX_WHOLE;
+use crate::memory::Lease;
 
 /// A zip archive in memory.
 pub(super) struct Archive<'a> {
@@ -31,8 +31,8 @@ impl<'a> Archive<'a> {
         &self.names
     }
 
-    /// Content of an entry; `None` if there is no such entry.
-    pub fn read(&self, name: &str) -> Result<Option<Vec<u8>>, String> {
+    /// Content of an entry, whose memory is added to a lease; `None` if there is no such entry.
+    pub fn read(&self, name: &str, lease: &mut Lease) -> Result<Option<Vec<u8>>, String> {
         let damaged = |error: &dyn std::fmt::Display| {
             format!("entry {name} of the archive is damaged ({error})")
         };
@@ -46,18 +46,11 @@ impl<'a> Archive<'a> {
                 .archive
                 .get_entry(entry.wayfinder())
                 .map_err(|error| damaged(&error))?;
-            let mut content = Vec::new();
             let read = match method {
-                CompressionMethod::STORE => local
-                    .verifying_reader(local.data())
-                    .take(MAX_WHOLE)
-                    .read_to_end(&mut content),
+                CompressionMethod::STORE => lease.read_to_end(local.verifying_reader(local.data())),
                 CompressionMethod::DEFLATE => {
                     let plain = DeflateDecoder::new(local.data());
-                    local
-                        .verifying_reader(plain)
-                        .take(MAX_WHOLE)
-                        .read_to_end(&mut content)
+                    lease.read_to_end(local.verifying_reader(plain))
                 }
                 _ => {
                     return Err(format!(
@@ -65,8 +58,13 @@ impl<'a> Archive<'a> {
                     ));
                 }
             };
-            read.map_err(|error| damaged(&error))?;
-            return Ok(Some(content));
+            return match read {
+                Ok(content) => Ok(Some(content)),
+                Err(error) if error.kind() == ErrorKind::OutOfMemory => {
+                    Err(format!("entry {name} of the archive {error}"))
+                }
+                Err(error) => Err(damaged(&error)),
+            };
         }
         Ok(None)
     }

@@ -8,8 +8,9 @@ use quick_xml::{Reader, XmlVersion};
 use tautline_session::{Place, ReadError, quoted};
 
 use super::archive::Archive;
-use super::{stem, whole};
+use super::{over_budget, stem, whole};
 use crate::input::Input;
+use crate::memory::{Lease, OverBudget};
 use crate::source::{Format, Source};
 use crate::table::read_rows;
 use crate::text::Cells;
@@ -21,29 +22,37 @@ const MAX_CELLS: usize = 50_000_000;
 
 pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError> {
     let fail = |message: String| ReadError::new(file, Place::File, message);
-    let bytes = whole(&mut input, file)?;
+    let budget = input.budget();
+    let lease = || budget.lease(0).map_err(|over| over_budget(file, over));
+    let mut book = lease()?;
+    let (bytes, _memory) = whole(&mut input, file)?;
     let archive = Archive::open(&bytes).map_err(fail)?;
-    let part = |name: &str| -> Result<Option<String>, ReadError> {
-        let Some(bytes) = archive.read(name).map_err(fail)? else {
+    let part = |name: &str, memory: &mut Lease| -> Result<Option<String>, ReadError> {
+        let Some(bytes) = archive.read(name, memory).map_err(fail)? else {
             return Ok(None);
         };
         let text = String::from_utf8(bytes)
             .map_err(|_| fail(format!("part {name} is damaged, expected UTF-8")))?;
         Ok(Some(text))
     };
-    let Some(workbook) = part("xl/workbook.xml")? else {
+    let Some(workbook) = part("xl/workbook.xml", &mut book)? else {
         return Err(fail(
             "is an archive without a workbook or arrays, expected .xlsx or .npz".into(),
         ));
     };
     let damaged = |name: &str| fail(format!("part {name} is damaged, expected XML"));
-    let targets = relations(&part("xl/_rels/workbook.xml.rels")?.unwrap_or_default())
+    let refused = |name: &str, fault: Fault| match fault {
+        Fault::Damaged => damaged(name),
+        Fault::Large(over) => fail(format!("part {name} {over}")),
+    };
+    let targets = relations(&part("xl/_rels/workbook.xml.rels", &mut book)?.unwrap_or_default())
         .ok_or_else(|| damaged("xl/_rels/workbook.xml.rels"))?;
-    let shared = match part("xl/sharedStrings.xml")? {
-        Some(text) => shared_texts(&text).ok_or_else(|| damaged("xl/sharedStrings.xml"))?,
+    let name = "xl/sharedStrings.xml";
+    let shared = match part(name, &mut book)? {
+        Some(text) => shared_texts(&text, &mut book).map_err(|fault| refused(name, fault))?,
         None => Vec::new(),
     };
-    let dates = match part("xl/styles.xml")? {
+    let dates = match part("xl/styles.xml", &mut book)? {
         Some(text) => date_styles(&text).ok_or_else(|| damaged("xl/styles.xml"))?,
         None => Vec::new(),
     };
@@ -70,7 +79,9 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
         let Some(target) = target else {
             return Err(damaged("xl/workbook.xml"));
         };
-        let Some(text) = part(&target)? else {
+        // Of a sheet only its series is kept.
+        let mut sheet = lease()?;
+        let Some(text) = part(&target, &mut sheet)? else {
             source.notices.push(format!(
                 "{file}: sheet {} left out: it is not a table",
                 quoted(name)
@@ -78,7 +89,8 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
             continue;
         };
         let place = format!("{file}, sheet {}", quoted(name));
-        let rows = rows(&text, &shared, &dates).ok_or_else(|| damaged(&target))?;
+        let rows = rows(&text, &shared, &dates, &mut sheet);
+        let rows = rows.map_err(|fault| refused(&target, fault))?;
         if rows.is_empty() {
             source.notices.push(format!("{place}: empty"));
             continue;
@@ -103,6 +115,21 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
         (true, None) => Err(fail("found empty sheets only, expected readings".into())),
     }
 }
+
+/// Why a part is refused.
+enum Fault {
+    Damaged,
+    Large(OverBudget),
+}
+
+impl From<OverBudget> for Fault {
+    fn from(over: OverBudget) -> Self {
+        Self::Large(over)
+    }
+}
+
+/// Memory of a cell besides its text: its string, and its range in the row.
+const CELL: usize = size_of::<String>() + size_of::<(usize, usize)>();
 
 /// Calls `visit` with each opening tag; `None` if the text is not XML.
 fn for_each_tag(text: &str, mut visit: impl FnMut(&BytesStart<'_>)) -> Option<()> {
@@ -176,28 +203,34 @@ fn date_styles(text: &str) -> Option<Vec<bool>> {
     Some(styles)
 }
 
-/// The texts that cells refer to by number.
-fn shared_texts(text: &str) -> Option<Vec<String>> {
+/// The texts that cells refer to by number, whose memory is added to the lease.
+fn shared_texts(text: &str, memory: &mut Lease) -> Result<Vec<String>, Fault> {
     let mut reader = Reader::from_str(text);
     let (mut texts, mut current, mut in_text, mut phonetic) =
         (Vec::new(), String::new(), false, false);
     loop {
-        match reader.read_event().ok()? {
+        match reader.read_event().map_err(|_| Fault::Damaged)? {
             Event::Start(tag) => match tag.local_name().as_ref() {
                 b"si" => current.clear(),
                 b"t" => in_text = !phonetic,
                 b"rPh" => phonetic = true,
                 _ => {}
             },
-            Event::Empty(tag) if tag.local_name().as_ref() == b"si" => texts.push(String::new()),
+            Event::Empty(tag) if tag.local_name().as_ref() == b"si" => {
+                memory.take_values::<String>(1)?;
+                texts.push(String::new());
+            }
             Event::End(tag) => match tag.local_name().as_ref() {
-                b"si" => texts.push(std::mem::take(&mut current)),
+                b"si" => {
+                    memory.take((size_of::<String>() + current.capacity()) as u64)?;
+                    texts.push(std::mem::take(&mut current));
+                }
                 b"t" => in_text = false,
                 b"rPh" => phonetic = false,
                 _ => {}
             },
-            Event::Eof => return Some(texts),
-            event => add_text(&event, in_text, &mut current)?,
+            Event::Eof => return Ok(texts),
+            event => add_text(&event, in_text, &mut current).ok_or(Fault::Damaged)?,
         }
     }
 }
@@ -216,15 +249,20 @@ fn add_text(event: &Event<'_>, wanted: bool, to: &mut String) -> Option<()> {
     Some(())
 }
 
-/// The rows of a sheet with their numbers; the cells that it leaves out are empty.
-fn rows(text: &str, shared: &[String], dates: &[bool]) -> Option<Vec<(u64, Cells)>> {
+/// The rows of a sheet with their numbers; the cells that it leaves out are empty. Their memory is added to the lease.
+fn rows(
+    text: &str,
+    shared: &[String],
+    dates: &[bool],
+    memory: &mut Lease,
+) -> Result<Vec<(u64, Cells)>, Fault> {
     let mut reader = Reader::from_str(text);
     let mut rows = Vec::new();
     let (mut cells, mut number, mut total): (Vec<String>, u64, usize) = (Vec::new(), 0, 0);
     let (mut kind, mut style, mut column, mut value, mut in_value) =
         (String::new(), 0_usize, 0_usize, String::new(), false);
     loop {
-        match reader.read_event().ok()? {
+        match reader.read_event().map_err(|_| Fault::Damaged)? {
             Event::Start(tag) | Event::Empty(tag) if tag.local_name().as_ref() == b"row" => {
                 number = attribute(&tag, "r")
                     .and_then(|number| number.parse().ok())
@@ -236,8 +274,9 @@ fn rows(text: &str, shared: &[String], dates: &[bool]) -> Option<Vec<(u64, Cells
                 style = attribute(&tag, "s")
                     .and_then(|style| style.parse().ok())
                     .unwrap_or(0);
-                column =
-                    attribute(&tag, "r").map_or(Some(cells.len()), |place| column_of(&place))?;
+                let place = attribute(&tag, "r");
+                let place = place.map_or(Some(cells.len()), |place| column_of(&place));
+                column = place.ok_or(Fault::Damaged)?;
                 value.clear();
             }
             Event::Start(tag) if matches!(tag.local_name().as_ref(), b"v" | b"t") => {
@@ -247,22 +286,28 @@ fn rows(text: &str, shared: &[String], dates: &[bool]) -> Option<Vec<(u64, Cells
                 b"v" | b"t" => in_value = false,
                 b"c" => {
                     if column >= MAX_COLUMNS {
-                        return None;
+                        return Err(Fault::Damaged);
                     }
+                    let is_date = dates.get(style) == Some(&true);
+                    let cell = shown(&kind, &value, is_date, shared).ok_or(Fault::Damaged)?;
+                    // The text is copied to that of the row.
+                    let gap = (column + 1).saturating_sub(cells.len());
+                    memory.take((gap * CELL + 2 * cell.len()) as u64)?;
                     cells.resize(cells.len().max(column + 1), String::new());
-                    cells[column] = shown(&kind, &value, dates.get(style) == Some(&true), shared)?;
+                    cells[column] = cell;
                 }
                 b"row" => {
                     total += cells.len();
                     if total > MAX_CELLS {
-                        return None;
+                        return Err(Fault::Damaged);
                     }
+                    memory.take_values::<(u64, Cells)>(2)?;
                     rows.push((number, std::mem::take(&mut cells)));
                 }
                 _ => {}
             },
             Event::Eof => break,
-            event => add_text(&event, in_value, &mut value)?,
+            event => add_text(&event, in_value, &mut value).ok_or(Fault::Damaged)?,
         }
     }
     let width = rows.iter().map(|(_, cells)| cells.len()).max().unwrap_or(0);
@@ -274,11 +319,12 @@ fn rows(text: &str, shared: &[String], dates: &[bool]) -> Option<Vec<(u64, Cells
     let padded = filled.map(|(number, mut cells)| {
         in_table |= cells.len() == width;
         if in_table {
+            memory.take(((width - cells.len()) * CELL) as u64)?;
             cells.resize(width, String::new());
         }
-        (number, Cells::from_texts(&cells))
+        Ok((number, Cells::from_texts(&cells)))
     });
-    Some(padded.collect())
+    padded.collect()
 }
 
 /// The text of a cell. Dates are stored as days since 1900 and shown as date and time.

@@ -21,6 +21,7 @@ use tautline_session::{Place, ReadError, quoted, read_damaged};
 use super::hdf5_elements::{Cell, Field, fields_of, joined, text};
 use super::{MAX_WHOLE, stem};
 use crate::input::Input;
+use crate::memory::MemoryBudget;
 use crate::source::{Channel, FillingTexts, Format, Series, Source};
 use crate::units::{bare, split_heading};
 use crate::values::{Filling, Storage};
@@ -48,12 +49,15 @@ pub(super) fn read(input: &mut Input<'_>, format: Format, file: &str) -> Result<
     let io = |error: std::io::Error| ReadError::io(file, Place::File, &error);
     let opened = input.file().map_err(io)?;
     let (progress, reports) = channel();
+    let budget = input.budget();
     scope(|threads| {
         let read = || {
-            read_damaged(|| read_file(opened, progress, format, file)).unwrap_or_else(|| {
-                let message = "is damaged, expected HDF5";
-                Err(ReadError::new(file, Place::File, message))
-            })
+            read_damaged(|| read_file(opened, progress, (format, budget), file)).unwrap_or_else(
+                || {
+                    let message = "is damaged, expected HDF5";
+                    Err(ReadError::new(file, Place::File, message))
+                },
+            )
         };
         let thread = Builder::new().stack_size(STACK);
         let thread = thread.spawn_scoped(threads, read).map_err(io)?;
@@ -70,7 +74,7 @@ pub(super) fn read(input: &mut Input<'_>, format: Format, file: &str) -> Result<
 fn read_file(
     opened: Opened,
     progress: Sender<u64>,
-    format: Format,
+    (format, budget): (Format, &MemoryBudget),
     file: &str,
 ) -> Result<Source, ReadError> {
     let io = |error: std::io::Error| ReadError::io(file, Place::File, &error);
@@ -86,6 +90,7 @@ fn read_file(
         progress,
         bytes,
         left: bytes.saturating_mul(MAX_RATIO),
+        budget,
         objects: 0,
         storage: Storage::default(),
         series: Vec::new(),
@@ -143,6 +148,8 @@ struct Reader<'a> {
     bytes: u64,
     /// Remaining budget for decoded content (bytes).
     left: u64,
+    /// Memory for what is decoded.
+    budget: &'a MemoryBudget,
     objects: usize,
     storage: Storage,
     /// With the variable of MATLAB that each belongs to.
@@ -186,6 +193,9 @@ impl Reader<'_> {
             Error::Format(FormatError::OffsetOverflow {
                 offset: u64::MAX, ..
             }) => "is damaged or has links by name (soft or external links), expected HDF5 without them".to_owned(),
+            Error::Format(FormatError::InvalidLayoutVersion(version)) => format!(
+                "stores an array in layout version {version}, which is unknown here, expected version 3 or 4: convert it with h5repack --high=v114"
+            ),
             error => format!("is damaged or of an unsupported version, expected HDF5 ({error})"),
         })
     }
@@ -460,7 +470,9 @@ impl Reader<'_> {
                         name,
                         unit: stated.filter(|unit| !unit.is_empty()).or(heading),
                         cells: match field.cell {
-                            Cell::Text | Cell::FarText => Filled::Texts(FillingTexts::default()),
+                            Cell::Text | Cell::FarText => {
+                                Filled::Texts(FillingTexts::within(self.budget))
+                            }
                             _ => Filled::Numbers(Filling::default()),
                         },
                     });
@@ -508,6 +520,10 @@ impl Reader<'_> {
                 format!("array {path} has chunks of more than {limit} GB, expected smaller ones");
             return Err(self.fail(message));
         }
+        // The window, and a chunk that is decoded into it.
+        let bytes = window.min(lines).saturating_mul(line_bytes);
+        let memory = self.budget.lease(bytes.saturating_mul(2));
+        let _memory = memory.map_err(|over| self.fail(format!("array {} {over}", quoted(path))))?;
         let parts = parts_of(fields);
         let mut found = 0;
         for first in (0..lines).step_by(usize::try_from(window).unwrap_or(usize::MAX)) {

@@ -5,24 +5,26 @@
 //! dimensions, name, and its data or, for structs and cells, arrays again.
 //! Source: MAT-File Format, The MathWorks, R2019b.
 
-use std::io::Read;
+use std::io::ErrorKind;
 
 use flate2::read::ZlibDecoder;
 use tautline_session::{Place, ReadError, quoted};
 
-use super::stem;
+use super::{over_budget, stem, whole};
+use crate::input::Input;
+use crate::memory::{Lease, OverBudget};
 use crate::source::{Channel, Format, Series, Source};
 use crate::units::split_heading;
 
 /// Deepest nesting of structs and cells that is followed.
 const MAX_DEPTH: usize = 16;
-/// How many times larger than the file its content may be.
-const MAX_RATIO: u64 = 1024;
 
 const COMPRESSED: u32 = 15;
 const MATRIX: u32 = 14;
 
-pub(super) fn read(bytes: &[u8], file: &str) -> Result<Source, ReadError> {
+pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
+    let (bytes, memory) = whole(input, file)?;
+    let over = |over| over_budget(file, over);
     let fail = |at: usize, message: &str| {
         ReadError::new(file, Place::File, format!("byte {at}: {message}"))
     };
@@ -33,8 +35,19 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Source, ReadError> {
     };
     let mut found = Found {
         swapped,
+        memory,
+        over: None,
         arrays: Vec::new(),
         skipped: Vec::new(),
+    };
+    let add = |found: &mut Found, data: &[u8], at: usize| {
+        let added = found.array(data, "", 0);
+        match found.over {
+            Some(over) => Err(fail(at, &format!("a variable {over}"))),
+            None => {
+                added.ok_or_else(|| fail(at, "found a damaged array, expected a complete variable"))
+            }
+        }
     };
     let mut rest = &bytes[128..];
     let mut cut = None;
@@ -46,14 +59,14 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Source, ReadError> {
         };
         match kind {
             COMPRESSED => {
-                let mut plain = Vec::new();
-                let limit = (data.len() as u64).saturating_mul(MAX_RATIO);
-                let inflated = ZlibDecoder::new(data).take(limit).read_to_end(&mut plain);
-                inflated.map_err(|_| {
-                    fail(
+                let mut inflating = input.budget().lease(0).map_err(over)?;
+                let plain = inflating.read_to_end(ZlibDecoder::new(data));
+                let plain = plain.map_err(|error| match error.kind() {
+                    ErrorKind::OutOfMemory => fail(at, &format!("a variable {error}")),
+                    _ => fail(
                         at,
                         "found damaged compressed data, expected a complete variable",
-                    )
+                    ),
                 })?;
                 let Some((MATRIX, data, _)) = element(&plain, swapped) else {
                     return Err(fail(
@@ -61,13 +74,9 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Source, ReadError> {
                         "found compressed data without an array, expected a variable",
                     ));
                 };
-                found.array(data, "", 0).ok_or_else(|| {
-                    fail(at, "found a damaged array, expected a complete variable")
-                })?;
+                add(&mut found, data, at)?;
             }
-            MATRIX => found
-                .array(data, "", 0)
-                .ok_or_else(|| fail(at, "found a damaged array, expected a complete variable"))?,
+            MATRIX => add(&mut found, data, at)?,
             _ => found.skipped.push(format!("an element of type {kind}")),
         }
         rest = next;
@@ -110,6 +119,10 @@ struct Array {
 
 struct Found {
     swapped: bool,
+    /// Memory of the file and of the arrays.
+    memory: Lease,
+    /// Set where it does not suffice.
+    over: Option<OverBudget>,
     arrays: Vec<Array>,
     skipped: Vec<String>,
 }
@@ -181,6 +194,12 @@ impl Found {
             4 => Some(()),
             6..=15 => {
                 let (kind, numbers, _) = element(rest, self.swapped)?;
+                // A byte may be a value of its own.
+                let taken = self.memory.take_values::<f64>(count.min(numbers.len()));
+                if let Err(over) = taken {
+                    self.over = Some(over);
+                    return None;
+                }
                 let values = self.numbers(kind, numbers)?;
                 if values.len() != count {
                     return None;

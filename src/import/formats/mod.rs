@@ -27,6 +27,7 @@ use std::path::Path;
 use tautline_session::{Place, ReadError, open_input};
 
 use crate::input::{Input, Watch};
+use crate::memory::{Lease, MemoryBudget, OverBudget};
 use crate::source::{Format, Source};
 use crate::text::decoded;
 
@@ -52,14 +53,27 @@ enum Kind {
 /// # Errors
 /// If its format is unknown or its content is invalid; names the place.
 pub fn read_source(path: &Path) -> Result<Source, ReadError> {
-    read_watched(path, &Watch::new(0, &|_| true))
+    let budget = MemoryBudget::default();
+    read_watched(path, &Watch::new(0, &|_| true, &budget))
 }
 
 /// Reads a file, reporting progress to `watch`.
 ///
 /// # Errors
-/// As [`read_source`], and if it was stopped.
+/// As [`read_source`], if it was stopped, and if it needs more memory than there is.
 pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
+    let source = read(path, watch)?;
+    let taken = watch.budget().take(source.memory());
+    taken.map_err(|over| over_budget(&source.file, over))?;
+    Ok(source)
+}
+
+/// The error that a file needs more memory than there is.
+fn over_budget(file: &str, over: OverBudget) -> ReadError {
+    ReadError::new(file, Place::File, over.to_string())
+}
+
+fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
     let file = path.display().to_string();
     let refuse = |message: &str| Err(ReadError::new(&file, Place::File, message));
     let (head, input) = open(path, &file)?;
@@ -81,7 +95,7 @@ pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, Rea
         Format::C3d => c3d::read(input, &file, &stem(&file)),
         Format::Hdf5 => hdf5::read(&mut input, format, &file),
         Format::Matlab if head.starts_with(MATLAB_73) => hdf5::read(&mut input, format, &file),
-        Format::Matlab => matlab::read(&whole(&mut input, &file)?, &file),
+        Format::Matlab => matlab::read(&mut input, &file),
         Format::NumPy => numpy::read(input, &head, &file),
         Format::Parquet => parquet::read(&mut input, &file),
         #[cfg(feature = "ros")]
@@ -122,19 +136,23 @@ fn open(path: &Path, file: &str) -> Result<(Vec<u8>, File), ReadError> {
     Ok((head, input))
 }
 
-/// The content of a file.
-fn whole(input: &mut Input<'_>, file: &str) -> Result<Vec<u8>, ReadError> {
-    let mut bytes = Vec::new();
-    let read = input.take(MAX_WHOLE + 1).read_to_end(&mut bytes);
-    read.map_err(|error| ReadError::io(file, Place::File, &error))?;
-    if bytes.len() as u64 > MAX_WHOLE {
+/// The content of a file, with its memory.
+fn whole(input: &mut Input<'_>, file: &str) -> Result<(Vec<u8>, Lease), ReadError> {
+    let io = |error| ReadError::io(file, Place::File, &error);
+    let length = input.file().and_then(|file| file.metadata());
+    let length = length.map_err(io)?.len();
+    if length > MAX_WHOLE {
         let message = format!(
             "found more than {} GB, expected a smaller file",
             MAX_WHOLE >> 30
         );
         return Err(ReadError::new(file, Place::File, message));
     }
-    Ok(bytes)
+    let lease = input.budget().lease(length);
+    let lease = lease.map_err(|over| over_budget(file, over))?;
+    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+    input.take(length).read_to_end(&mut bytes).map_err(io)?;
+    Ok((bytes, lease))
 }
 
 fn recognise(head: &[u8], path: &Path) -> Kind {

@@ -6,8 +6,9 @@
 use tautline_session::{Place, ReadError, quoted};
 
 use super::archive::Archive;
-use super::{stem, whole};
+use super::{over_budget, stem, whole};
 use crate::input::Input;
+use crate::memory::Lease;
 use crate::source::{Channel, FillingTexts, Format, Series, Source};
 use crate::units::split_heading;
 
@@ -18,11 +19,14 @@ pub(super) fn read(mut input: Input<'_>, head: &[u8], file: &str) -> Result<Sour
         series: Vec::new(),
         notices: Vec::new(),
     };
+    let over = |over| over_budget(file, over);
+    let mut memory = input.budget().lease(0).map_err(over)?;
     if head.starts_with(b"\x93NUMPY") {
-        add(&mut source, "", &whole(&mut input, file)?)?;
+        let (bytes, _memory) = whole(&mut input, file)?;
+        add(&mut source, "", &bytes, &mut memory)?;
     } else {
         let fail = |message: String| ReadError::new(file, Place::File, message);
-        let bytes = whole(&mut input, file)?;
+        let (bytes, _memory) = whole(&mut input, file)?;
         let archive = Archive::open(&bytes).map_err(fail)?;
         for name in archive.names() {
             let Some(array) = name.strip_suffix(".npy") else {
@@ -31,8 +35,9 @@ pub(super) fn read(mut input: Input<'_>, head: &[u8], file: &str) -> Result<Sour
                     .push(format!("{file}: {} left out: not an array", quoted(name)));
                 continue;
             };
-            let bytes = archive.read(name).map_err(fail)?.unwrap_or_default();
-            add(&mut source, array, &bytes)?;
+            let mut entry = input.budget().lease(0).map_err(over)?;
+            let bytes = archive.read(name, &mut entry).map_err(fail)?;
+            add(&mut source, array, &bytes.unwrap_or_default(), &mut memory)?;
         }
     }
     if source.series.is_empty() {
@@ -64,7 +69,8 @@ struct Header {
     shape: Vec<usize>,
 }
 
-fn add(source: &mut Source, name: &str, bytes: &[u8]) -> Result<(), ReadError> {
+/// Adds an array to the series; its values are added to the lease.
+fn add(source: &mut Source, name: &str, bytes: &[u8], memory: &mut Lease) -> Result<(), ReadError> {
     let file = source.file.clone();
     let what = if name.is_empty() {
         String::new()
@@ -140,9 +146,11 @@ fn add(source: &mut Source, name: &str, bytes: &[u8]) -> Result<(), ReadError> {
                 (false, false) => (row * columns + part) * field.size,
             };
             let cell = |row: usize| data.get(at(row)..at(row) + field.size).unwrap_or_default();
+            let taken = memory.take_values::<f64>(rows);
+            taken.map_err(|over| fail(over.to_string()))?;
             match field.letter {
                 b'U' | b'S' => {
-                    let mut texts = FillingTexts::default();
+                    let mut texts = FillingTexts::within(memory.budget());
                     (0..rows).for_each(|row| texts.push(&text(field, cell(row))));
                     match texts.finish(&title) {
                         Ok(texts) => series.texts.push(texts),

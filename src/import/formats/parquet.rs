@@ -10,8 +10,9 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 use tautline_session::{Place, ReadError, quoted, read_damaged};
 
-use super::stem;
+use super::{over_budget, stem};
 use crate::input::Input;
+use crate::memory::MemoryBudget;
 use crate::source::{Channel, FillingTexts, Format, Series, Source};
 use crate::units::split_heading;
 use crate::values::{Filling, Storage};
@@ -52,15 +53,20 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
         ReadError::new(file, Place::File, message)
     };
     let io = |error: std::io::Error| ReadError::io(file, Place::File, &error);
+    let over = |over| over_budget(file, over);
     let reader = SerializedFileReader::new(input.file().map_err(io)?).map_err(damaged)?;
     let mut notices = Vec::new();
-    let mut columns = columns(&reader, file, &mut notices);
+    let mut columns = columns(&reader, input.budget(), file, &mut notices);
     let mut storage = Storage::default();
     let mut rows = 0;
     for number in 0..reader.num_row_groups() {
         let group = reader.get_row_group(number).map_err(damaged)?;
         let count = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
         for column in &mut columns {
+            let chunk = group.metadata().column(column.number);
+            // Pages are decompressed as a whole.
+            let content = u64::try_from(chunk.uncompressed_size()).unwrap_or(u64::MAX);
+            let _memory = input.budget().lease(content).map_err(over)?;
             let cells = group.get_column_reader(column.number).map_err(damaged)?;
             let read = column
                 .fill(cells, &mut storage)
@@ -74,7 +80,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
                 let message = format!("column {name} ends after {found} rows, expected {expected}");
                 return Err(ReadError::new(file, Place::File, message));
             }
-            let bytes = group.metadata().column(column.number).compressed_size();
+            let bytes = chunk.compressed_size();
             input
                 .advance(u64::try_from(bytes).unwrap_or(0))
                 .map_err(io)?;
@@ -117,6 +123,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
 /// The columns to read; the others are reported in notices.
 fn columns(
     reader: &SerializedFileReader<File>,
+    budget: &MemoryBudget,
     file: &str,
     notices: &mut Vec<String>,
 ) -> Vec<Column> {
@@ -148,7 +155,7 @@ fn columns(
                 level: descriptor.max_def_level(),
                 name: path,
                 unit: None,
-                cells: Filled::Texts(FillingTexts::default()),
+                cells: Filled::Texts(FillingTexts::within(budget)),
             }),
             Content::Other => leave_out("neither numbers nor text"),
         }

@@ -1,12 +1,15 @@
 //! Writing identified values to a controller so that it holds either all old or all new values.
 //!
-//! Controllers have no transactions. So the old values are read first, the new ones are written and read back, and if
-//! any does not read back as written, the old ones are restored and read back. If the connection breaks, it is
+//! Controllers have no transactions. So the old values are read first, twice, because a single reading can be wrong; the new
+//! ones are written and read back, and if any does not read back as written, the old ones are restored and read back. If the connection breaks, it is
 //! re-established and the values are read again: they are all new, all old, or mixed. A mixture requires that the
 //! operator arms the controller again, after which [`settle_adjustment`] restores the old values.
 //!
 //! A controller may hold NaN or infinity. Such a value is overwritten like any other, but cannot be
 //! restored, because only finite numbers are written.
+
+use std::thread;
+use std::time::Duration;
 
 use tautline_core::estimation::{ParameterId, Solution};
 use tautline_core::robot::Robot;
@@ -23,6 +26,10 @@ const TOLERANCE: f64 = 1e-9;
 const RELATIVE_TOLERANCE: f64 = 2e-7;
 /// Largest number of attempts to read the values after the connection broke.
 const MAX_ATTEMPTS: usize = 8;
+/// Largest number of readings among which two in succession must agree.
+const MAX_READINGS: usize = 4;
+/// Pause between two readings that must agree: longer than most cycles of controllers.
+const READING_PAUSE: Duration = Duration::from_millis(20);
 
 /// One parameter with its values in the controller and as identified.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,6 +160,73 @@ pub struct Adjustment {
     pub advice: String,
 }
 
+/// All parameters with their values, as two readings in succession agree on them.
+///
+/// # Errors
+/// If the connection is lost, or the readings keep differing; the values are named.
+pub fn read_parameters(controller: &mut dyn Controller) -> Result<Vec<ParameterInfo>, LinkError> {
+    let mut parameters = controller.parameters()?;
+    let names: Vec<String> = parameters.iter().map(|p| p.name.clone()).collect();
+    let values = parameters.iter().map(|p| p.value).collect();
+    let values = confirmed(controller, &names, values)?;
+    for (parameter, value) in parameters.iter_mut().zip(values) {
+        parameter.value = value;
+    }
+    Ok(parameters)
+}
+
+/// The values on which two readings in succession agree, after a first one; those that are not numbers agree.
+fn confirmed(
+    controller: &mut dyn Controller,
+    names: &[String],
+    mut values: Vec<f64>,
+) -> Result<Vec<f64>, LinkError> {
+    if names.is_empty() {
+        return Ok(values);
+    }
+    let mut differing = Vec::new();
+    for _ in 1..MAX_READINGS {
+        thread::sleep(READING_PAUSE);
+        let again = controller.read(names)?;
+        if again.len() != names.len() || values.len() != names.len() {
+            let text = "it returned fewer values than requested";
+            return Err(LinkError::Refused(text.to_owned()));
+        }
+        let agree = |a: f64, b: f64| a == b || !a.is_finite() && !b.is_finite();
+        let pairs = names.iter().zip(values.iter().zip(&again));
+        let others = pairs.filter(|(_, (before, now))| !agree(**before, **now));
+        differing = others
+            .map(|(name, (before, now))| format!("{name} = {before}, then {now}"))
+            .collect();
+        values = again;
+        if differing.is_empty() {
+            return Ok(values);
+        }
+    }
+    Err(LinkError::Refused(format!(
+        "these values differ from one reading to the next, so that they could not be restored: {}",
+        differing.join("; ")
+    )))
+}
+
+/// Checks that the controller still holds the values that were recorded as the old ones.
+///
+/// # Errors
+/// If it holds others, which are named, or cannot be read.
+pub fn check_unchanged(
+    controller: &mut dyn Controller,
+    old: &[(String, f64)],
+) -> Result<(), LinkError> {
+    let others = differing(controller, old)?;
+    if others.is_empty() {
+        return Ok(());
+    }
+    Err(LinkError::Refused(format!(
+        "its values are not those that were read before ({}): read them back first",
+        former(old, &others)
+    )))
+}
+
 /// Writes new values and reads them back, or restores the old ones.
 ///
 /// # Errors
@@ -166,18 +240,24 @@ pub fn write_adjustment(
     }
     let names: Vec<String> = new.iter().map(|(name, _)| name.clone()).collect();
     let held = controller.read(&names)?;
-    if held.len() != names.len() {
-        let text = "it returned fewer values than requested";
-        return Err(LinkError::Refused(text.to_owned()));
-    }
+    let held = confirmed(controller, &names, held)?;
     let old: Vec<(String, f64)> = names.into_iter().zip(held).collect();
     let problem = match write_and_compare(controller, new) {
         Ok(wrong) if wrong.is_empty() => {
+            let others = not_numbers(&old);
+            let advice = "Verify the new values with a verification run.";
+            let advice = match others.is_empty() {
+                true => advice.to_owned(),
+                false => format!(
+                    "{advice} A roll-back cannot restore those that were not numbers before: {}.",
+                    others.join(", ")
+                ),
+            };
             return Ok(Adjustment {
                 holds: ControllerValues::New,
                 old,
                 problem: None,
-                advice: "Verify the new values with a verification run.".to_owned(),
+                advice,
             });
         }
         Ok(wrong) => format!(
@@ -290,11 +370,9 @@ fn roll_back(
     old: Vec<(String, f64)>,
     problem: String,
 ) -> Adjustment {
-    let (numbers, others): (Vec<_>, Vec<_>) = old
-        .iter()
-        .cloned()
-        .partition(|(_, value)| value.is_finite());
-    let others: Vec<String> = others.into_iter().map(|(name, _)| name).collect();
+    let others = not_numbers(&old);
+    let numbers = old.iter().filter(|(_, value)| value.is_finite());
+    let numbers: Vec<(String, f64)> = numbers.cloned().collect();
     let (holds, advice) = match write_and_compare(controller, &numbers) {
         Ok(wrong) if wrong.is_empty() && others.is_empty() => {
             (ControllerValues::Old, OLD_VALUES.to_owned())
@@ -321,6 +399,12 @@ fn roll_back(
         problem: Some(problem),
         advice,
     }
+}
+
+/// Names of the values that are not numbers, which cannot be written.
+fn not_numbers(values: &[(String, f64)]) -> Vec<String> {
+    let odd = values.iter().filter(|(_, value)| !value.is_finite());
+    odd.map(|(name, _)| name.clone()).collect()
 }
 
 /// Values for setting by hand, with all digits, so that the controller holds the same numbers again.

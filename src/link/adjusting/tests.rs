@@ -181,8 +181,8 @@ fn nobody_waits_for_a_controller_once_it_is_given_up() {
     assert!(adjustment.problem.unwrap().contains("interrupted"));
 }
 
-/// A controller that holds what is no number.
-struct Odd(Vec<(String, f64)>);
+/// A controller that holds what is no number, and misreads values: one of these instead, at each reading in turn.
+struct Odd(Vec<(String, f64)>, Vec<Option<(&'static str, f64)>>);
 
 impl Controller for Odd {
     fn identity(&self) -> String {
@@ -215,14 +215,22 @@ impl Controller for Odd {
         Ok(())
     }
     fn parameters(&mut self) -> Result<Vec<ParameterInfo>, LinkError> {
-        Ok(Vec::new())
+        let held = self.0.iter();
+        let held = held.map(|(name, value)| ParameterInfo {
+            name: name.clone(),
+            unit: "m",
+            value: *value,
+        });
+        Ok(held.collect())
     }
     fn read(&mut self, names: &[String]) -> Result<Vec<f64>, LinkError> {
-        let value = |name: &String| {
-            self.0
-                .iter()
-                .find(|held| held.0 == *name)
-                .map(|held| held.1)
+        let wrong = (!self.1.is_empty()).then(|| self.1.remove(0)).flatten();
+        let value = |name: &String| match wrong {
+            Some((misread, value)) if misread == name => Some(value),
+            _ => {
+                let held = self.0.iter().find(|held| held.0 == *name);
+                held.map(|held| held.1)
+            }
         };
         Ok(names.iter().filter_map(value).collect())
     }
@@ -246,12 +254,17 @@ fn what_is_no_number_is_overwritten_and_cannot_be_restored() {
         let names = ["a", "b", "stuck"].map(str::to_owned);
         names.into_iter().zip(values).collect()
     };
-    let mut odd = Odd(named([f64::NAN, 1.0, 3.0]));
+    let mut odd = Odd(named([f64::NAN, 1.0, 3.0]), Vec::new());
     let new = named([4.0, 5.0, 3.0]);
     let written = write_adjustment(&mut odd, &new).unwrap();
     assert_eq!(written.holds, ControllerValues::New);
+    let advice = written.advice;
+    assert!(
+        advice.ends_with("that were not numbers before: a."),
+        "{advice}"
+    );
     // The value that does not arrive brings the others back, as far as they were numbers.
-    let mut odd = Odd(named([f64::INFINITY, 1.0, 3.0]));
+    let mut odd = Odd(named([f64::INFINITY, 1.0, 3.0]), Vec::new());
     let adjustment = write_adjustment(&mut odd, &named([4.0, 5.0, 6.0])).unwrap();
     assert_eq!(adjustment.holds, ControllerValues::Old);
     assert!(
@@ -263,12 +276,57 @@ fn what_is_no_number_is_overwritten_and_cannot_be_restored() {
 }
 
 #[test]
+fn a_single_wrong_reading_is_no_old_value() {
+    let held = || -> Vec<(String, f64)> {
+        let names = ["a", "b"].map(str::to_owned);
+        names.into_iter().zip([1.0, 2.0]).collect()
+    };
+    let new: Vec<(String, f64)> = held()
+        .into_iter()
+        .map(|(name, v)| (name, v + 0.5))
+        .collect();
+    for wrong in [f64::NAN, f64::INFINITY, 0.0] {
+        for before in 0..2 {
+            let mut misread = vec![None; before];
+            misread.push(Some(("b", wrong)));
+            let mut odd = Odd(held(), misread.clone());
+            let written = write_adjustment(&mut odd, &new).unwrap();
+            assert_eq!(written.old, held(), "{wrong} at reading {before}");
+            assert_eq!(written.holds, ControllerValues::New);
+            let mut odd = Odd(held(), misread);
+            let read = read_parameters(&mut odd).unwrap();
+            let values: Vec<f64> = read.iter().map(|p| p.value).collect();
+            assert_eq!(values, [1.0, 2.0]);
+        }
+    }
+    // Readings that never agree are no reason to overwrite anything.
+    let misread = vec![Some(("b", 0.0)), None, Some(("b", 0.0)), None];
+    let mut odd = Odd(held(), misread);
+    let told = write_adjustment(&mut odd, &new).unwrap_err().to_string();
+    assert!(told.contains("b = 0, then 2"), "{told}");
+    assert_eq!(odd.0, held());
+}
+
+#[test]
+fn old_values_that_changed_since_they_were_read_are_named() {
+    let old = [("a".to_owned(), 1.0), ("b".to_owned(), 2.0)];
+    let mut odd = Odd(old.to_vec(), Vec::new());
+    check_unchanged(&mut odd, &old).unwrap();
+    odd.0[1].1 = 2.5;
+    let told = check_unchanged(&mut odd, &old).unwrap_err().to_string();
+    assert!(told.contains("(b = 2)"), "{told}");
+}
+
+#[test]
 fn a_controller_that_does_not_come_back_is_told_so() {
     let (mut robot, _) = robot(vec![Fault::WriteDisconnects { after: 1 }]);
     struct Never;
     impl ReconnectPolicy for Never {
         fn restore(&mut self, _: &mut dyn Controller) -> Result<(), LinkError> {
-            Err(LinkError::Timeout(1.0))
+            Err(LinkError::Timeout {
+                request: "for its state".to_owned(),
+                seconds: 1.0,
+            })
         }
         fn pause(&mut self) {}
     }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use tautline_session::without_user;
+
 use crate::error::LinkError;
 
 /// Default TCP port of routers.
@@ -29,7 +31,8 @@ impl FromStr for AdsAddress {
     fn from_str(text: &str) -> Result<Self, LinkError> {
         let wrong = |what: &str| {
             LinkError::Setup(format!(
-                "the address {text:?} {what}, expected HOST[:PORT]/NETID[:AMSPORT], like 192.168.0.5/192.168.0.5.1.1:851"
+                "the address {:?} {what}, expected HOST[:PORT]/NETID[:AMSPORT], like 192.168.0.5/192.168.0.5.1.1:851",
+                without_user(text)
             ))
         };
         let (place, ams) = text
@@ -42,8 +45,9 @@ impl FromStr for AdsAddress {
             _ => (place, Some(TCP_PORT)),
         };
         let host = host.trim_start_matches('[').trim_end_matches(']');
-        if host.is_empty() || host.contains(char::is_whitespace) {
-            return Err(wrong("has no host"));
+        let strange = |c: char| c.is_whitespace() || c == '@';
+        if host.is_empty() || host.contains(strange) {
+            return Err(wrong("has no host, or a character that is not allowed"));
         }
         let (net_id, ams_port) = match ams.split_once(':') {
             Some((net_id, port)) => (net_id, port_of(port)),
@@ -109,13 +113,15 @@ mod tests {
             ("/1.2.3.4.5.6", "has no host"),
             ("plc/1.2.3.4.5", "not six numbers"),
             ("plc/1.2.3.4.5.256", "not six numbers"),
+            ("user:secret@plc/1.2.3.4.5.6", "has an invalid port"),
+            ("user:secret@plc:1/1.2.3.4.5.6", "has no host"),
             ("plc:0/1.2.3.4.5.6", "has an invalid port"),
             ("plc:a/1.2.3.4.5.6", "has an invalid port"),
             ("plc/1.2.3.4.5.6:70000", "has an invalid AMS port"),
         ] {
             let told = text.parse::<AdsAddress>().unwrap_err().to_string();
             assert!(
-                told.contains(what) && told.contains("192.168.0.5"),
+                told.contains(what) && told.contains("192.168.0.5") && !told.contains("secret"),
                 "{told}"
             );
         }

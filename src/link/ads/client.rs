@@ -48,6 +48,8 @@ type Answer<T> = Result<T, RequestError>;
 pub(super) struct AdsClient {
     wire: Wire,
     timeout_s: f64,
+    /// The present request, for the message if it is not answered.
+    request: String,
     /// Whether the controller accepts several parts in one request.
     sums: bool,
     /// Handles of the subscriptions.
@@ -76,6 +78,7 @@ impl AdsClient {
                     return Ok(Self {
                         wire,
                         timeout_s: options.timeout_s,
+                        request: String::new(),
                         sums: true,
                         handles: Vec::new(),
                         rows: Rows::default(),
@@ -89,16 +92,20 @@ impl AdsClient {
                 Err(SocketError::Io(error)) => {
                     last = LinkError::Disconnected(format!("{place} cannot be reached ({error})"));
                 }
-                Err(broken) => last = lost(broken, options.timeout_s),
+                Err(broken) => last = lost(broken, ("for its state", options.timeout_s)),
             }
         }
         Err(last)
     }
 
+    fn lost(&self, broken: SocketError) -> RequestError {
+        RequestError::Lost(lost(broken, (&self.request, self.timeout_s)))
+    }
+
     /// Sends a request and returns its response after the error code, at most `longest` bytes.
     fn ask(&mut self, command: Command, data: &[u8], longest: usize) -> Answer<Vec<u8>> {
         let reply = self.wire.exchange(command, data, CODE + longest);
-        let reply = reply.map_err(|broken| RequestError::Lost(lost(broken, self.timeout_s)))?;
+        let reply = reply.map_err(|broken| self.lost(broken))?;
         let mut content = reply.map_err(RequestError::Refused)?;
         if content.len() < CODE {
             return Err(broken("an answer without its error code"));
@@ -146,6 +153,7 @@ impl AdsClient {
 
     /// Whether the ADS device runs, and the name of its state; a running program is in the state "Run".
     pub fn state(&mut self) -> Answer<(bool, String)> {
+        "for its state".clone_into(&mut self.request);
         let state = self.ask(Command::ReadState, &[], STATE - CODE)?;
         let Ok([low, high, _, _]) = <[u8; 4]>::try_from(state) else {
             return Err(broken("a state that is incomplete"));
@@ -156,6 +164,7 @@ impl AdsClient {
 
     /// Looks up a symbol.
     pub fn symbol(&mut self, name: &str) -> Answer<Symbol> {
+        self.request = format!("for the symbol {name}");
         let mut asked = name.as_bytes().to_vec();
         asked.push(0);
         let entry = self.read_write((group::SYMBOL, 0), ENTRY, &asked)?;
@@ -167,6 +176,7 @@ impl AdsClient {
     pub fn read(&mut self, places: &[Place]) -> Answer<Vec<Result<Vec<u8>, AdsCode>>> {
         let mut all = Vec::with_capacity(places.len());
         for part in batches(places, |place| place.size) {
+            self.request = format!("to read {} of {} symbols", part.len(), places.len());
             let answers = match self.sums {
                 true => self.read_together(part),
                 false => self.read_singly(part),
@@ -210,6 +220,7 @@ impl AdsClient {
     /// handle of each.
     pub fn subscribe(&mut self, places: &[Place], every_s: f64) -> Answer<Vec<u32>> {
         self.unsubscribe()?;
+        self.request = format!("to send {} symbols in every cycle", places.len());
         self.wire.keep_notifications();
         for place in places {
             let request = [place.head().concat(), notifications::cycle(every_s)].concat();
@@ -227,6 +238,7 @@ impl AdsClient {
 
     /// Ends all subscriptions. It does not matter if the controller no longer knows one of them.
     pub fn unsubscribe(&mut self) -> Answer<()> {
+        "to end a subscription".clone_into(&mut self.request);
         for handle in std::mem::take(&mut self.handles) {
             match self.ask(Command::Unsubscribe, &handle.to_le_bytes(), 0) {
                 Ok(_) | Err(RequestError::Refused(_)) => {}
@@ -239,7 +251,8 @@ impl AdsClient {
     /// The values received at times for which all subscribed places have arrived, the oldest first.
     pub fn notified(&mut self) -> Answer<Vec<Row>> {
         let frames = self.wire.take_notifications();
-        let frames = frames.map_err(|broken| RequestError::Lost(lost(broken, self.timeout_s)))?;
+        "for the rest of a notification".clone_into(&mut self.request);
+        let frames = frames.map_err(|broken| self.lost(broken))?;
         let count = self.handles.len();
         let rows = frames.iter().flat_map(|frame| self.rows.take(frame, count));
         Ok(rows.collect())
@@ -249,6 +262,7 @@ impl AdsClient {
     pub fn write(&mut self, values: &[(Place, Vec<u8>)]) -> Result<(), (RequestError, usize)> {
         let mut done = 0;
         for part in batches(values, |(place, _)| place.size) {
+            self.request = format!("to write {} of {} values", part.len(), values.len());
             let written = match self.sums {
                 true => self.write_together(part),
                 false => self.write_singly(part),
@@ -311,8 +325,8 @@ fn broken(what: &str) -> RequestError {
 }
 
 /// Converts a broken connection to an error for the operator.
-fn lost(broken: SocketError, timeout_s: f64) -> LinkError {
-    broken.into_error(timeout_s, " (does it have an ADS route to this computer?)")
+fn lost(broken: SocketError, request: (&str, f64)) -> LinkError {
+    broken.into_error(request, " (does it have an ADS route to this computer?)")
 }
 
 fn size_word(size: usize) -> u32 {

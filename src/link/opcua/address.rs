@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use tautline_session::without_user;
+
 use crate::error::LinkError;
 
 /// Prefix of addresses.
@@ -27,7 +29,8 @@ impl FromStr for OpcUaAddress {
     fn from_str(text: &str) -> Result<Self, LinkError> {
         let wrong = |what: &str| {
             LinkError::Setup(format!(
-                "the address {text:?} {what}, expected opc.tcp://HOST[:PORT], like opc.tcp://192.168.0.5:4840"
+                "the address {:?} {what}, expected opc.tcp://HOST[:PORT], like opc.tcp://192.168.0.5:4840",
+                without_user(text)
             ))
         };
         let rest = text.trim().strip_prefix(SCHEME);
@@ -89,6 +92,7 @@ mod tests {
         ] {
             let told = text.parse::<OpcUaAddress>().expect_err(text).to_string();
             assert!(told.contains(why), "{text}: {told}");
+            assert!(!told.contains("secret"), "{told}");
         }
     }
 }

@@ -35,6 +35,8 @@ pub(super) enum RequestError {
 pub(super) struct OpcUaClient {
     wire: Wire,
     timeout_s: f64,
+    /// The present request, for the message if it is not answered.
+    request: String,
     token: NodeId,
     is_lost: bool,
 }
@@ -51,6 +53,7 @@ impl OpcUaClient {
                     let mut client = Self {
                         wire,
                         timeout_s: options.timeout_s,
+                        request: "for a session".to_owned(),
                         token: NodeId::null(),
                         is_lost: false,
                     };
@@ -66,7 +69,10 @@ impl OpcUaClient {
                     let text = format!("{place} cannot be reached ({error})");
                     last = Some(LinkError::Disconnected(text));
                 }
-                Err(broken) => last = Some(broken.into_error(options.timeout_s, "")),
+                Err(broken) => {
+                    let request = ("for a connection", options.timeout_s);
+                    last = Some(broken.into_error(request, ""));
+                }
             }
         }
         let none = || LinkError::Disconnected(format!("{url} has no address"));
@@ -117,7 +123,7 @@ impl OpcUaClient {
     ) -> Result<A, RequestError> {
         let answer = self.wire.exchange(request).map_err(|broken| {
             self.is_lost = true;
-            RequestError::Lost(broken.into_error(self.timeout_s, ""))
+            RequestError::Lost(broken.into_error((&self.request, self.timeout_s), ""))
         })?;
         answer.map_err(|status| self.refusal(status))
     }
@@ -151,6 +157,7 @@ impl OpcUaClient {
     pub fn read(&mut self, nodes: &[NodeId]) -> Result<Vec<DataValue>, RequestError> {
         let mut values = Vec::with_capacity(nodes.len());
         for part in nodes.chunks(NODES) {
+            self.request = format!("to read {} of {} nodes", part.len(), nodes.len());
             let wanted = |node: &NodeId| ReadValueId {
                 node_id: node.clone(),
                 attribute_id: AttributeId::Value as u32,
@@ -178,6 +185,7 @@ impl OpcUaClient {
         values: Vec<(NodeId, Variant)>,
     ) -> Result<Vec<StatusCode>, RequestError> {
         let count = values.len();
+        self.request = format!("to write {count} nodes");
         let written = values.into_iter().map(|(node_id, value)| WriteValue {
             node_id,
             attribute_id: AttributeId::Value as u32,

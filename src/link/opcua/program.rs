@@ -79,7 +79,7 @@ impl Program {
         let values = indices.iter().zip(answers).map(|(index, answer)| {
             let name = &self.nodes[*index].name;
             match (answer.status.unwrap_or(StatusCode::Good), answer.value) {
-                (status, Some(value)) if status.is_good() => Ok(value),
+                (status, value) if status.is_good() => Ok(value.unwrap_or_default()),
                 (status, _) => Err(refused(status, name)),
             }
         });
@@ -148,8 +148,9 @@ impl SymbolAccess for Program {
         let values = self.values(&wanted)?;
         let mut contents = vec![None; self.nodes.len()];
         for (index, value) in wanted.into_iter().zip(values) {
-            let content = self.nodes[index].shape.content(&value);
-            contents[index] = Some(content.ok_or_else(program_changed)?);
+            let node = &self.nodes[index];
+            let content = node.shape.content(&value);
+            contents[index] = Some(content.ok_or_else(|| node_changed(node, &value))?);
         }
         Ok(SymbolValues(contents))
     }
@@ -167,7 +168,7 @@ impl SymbolAccess for Program {
         for (index, held) in order.iter().zip(held) {
             let node = &self.nodes[*index];
             if Shape::of(&held) != node.shape {
-                return Err(program_changed());
+                return Err(node_changed(node, &held));
             }
             let own = values.iter().filter(|(slot, _)| slot.symbol == *index);
             let changes: Vec<(usize, f64)> = own.map(|(slot, v)| (slot.element, *v)).collect();
@@ -193,7 +194,15 @@ impl SymbolAccess for Program {
     }
 }
 
-fn program_changed() -> Failure {
-    let text = "its program was changed in the meantime: connect again";
-    Failure::Lost(LinkError::Disconnected(text.to_owned()))
+/// A value that does not fit the node as it was looked up.
+fn node_changed(node: &Node, value: &Variant) -> Failure {
+    let found = match value {
+        Variant::Empty => "no value (null)".to_owned(),
+        value => format!("a value of type {}", Shape::of(value).name()),
+    };
+    Failure::Lost(LinkError::Disconnected(format!(
+        "its node {} sent {found}, expected {}: connect again if its program was changed",
+        node.name,
+        node.shape.name()
+    )))
 }

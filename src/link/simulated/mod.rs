@@ -288,7 +288,10 @@ impl SimulatedRobot {
         let fails = |fault: &Fault| *fault == Fault::WriteFails { after: index };
         if let Some(at) = self.faults.iter().position(fails) {
             self.faults.remove(at);
-            return Err(LinkError::Timeout(1.0));
+            return Err(LinkError::Timeout {
+                request: "to write a value".to_owned(),
+                seconds: 1.0,
+            });
         }
         if (self.faults).contains(&Fault::WriteDisconnects { after: index }) {
             self.drop_connection();

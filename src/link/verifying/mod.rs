@@ -169,7 +169,10 @@ impl VerifyingRun {
             return self.wait_for_answer(instrument, &sample);
         }
         if sample.time_s - commanded_s > self.options.timeout_s {
-            return Err(LinkError::Timeout(self.options.timeout_s));
+            return Err(LinkError::Timeout {
+                request: "to bring the platform to rest".to_owned(),
+                seconds: self.options.timeout_s,
+            });
         }
         if state.activity == Activity::Moving {
             self.under_way = Some((commanded_s, None));

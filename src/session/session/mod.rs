@@ -34,7 +34,7 @@ pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
 pub use connection::{
     AdsPlace, Connection, ControllerKind, OpcUaPlace, RecordingPlace, SymbolCommand, SymbolList,
     SymbolMapping, SymbolNames, SymbolParameter, SymbolPose, SymbolReadings, SymbolRotation,
-    SymbolStatus, SymbolValue, is_per_cable, name_of_cable,
+    SymbolStatus, SymbolValue, is_per_cable, name_of_cable, without_user,
 };
 pub(crate) use document::SessionFile;
 pub use laser_settings::{LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings};

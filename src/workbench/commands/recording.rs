@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use tautline_core::robot::Robot;
 use tautline_import::{
-    AlignedClock, Imported, Recipe, Source, Suggestion, align_clocks, clock_times, read_recipe,
-    read_sources,
+    AlignedClock, Imported, MemoryBudget, Recipe, Source, Suggestion, align_clocks, clock_times,
+    read_recipe, read_sources,
 };
 use tautline_session::{Loaded, Phase as LogPhase, Session, write_versioned};
 
@@ -87,7 +87,7 @@ pub(super) fn watch(task: &TaskHandle) -> impl Fn(f64) -> bool + '_ {
 fn read(model: &mut Model, path: PathBuf) {
     model.messages.resolve(Cause::Opening);
     model.tasks.start(READING, move |task| {
-        let result = match read_sources(&[path], &watch(task)) {
+        let result = match read_sources(&[path], &MemoryBudget::default(), &watch(task)) {
             Err(_) if task.cancelled() => Ok(None),
             Err(error) => Err(error.to_string()),
             Ok(sources) => Ok(Some(sources)),

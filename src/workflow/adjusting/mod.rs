@@ -134,12 +134,14 @@ pub fn found(open: &Adjustment, found: &ControllerValues) -> String {
     format!("The {what} of {when} was interrupted: {was}.")
 }
 
-/// The result of settling an adjustment: the outcome for the record, and a text for the operator.
+/// The result of settling an adjustment: the outcome for the record, and a text for the operator, which names the values that
+/// a roll-back did [not restore](not_restored).
 #[must_use]
 pub fn settled(
     open: &Adjustment,
     found: &ControllerValues,
     settled: &adjusting::Adjustment,
+    not_restored: Option<&str>,
 ) -> (Outcome, String) {
     let now = match &settled.holds {
         ControllerValues::New => {
@@ -159,7 +161,14 @@ pub fn settled(
         ControllerValues::Old if *found == ControllerValues::Old => "",
         _ => settled.advice.as_str(),
     };
-    let parts = [self::found(open, found), now, advice.to_owned()];
+    let is_rolled_back = settled.holds == ControllerValues::New && open.restores;
+    let kept = not_restored.filter(|_| is_rolled_back).unwrap_or_default();
+    let parts = [
+        self::found(open, found),
+        now,
+        advice.to_owned(),
+        kept.to_owned(),
+    ];
     let text = parts
         .into_iter()
         .filter(|part| !part.is_empty())
@@ -177,18 +186,57 @@ pub fn settled(
     (outcome, text)
 }
 
-/// Summary of an attempt to write `values` values, for the operator.
+/// The values that a roll-back of the last written adjustment cannot restore, because they were not numbers before.
 #[must_use]
-pub fn summary(adjustment: &adjusting::Adjustment, purpose: Purpose, values: usize) -> String {
+pub fn not_restorable(session: &Session) -> Vec<&ValueChange> {
+    let mut all = session.adjustments().iter().rev();
+    let written = all.find(|last| !last.restores && last.outcome == Outcome::Written);
+    let changes = written.into_iter().flat_map(|written| &written.changes);
+    changes
+        .filter(|change| !change.before.is_finite())
+        .collect()
+}
+
+/// Names the values that a roll-back did not restore; `None` if it restored all.
+#[must_use]
+pub fn not_restored(session: &Session) -> Option<String> {
+    let kept = not_restorable(session);
+    let list: Vec<String> = kept
+        .iter()
+        .map(|change| {
+            format!(
+                "{} was {} and keeps {}",
+                change.name, change.before, change.after
+            )
+        })
+        .collect();
+    (!list.is_empty()).then(|| {
+        format!(
+            "Set by hand what was not a number before and cannot be written: {}.",
+            list.join("; ")
+        )
+    })
+}
+
+/// Summary of an attempt to write `values` values, for the operator; a roll-back names the values that are
+/// [not restored](not_restored).
+#[must_use]
+pub fn summary(
+    adjustment: &adjusting::Adjustment,
+    purpose: Purpose,
+    values: usize,
+    not_restored: Option<&str>,
+) -> String {
     let what = match (&adjustment.holds, purpose) {
         (ControllerValues::New, Purpose::Adjust) => {
             format!(
                 "The identified values were written to the controller and verified ({values} changed)."
             )
         }
-        (ControllerValues::New, Purpose::RollBack) => {
-            format!("The previous values were restored ({values} changed).")
-        }
+        (ControllerValues::New, Purpose::RollBack) => match not_restored {
+            None => format!("The previous values were restored ({values} changed)."),
+            Some(kept) => format!("{values} of the previous values were restored. {kept}"),
+        },
         (ControllerValues::Old, _) => "The values were not written.".to_owned(),
         (ControllerValues::Mixed(names), _) => {
             format!("Warning: {} values are only partly written.", names.len())
@@ -333,6 +381,34 @@ mod tests {
     }
 
     #[test]
+    fn a_roll_back_names_what_it_cannot_restore() {
+        let mut written = record(Outcome::Written, false);
+        written.changes[1].before = f64::NAN;
+        let session = session([written, record(Outcome::Begun, true)]);
+        let kept = not_restored(&session).expect("a sentence");
+        assert!(kept.contains("b was NaN and keeps 1.5"), "{kept}");
+        let done = adjusting::Adjustment {
+            holds: ControllerValues::New,
+            old: Vec::new(),
+            problem: None,
+            advice: String::new(),
+        };
+        for kept in [Some(kept.as_str()), None] {
+            let text = summary(&done, Purpose::RollBack, 2, kept);
+            assert_eq!(
+                text.contains("The previous values were restored"),
+                kept.is_none(),
+                "{text}"
+            );
+            let open = record(Outcome::Begun, true);
+            let (_, settled) = settled(&open, &ControllerValues::New, &done, kept);
+            for text in [text, settled] {
+                assert_eq!(text.contains("b was NaN"), kept.is_some(), "{text}");
+            }
+        }
+    }
+
+    #[test]
     fn settling_says_what_was_found_and_what_is_there_now() {
         let attempt = |holds| adjusting::Adjustment {
             holds,
@@ -361,13 +437,19 @@ mod tests {
                 Outcome::RolledBack,
             ),
         ] {
-            let (outcome, _) = settled(&record(Outcome::Begun, restores), &found, &attempt(holds));
+            let (outcome, _) = settled(
+                &record(Outcome::Begun, restores),
+                &found,
+                &attempt(holds),
+                None,
+            );
             assert_eq!(outcome, expected);
         }
         let (outcome, text) = settled(
             &record(Outcome::Begun, false),
             &ControllerValues::Old,
             &attempt(ControllerValues::Old),
+            None,
         );
         assert!(matches!(outcome, Outcome::Failed(_)));
         assert!(
@@ -378,6 +460,7 @@ mod tests {
             &record(Outcome::Begun, true),
             &mixed,
             &attempt(mixed.clone()),
+            None,
         );
         assert!(matches!(outcome, Outcome::Unsettled(_)));
         assert!(

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use tautline_link::LinkError;
 use tautline_link::ads::AdsAddress;
 use tautline_link::opcua::OpcUaAddress;
-use tautline_session::{Connection, ControllerKind, Session};
+use tautline_session::{Connection, ControllerKind, Session, without_user};
 
 /// The possible choices, for error messages.
 const KNOWN: &str =
@@ -76,7 +76,8 @@ impl FromStr for ControllerChoice {
     fn from_str(text: &str) -> Result<Self, ControllerChoiceError> {
         let refuse = |expected| {
             Err(ControllerChoiceError(format!(
-                "found \"{text}\", {expected}"
+                "found \"{}\", {expected}",
+                without_user(text)
             )))
         };
         if text == "sim" {
@@ -141,6 +142,10 @@ mod tests {
             ("", "expected sim, replay:DIR"),
             ("simulated", "found \"simulated\", expected sim"),
             ("replay:", "the dataset folder"),
+            (
+                "http://user:secret@plc",
+                "found \"http://...@plc\", expected sim",
+            ),
             ("ads:robot", "has no Net ID"),
             ("ads:/1.2.3.4.1.1", "has no host"),
             ("opc.tcp://", "has no host"),

@@ -105,6 +105,8 @@ impl Source {
     }
 }
 
+/// How many times as long as an answer may take something can arrive late.
+const LATE: f64 = 1.5;
 /// Seed of the deviations and the noise of a robot simulated from its description.
 const SEED: u64 = 1;
 
@@ -164,6 +166,16 @@ impl ConnectionSetup {
     #[must_use]
     pub fn reconnects(&self) -> bool {
         self.kind == Kind::Real
+    }
+
+    /// Time after which nothing that was sent over a lost connection can still arrive (s): longer than an answer may take.
+    #[must_use]
+    pub fn late_s(&self) -> f64 {
+        LATE * match &self.source {
+            Source::Ads(_, _, options) => options.timeout_s,
+            Source::OpcUa(_, _, options) => options.timeout_s,
+            Source::Simulated(_) | Source::Replay(_) => 0.0,
+        }
     }
 
     /// Whether an external instrument observes the robot; otherwise poses are typed.

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use tautline_core::robot::Robot;
 use tautline_import::{
-    Imported, Recipe, Source, import as import_sources, is_robot_description, read_recipe,
-    read_robot_description, read_sources,
+    Imported, MemoryBudget, Recipe, Source, import as import_sources, is_robot_description,
+    read_recipe, read_robot_description, read_sources,
 };
 use tautline_session::{
     Import, Loaded, LogEntry, Phase, ReadError, ResultRecord, Session, Timestamp, VersionedFile,
@@ -55,7 +55,7 @@ pub fn open(
         let robot = read_robot_description(&robot_files(path))?;
         return Ok(robot.map(|robot| Opened::Robot(Box::new(robot))));
     }
-    Ok(read_sources(&paths, goes_on)?.map(Opened::Sources))
+    Ok(read_sources(&paths, &MemoryBudget::default(), goes_on)?.map(Opened::Sources))
 }
 
 /// The files of a robot description: those of CASPR are two in one folder, bodies and cables.
@@ -116,5 +116,11 @@ pub fn cut(
     recipe: &Recipe,
     robot: &Robot,
 ) -> Result<Imported, tautline_import::ImportError> {
-    import_sources(sources, recipe, "the recipe", robot)
+    import_sources(
+        sources,
+        recipe,
+        "the recipe",
+        robot,
+        &MemoryBudget::default(),
+    )
 }

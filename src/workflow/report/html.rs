@@ -4,6 +4,7 @@ use base64::prelude::{BASE64_STANDARD, Engine as _};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::document::{Align, Block, Document, Section, Table};
+use crate::wording::printable;
 
 const STYLE: &str = include_str!("report.css");
 
@@ -30,7 +31,8 @@ pub fn render(document: &Document) -> String {
             }
         }
     };
-    page.into_string()
+    // Escape sequences and marks of direction mean something to whoever prints the file, or reads its source.
+    printable(&page.into_string()).into_owned()
 }
 
 fn section(section: &Section) -> Markup {

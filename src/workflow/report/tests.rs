@@ -21,7 +21,7 @@ use crate::documents::record;
 use crate::identification::{Identification, IdentificationRequest, identify, identify_session};
 
 /// A name that would be a program if it were taken as markup.
-const HOSTILE: &str = "<script>alert(1)</script> & \"cable\"";
+const HOSTILE: &str = "<script>alert(1)</script> & \"cable\" \u{1b}[2J\u{202e}";
 
 struct Sample {
     choice: ReportChoice,
@@ -199,7 +199,10 @@ fn html_is_well_formed_and_needs_nothing_else() {
 fn names_of_files_are_text_in_html() {
     let html = sample(&[Verdict::Named]).html();
     assert!(!html.contains("<script"));
-    assert!(html.contains("&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;cable&quot;"));
+    assert!(html.contains(
+        "&lt;script&gt;alert(1)&lt;/script&gt; &amp; &quot;cable&quot; \\u{1b}[2J\\u{202e}"
+    ));
+    assert!(!html.contains(crate::wording::is_obeyed));
 }
 
 #[test]

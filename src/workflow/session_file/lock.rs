@@ -25,6 +25,9 @@ pub fn unsaved_folder(session: &Path) -> PathBuf {
 pub struct FileLock {
     folder: PathBuf,
     lock: File,
+    /// The session file itself, so that it is locked under all its names; `None` if there is none yet, or its system does not
+    /// lock it.
+    session: Option<File>,
 }
 
 /// Reasons why a session file cannot be locked.
@@ -80,7 +83,13 @@ impl FileLock {
             };
             match file.try_lock() {
                 Ok(()) if is_still(&file, &lock).map_err(failed)? => {
-                    return Ok(Self { folder, lock: file });
+                    let mut held = Self {
+                        folder,
+                        lock: file,
+                        session: None,
+                    };
+                    held.session = lock_file(session)?;
+                    return Ok(held);
                 }
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => return Err(LockError::Busy(session.to_owned())),
@@ -100,8 +109,30 @@ impl Drop for FileLock {
         // The lock is released last. A folder that contains unsaved poses is not empty and so stays.
         let _ = fs::remove_file(self.folder.join(LOCK_NAME));
         let _ = fs::remove_dir(&self.folder);
-        let _ = self.lock.unlock();
+        for lock in self.session.iter().chain([&self.lock]) {
+            let _ = lock.unlock();
+        }
     }
+}
+
+/// Locks a session file itself: hard links are several names of one file, beside each of which there could be a lock.
+#[cfg(unix)]
+fn lock_file(session: &Path) -> Result<Option<File>, LockError> {
+    let Ok(file) = File::open(link_target(session)) else {
+        // Reading it reports the error.
+        return Ok(None);
+    };
+    match file.try_lock() {
+        Ok(()) => Ok(Some(file)),
+        Err(TryLockError::WouldBlock) => Err(LockError::Busy(session.to_owned())),
+        Err(TryLockError::Error(_)) => Ok(None),
+    }
+}
+
+/// On systems where nobody can read a locked file, this program itself could not, either.
+#[cfg(not(unix))]
+fn lock_file(_: &Path) -> Result<Option<File>, LockError> {
+    Ok(None)
 }
 
 /// Refuses links and anything else that this program did not create: writing there would go elsewhere.
@@ -137,4 +168,23 @@ fn is_same(a: &Metadata, b: &Metadata) -> bool {
 #[cfg(not(unix))]
 fn is_same(_: &Metadata, _: &Metadata) -> bool {
     true
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_with_two_names_is_locked_under_both() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [one, two] = ["one.json", "two.json"].map(|name| folder.path().join(name));
+        fs::write(&one, "{}").expect("written");
+        fs::hard_link(&one, &two).expect("a link");
+        let held = FileLock::acquire(&one).expect("free");
+        let busy = FileLock::acquire(&two).expect_err("the same file");
+        assert!(matches!(busy, LockError::Busy(path) if path == two));
+        assert!(!unsaved_folder(&two).exists());
+        drop(held);
+        FileLock::acquire(&two).expect("free again");
+    }
 }

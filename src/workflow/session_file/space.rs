@@ -1,8 +1,10 @@
 //! Disk space reserved for the record of an operation that cannot be undone.
 
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
+
+use tautline_session::reserve;
 
 use super::SessionFileError;
 
@@ -10,8 +12,6 @@ use super::SessionFileError;
 const NAME: &str = "space";
 /// Largest growth of a session by one record (bytes).
 const RECORD: u64 = 1 << 20;
-/// Block of zeros for writing.
-static BLOCK: [u8; 1 << 16] = [0; 1 << 16];
 
 /// Reserved space, which is released when this is dropped.
 #[derive(Debug)]
@@ -31,18 +31,11 @@ impl ReservedSpace {
     }
 }
 
-/// Writes a file of a given size; a sparse file would take no space.
+/// Writes a file of a given size.
 fn fill(path: &Path, size: u64) -> io::Result<()> {
     remove_left(path)?;
     // A link in its place would lead elsewhere.
-    let mut file = File::create_new(path)?;
-    let mut left = size;
-    while left > 0 {
-        let part = usize::try_from(left).unwrap_or(usize::MAX).min(BLOCK.len());
-        file.write_all(&BLOCK[..part])?;
-        left -= part as u64;
-    }
-    file.sync_all()
+    reserve(&File::create_new(path)?, size)
 }
 
 /// Removes the file left by a killed program, if it is a plain file.

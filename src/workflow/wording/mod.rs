@@ -2,6 +2,7 @@
 
 pub mod local_time;
 pub mod parameters;
+mod printable;
 pub mod probability;
 mod recording;
 mod session;
@@ -9,6 +10,7 @@ pub mod units;
 
 use tautline_core::diagnosis::Quantity;
 
+pub use printable::{is_obeyed, printable};
 pub use recording::sampling_sentence;
 pub use session::{recent_facts, session_facts};
 

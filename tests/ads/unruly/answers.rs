@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::super::host::Written;
 use super::memory;
-use super::{Request, State, frame, word};
+use super::{Request, State, frame, is_command, word};
 
 const SYMBOL_VERSION: u32 = 0xF008;
 pub(super) const SYMBOL_INFO: u32 = 0xF009;
@@ -234,7 +234,26 @@ fn read(state: &mut State, group: u32, offset: u32, size: usize) -> Result<Vec<u
         VALUE_BY_HANDLE => handle(state, offset).ok_or(WRONG_OFFSET)?,
         group => (group, offset),
     };
-    state.memory.read(group, offset, size).ok_or(WRONG_OFFSET)
+    let bytes = state.memory.read(group, offset, size).ok_or(WRONG_OFFSET)?;
+    let name = state.memory.name_at(group, offset);
+    Ok(misread(state, name.as_deref(), bytes))
+}
+
+/// What is read of a symbol, with the wrong readings that are planned for it.
+fn misread(state: &mut State, name: Option<&str>, mut bytes: Vec<u8>) -> Vec<u8> {
+    const SIZE: usize = size_of::<f64>();
+    state.wrong_readings.retain_mut(|wrong| {
+        if Some(wrong.symbol.as_str()) != name {
+            return true;
+        }
+        wrong.number = wrong.number.saturating_sub(1);
+        let place = bytes.get_mut(SIZE * wrong.element..SIZE * (wrong.element + 1));
+        if let Some(place) = place.filter(|_| wrong.number == 0) {
+            place.copy_from_slice(&wrong.value.to_le_bytes());
+        }
+        wrong.number > 0
+    });
+    bytes
 }
 
 fn write(
@@ -254,11 +273,14 @@ fn write(
         before_value,
         ..
     } = state;
-    if let Some(does) = before_value {
+    let is_parameter = memory
+        .name_at(group, offset)
+        .is_some_and(|name| !is_command(&name));
+    if let Some(does) = before_value.as_mut().filter(|_| is_parameter) {
         does(*values, memory);
     }
     let written = memory.write(group, offset, bytes).ok_or(WRONG_OFFSET)?;
-    *values += 1;
+    *values += u64::from(is_parameter);
     let _ = tell.send((written.name.clone(), written.numbers()));
     Ok(())
 }

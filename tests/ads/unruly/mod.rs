@@ -52,6 +52,15 @@ struct Fault {
     action: Action,
 }
 
+/// A planned wrong reading: the value of an element at reading `number` (from 1) of its symbol.
+#[derive(Debug)]
+struct WrongReading {
+    symbol: String,
+    element: usize,
+    value: f64,
+    number: u64,
+}
+
 type BeforeValue = Box<dyn FnMut(u64, &mut Memory) + Send>;
 
 #[derive(Default)]
@@ -61,8 +70,9 @@ struct State {
     /// Number of the ADS state; 5: run.
     state: u16,
     faults: Vec<Fault>,
+    wrong_readings: Vec<WrongReading>,
     counts: BTreeMap<Kind, u64>,
-    /// Values that were written so far.
+    /// Values of parameters that were written so far.
     values: u64,
     /// Nobody can connect.
     down: bool,
@@ -77,7 +87,7 @@ struct State {
     notifications: u64,
     /// The symbol that shows the time, and when it was zero.
     clock: Option<(String, Instant)>,
-    /// Called before each value is written, with the number of values before.
+    /// Called before each value of a parameter is written, with the number of values before.
     before_value: Option<BeforeValue>,
 }
 
@@ -159,9 +169,21 @@ impl Unruly {
         });
     }
 
+    /// Plans that an LREAL reads as another value at reading `number` (from 1, counted from now) of its symbol.
+    pub fn wrong_reading(&self, (symbol, element): (&str, usize), value: f64, number: u64) {
+        lock(&self.state).wrong_readings.push(WrongReading {
+            symbol: symbol.to_owned(),
+            element,
+            value,
+            number,
+        });
+    }
+
     /// The planned faults that have not happened yet are forgotten.
     pub fn forgive(&self) {
-        lock(&self.state).faults.clear();
+        let mut state = lock(&self.state);
+        state.faults.clear();
+        state.wrong_readings.clear();
     }
 
     /// Clients can connect again.
@@ -184,7 +206,7 @@ impl Unruly {
         lock(&self.state).counts.get(&kind).copied().unwrap_or(0)
     }
 
-    /// Number of values that were written so far.
+    /// Number of values of parameters that were written so far.
     #[must_use]
     pub fn values(&self) -> u64 {
         lock(&self.state).values
@@ -222,7 +244,7 @@ impl Unruly {
         lock(&self.state).subscriptions.len()
     }
 
-    /// Calls a function before each value that a client writes, with the number of values before it.
+    /// Calls a function before each value of a parameter that a client writes, with the number of values before it.
     pub fn before_value(&self, does: impl FnMut(u64, &mut Memory) + Send + 'static) {
         lock(&self.state).before_value = Some(Box::new(does));
     }
@@ -359,6 +381,10 @@ fn receive(socket: &mut TcpStream, connection: u64) -> Option<Request> {
     })
 }
 
+fn is_command(name: &str) -> bool {
+    COMMANDS.iter().any(|known| name.ends_with(known))
+}
+
 fn kind_of(request: &Request, memory: &mut Memory) -> Kind {
     let group = word(&request.data, 0).unwrap_or(0);
     // Of several values the first one decides.
@@ -373,8 +399,7 @@ fn kind_of(request: &Request, memory: &mut Memory) -> Kind {
         (3, _) | (9, WRITE_TOGETHER) => {
             let place = word(&request.data, head).zip(word(&request.data, head + 4));
             let name = place.and_then(|(group, offset)| memory.name_at(group, offset));
-            let command = |name: String| COMMANDS.iter().any(|known| name.ends_with(known));
-            match name.is_some_and(command) {
+            match name.is_some_and(|name| is_command(&name)) {
                 true => Kind::Command,
                 false => Kind::Write,
             }

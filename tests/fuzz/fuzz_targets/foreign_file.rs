@@ -1,7 +1,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use tautline_import::{import, propose, read_robot_description, read_source};
+use tautline_import::{MemoryBudget, import, propose, read_robot_description, read_source};
 
 fuzz_target!(|bytes: &[u8]| {
     let path = std::env::temp_dir().join(format!("tautline-fuzz-{}.foreign", std::process::id()));
@@ -22,7 +22,7 @@ fuzz_target!(|bytes: &[u8]| {
     let robot = tautline_fuzz::robot();
     let sources = [source];
     let (recipe, _) = propose(&sources, &robot);
-    if let Err(error) = import(&sources, &recipe, "recipe.json", &robot) {
+    if let Err(error) = import(&sources, &recipe, "recipe.json", &robot, &MemoryBudget::default()) {
         assert!(!error.to_string().chars().any(char::is_control), "{error}");
     }
 });

@@ -144,7 +144,7 @@ fn the_connection_breaks_while_all_values_are_written_at_once(protocol: Protocol
 
 #[test]
 fn the_connection_breaks_while_values_are_read_back() {
-    // Old values, version of the program, new values.
+    // Old values twice, the release, new values.
     assert_eq!(
         attempt(Protocol::Ads, ("read", 1, "half"), true),
         ControllerValues::Old
@@ -155,6 +155,10 @@ fn the_connection_breaks_while_values_are_read_back() {
     );
     assert_eq!(
         attempt(Protocol::Ads, ("read", 3, "half"), true),
+        ControllerValues::Old
+    );
+    assert_eq!(
+        attempt(Protocol::Ads, ("read", 4, "half"), true),
         ControllerValues::New
     );
 }

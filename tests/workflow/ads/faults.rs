@@ -3,7 +3,7 @@
 use serde_json::json;
 use tautline_link::ads::AdsOptions;
 use tautline_link::reconnecting::{BackOff, Reconnect, Reconnected};
-use tautline_link::{Activity, Controller, LinkError};
+use tautline_link::{Activity, Controller};
 
 use tautline_validation::ads::symbols::{Style, global};
 use tautline_validation::ads::{Plant, Protocol};
@@ -29,7 +29,9 @@ fn a_late_answer_is_never_matched_with_another_request(protocol: Protocol) {
     plant
         .server
         .order(json!({"delay_s": 4.0, "set": {global("temperature"): [11.0]}}));
-    assert_eq!(client.sample(), Err(LinkError::Timeout(2.0)));
+    let told = client.sample().expect_err("a late answer").to_string();
+    let expected = "the controller did not answer within 2 s when asked to read ";
+    assert!(told.starts_with(expected), "{told}");
     // The connection ended with it, and arming.
     assert_eq!(client.state().activity, Activity::Disconnected);
     assert!(!client.state().armed);
@@ -118,6 +120,27 @@ fn a_replaced_program_is_noticed_before_any_access_to_a_wrong_address() {
         assert_eq!(plant.server.count("write"), writes);
         client.connect().expect("connected again");
         client.sample().expect("a sample");
+    }
+}
+
+#[test]
+fn a_node_that_does_not_hold_what_it_held_is_named() {
+    let name = global("temperature");
+    for (order, found) in [
+        (
+            json!({"declare": [[name, "STRING", 1, [""]]]}),
+            "a value of type String",
+        ),
+        (json!({ "null": [name] }), "no value (null)"),
+    ] {
+        let plant = Plant::speaking(Protocol::OpcUa, Style::Arrays);
+        let mut client = plant.client();
+        client.connect().expect("connected");
+        plant.server.order(order);
+        let told = client.sample().expect_err("another value").to_string();
+        let expected = format!("its node ns=4;s={name} sent {found}, expected Double");
+        assert!(told.contains(&expected), "{told}");
+        assert!(told.contains("connect again"), "{told}");
     }
 }
 

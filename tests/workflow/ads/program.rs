@@ -177,8 +177,8 @@ fn a_killed_adjustment_is_settled_by_the_next_command() {
     plant.server.order(json!({"sums": false, "delay_s": 0.02}));
     let old = held(&plant);
     let mut found = BTreeSet::new();
-    // Of the writes the first is the release.
-    for writes in [0, 1, 2, 5, 9, 14, 20, 1000] {
+    // The first writes are the release and the watchdog while it is confirmed.
+    for writes in [0, 1, 2, 5, 9, 14, 20, 26, 1000] {
         let file = folder.join(&format!("{writes}.json"));
         std::fs::copy(&measured, &file).expect("copied");
         let adjust = [&["adjust", file.as_str()], real.as_slice()].concat();

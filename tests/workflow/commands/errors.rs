@@ -1,6 +1,15 @@
 //! Exit codes and messages.
 
+#[cfg(target_os = "linux")]
+use std::process::Command;
+#[cfg(unix)]
+use std::process::Stdio;
+
 use tautline_validation::bad_input_cases::{bad_inputs, write_good_dataset};
+#[cfg(target_os = "linux")]
+use tautline_validation::program::program;
+#[cfg(unix)]
+use tautline_validation::program::start;
 
 use super::program::{Folder, tautline};
 
@@ -159,5 +168,56 @@ fn what_the_system_says_is_said_once() {
         assert_eq!(said.lines().count(), 1, "{arguments:?}: {said}");
         assert!(said_by_the_system(said) <= 1, "{said}");
         assert!(said.contains(&looped), "{said}");
+    }
+}
+
+/// Commands that print on standard output: text, JSON, help.
+#[cfg(unix)]
+fn talkative(data: &str) -> [Vec<&str>; 5] {
+    [
+        vec!["effects"],
+        vec!["identify", data],
+        vec!["identify", data, "--json", "-"],
+        vec!["symbols", "mini", "--out", "-"],
+        vec!["identify", "--help"],
+    ]
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_behind_standard_output_is_an_error() {
+    let folder = Folder::new();
+    let data = folder.join("data");
+    write_good_dataset(data.as_ref()).expect("written");
+    for words in talkative(&data) {
+        let full = std::fs::File::options().write(true).open("/dev/full");
+        let answer = Command::new(program())
+            .args(&words)
+            .stdin(Stdio::null())
+            .stdout(full.expect("a full device"))
+            .output()
+            .expect("it starts");
+        let told = String::from_utf8(answer.stderr).expect("UTF-8");
+        assert_eq!(answer.status.code(), Some(1), "{words:?}: {told}");
+        let last = told.lines().last().expect("a sentence");
+        assert!(
+            last.starts_with("standard output: cannot be written ("),
+            "{words:?}: {told}"
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_stops_reading_is_no_error() {
+    let folder = Folder::new();
+    let data = folder.join("data");
+    write_good_dataset(data.as_ref()).expect("written");
+    for words in talkative(&data) {
+        let mut child = start(&words, Stdio::null());
+        drop(child.stdout.take());
+        let answer = child.wait_with_output().expect("it ends");
+        let told = String::from_utf8(answer.stderr).expect("UTF-8");
+        assert_eq!(answer.status.code(), Some(0), "{words:?}: {told}");
     }
 }

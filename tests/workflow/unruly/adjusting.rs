@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 use tautline_link::Controller;
@@ -125,7 +126,7 @@ fn killed_after_the_last_value_a_roll_back_still_rolls_back() {
         plant.server.fault(Kind::Write, 2, Action::Late(60_000));
         let before = plant.server.values();
         let mut child = start(&adjust);
-        wait_until(&mut child, || plant.server.values() > before + VALUES);
+        wait_until(&mut child, || plant.server.values() >= before + VALUES);
         child.kill().expect("it runs");
         child.wait().expect("it ends");
         let new = held(&plant);
@@ -141,6 +142,38 @@ fn killed_after_the_last_value_a_roll_back_still_rolls_back() {
             tautline(&[adjust.as_slice(), &["--roll-back"]].concat()).succeeded();
         }
         assert_eq!(held(&plant), old);
+    }
+}
+
+#[test]
+fn a_switch_that_is_off_keeps_the_old_values() {
+    for cycle_ms in [10, 100] {
+        let plant = Plant::unruly();
+        let folder = Folder::new();
+        let file = measured(&folder, "s.json");
+        let controller = controller(&plant);
+        let old = held(&plant);
+        // The program revokes the release in each of its cycles.
+        let (orders, ends) = (plant.server.orders(), Arc::new(AtomicBool::new(false)));
+        let end = Arc::clone(&ends);
+        let program = std::thread::spawn(move || {
+            while !end.load(Ordering::SeqCst) {
+                orders.give(&json!({"set": {RELEASE: [false]}}));
+                std::thread::sleep(Duration::from_millis(cycle_ms));
+            }
+        });
+        let answer = tautline(&["adjust", &file, "--controller", &controller, "--arm"]);
+        ends.store(true, Ordering::SeqCst);
+        program.join().expect("it ends");
+        assert_eq!(answer.code, Some(1), "{}", answer.stderr);
+        assert!(
+            answer.stderr.contains("turn on the switch at the robot"),
+            "{}",
+            answer.stderr
+        );
+        assert_eq!(plant.server.values(), 0);
+        assert_eq!(held(&plant), old);
+        assert!(session(&file).adjustments().is_empty());
     }
 }
 
@@ -172,7 +205,7 @@ fn nothing_is_written_once_the_release_is_gone() {
         answer.stderr
     );
     // The request that was under way, and none after it.
-    assert!(plant.server.values() <= 1 + 16, "{}", plant.server.values());
+    assert!(plant.server.values() <= 16, "{}", plant.server.values());
     assert!(matches!(last_outcome(&file), Outcome::Unsettled(_)));
     assert_eq!(
         plant.server.numbers(RELEASE),
@@ -204,7 +237,7 @@ fn nothing_is_written_to_a_controller_that_faults_moves_or_stops() {
     ] {
         let mut robot = client(&plant);
         robot.arm().expect("armed");
-        std::thread::sleep(std::time::Duration::from_millis(60));
+        std::thread::sleep(Duration::from_millis(60));
         plant.server.carry_out(order.clone());
         let told = robot.write(&values).expect_err("it must not").to_string();
         assert!(told.contains(expected), "{order}: {told}");
@@ -259,6 +292,61 @@ fn short_answers_never_become_values() {
 }
 
 #[test]
+fn a_single_wrong_reading_is_never_an_old_value() {
+    let folder = Folder::new();
+    let place = ("GVL_Tautline.entry_point", 4);
+    for (number, value) in (1..=7).flat_map(|number| [(number, f64::NAN), (number, 0.0)]) {
+        let plant = Plant::unruly();
+        let file = measured(&folder, "s.json");
+        let controller = controller(&plant);
+        let adjust = ["adjust", file.as_str(), "--controller", &controller];
+        let adjust = [adjust.as_slice(), &["--arm"]].concat();
+        let old = held(&plant);
+        plant.server.wrong_reading(place, value, number);
+        // Where the new values were read back wrongly they were taken back at once.
+        tautline(&adjust);
+        plant.server.forgive();
+        let record = session(&file).adjustments()[0].clone();
+        let mut changes = record.changes.iter();
+        let misread = changes.find(|change| change.name == "cable-2.entry_point.y_m");
+        let before = misread.map(|change| change.before);
+        assert_eq!(before, Some(old[place.0][place.1]), "reading {number}");
+        assert_eq!(record.changes.len() as u64, VALUES, "reading {number}");
+        if record.outcome == Outcome::Written {
+            let back = tautline(&[adjust.as_slice(), &["--roll-back"]].concat()).succeeded();
+            let expected = "The previous values were restored (31 changed).";
+            assert!(back.stdout.contains(expected), "{}", back.stdout);
+        }
+        assert_eq!(held(&plant), old, "reading {number}");
+    }
+}
+
+#[test]
+fn values_that_read_differently_each_time_are_named_and_not_overwritten() {
+    let plant = Plant::unruly();
+    let folder = Folder::new();
+    let file = measured(&folder, "s.json");
+    let controller = controller(&plant);
+    let old = held(&plant);
+    for number in [1, 3, 5] {
+        plant
+            .server
+            .wrong_reading(("GVL_Tautline.entry_point", 4), f64::NAN, number);
+    }
+    let answer = tautline(&["adjust", &file, "--controller", &controller, "--arm"]);
+    assert_eq!(answer.code, Some(1), "{}", answer.stderr);
+    for part in [
+        "differ from one reading to the next",
+        "cable-2.entry_point.y_m = ",
+        "NaN",
+    ] {
+        assert!(answer.stderr.contains(part), "{}", answer.stderr);
+    }
+    assert_eq!(plant.server.values(), 0);
+    assert_eq!(held(&plant), old);
+}
+
+#[test]
 fn what_is_no_number_is_shown_overwritten_and_recorded() {
     let plant = Plant::unruly();
     let folder = Folder::new();
@@ -288,7 +376,10 @@ fn what_is_no_number_is_shown_overwritten_and_recorded() {
         .lines()
         .find(|line| line.contains("cable-3.winch.drum"));
     assert!(line.is_some_and(|line| line.contains("NaN")), "{text}");
-    tautline(&[adjust.as_slice(), &["--arm"]].concat()).succeeded();
+    let written = tautline(&[adjust.as_slice(), &["--arm"]].concat()).succeeded();
+    let expected =
+        "cannot restore those that were not numbers before: cable-3.winch.drum_diameter_m.";
+    assert!(written.stdout.contains(expected), "{}", written.stdout);
     assert_eq!(plant.server.numbers("GVL_Tautline.drum_diameter")[2], drum);
     let record = session(&file).adjustments()[0].clone();
     let change = record
@@ -296,7 +387,16 @@ fn what_is_no_number_is_shown_overwritten_and_recorded() {
         .iter()
         .find(|c| c.name.starts_with("cable-3.winch"));
     assert!(change.is_some_and(|change| change.before.is_nan()));
-    tautline(&[adjust.as_slice(), &["--arm", "--roll-back"]].concat()).succeeded();
+    let back = [adjust.as_slice(), &["--arm", "--roll-back", "--json", "-"]].concat();
+    let back = tautline(&back).succeeded().json();
+    assert_eq!(
+        back["not_restored"],
+        json!(["cable-3.winch.drum_diameter_m"])
+    );
+    let text = back["text"].as_str().expect("a text");
+    for part in ["31 of the previous", "was NaN and keeps", "by hand"] {
+        assert!(text.contains(part), "{text}");
+    }
     assert_eq!(plant.server.numbers("GVL_Tautline.drum_diameter")[2], drum);
 }
 
@@ -341,6 +441,77 @@ fn a_record_that_cannot_be_written_is_missed_aloud() {
     let settled = tautline(&["adjust", &there, "--controller", &controller, "--arm"]);
     assert_eq!(settled.code, Some(4), "{}", settled.stderr);
     assert_eq!(last_outcome(&there), Outcome::Written);
+}
+
+#[test]
+fn nothing_is_written_whose_result_cannot_be_written() {
+    let plant = Plant::unruly();
+    let folder = Folder::new();
+    let file = measured(&folder, "s.json");
+    let controller = controller(&plant);
+    let old = held(&plant);
+    let adjust = ["adjust", &file, "--controller", &controller, "--arm"];
+    let nowhere = folder.join("nowhere/result.json");
+    let with = |words: &[&str]| tautline(&[adjust.as_slice(), words].concat());
+    let answer = with(&["--json", &nowhere]);
+    assert_eq!(answer.code, Some(1), "{}", answer.stderr);
+    assert!(answer.stderr.contains(&nowhere), "{}", answer.stderr);
+    assert_eq!(plant.server.values(), 0);
+    assert_eq!(held(&plant), old);
+    // Of a device it shows only when it is written to; then the message says what the controller holds.
+    if cfg!(target_os = "linux") {
+        let answer = with(&["--json", "/dev/full"]);
+        assert_eq!(answer.code, Some(1), "{}", answer.stderr);
+        for part in [
+            "written to the controller and verified (31 changed).",
+            "/dev/full: cannot be written",
+        ] {
+            assert!(answer.stderr.contains(part), "{}", answer.stderr);
+        }
+        assert_eq!(last_outcome(&file), Outcome::Written);
+    }
+    let result = folder.join("result.json");
+    with(&["--roll-back", "--json", &result]).succeeded();
+    assert_eq!(folder.json("result.json")["outcome"], "rolled_back");
+    assert_eq!(held(&plant), old);
+}
+
+#[test]
+fn the_timeout_is_an_option_that_the_session_keeps() {
+    let plant = Plant::unruly();
+    let folder = Folder::new();
+    let file = measured(&folder, "s.json");
+    let controller = controller(&plant);
+    let with = |words: &[&str]| {
+        let adjust = [
+            "adjust",
+            file.as_str(),
+            "--controller",
+            &controller,
+            "--arm",
+        ];
+        tautline(&[adjust.as_slice(), words].concat())
+    };
+    let old = held(&plant);
+    for (timeout, found) in [
+        ("90", "found 90, expected 0.05 s to 60 s"),
+        ("0", "found 0"),
+    ] {
+        with(&["--timeout", timeout]).refused(&["--timeout", found]);
+    }
+    let sim = ["adjust", &file, "--controller", "sim", "--timeout", "2"];
+    tautline(&sim).refused(&["--timeout: found the controller sim"]);
+    // The first symbol is looked up too slowly.
+    plant.server.fault(Kind::Lookup, 1, Action::Late(900));
+    let late = with(&["--timeout", "0.3"]);
+    assert_eq!(late.code, Some(1), "{}", late.stderr);
+    let expected = "did not answer within 0.3 s when asked for the symbol GVL_Tautline.";
+    assert!(late.stderr.contains(expected), "{}", late.stderr);
+    assert_eq!(held(&plant), old);
+    plant.server.forgive();
+    with(&["--timeout", "21.5"]).succeeded();
+    let place = session(&file).connection.place;
+    assert_eq!(place.map(|place| place.timeout_s), Some(21.5));
 }
 
 #[test]

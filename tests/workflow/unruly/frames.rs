@@ -23,7 +23,7 @@ fn is_lost<T>(answer: Result<T, LinkError>, at: &Action) -> String {
     let error = answer
         .err()
         .unwrap_or_else(|| panic!("{at:?}: it is believed"));
-    let lost = error.is_disconnection() || matches!(error, LinkError::Timeout(_));
+    let lost = error.is_disconnection() || matches!(error, LinkError::Timeout { .. });
     assert!(lost, "{at:?}: {error}");
     error.to_string()
 }

@@ -38,7 +38,7 @@ fn array_head(class: u32, size: [u32; 2], name: &str, big: bool) -> Vec<u8> {
     .concat()
 }
 
-fn doubles(name: &str, size: [u32; 2], values: &[f64], big: bool) -> Vec<u8> {
+pub(super) fn doubles(name: &str, size: [u32; 2], values: &[f64], big: bool) -> Vec<u8> {
     let bytes = |value: &f64| {
         if big {
             value.to_be_bytes()
@@ -54,7 +54,7 @@ fn doubles(name: &str, size: [u32; 2], values: &[f64], big: bool) -> Vec<u8> {
     )
 }
 
-fn matlab(elements: &[Vec<u8>], big: bool) -> Vec<u8> {
+pub(super) fn matlab(elements: &[Vec<u8>], big: bool) -> Vec<u8> {
     let mut bytes = b"MATLAB 5.0 MAT-file, Platform: GLNXA64".to_vec();
     bytes.resize(124, b' ');
     bytes.extend_from_slice(if big { b"\x01\x00MI" } else { b"\x00\x01IM" });
@@ -64,7 +64,7 @@ fn matlab(elements: &[Vec<u8>], big: bool) -> Vec<u8> {
     bytes
 }
 
-fn compressed(element: &[u8]) -> Vec<u8> {
+pub(super) fn compressed(element: &[u8]) -> Vec<u8> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
     encoder.write_all(element).expect("written");
     let data = encoder.finish().expect("compressed");
@@ -208,7 +208,7 @@ fn matlab_files_that_are_broken() {
     assert!(refusal("e.mat", matlab(&[damaged], false)).contains("damaged"));
 }
 
-fn npy(descr: &str, fortran: bool, shape: &str, data: &[u8]) -> Vec<u8> {
+pub(super) fn npy(descr: &str, fortran: bool, shape: &str, data: &[u8]) -> Vec<u8> {
     let order = if fortran { "True" } else { "False" };
     let header = format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}\n");
     [
@@ -220,7 +220,7 @@ fn npy(descr: &str, fortran: bool, shape: &str, data: &[u8]) -> Vec<u8> {
     .concat()
 }
 
-fn archive(entries: &[(&str, Vec<u8>)], compress: bool) -> Vec<u8> {
+pub(super) fn archive(entries: &[(&str, Vec<u8>)], compress: bool) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut archive = rawzip::ZipArchiveWriter::new(&mut bytes);
     for (name, data) in entries {
@@ -385,7 +385,7 @@ const SHARED: &str = r#"<sst><si><t>t [s]</t></si><si><r><t>Force </t></r><r><t>
 const STYLES: &str = r#"<styleSheet><numFmts><numFmt numFmtId="164" formatCode="yyyy\-mm\-dd hh:mm:ss"/></numFmts><cellStyleXfs><xf numFmtId="14"/></cellStyleXfs><cellXfs><xf numFmtId="0"/><xf numFmtId="164"/></cellXfs></styleSheet>"#;
 const NOTES: &str = r#"<worksheet><sheetData><row r="1"><c r="A1" t="s"><v>2</v></c></row></sheetData></worksheet>"#;
 
-fn workbook(sheet: &str) -> Vec<u8> {
+pub(super) fn workbook(sheet: &str) -> Vec<u8> {
     let parts = [
         ("xl/workbook.xml", WORKBOOK),
         ("xl/_rels/workbook.xml.rels", RELATIONS),

@@ -46,6 +46,21 @@ fn hdf5_arrays_in_groups_with_units() {
 }
 
 #[test]
+fn hdf5_in_an_unknown_layout_is_not_called_damaged() {
+    let mut bytes = seed("h5py.h5");
+    // The message with the layout of an array: type 8, a size, no flags, version 3, contiguous or chunked.
+    let layout = |at: &[u8]| at[..2] == [8, 0] && at[4..8] == [0; 4] && at[8] == 3 && at[9] < 3;
+    let place = bytes.windows(10).position(layout).expect("a layout");
+    bytes[place + 8] = 5;
+    let told = refusal("h5py.h5", bytes);
+    assert!(
+        told.contains("layout version 5, which is unknown here"),
+        "{told}"
+    );
+    assert!(!told.contains("damaged"), "{told}");
+}
+
+#[test]
 fn hdf5_of_newer_structure() {
     let source = hdf5("newer.h5");
     let content = content(&source.series[0]);
@@ -153,6 +168,7 @@ fn reading_of_hdf5_can_be_ended() {
     let bench = Bench::new();
     let path = bench.path("h5py.h5");
     std::fs::write(&path, seed("h5py.h5")).expect("written");
-    let watch = Watch::new(1, &|_| false);
+    let budget = MemoryBudget::default();
+    let watch = Watch::new(1, &|_| false, &budget);
     assert!(read_watched(&path, &watch).is_err() && watch.is_stopped());
 }

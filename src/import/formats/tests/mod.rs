@@ -5,6 +5,8 @@ mod c3d;
 mod damaged;
 #[cfg(feature = "hdf5")]
 mod hdf5;
+#[cfg(feature = "hdf5")]
+mod memory;
 #[cfg(feature = "ros")]
 mod ros;
 mod scope;
@@ -33,10 +35,19 @@ impl Bench {
     }
 
     fn read(&self, name: &str, bytes: &[u8]) -> Result<Source, String> {
+        self.read_within(&MemoryBudget::default(), name, bytes)
+    }
+
+    fn read_within(
+        &self,
+        budget: &MemoryBudget,
+        name: &str,
+        bytes: &[u8],
+    ) -> Result<Source, String> {
         let path = self.path(name);
         std::fs::write(&path, bytes).expect("written");
         let folder = format!("{}/", self.folder.path().display());
-        match read_source(&path) {
+        match read_watched(&path, &Watch::new(0, &|_| true, budget)) {
             Ok(mut source) => {
                 source.file = source.file.replace(&folder, "");
                 source

@@ -1,5 +1,8 @@
 //! Consequences of the controller's status: disarming, or a fault.
 
+use std::thread;
+use std::time::Duration;
+
 use tautline_core::geometry::Pose;
 
 use super::super::sample::{Status, status_of};
@@ -8,6 +11,16 @@ use crate::error::LinkError;
 
 /// Largest difference between the controller's last commanded pose and that of Tautline (m and rad); allows for single precision.
 const SAME_POSE: f64 = 1e-4;
+/// Number of times that the controller's clock must change while the release stays.
+const CONFIRMING_CYCLES: usize = 3;
+/// Shortest time for which the release must stay (s).
+const CONFIRMING_S: f64 = 0.3;
+/// The same for a controller without a clock, whose cycles cannot be counted (s).
+const CONFIRMING_WITHOUT_CLOCK_S: f64 = 1.0;
+/// Time within which a controller's clock must have changed that often (s); some count whole seconds.
+const LONGEST_CONFIRMING_S: f64 = 5.0;
+/// Pause between two samples while the release is confirmed.
+const CONFIRMING_PAUSE: Duration = Duration::from_millis(50);
 
 impl SymbolController {
     /// Processes a status of the controller.
@@ -76,6 +89,42 @@ impl SymbolController {
             return Err(LinkError::Refused(text.to_owned()));
         }
         Ok(())
+    }
+
+    /// Waits until the release has outlasted several cycles of the controller's program, as a switch that is off revokes it
+    /// only in the next cycle.
+    pub(super) fn confirm_release(&mut self) -> Result<(), LinkError> {
+        if self.layout.status.release.is_none() {
+            return Ok(());
+        }
+        let shortest_s = match self.layout.readings.time {
+            Some(_) => CONFIRMING_S,
+            None => CONFIRMING_WITHOUT_CLOCK_S,
+        };
+        let begun_s = self.clock.now_s();
+        let (mut cycles, mut last_s) = (0, None);
+        loop {
+            let time_s = self.poll()?.time_s;
+            self.check_fault()?;
+            if !self.status.released {
+                let text = "it revoked the release at once: turn on the switch at the robot, then arm it again";
+                return Err(LinkError::Refused(text.to_owned()));
+            }
+            self.count_sample()?;
+            let changed = |last_s: f64| (time_s - last_s).abs() > 0.0;
+            cycles += usize::from(last_s.replace(time_s).is_some_and(changed));
+            let passed_s = self.clock.now_s() - begun_s;
+            if cycles >= CONFIRMING_CYCLES && passed_s >= shortest_s {
+                return Ok(());
+            }
+            if passed_s > LONGEST_CONFIRMING_S {
+                let text = format!(
+                    "its time changed {cycles} times in {passed_s:.0} s, expected at least {CONFIRMING_CYCLES}: does its program run, and is its time the symbol of the mapping?"
+                );
+                return Err(LinkError::Refused(text));
+            }
+            thread::sleep(CONFIRMING_PAUSE);
+        }
     }
 
     /// Disarms if the controller has revoked the release, as a command in progress must not count as completed.

@@ -1,6 +1,8 @@
 //! A symbol-based controller that implements [`Controller`].
 
 mod checks;
+#[cfg(test)]
+mod tests;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -146,6 +148,11 @@ impl SymbolController {
         self.status.fault.as_ref().or(self.own_fault.as_ref())
     }
 
+    fn check_fault(&self) -> Result<(), LinkError> {
+        let fault = self.fault().cloned().map(LinkError::Fault);
+        fault.map_or(Ok(()), Err)
+    }
+
     fn moves(&self) -> bool {
         self.pending.is_some() || self.status.moving == Some(true)
     }
@@ -155,9 +162,7 @@ impl SymbolController {
             let text = "it is not connected";
             return Err(LinkError::Disconnected(text.to_owned()));
         }
-        if let Some(text) = self.fault() {
-            return Err(LinkError::Fault(text.clone()));
-        }
+        self.check_fault()?;
         match self.armed {
             true => Ok(()),
             false => Err(LinkError::NotArmed),
@@ -286,13 +291,16 @@ impl Controller for SymbolController {
         self.state_asked_s = f64::NEG_INFINITY;
         self.own_fault = None;
         self.poll()?;
-        if let Some(text) = self.fault() {
-            return Err(LinkError::Fault(text.clone()));
-        }
+        self.check_fault()?;
         self.number = self.last_number()?;
         self.pending = None;
         self.last_commanded = None;
         self.release(true)?;
+        if let Err(error) = self.confirm_release() {
+            // A release left behind would obey whoever commands the controller next.
+            let _ = self.release(false);
+            return Err(error);
+        }
         self.armed = true;
         Ok(())
     }

@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub(super) use check::check;
-pub use place::{AdsPlace, ControllerKind, OpcUaPlace, RecordingPlace};
+pub use place::{AdsPlace, ControllerKind, OpcUaPlace, RecordingPlace, without_user};
 
 /// Settings of the connection to the robot's controller.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,5 +1,7 @@
 //! Kind of controller and its address.
 
+use std::borrow::Cow;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
@@ -143,13 +145,25 @@ impl OpcUaPlace {
 }
 
 fn host(host: &str) -> Result<(), FieldError> {
-    match host.is_empty() || host.contains(char::is_whitespace) {
+    let shown = without_user(host);
+    let is_strange = |c: char| c.is_whitespace() || c == '@';
+    match host.is_empty() || host.contains(is_strange) {
         true => fail(
             "/host",
-            format!("found {host:?}, expected a name or an address"),
+            format!("found {shown:?}, expected a name or an address, without a user"),
         ),
         false => Ok(()),
     }
+}
+
+/// An address for messages: without the user and the password that may stand before `@`.
+#[must_use]
+pub fn without_user(address: &str) -> Cow<'_, str> {
+    let Some((user, rest)) = address.rsplit_once('@') else {
+        return address.into();
+    };
+    let scheme = user.find("//").map_or("", |at| &user[..at + 2]);
+    format!("{scheme}...@{rest}").into()
 }
 
 fn timeout(timeout_s: f64) -> Result<(), FieldError> {

@@ -135,6 +135,7 @@ fn where_a_controller_is_found_reads_back_and_is_checked() {
     assert_eq!((place.ams_port, place.timeout_s), (851, 1.0));
     for (key, value) in [
         ("host", json!("a b")),
+        ("host", json!("user:secret@plc")),
         ("port", json!(0)),
         ("ams_port", json!(0)),
         ("timeout_s", json!(0)),
@@ -143,6 +144,7 @@ fn where_a_controller_is_found_reads_back_and_is_checked() {
         wrong["connection"]["place"][key] = value;
         let told = error(&wrong);
         assert!(told.contains(&format!("/connection/place/{key}")), "{told}");
+        assert!(!told.contains("secret"), "{told}");
     }
     document["connection"]["controller"] = json!("recording");
     assert!(error(&document).contains("/connection/recording"));

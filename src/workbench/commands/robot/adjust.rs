@@ -71,6 +71,10 @@ pub(super) fn roll_back(model: &mut Model) {
     let values = model
         .revertible()
         .map_or_else(Vec::new, adjusting::former_values);
+    let open = model.open.as_ref().filter(|_| values.is_empty());
+    if let Some(kept) = open.and_then(|open| adjusting::not_restored(open.session())) {
+        model.messages.failure(Cause::Adjustment, &kept);
+    }
     give(model, values, Purpose::RollBack);
 }
 
@@ -126,7 +130,9 @@ pub(super) fn written(
 ) {
     let (adjustment, text) = match result {
         Ok(adjustment) => {
-            let text = adjusting::summary(&adjustment, purpose, values.len());
+            let open = model.open.as_ref();
+            let kept = open.and_then(|open| adjusting::not_restored(open.session()));
+            let text = adjusting::summary(&adjustment, purpose, values.len(), kept.as_deref());
             (Some(adjustment), text)
         }
         Err(error) => (None, format!("Nothing was written: {error}.")),
@@ -156,10 +162,13 @@ pub(super) fn settle(model: &Model) {
 
 pub(super) fn settled(model: &mut Model, found: &ControllerValues, adjustment: &Written) {
     let session = model.open.as_ref().map(|open| open.session());
-    let Some(open) = session.and_then(adjusting::open) else {
+    let Some((session, open)) =
+        session.and_then(|session| Some((session, adjusting::open(session)?)))
+    else {
         return;
     };
-    let (outcome, text) = adjusting::settled(open, found, adjustment);
+    let kept = adjusting::not_restored(session);
+    let (outcome, text) = adjusting::settled(open, found, adjustment, kept.as_deref());
     let is_settled = !matches!(outcome, Outcome::Unsettled(_));
     conclude(model, outcome, &text);
     match is_settled {

@@ -17,8 +17,6 @@ use tautline_workflow::controllers::{ConnectionSetup, Opened, SimulationClock};
 
 /// Attempts to reconnect at once after a connection broke while values were written; later ones are made in the background.
 const ATTEMPTS: u32 = 6;
-/// Time after which nothing arrives any more that was sent over a lost connection (s).
-const LATE_S: f64 = 1.0;
 /// Interval of the samples that keep a real controller's release without an operation; its program waits longer.
 const ARMED: Duration = Duration::from_millis(100);
 /// Between two samples by which a lost connection is noticed.
@@ -178,6 +176,8 @@ impl Connection {
 pub(super) struct ReconnectWhileWriting<W> {
     /// Waits, and publishes the waiting.
     pub wait: W,
+    /// Time after which nothing sent before can still arrive (s).
+    pub late_s: f64,
 }
 
 impl<W: FnMut(f64)> ReconnectPolicy for ReconnectWhileWriting<W> {
@@ -185,7 +185,7 @@ impl<W: FnMut(f64)> ReconnectPolicy for ReconnectWhileWriting<W> {
         let mut attempts = Attempts {
             back_off: BackOff::default(),
             attempts: ATTEMPTS,
-            late_s: LATE_S,
+            late_s: self.late_s,
             wait: &mut self.wait,
             gives_up: || false,
         };
@@ -193,6 +193,6 @@ impl<W: FnMut(f64)> ReconnectPolicy for ReconnectWhileWriting<W> {
     }
 
     fn pause(&mut self) {
-        (self.wait)(LATE_S);
+        (self.wait)(self.late_s);
     }
 }

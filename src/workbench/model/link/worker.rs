@@ -5,8 +5,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use tautline_link::adjusting::{
-    Adjustment, ControllerValues, check_values, settle_adjustment, write_adjustment,
-    write_adjustment_reconnecting,
+    Adjustment, check_unchanged, check_values, read_parameters, settle_adjustment,
+    write_adjustment, write_adjustment_reconnecting,
 };
 use tautline_link::measuring::LOST;
 use tautline_link::verifying::CheckTarget;
@@ -165,7 +165,7 @@ impl Worker {
         if !connection.try_again() {
             return;
         }
-        match connection.controller.parameters() {
+        match read_parameters(&mut connection.controller) {
             Ok(parameters) => {
                 connection.subscribe();
                 self.publisher.report(DriverEvent::Regained(parameters));
@@ -240,7 +240,7 @@ impl Worker {
             }
             DriverCommand::TryNow => connection.try_now(),
             DriverCommand::ReadParameters => {
-                let parameters = controller.parameters()?;
+                let parameters = read_parameters(controller)?;
                 self.publisher.report(DriverEvent::Parameters(parameters));
             }
             DriverCommand::Write { old, new, purpose } => self.write(&old, new, purpose),
@@ -290,7 +290,7 @@ impl Worker {
         })?;
         let mut connection = Connection::new(opened, rig.clone());
         connection.controller.connect()?;
-        let parameters = connection.controller.parameters()?;
+        let parameters = read_parameters(&mut connection.controller)?;
         connection.subscribe();
         let identity = connection.controller.identity();
         self.publisher.begin_scope(connection.rig.robot());
@@ -353,7 +353,7 @@ impl Worker {
             let text = "this is a recording, in which nothing can be changed";
             Err(LinkError::Refused(text.to_owned()))
         } else {
-            check_old(connection, old)
+            check_unchanged(&mut connection.controller, old)
                 .and_then(|()| write(connection, &mut self.publisher, &values))
         };
         let holds = connection.controller.parameters().ok();
@@ -443,17 +443,6 @@ impl Worker {
     }
 }
 
-/// Whether the controller holds the values that are recorded as the old ones.
-fn check_old(connection: &mut Connection, old: &[(String, f64)]) -> Result<(), LinkError> {
-    match check_values(&mut connection.controller, old, old)? {
-        ControllerValues::New => Ok(()),
-        _ => {
-            let text = "its values are not those that were read before: read them back first";
-            Err(LinkError::Refused(text.to_owned()))
-        }
-    }
-}
-
 /// Writes values; where the connection breaks it is re-established.
 fn write(
     connection: &mut Connection,
@@ -463,6 +452,7 @@ fn write(
     let why = "the connection was lost while values were written";
     let reconnects = connection.rig.reconnects();
     let mut policy = ReconnectWhileWriting {
+        late_s: connection.rig.late_s(),
         wait: |pause_s: f64| {
             let pause = Duration::from_secs_f64(pause_s);
             let lost = Lost {
