@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use tautline_validation::hidden::{
-    Change, Plan, Records, Restriction, STUDIES, Study, TABLE_SEED, clean, coverage, describe,
-    diagram, draw_all, drawn_markdown, failures, markdown, named, outside, pairs, run_all, single,
-    summary, table_plans,
+    Change, Plan, Records, Restriction, STUDIES, Study, TABLE_SEED, calibration, clean, coverage,
+    describe, diagram, draw_all, drawn_markdown, failures, markdown, named, outside, pairs,
+    run_all, single, summary, table_plans,
 };
 
 const USAGE: &str = "what to hide: hidden single|pairs|clean|outside|all [N] [--draw] [--failures] [--robot NAME] \
                      [--effect ID] [--seed N], hidden table, or hidden STUDY [--cases N] [--seed FIRST] [--threads N] [--robot NAME] \
-                     [--records FILE] [--failures] [--draw] [--diagram FILE.svg], or hidden compare BEFORE AFTER";
+                     [--records FILE] [--failures] [--draw] [--diagram FILE.svg], or hidden compare BEFORE AFTER, or hidden calibrate RECORDS...";
 
 /// Data sets of the whole test: per effect and robot, per robot, in all, per effect and robot.
 const SINGLE: usize = 3;
@@ -52,6 +52,11 @@ pub fn command(arguments: &[String]) -> Result<()> {
         && kind == "compare"
     {
         return compare(Path::new(before), Path::new(after));
+    }
+    if let [kind, files @ ..] = arguments
+        && kind == "calibrate"
+    {
+        return calibrate(files);
     }
     let arguments = parse(arguments)?;
     let plans = plans(&arguments)?;
@@ -95,6 +100,21 @@ fn compare(before: &Path, after: &Path) -> Result<()> {
             println!("    {found:?}: {said}");
         }
     }
+    Ok(())
+}
+
+/// Fits the calibration of stated probabilities to files of records.
+fn calibrate(files: &[String]) -> Result<()> {
+    ensure!(!files.is_empty(), USAGE);
+    let mut study = Study::default();
+    for file in files {
+        let file = Path::new(file);
+        ensure!(file.exists(), "{}: there is no such file", file.display());
+        study
+            .outcomes
+            .extend(Records::open(file)?.outcomes().cloned());
+    }
+    println!("{}", calibration(&study));
     Ok(())
 }
 

@@ -7,6 +7,7 @@
 //! The visibility of an effect is determined independently of the diagnosis by its noncentrality: the chi-square of a
 //! model without the effect for noise-free data.
 
+mod calibration;
 mod conditions;
 mod draw;
 mod exchange;
@@ -26,6 +27,7 @@ mod table;
 mod template;
 mod visibility;
 
+pub use calibration::{Calibration, Statement, calibration};
 pub use conditions::{Circumstances, Conditions, NoiseFactors};
 pub use draw::{Drawn, draw};
 pub use exchange::Channels;

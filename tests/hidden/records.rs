@@ -61,6 +61,11 @@ impl Records {
         self.known.get(plan)
     }
 
+    /// All recorded outcomes.
+    pub fn outcomes(&self) -> impl Iterator<Item = &Outcome> {
+        self.known.values().flatten()
+    }
+
     /// The data sets of both files that get another answer, as they read before and after, and the number of data sets
     /// that both have.
     #[must_use]

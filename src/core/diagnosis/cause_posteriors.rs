@@ -1,7 +1,7 @@
 //! Posterior probabilities of the causes of the most probable set, and of what replaces them in other sets.
 
 use super::budget::{MAX_ALTERNATIVES, MIN_LISTED_PROBABILITY, MIN_POSSIBLE_PROBABILITY};
-use super::calibration::{NAMING_PROBABILITY, ODDS_AGAINST_SUPERSEDED, ODDS_AGAINST_UNCONFIRMED};
+use super::calibration::{NAMING_PROBABILITY, stated_probability};
 use super::candidates::{is_same_effect_and_targets, is_same_kind, is_same_period};
 use super::cause_sets::RankedSet;
 use super::report::{Cause, PossibleCause};
@@ -23,24 +23,13 @@ impl CausePosterior {
     }
 }
 
-/// Lowers the probabilities of possible causes that did not become findings, and drops those that are then too small.
-pub(super) fn discount_possible_causes(
-    possible: Vec<PossibleCause>,
-    has_unmodelled_error: bool,
-) -> Vec<PossibleCause> {
-    let against = if has_unmodelled_error {
-        ODDS_AGAINST_SUPERSEDED
-    } else {
-        ODDS_AGAINST_UNCONFIRMED
+/// States the probabilities of possible causes that did not become findings, without those that are too small.
+pub(super) fn stated_causes(possible: Vec<PossibleCause>) -> Vec<PossibleCause> {
+    let stated = |other: PossibleCause| PossibleCause {
+        probability: stated_probability(other.probability.min(1.0)),
+        ..other
     };
-    let discounted = |other: PossibleCause| {
-        let stated = other.probability.min(NAMING_PROBABILITY);
-        PossibleCause {
-            probability: stated / (stated + (1.0 - stated) * against),
-            ..other
-        }
-    };
-    let all = possible.into_iter().map(discounted);
+    let all = possible.into_iter().map(stated);
     all.filter(|other| other.probability >= MIN_POSSIBLE_PROBABILITY)
         .collect()
 }

@@ -1,23 +1,20 @@
 //! Decides which inferred causes are confirmed and with which probability they are stated.
 
-use super::DiagnosisOptions;
 use super::adequacy::adequacy;
 use super::calibration::{
-    ERROR_SHARE, EXCESS_SHARE, IMITATION_RATE, LIKELY, LOOKS_THE_SAME, MAX_IMITATION_RATE,
-    NAMING_PROBABILITY, NONE_PRESENT_RATE, READINGS_SHARE,
+    ERROR_SHARE, LOOKS_THE_SAME, NAMING_PROBABILITY, READINGS_SHARE, stated_probability,
 };
 use super::candidates::{log_rarity, size_parameter};
 use super::cause_posteriors::CausePosterior;
-use super::cause_sets::{has_possible_values, is_physically_possible, is_same_cause};
+use super::cause_sets::has_possible_values;
 use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::heavy_tails::shares_of_heavy_tails;
 use super::inference::{Inference, inference_at_fit};
-use super::reading_id::ReadingId;
 use super::report::{
-    Adequacy, Alternative, Cause, Discrepancy, Finding, FoundParameter, NoiseStatement,
-    PossibleCause, Subject, Verdict,
+    Adequacy, Alternative, Cause, Discrepancy, Finding, FoundParameter, PossibleCause, Subject,
+    Verdict,
 };
 use super::residual_space::ResidualSpace;
 use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
@@ -30,8 +27,6 @@ pub(super) struct ConfirmedCauses<'a> {
     pub inference: Inference<'a>,
     pub posteriors: Vec<CausePosterior>,
     pub possible: Vec<PossibleCause>,
-    /// Likely causes that are not confirmed.
-    likely: Vec<(Cause, CausePosterior)>,
 }
 
 /// Rejects causes that an unmodelled error almost certainly replaces, refitting until none is left.
@@ -43,7 +38,6 @@ pub(super) fn reject_replaceable_causes<'a>(
         mut inference,
         mut posteriors,
         mut possible,
-        likely,
     } = confirmed;
     let mut replacements: Vec<WeighedError> = Vec::new();
     loop {
@@ -84,7 +78,6 @@ pub(super) fn reject_replaceable_causes<'a>(
                 inference,
                 posteriors,
                 possible,
-                likely,
             };
             return Ok((confirmed, unmodelled));
         }
@@ -111,60 +104,6 @@ fn fit_of_possible<'a>(
     }
 }
 
-/// Adds likely causes back if they explain an unmodelled error. The finding is then ambiguous between the two.
-pub(super) fn readmit_likely_causes<'a>(
-    problem: &Problem<'a>,
-    (mut confirmed, mut unmodelled): (ConfirmedCauses<'a>, UnmodelledErrors),
-    options: &DiagnosisOptions,
-) -> Result<(ConfirmedCauses<'a>, UnmodelledErrors), EstimationError> {
-    let errors = |inference: &Inference<'_>, unmodelled: &UnmodelledErrors| {
-        if unmodelled.remaining.is_empty() {
-            let (_, found, _) = assess_fit(&inference.fit, options.alpha);
-            found
-                .iter()
-                .take(1)
-                .map(WeighedError::from_discrepancy)
-                .collect()
-        } else {
-            unmodelled.remaining.clone()
-        }
-    };
-    for (cause, posterior) in std::mem::take(&mut confirmed.likely) {
-        let before = errors(&confirmed.inference, &unmodelled);
-        let Some(mut instead) = before.first().cloned() else {
-            break;
-        };
-        let mut causes = confirmed.inference.fit.causes.clone();
-        causes.push(cause);
-        let fit = Fit::new(problem, &causes)?;
-        if !is_physically_possible(&fit) {
-            continue;
-        }
-        let columns = confirmed.inference.fit.deviation_columns();
-        let fit = fit.with_deviation_columns(&columns);
-        let with = inference_at_fit(fit, Vec::new(), Some(&confirmed.inference.hyper.variance));
-        let mut remaining = UnmodelledErrors::new(&with);
-        if errors(&with, &remaining).len() >= before.len() {
-            continue;
-        }
-        let is_other = |a: &PossibleCause| !is_same_cause(&a.cause, &causes[causes.len() - 1]);
-        confirmed.possible.retain(is_other);
-        // One of the two is present, so the odds follow from the known probability of the cause.
-        instead.log_odds = (posterior.probability.recip() - 1.0).ln();
-        if let Some(rival) = remaining.rivals.last_mut() {
-            *rival = Some(instead);
-        }
-        confirmed.posteriors.push(CausePosterior {
-            probability: 1.0,
-            alternatives: Vec::new(),
-            is_near_certain: true,
-        });
-        confirmed.inference = with;
-        unmodelled = remaining;
-    }
-    Ok((confirmed, unmodelled))
-}
-
 /// Confirms the causes that are nearly certain and improve the prediction of held-out poses, and refits the model with
 /// those alone. The others become possible causes.
 pub(super) fn confirm_causes<'a>(
@@ -175,7 +114,6 @@ pub(super) fn confirm_causes<'a>(
 ) -> Result<ConfirmedCauses<'a>, EstimationError> {
     let full = Prediction::new(&inference.fit);
     let mut confirmed: Vec<(f64, Cause, CausePosterior)> = Vec::new();
-    let mut likely = Vec::new();
     for (index, (cause, posterior)) in inference.fit.causes.iter().zip(posteriors).enumerate() {
         let mut others = inference.fit.causes.clone();
         others.remove(index);
@@ -193,9 +131,6 @@ pub(super) fn confirm_causes<'a>(
             probability: posterior.probability,
         });
         possible.extend(posterior.alternatives.iter().cloned());
-        if (LIKELY..NAMING_PROBABILITY).contains(&posterior.probability) {
-            likely.push((cause.clone(), posterior));
-        }
     }
     possible.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     let is_complete = confirmed.len() == inference.fit.causes.len();
@@ -217,7 +152,6 @@ pub(super) fn confirm_causes<'a>(
         inference,
         posteriors,
         possible,
-        likely,
     })
 }
 
@@ -226,7 +160,7 @@ pub(super) fn downgrade_doubtful_names(
     findings: &mut [Finding],
     inference: &Inference<'_>,
     (rivals, remaining): (&[Option<WeighedError>], &[WeighedError]),
-    (scatter, space): (&[(ReadingId, f64)], &ResidualSpace),
+    space: &ResidualSpace,
 ) {
     // An improbable rival does not make a near-certain name ambiguous.
     let matters = |share: f64| 1.0 - share < NAMING_PROBABILITY;
@@ -240,10 +174,6 @@ pub(super) fn downgrade_doubtful_names(
         let rival = rival.map(|r| (r.clone(), r.probability()));
         let rival = rival.filter(|(_, share)| matters(*share));
         let explained = finding.evidence.delta_chi2;
-        let of_own = |id: &ReadingId| id.cable.is_none_or(|cable| own.contains(&cable));
-        let mut scatter = scatter.iter();
-        let scattered =
-            scatter.find(|(id, excess)| of_own(id) && *excess > EXCESS_SHARE * explained);
         let beside = remaining.iter().find(|error| {
             let same = error
                 .error
@@ -258,8 +188,7 @@ pub(super) fn downgrade_doubtful_names(
             2.0 * error.log_odds > ERROR_SHARE * explained && (same || shares())
         });
         // It is undecided which of them explains what they share.
-        let open = scattered.map(|(id, _)| WeighedError::of(*id));
-        let open = open.or_else(|| beside.cloned()).map(|other| (other, 0.5));
+        let open = beside.cloned().map(|other| (other, 0.5));
         // A size beyond that of real machines suggests another error that looks the same.
         let odds = (log_rarity_of(finding) - LOOKS_THE_SAME).exp();
         let share = tails.max(odds / (1.0 + odds));
@@ -280,32 +209,31 @@ pub(super) fn downgrade_doubtful_names(
     }
 }
 
-/// Allows for errors outside the catalogue, which the evidence ignores, by lowering the probabilities of all findings.
-/// A name that falls below the naming threshold is no longer certain.
-pub(super) fn allow_for_imitations(findings: &mut [Finding]) {
+/// Turns the computed probabilities of the findings into stated ones. A name that falls below the naming threshold is no
+/// longer certain.
+pub(super) fn state_probabilities(findings: &mut [Finding]) {
     for finding in findings {
         if finding.verdict == Verdict::Named {
-            finding.probability *= 1.0 - imitation_rate(finding.evidence.delta_chi2);
             finding.alternatives.clear();
-            if finding.probability < NAMING_PROBABILITY {
-                finding.verdict = Verdict::Ambiguous;
-            }
-            continue;
         }
-        finding.probability *= 1.0 - NONE_PRESENT_RATE;
-        for alternative in &mut finding.alternatives {
-            alternative.probability *= 1.0 - NONE_PRESENT_RATE;
+        let is_cause = |other: &&Alternative| other.subject.cause().is_some();
+        let others = finding.alternatives.iter().filter(is_cause);
+        let computed = finding.probability + others.map(|other| other.probability).sum::<f64>();
+        // One of the causes is present, or an error that none of them explains.
+        let stated = stated_probability(computed.min(1.0));
+        let of_causes = stated / computed.max(f64::MIN_POSITIVE);
+        let of_errors = (1.0 - stated) / (1.0 - computed).max(f64::MIN_POSITIVE);
+        finding.probability *= of_causes;
+        for other in &mut finding.alternatives {
+            other.probability *= match other.subject {
+                Subject::Cause(_) => of_causes,
+                Subject::UnmodelledError(_) => of_errors,
+            };
+        }
+        if finding.probability < NAMING_PROBABILITY && finding.verdict == Verdict::Named {
+            finding.verdict = Verdict::Ambiguous;
         }
     }
-}
-
-/// Share of names that are imitations by errors outside the catalogue, for causes that explain a given chi-square.
-///
-/// An error outside the catalogue can pass for a cause if noise hides the difference of their shapes. If that
-/// difference is equally likely to be any fraction of what the cause explains, the share that noise hides is
-/// proportional to `1 / sqrt(chi-square explained)`.
-fn imitation_rate(explained: f64) -> f64 {
-    (IMITATION_RATE / explained.max(1.0).sqrt()).min(MAX_IMITATION_RATE)
 }
 
 /// Log prior rarity of the size of a cause, relative to the largest typical size, at the lower end of its confidence
@@ -332,30 +260,6 @@ fn log_rarity_of(finding: &Finding) -> f64 {
     log_rarity(size, instances.map(of_instance).fold(0.0, f64::max))
 }
 
-/// Excess chi-square, beyond that of noise, of readings whose residuals depend on a variable and of cables whose
-/// readings scatter more than those of the others.
-pub(super) fn excess_chi2(
-    space: &ResidualSpace,
-    remaining: &[Discrepancy],
-    noise: &[NoiseStatement],
-) -> Vec<(ReadingId, f64)> {
-    let structured = remaining.iter().map(|d| {
-        let excess = d.points.len() as f64 * (d.rms_over_sd.powi(2) - 1.0);
-        (WeighedError::from_discrepancy(d).error.readings, excess)
-    });
-    let loud = noise.iter().filter(|statement| statement.cable.is_some());
-    let loud = loud.map(|statement| {
-        let id = ReadingId {
-            quantity: statement.quantity,
-            cable: statement.cable,
-            component: None,
-        };
-        let readings = space.readings.iter().filter(|r| **r == Some(id)).count();
-        (id, readings as f64 * (statement.ratio.powi(2) - 1.0))
-    });
-    structured.chain(loud).collect()
-}
-
 /// Tests whether a fit explains the data and on which variables its residuals depend.
 pub(super) fn assess_fit(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepancy>, ResidualSpace) {
     // Half of the level is for the test of the whole fit, half for the dependences of its residuals.
@@ -366,17 +270,4 @@ pub(super) fn assess_fit(fit: &Fit<'_>, alpha: f64) -> (Adequacy, Vec<Discrepanc
     let tests = dependence_tests(&space, &variables);
     let found = discrepancies(&space, &tests, level);
     (adequacy(&space, &fit.solution, level), found, space)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn causes_that_explain_more_are_imitated_less() {
-        let expected = [(2500.0, 0.01), (100.0, 0.02), (10.0, 0.02), (0.0, 0.02)];
-        for (explained, rate) in expected {
-            assert!((imitation_rate(explained) - rate).abs() < 1e-12);
-        }
-    }
 }

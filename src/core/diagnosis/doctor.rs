@@ -5,10 +5,10 @@ use std::sync::Arc;
 use super::budget::MOST_SAMPLES;
 use super::calibration::POWER;
 use super::candidates::size_parameter;
-use super::cause_posteriors::{cause_posteriors, discount_possible_causes};
+use super::cause_posteriors::{cause_posteriors, stated_causes};
 use super::confidence::{
-    ConfirmedCauses, allow_for_imitations, assess_fit, confirm_causes, downgrade_doubtful_names,
-    excess_chi2, readmit_likely_causes, reject_replaceable_causes,
+    ConfirmedCauses, assess_fit, confirm_causes, downgrade_doubtful_names,
+    reject_replaceable_causes, state_probabilities,
 };
 use super::exchange::find_exchange;
 use super::exploration::Visibility;
@@ -117,8 +117,7 @@ fn examine(
     };
     let problem = &problem;
     let confirmed = confirm_causes(problem, inference, posteriors, possible)?;
-    let remaining_causes = reject_replaceable_causes(problem, confirmed)?;
-    let (confirmed, unmodelled) = readmit_likely_causes(problem, remaining_causes, options)?;
+    let (confirmed, unmodelled) = reject_replaceable_causes(problem, confirmed)?;
     let ConfirmedCauses {
         inference,
         posteriors,
@@ -156,16 +155,15 @@ fn examine(
         if remaining_errors.is_empty() {
             remaining_errors.extend(remaining.first().map(WeighedError::from_discrepancy));
         }
-        let scatter = excess_chi2(&space, &remaining, &noise);
         downgrade_doubtful_names(
             &mut findings,
             &inference,
             (&unmodelled.rivals, &remaining_errors),
-            (&scatter, &space),
+            &space,
         );
-        allow_for_imitations(&mut findings);
+        state_probabilities(&mut findings);
         findings.extend(remaining_errors.iter().map(|s| s.finding(fit)));
-        possible = discount_possible_causes(possible, !remaining_errors.is_empty());
+        possible = stated_causes(possible);
     }
     base.adequate &= findings.is_empty();
     Ok(Diagnosis {

@@ -54,6 +54,7 @@ mod unmodelled_errors;
 mod variables;
 
 pub use budget::MOST_SAMPLES;
+pub use calibration::stated_probability;
 pub use deviation_sensitivity::{DeviationSensitivity, deviation_sensitivities};
 pub use discrepancy::smooth_functions;
 pub use doctor::diagnose;
