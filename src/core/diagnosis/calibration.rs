@@ -48,12 +48,6 @@ pub fn stated_probability(computed: f64) -> f64 {
 // Errors outside the catalogue that look like a cause.
 /// Log odds for a cause against an error outside the catalogue that looks exactly like it.
 pub(super) const LOOKS_THE_SAME: f64 = 4.5;
-/// A remaining unmodelled error makes a name ambiguous if it explains more than `ERROR_SHARE` of what the cause
-/// explains and either is on the same cable or is in readings that have more than `READINGS_SHARE` of the effect of the
-/// cause.
-pub(super) const ERROR_SHARE: f64 = 0.05;
-/// See [`ERROR_SHARE`].
-pub(super) const READINGS_SHARE: f64 = 0.2;
 /// Log posterior odds from which an unmodelled error is reported.
 pub(super) const REPORTED_LOG_ODDS: f64 = 5.0;
 /// Log odds of an unmodelled error in place of a cause below which it is ignored.

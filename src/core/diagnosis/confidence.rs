@@ -1,9 +1,7 @@
 //! Decides which inferred causes are confirmed and with which probability they are stated.
 
 use super::adequacy::adequacy;
-use super::calibration::{
-    ERROR_SHARE, LOOKS_THE_SAME, NAMING_PROBABILITY, READINGS_SHARE, stated_probability,
-};
+use super::calibration::{LOOKS_THE_SAME, NAMING_PROBABILITY, stated_probability};
 use super::candidates::{log_rarity, size_parameter};
 use super::cause_posteriors::CausePosterior;
 use super::cause_sets::has_possible_values;
@@ -159,7 +157,7 @@ pub(super) fn confirm_causes<'a>(
 pub(super) fn downgrade_doubtful_names(
     findings: &mut [Finding],
     inference: &Inference<'_>,
-    (rivals, remaining): (&[Option<WeighedError>], &[WeighedError]),
+    rivals: &[Option<WeighedError>],
     space: &ResidualSpace,
 ) {
     // An improbable rival does not make a near-certain name ambiguous.
@@ -168,27 +166,10 @@ pub(super) fn downgrade_doubtful_names(
     let first = findings.len() - rivals.len();
     let tails = shares_of_heavy_tails(findings, first, inference, space);
     for (index, (finding, tails)) in findings.iter_mut().zip(tails).enumerate() {
-        let own = finding.subject.cables();
         let own_index = index.checked_sub(first);
         let rival = own_index.and_then(|k| rivals[k].as_ref());
         let rival = rival.map(|r| (r.clone(), r.probability()));
         let rival = rival.filter(|(_, share)| matters(*share));
-        let explained = finding.evidence.delta_chi2;
-        let beside = remaining.iter().find(|error| {
-            let same = error
-                .error
-                .readings
-                .cable
-                .is_some_and(|cable| own.contains(&cable));
-            let shares = || {
-                own_index.is_some_and(|k| {
-                    inference.share_of_effect_in(k, &error.error.readings) > READINGS_SHARE
-                })
-            };
-            2.0 * error.log_odds > ERROR_SHARE * explained && (same || shares())
-        });
-        // It is undecided which of them explains what they share.
-        let open = beside.cloned().map(|other| (other, 0.5));
         // A size beyond that of real machines suggests another error that looks the same.
         let odds = (log_rarity_of(finding) - LOOKS_THE_SAME).exp();
         let share = tails.max(odds / (1.0 + odds));
@@ -196,7 +177,7 @@ pub(super) fn downgrade_doubtful_names(
             let id = inference.most_affected_class(own_index.filter(|_| matters(share))?)?;
             Some((WeighedError::of(id), share))
         };
-        let Some((other, share)) = rival.or(open).or_else(imitated) else {
+        let Some((other, share)) = rival.or_else(imitated) else {
             continue;
         };
         finding.verdict = Verdict::Ambiguous;

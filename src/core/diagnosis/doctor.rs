@@ -155,12 +155,7 @@ fn examine(
         if remaining_errors.is_empty() {
             remaining_errors.extend(remaining.first().map(WeighedError::from_discrepancy));
         }
-        downgrade_doubtful_names(
-            &mut findings,
-            &inference,
-            (&unmodelled.rivals, &remaining_errors),
-            &space,
-        );
+        downgrade_doubtful_names(&mut findings, &inference, &unmodelled.rivals, &space);
         state_probabilities(&mut findings);
         findings.extend(remaining_errors.iter().map(|s| s.finding(fit)));
         possible = stated_causes(possible);

@@ -110,19 +110,6 @@ impl Inference<'_> {
         candidate.log_odds + log_sum(candidate.scales.iter().map(density))
     }
 
-    /// Share of a cause's effect on the readings, with all else estimated, that is in readings of one kind and cable,
-    /// or of one kind and all cables.
-    pub fn share_of_effect_in(&self, cause: usize, id: &ReadingId) -> f64 {
-        let squares = self.effect_by_class(cause);
-        let classes = self.linear.conditions.classes.iter().zip(&squares);
-        let is_meant = |class: &ReadingId| {
-            class.quantity == id.quantity && id.cable.is_none_or(|c| class.cable == Some(c))
-        };
-        let inside = classes.filter(|(class, _)| is_meant(class));
-        let inside: f64 = inside.map(|(_, square)| square).sum();
-        inside / squares.iter().sum::<f64>().max(f64::MIN_POSITIVE)
-    }
-
     /// The class of readings on which a cause has the largest effect.
     pub fn most_affected_class(&self, cause: usize) -> Option<ReadingId> {
         let squares = self.effect_by_class(cause);
