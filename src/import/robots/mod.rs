@@ -7,7 +7,7 @@ mod xml;
 use std::path::PathBuf;
 
 use tautline_core::robot::{
-    Cable, CableMaterial, PartTolerances, PerAxis, Platform, Pulley, Robot, Winch,
+    Cable, CableMaterial, Home, Limits, PartTolerances, PerAxis, Platform, Pulley, Robot, Winch,
 };
 use tautline_session::{Loaded, Place, ReadError, VersionedFile, open_input};
 
@@ -34,15 +34,21 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
         let root = xml::parse(&text, &file)?;
         let slot = match root.name.as_str() {
             "cables" => &mut cables,
-            "links" | "bodies" | "body_system" => &mut bodies,
+            "links" | "bodies_system" => &mut bodies,
             "models" => return wirex::robot(&file, &root),
             name => {
                 let message = format!(
-                    "found <{name}>, expected <cables> or <links> of CASPR or <models> of WireX"
+                    "found <{name}>, expected <cables> or <bodies_system> of CASPR or <models> of WireX"
                 );
                 return Err(ReadError::new(&file, Place::File, message));
             }
         };
+        if let Some((first, _)) = &*slot {
+            let message = format!(
+                "describes the same part of a robot as {first}, expected one file of cables and one of bodies"
+            );
+            return Err(ReadError::new(&file, Place::File, message));
+        }
         *slot = Some((file, root));
     }
     match cables {
@@ -108,32 +114,49 @@ fn name_of(file: &str) -> String {
     stem.strip_suffix("_cables").unwrap_or(&stem).to_owned()
 }
 
-/// The robot of a description that states the geometry only.
-fn robot_of(
-    file: &str,
+/// What descriptions state of a robot.
+struct Description {
     platform: Platform,
     cables: Vec<Cable>,
+    home: Option<Home>,
+    limits: Option<Limits>,
+}
+
+/// The robot of a description, which states no winches and no noise.
+fn robot_of(
+    file: &str,
+    description: Description,
     mut notices: Vec<String>,
 ) -> Result<Loaded<Robot>, ReadError> {
-    notices.push(format!(
-        "{file}: does not state winches, noise and tolerances of the pulleys: a motor revolution is assumed to wind 1 m of cable, a length to have a standard deviation of {} mm, entry points to be unknown, and all other parts to have typical tolerances; correct robot.json",
-        1e3 * LENGTH_SD_M
-    ));
-    let robot = Robot {
+    let mut robot = Robot {
         name: name_of(file),
-        home: None,
+        home: description.home,
         gravity_m_s2: [0.0, 0.0, -9.806_65],
-        platform,
-        limits: None,
+        platform: description.platform,
+        limits: description.limits,
         laser: None,
         inclinometer: None,
         tracker: None,
-        cables,
+        cables: description.cables,
         home_platform: None,
         tolerances: Some(PartTolerances::typical()),
         deviations: Vec::new(),
         effects: Vec::new(),
     };
+    let sd_m = Pulley::typical_sd_m(robot.frame_size_m().unwrap_or_default());
+    let sd_m = (1e4 * sd_m).round() / 1e4;
+    for cable in &mut robot.cables {
+        let stated = cable.pulley.entry_point_sd_m.each();
+        cable.pulley.entry_point_sd_m = match stated {
+            [None, None, None] => PerAxis::known(sd_m),
+            stated => PerAxis::Each(stated.map(|sd| sd.or(Some(sd_m)))),
+        };
+    }
+    notices.push(format!(
+        "{file}: does not state winches, noise and tolerances of the pulleys: a motor revolution is assumed to wind 1 m of cable, a length to have a standard deviation of {} mm, entry points one of {} mm, and all other parts to have typical tolerances; correct robot.json",
+        1e3 * LENGTH_SD_M,
+        1e3 * sd_m
+    ));
     VersionedFile::check(&robot)
         .map_err(|error| ReadError::new(file, Place::Pointer(error.pointer), error.message))?;
     Ok(Loaded {
