@@ -15,6 +15,7 @@ mod importing;
 mod input;
 mod median;
 mod naming;
+mod orientation;
 mod outline;
 mod proposal;
 mod recipe;
@@ -35,6 +36,7 @@ pub use draft::{Draft, clock_times, uses};
 pub use formats::{is_robot_description, read_source};
 pub use importing::{ImportError, Imported, found, import, import_corrected};
 pub use naming::pattern_of;
+pub use orientation::transpose_matrices;
 pub use outline::outline;
 pub use proposal::propose;
 pub use recipe::{

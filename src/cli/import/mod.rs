@@ -10,6 +10,7 @@ use tautline_core::robot::Robot;
 use tautline_import::{
     ImportDocument, Imported, Recipe, Source, align_clocks, import, import_corrected,
     is_robot_description, propose, read_recipe, read_robot_description, read_sources,
+    transpose_matrices,
 };
 use tautline_session::{Loaded, ReadError, read_robot, write_robot, write_text, write_versioned};
 
@@ -68,7 +69,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     // Checked before a long log is read.
     let robot = robot(arguments)?;
-    let sources = noticed(read(&arguments.sources)?);
+    let mut sources = noticed(read(&arguments.sources)?);
+    transpose_matrices(&mut sources, robot.robot.cable_count());
     let (mut recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
     if arguments.align_clocks {
         let clocks = align_clocks(&sources, &mut recipe, &robot.robot)?;
