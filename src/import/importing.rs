@@ -7,6 +7,7 @@ use tautline_core::robot::Robot;
 use tautline_session::{Place, ReadError, escape_formula, read_poses};
 
 use crate::check::{Change, Readings, Suggestion, check};
+use crate::coverage::{unused, without_channel};
 use crate::cutting::{CutPose, Times, cut, number_of};
 use crate::document::{ImportDocument, PoseReport, Reading, SourceReport};
 use crate::external::place;
@@ -15,6 +16,8 @@ use crate::source::Source;
 
 /// Maximum number of suggestions applied.
 const MOST_CHANGES: usize = 64;
+/// Fewest rows per jump of a clock that was set.
+const JUMPS: usize = 20;
 
 /// Poses imported from foreign files.
 #[derive(Debug, Clone)]
@@ -39,7 +42,7 @@ pub fn import(
 ) -> Result<Imported, ImportError> {
     let file = sources.first().map_or("", |source| source.file.as_str());
     let mapping = resolve(sources, recipe, recipe_file, robot.cable_count())?;
-    let mut notices = notices(sources, &mapping);
+    let mut notices = notices(sources, &mapping, robot);
     let mut poses = cut(&mapping, recipe, robot, file, &mut notices)?;
     check_storage(&mapping, file)?;
     drop_empty(&mut poses, &mut notices);
@@ -48,7 +51,7 @@ pub fn import(
     let recipe = &place(&mut poses, recipe, robot, &mut notices)
         .map_err(|message| ReadError::new(file, Place::File, message))?;
     let columns = columns(&mapping, &poses, recipe);
-    let suggestions = suggestions(&mapping, &poses, &labels, recipe, robot);
+    let suggestions = suggestions(&mapping, &poses, &labels, recipe, robot, &mut notices);
     let poses_csv = table(&poses, &labels, &columns, recipe);
     let read = read_poses(poses_csv.as_bytes(), &format!("{file} as poses.csv"), robot);
     let document = ImportDocument {
@@ -93,7 +96,8 @@ fn check_storage(mapping: &Mapping<'_>, file: &str) -> Result<(), ReadError> {
     Err(ReadError::new(file, Place::File, message))
 }
 
-/// Imports, applies the suggestions of the check, and repeats until there are no new ones.
+/// Imports, applies the suggestions of the check, and repeats until there are no new ones. Those that follow from the mass of the
+/// platform are applied if it `is_weighed`.
 ///
 /// # Errors
 /// As [`import`], for errors that no suggestion corrects.
@@ -102,6 +106,7 @@ pub fn import_corrected(
     recipe: &Recipe,
     recipe_file: &str,
     robot: &Robot,
+    is_weighed: bool,
 ) -> Result<Imported, ImportError> {
     let mut recipe = recipe.clone();
     let mut applied: Vec<Suggestion> = Vec::new();
@@ -114,7 +119,7 @@ pub fn import_corrected(
         // A suggestion that recurs did not help.
         let new: Vec<Suggestion> = suggestions
             .iter()
-            .filter(|one| !applied.contains(one))
+            .filter(|one| !applied.contains(one) && (is_weighed || !one.by_mass))
             .cloned()
             .collect();
         if new.is_empty() || applied.len() > MOST_CHANGES {
@@ -136,6 +141,7 @@ fn suggestions(
     labels: &[i64],
     recipe: &Recipe,
     robot: &Robot,
+    notices: &mut Vec<String>,
 ) -> Vec<Suggestion> {
     let is_empty = |quantity: &Quantity| {
         recipe
@@ -170,7 +176,14 @@ fn suggestions(
             .clocks
             .iter()
             .any(|clock| clock.close_jumps && is_series(series, &clock.series));
-        if let Some((row, step)) = times.jumps.first().filter(|_| !is_closed) {
+        if times.jumps.len() * JUMPS > series.rows {
+            notices.push(format!(
+                "the times of {} go backwards {} times in {} rows: they are those of no clock, expected another channel as time_s",
+                series.name,
+                times.jumps.len(),
+                series.rows
+            ));
+        } else if let Some((row, step)) = times.jumps.first().filter(|_| !is_closed) {
             let sentence = format!(
                 "the clock of {} jumps by {step:.3} s at row {}: it was adjusted during the recording; close the jump",
                 series.name,
@@ -251,7 +264,7 @@ pub fn found(
         poses: Vec::new(),
         suggestions: Vec::new(),
         applied: Vec::new(),
-        notices: notices(sources, &mapping),
+        notices: notices(sources, &mapping, robot),
     })
 }
 
@@ -284,10 +297,13 @@ fn reports(sources: &[Source], mapping: &Mapping<'_>) -> Vec<SourceReport> {
         .collect()
 }
 
-/// Notices about the sources, and about lost frames.
-fn notices(sources: &[Source], mapping: &Mapping<'_>) -> Vec<String> {
+/// Notices about the sources, what is left over, and lost frames.
+fn notices(sources: &[Source], mapping: &Mapping<'_>, robot: &Robot) -> Vec<String> {
     let known = sources.iter().flat_map(|source| source.notices.clone());
-    known.chain(lost_frames(mapping)).collect()
+    let left_over = unused(mapping)
+        .into_iter()
+        .chain(without_channel(mapping, robot));
+    known.chain(left_over).chain(lost_frames(mapping)).collect()
 }
 
 /// Notices about runs of rows without a value.

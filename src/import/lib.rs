@@ -6,6 +6,7 @@
 
 mod alignment;
 mod check;
+mod coverage;
 mod cutting;
 mod document;
 mod draft;
@@ -29,6 +30,7 @@ mod values;
 
 pub use alignment::{AlignedClock, ClockFit, align_clocks};
 pub use check::{Change, Line, Mistake, Suggestion, TableCheck, check_table};
+pub use coverage::channel_names;
 pub use document::{
     ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
 };
@@ -38,7 +40,7 @@ pub use importing::{ImportError, Imported, found, import, import_corrected};
 pub use naming::pattern_of;
 pub use orientation::transpose_matrices;
 pub use outline::outline;
-pub use proposal::propose;
+pub use proposal::{propose, propose_around};
 pub use recipe::{
     Assignment, Clock, Cutting, Instrument, Kind, Placement, Quantity, Recipe, Rest, Step,
     read_recipe,

@@ -8,7 +8,10 @@ use tautline_core::measurement::{Dataset, Measurements};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{Recording, SimulationOptions, record, simulate};
 
-use crate::{Cutting, Imported, import, propose, read_sources};
+use crate::{
+    Assignment, Change, Cutting, Imported, Recipe, Source, import, import_corrected, propose,
+    propose_around, read_sources,
+};
 
 fn dataset() -> Dataset {
     let robot = presets::find("mini").expect("a preset").robot;
@@ -338,6 +341,13 @@ fn imported(dataset: &Dataset, files: &[(&str, Vec<u8>)]) -> Imported {
         Ok(imported) => imported,
         Err(error) => panic!("{error}\n{recipe:#?}\n{notices:#?}"),
     }
+}
+
+fn read(text: String) -> Vec<Source> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.csv");
+    std::fs::write(&path, text).expect("written");
+    read_sources(&[path], &|_| true).expect("read").value
 }
 
 /// The same entry points, to a nanometre.
@@ -755,9 +765,122 @@ fn a_recipe_is_used_as_it_is_written() {
         let json = format!(
             r#"{{"format": "tautline-import-recipe", "version": 1, "channels": [{entry}]}}"#
         );
-        let read =
-            tautline_session::parse_versioned::<crate::Recipe>(json.as_bytes(), "recipe.json");
+        let read = tautline_session::parse_versioned::<Recipe>(json.as_bytes(), "recipe.json");
         let error = read.expect_err(part).to_string();
         assert!(error.contains(part), "{error}");
     }
+}
+
+#[test]
+fn right_forces_are_not_divided_by_g_for_a_guessed_mass() {
+    let dataset = dataset();
+    let sources = read(csv(&columns(&dataset.measurements), ",", false));
+    let mut guessed = dataset.robot.clone();
+    let mass_kg = guessed.platform.mass_kg.expect("a mass");
+    guessed.platform.mass_kg = Some(10.0 * mass_kg);
+    let (recipe, _) = propose(&sources, &guessed);
+    let corrected = |is_weighed| {
+        import_corrected(&sources, &recipe, "the recipe", &guessed, is_weighed).expect("imported")
+    };
+    let told = corrected(false).document;
+    assert_eq!(told.applied, []);
+    assert_eq!(told.recipe, recipe);
+    let [suggestion] = &told.suggestions[..] else {
+        panic!("one suggestion, found {:?}", told.suggestions);
+    };
+    assert!(suggestion.by_mass);
+    // The mass of the sentence is that which the forces carry.
+    let sentence = &suggestion.sentence;
+    let stated = sentence.split("its mass is ").nth(1).expect("a mass");
+    let stated: f64 = stated
+        .split(' ')
+        .next()
+        .unwrap_or_default()
+        .parse()
+        .expect("a number");
+    assert!((stated / mass_kg - 1.0).abs() < 0.05, "{sentence}");
+    assert!(matches!(
+        &corrected(true).document.applied[..],
+        [applied] if matches!(applied.change, Change::Multiply { .. })
+    ));
+}
+
+#[test]
+fn counts_of_encoders_ask_how_many_make_a_revolution() {
+    let dataset = dataset();
+    let mut columns = columns(&dataset.measurements);
+    for (name, values) in &mut columns {
+        if name.ends_with(".Pos") {
+            *name = name.replace("Pos", "Enc");
+            values
+                .iter_mut()
+                .for_each(|value| *value = (65536.0 * *value).round());
+        }
+    }
+    let sources = read(csv(&columns, ",", false));
+    let (recipe, notices) = propose(&sources, &dataset.robot);
+    assert!(
+        recipe
+            .channels
+            .iter()
+            .all(|known| known.quantity != "rev_{i}")
+    );
+    let asks = notices
+        .iter()
+        .find(|notice| notice.contains("encoder counts"));
+    let asks = asks.expect("a question");
+    assert!(
+        asks.contains("--set \"rev_{i}=Winch{i}.Enc [rev/4096]\""),
+        "{asks}"
+    );
+    let set = Assignment::parse("rev_{i}=Winch{i}.Enc [rev/65536]", &sources).expect("an entry");
+    let (recipe, _) = propose_around(&sources, &dataset.robot, vec![set.clone()]);
+    assert_eq!(recipe.channels.last(), Some(&set));
+    assert!(
+        recipe
+            .channels
+            .iter()
+            .any(|known| known.quantity == "force_{i}_n")
+    );
+    let imported = import(&sources, &recipe, "the recipe", &dataset.robot).expect("imported");
+    let given = &dataset.measurements.revolutions;
+    for pose in 0..dataset.measurements.len() {
+        let found = imported.measurements.revolutions.get(pose, 3);
+        assert!((found - given.get(pose, 3)).abs() < 1.0 / 65536.0);
+    }
+}
+
+#[test]
+fn what_does_not_go_forwards_is_no_clock() {
+    let dataset = dataset();
+    let mut columns = columns(&dataset.measurements);
+    let waves = (0..dataset.measurements.len()).map(|row| (1.3 * row as f64).sin());
+    columns.push(("t".to_owned(), waves.collect()));
+    let sources = read(csv(&columns, ",", false));
+    let (recipe, _) = propose(&sources, &dataset.robot);
+    assert!(
+        recipe
+            .channels
+            .iter()
+            .all(|known| known.quantity != "time_s")
+    );
+    // Nor is it repaired as one if a recipe says that it is.
+    let mut channels = recipe.channels;
+    channels.push(Assignment::new("t", "time_s"));
+    let recipe = Recipe {
+        channels,
+        cutting: Cutting::Rows,
+        ..Recipe::default()
+    };
+    let imported = import(&sources, &recipe, "the recipe", &dataset.robot).expect("imported");
+    let repairs = |change: &Change| matches!(change, Change::CloseJumps { .. });
+    let document = imported.document;
+    assert!(
+        !document
+            .suggestions
+            .iter()
+            .any(|found| repairs(&found.change))
+    );
+    let told = |notice: &String| notice.contains("they are those of no clock");
+    assert!(document.notices.iter().any(told), "{:?}", document.notices);
 }

@@ -196,7 +196,7 @@ fn poses_in_another_frame_are_recognised_and_brought_over() {
     let suggestions = &as_it_is.document.suggestions;
     assert_eq!(suggestions.len(), 1, "{suggestions:?}");
     assert_eq!(suggestions[0].change, Change::AlignInstrument);
-    let corrected = import_corrected(&sources, &recipe, "recipe", &robot).expect("imported");
+    let corrected = import_corrected(&sources, &recipe, "recipe", &robot, false).expect("imported");
     for (row, pose) in poses.iter().enumerate() {
         let position = corrected
             .measurements

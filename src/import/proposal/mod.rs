@@ -26,10 +26,21 @@ use recognition::{
 /// Proposes a recipe; the sentences state the assumptions.
 #[must_use]
 pub fn propose(sources: &[Source], robot: &Robot) -> (Recipe, Vec<String>) {
+    propose_around(sources, robot, Vec::new())
+}
+
+/// Proposes a recipe around assignments that are known; the sentences state the assumptions.
+#[must_use]
+pub fn propose_around(
+    sources: &[Source],
+    robot: &Robot,
+    known: Vec<Assignment>,
+) -> (Recipe, Vec<String>) {
     let mut proposal = Proposal {
         robot,
+        given: known.iter().map(|known| known.quantity.clone()).collect(),
         recipe: Recipe::default(),
-        given: BTreeSet::new(),
+        known,
         notices: Vec::new(),
     };
     let series = sources.iter().flat_map(|source| {
@@ -58,6 +69,8 @@ pub fn propose(sources: &[Source], robot: &Robot) -> (Recipe, Vec<String>) {
             assignment.series = None;
         }
     }
+    // A later entry overrides an earlier one.
+    proposal.recipe.channels.append(&mut proposal.known);
     proposal.cutting(sources);
     proposal.home(sources);
     (proposal.recipe, proposal.notices)
@@ -195,6 +208,8 @@ fn vectors(series: &Series) -> Vec<(Origin, Components<'_>)> {
 struct Proposal<'a> {
     robot: &'a Robot,
     recipe: Recipe,
+    /// Assignments that are not to be proposed.
+    known: Vec<Assignment>,
     /// Columns that already have a channel.
     given: BTreeSet<String>,
     notices: Vec<String>,
@@ -208,6 +223,12 @@ impl Proposal<'_> {
 
     fn is_given(&self, column: &str) -> bool {
         self.given.contains(column)
+    }
+
+    /// Whether a channel has a known use.
+    fn is_known(&self, name: &str) -> bool {
+        let mut known = self.known.iter();
+        known.any(|known| known.channel == name || known.is_pattern_of(name))
     }
 
     /// Channels with the names of the columns of `poses.csv`.
@@ -250,7 +271,8 @@ impl Proposal<'_> {
         let mut candidates: Vec<(Recognised, Family)> = Vec::new();
         for family in families(names) {
             let channels = members(series, &family);
-            if channels.len() != family.count || are_quaternion(&channels) {
+            let is_known = channels.iter().any(|channel| self.is_known(&channel.name));
+            if channels.len() != family.count || is_known || are_quaternion(&channels) {
                 continue;
             }
             let Some(recognised) = kind_of(&channels) else {
@@ -428,7 +450,8 @@ impl Proposal<'_> {
     }
 
     fn single(&mut self, series: &Series, name: &str, column: &str, unit: Option<&str>) {
-        if self.is_given(column)
+        if self.is_known(name)
+            || self.is_given(column)
             || self
                 .recipe
                 .channels
@@ -502,9 +525,12 @@ impl Proposal<'_> {
         };
         let is_free = |channel: &Channel| {
             let known = self.recipe.channels.iter();
-            !known
-                .filter(|known| known.series.as_ref() == Some(&series.name))
-                .any(|known| known.channel == channel.name || known.is_pattern_of(&channel.name))
+            !self.is_known(&channel.name)
+                && !known
+                    .filter(|known| known.series.as_ref() == Some(&series.name))
+                    .any(|known| {
+                        known.channel == channel.name || known.is_pattern_of(&channel.name)
+                    })
         };
         let mut bodies: Vec<Body<'s>> = Vec::new();
         let mut in_vectors: BTreeSet<&str> = BTreeSet::new();

@@ -4,6 +4,7 @@ mod edit;
 mod instrument;
 mod quantity;
 mod resolve;
+mod text;
 
 use std::path::Path;
 
