@@ -13,6 +13,7 @@ use crate::document::{ImportDocument, PoseReport, Reading, SourceReport};
 use crate::external::place;
 use crate::recipe::{Cutting, Kind, Mapping, Quantity, Recipe, is_series, resolve};
 use crate::source::Source;
+use crate::turning::turn_angles;
 
 /// Maximum number of suggestions applied.
 const MOST_CHANGES: usize = 64;
@@ -45,13 +46,21 @@ pub fn import(
     let mut notices = notices(sources, &mapping, robot);
     let mut poses = cut(&mapping, recipe, robot, file, &mut notices)?;
     check_storage(&mapping, file)?;
+    turn_angles(&mut poses, recipe, &mut notices);
     drop_empty(&mut poses, &mut notices);
     let labels = labels(&poses, recipe, &mut notices);
     apply_steps(&mut poses, &labels, recipe);
     let recipe = &place(&mut poses, recipe, robot, &mut notices)
         .map_err(|message| ReadError::new(file, Place::File, message))?;
     let columns = columns(&mapping, &poses, recipe);
-    let suggestions = suggestions(&mapping, &poses, &labels, recipe, robot, &mut notices);
+    let suggestions = suggestions(
+        &mapping,
+        &poses,
+        (&labels, &columns),
+        recipe,
+        robot,
+        &mut notices,
+    );
     let poses_csv = table(&poses, &labels, &columns, recipe);
     let read = read_poses(poses_csv.as_bytes(), &format!("{file} as poses.csv"), robot);
     let document = ImportDocument {
@@ -138,7 +147,7 @@ pub fn import_corrected(
 fn suggestions(
     mapping: &Mapping<'_>,
     poses: &[CutPose],
-    labels: &[i64],
+    (labels, columns): (&[i64], &[Quantity]),
     recipe: &Recipe,
     robot: &Robot,
     notices: &mut Vec<String>,
@@ -149,10 +158,7 @@ fn suggestions(
             .iter()
             .any(|column| *column == quantity.column())
     };
-    let quantities = mapping
-        .quantities
-        .keys()
-        .filter(|quantity| !quantity.is_text() && !is_empty(quantity));
+    let quantities = columns.iter().filter(|quantity| !is_empty(quantity));
     let values = |quantity: &Quantity| {
         poses
             .iter()
@@ -395,13 +401,17 @@ fn apply_steps(poses: &mut [CutPose], labels: &[i64], recipe: &Recipe) {
     }
 }
 
-/// The numeric columns in the order of the table: those of the recipe, and measured poses computed from markers.
+/// The numeric columns in the order of the table: those of the recipe, and poses computed from markers or angles.
 fn columns(mapping: &Mapping<'_>, poses: &[CutPose], recipe: &Recipe) -> Vec<Quantity> {
     let made = poses.iter().flat_map(|pose| pose.readings.keys());
-    let made = made.filter(|quantity| quantity.kind == Kind::Tracked);
+    let made = made.filter(|quantity| matches!(quantity.kind, Kind::Commanded | Kind::Tracked));
     let mapped = mapping.quantities.keys().chain(made).copied();
     let mapped = mapped.filter(|quantity| {
-        !quantity.is_text() && !matches!(quantity.kind, Kind::Time | Kind::Marker)
+        let is_source = matches!(
+            quantity.kind,
+            Kind::Time | Kind::Marker | Kind::CommandedAngle | Kind::TrackedAngle
+        );
+        !quantity.is_text() && !is_source
     });
     let empty = recipe
         .left_empty

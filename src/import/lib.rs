@@ -25,6 +25,7 @@ mod source;
 mod sources;
 mod table;
 mod text;
+mod turning;
 mod units;
 mod values;
 
@@ -42,8 +43,8 @@ pub use orientation::transpose_matrices;
 pub use outline::outline;
 pub use proposal::{propose, propose_around};
 pub use recipe::{
-    Assignment, Clock, Cutting, Instrument, Kind, Placement, Quantity, Recipe, Rest, Step,
-    read_recipe,
+    AngleOrder, Angles, Assignment, Clock, Cutting, Instrument, Kind, Placement, Quantity, Recipe,
+    Rest, Step, read_recipe,
 };
 pub use robots::read_robot_description;
 pub use source::{Channel, Format, Series, Source, Summary, TextChannel};

@@ -884,3 +884,58 @@ fn what_does_not_go_forwards_is_no_clock() {
     let told = |notice: &String| notice.contains("they are those of no clock");
     assert!(document.notices.iter().any(told), "{:?}", document.notices);
 }
+
+/// Angles of R = Rz Ry Rx.
+fn yaw_pitch_roll([w, x, y, z]: [f64; 4]) -> [f64; 3] {
+    [
+        (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z)),
+        (2.0 * (w * y - z * x)).asin(),
+        (2.0 * (w * x + y * z)).atan2(1.0 - 2.0 * (x * x + y * y)),
+    ]
+}
+
+#[test]
+fn angles_of_commanded_poses_become_quaternions() {
+    let dataset = dataset();
+    let data = &dataset.measurements;
+    let mut columns = columns(data);
+    columns.retain(|(name, _)| !name.starts_with("cmd.q"));
+    for (k, name) in ["Yaw", "Pitch", "Roll"].iter().enumerate() {
+        let degrees = data.commanded.iter().map(|pose| {
+            let pose = pose.expect("commanded");
+            yaw_pitch_roll(pose.orientation_wxyz())[k].to_degrees()
+        });
+        columns.push((format!("cmd.{name}"), degrees.collect()));
+    }
+    let sources = read(csv(&columns, ",", false));
+    let (mut recipe, notices) = propose(&sources, &dataset.robot);
+    let told = notices
+        .iter()
+        .find(|notice| notice.contains("R = Rz Ry Rx"));
+    assert!(
+        told.is_some_and(|told| told.contains("in degrees")),
+        "{notices:?}"
+    );
+    let off = |recipe: &Recipe| {
+        let found = import(&sources, recipe, "the recipe", &dataset.robot).expect("imported");
+        let poses = found.measurements.commanded.iter().zip(&data.commanded);
+        let off = poses.map(|(found, given)| {
+            let (found, given) = (found.expect("a pose"), given.expect("a pose"));
+            found.difference(&given).amax()
+        });
+        off.fold(0.0, f64::max)
+    };
+    assert!(off(&recipe) < 1e-9, "{}", off(&recipe));
+    // The channels keep their axes in another order, which is not that of the file.
+    recipe.order_angles("xyz".parse().expect("an order"));
+    let column = |channel: &str| {
+        let mut entries = recipe.channels.iter();
+        entries
+            .find(|known| known.channel == channel)
+            .map(|known| known.quantity.clone())
+    };
+    assert_eq!(column("cmd.Roll").as_deref(), Some("angle_1_rad"));
+    assert_eq!(column("cmd.Yaw").as_deref(), Some("angle_3_rad"));
+    let wrong = off(&recipe);
+    assert!((1e-3..0.2).contains(&wrong), "{wrong}");
+}

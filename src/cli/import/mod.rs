@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use tautline_core::robot::Robot;
 use tautline_import::{
-    Assignment, ImportDocument, ImportError, Imported, Recipe, Source, align_clocks, channel_names,
-    import, import_corrected, is_robot_description, propose_around, read_recipe,
+    AngleOrder, Assignment, ImportDocument, ImportError, Imported, Recipe, Source, align_clocks,
+    channel_names, import, import_corrected, is_robot_description, propose_around, read_recipe,
     read_robot_description, read_sources, transpose_matrices,
 };
 use tautline_session::{Loaded, ReadError, read_robot, write_robot, write_text, write_versioned};
@@ -36,6 +36,9 @@ pub struct Arguments {
     /// Assigns a channel to a column of poses.csv, as in "rev_{i}=theta(:,{i}) [rad]"; the rest is proposed, or the recipe's
     #[arg(long, value_name = "COLUMN=CHANNEL [UNIT]")]
     set: Vec<String>,
+    /// Axes of the angles of commanded and measured poses: R = R1 R2 R3, each about an axis of the turned frame, as in zyx
+    #[arg(long, value_name = "ORDER")]
+    angles: Option<AngleOrder>,
     /// The robot: a preset or a robot.json; by default the robot.json in the folder
     #[arg(long, value_name = "PRESET|FILE")]
     robot: Option<String>,
@@ -78,6 +81,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut sources = noticed(read(&arguments.sources)?);
     transpose_matrices(&mut sources, robot.robot.cable_count());
     let (mut recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
+    if let Some(order) = arguments.angles {
+        recipe.order_angles(order);
+    }
     if arguments.align_clocks {
         let clocks = align_clocks(&sources, &mut recipe, &robot.robot)?;
         for clock in &clocks {

@@ -13,14 +13,14 @@ use crate::naming::words::{
     ANGLES, GROUP, HOT, LABEL, LASER, NO_CLOCK, OTHER, PER_CABLE, RANGE, TEMPERATURE, TIME, TRAVEL,
 };
 use crate::naming::{Family, families, words_of};
-use crate::recipe::{Assignment, Cutting, Kind, Quantity, Recipe, Rest};
+use crate::recipe::{AngleOrder, Assignment, Cutting, Kind, Quantity, Recipe, Rest};
 use crate::source::{Channel, Format, Series, Source};
 use crate::units::{Dimension, parse_unit};
 use evidence::{are_quaternion, is_clock, magnitude};
 use markers::{Marker, on_platform};
 use recognition::{
-    Component, Origin, Recognised, component, is_any, is_of_pose, is_wanted, is_whole, kind_name,
-    kind_of, origin_of,
+    Component, Origin, Recognised, angle, component, is_any, is_of_pose, is_wanted, is_whole,
+    kind_name, kind_of, origin_of,
 };
 
 /// Proposes a recipe; the sentences state the assumptions.
@@ -90,6 +90,16 @@ fn members<'s>(series: &'s Series, family: &Family) -> Vec<&'s Channel> {
     names.filter_map(|name| series.channel(&name)).collect()
 }
 
+/// Whether a series has the position of a pose.
+fn has_position(series: &Series) -> bool {
+    let found = series
+        .channels
+        .iter()
+        .filter_map(|channel| component(&channel.name));
+    let mut open = found.filter(|found| found.origin == Origin::Open && found.is_pose);
+    open.any(|found| found.index == 0)
+}
+
 /// Channels of one pose with the component that each is.
 type Components<'a> = Vec<(usize, &'a Channel)>;
 
@@ -98,6 +108,9 @@ struct Body<'a> {
     owner: String,
     origin: Origin,
     components: Components<'a>,
+    /// Angles about x, y, z, where an orientation is stated as such.
+    angles: Components<'a>,
+    order: Option<AngleOrder>,
 }
 
 /// Adds components to the body of this owner.
@@ -112,6 +125,8 @@ fn add<'a>(bodies: &mut Vec<Body<'a>>, owner: String, origin: Origin, components
                 owner,
                 origin,
                 components: Vec::new(),
+                angles: Vec::new(),
+                order: None,
             });
             let last = bodies.len() - 1;
             &mut bodies[last]
@@ -150,6 +165,9 @@ fn join_rotation(bodies: &mut Vec<Body<'_>>, origin: Origin, takes: impl Fn(&Bod
         bodies.remove(*rotation);
     }
 }
+
+/// Angles of a platform in radians are smaller.
+const QUARTER_TURN_RAD: f64 = 1.6;
 
 /// Words of vectors that are poses.
 const VECTORS: &[&str] = &[
@@ -442,6 +460,11 @@ impl Proposal<'_> {
                 .iter()
                 .position(|angle| is_any(&words, angle))
                 .filter(|_| {
+                    // Beside a position and without an inclinometer they are angles of a pose.
+                    let is_of_pose = self.robot.inclinometer.is_none() && has_position(series);
+                    if is_of_pose {
+                        return false;
+                    }
                     let is_other = is_any(&words, OTHER) || origin_of(&words) != Origin::Open;
                     fits(Dimension::Angle) && is_one && !is_other
                 })
@@ -566,6 +589,21 @@ impl Proposal<'_> {
             add(&mut bodies, owner, origin, vec![(index, channel)]);
         }
         join_rotations(&mut bodies);
+        for channel in series.channels.iter().filter(|channel| is_free(channel)) {
+            let fits = channel.unit.as_deref().is_none_or(|unit| {
+                parse_unit(unit).is_some_and(|unit| unit.dimension == Dimension::Angle)
+            });
+            if let Some((found, order)) = angle(&channel.name).filter(|_| fits) {
+                let origin = with_topic(found.origin);
+                let of = bodies
+                    .iter_mut()
+                    .find(|body| body.owner == found.owner && body.origin == origin);
+                if let Some(body) = of {
+                    body.angles.push((found.index, channel));
+                    body.order = body.order.or(order);
+                }
+            }
+        }
         bodies
     }
 
@@ -611,6 +649,9 @@ impl Proposal<'_> {
                 ..Assignment::new(channel.name.clone(), columns[place])
             });
         }
+        if !whole_rotation {
+            self.angles(series, &body, is_commanded);
+        }
         if is_open {
             let names = body
                 .components
@@ -630,6 +671,45 @@ impl Proposal<'_> {
         if up_is_y {
             self.notices.push(format!("{}: the y axis of the capture is assumed to point up: x, y, z of the robot are x, -z, y there", series.name));
         }
+    }
+
+    /// Assigns the angles of a pose.
+    fn angles(&mut self, series: &Series, body: &Body<'_>, is_commanded: bool) {
+        let about = |axis: usize| body.angles.iter().find(|(known, _)| *known == axis);
+        let (Some((_, x)), Some((_, y)), Some((_, z))) = (about(0), about(1), about(2)) else {
+            return;
+        };
+        let order = body.order.unwrap_or(AngleOrder::XYZ);
+        let kind = match is_commanded {
+            true => Kind::CommandedAngle,
+            false => Kind::TrackedAngle,
+        };
+        let angles = order.sort([*x, *y, *z]);
+        let widest = angles.iter().map(|channel| {
+            let [low, high] = channel.summary().range;
+            low.abs().max(high.abs())
+        });
+        let is_stated = angles.iter().all(|channel| channel.unit.is_some());
+        let in_degrees = !is_stated && widest.fold(0.0, f64::max) > QUARTER_TURN_RAD;
+        for (index, channel) in angles.iter().enumerate() {
+            self.add(Assignment {
+                series: Some(series.name.clone()),
+                unit: in_degrees.then(|| "deg".to_owned()),
+                ..Assignment::new(channel.name.clone(), Quantity { kind, index }.column())
+            });
+        }
+        let stated = self.recipe.angles.get_or_insert_default();
+        match is_commanded {
+            true => stated.commanded = Some(order),
+            false => stated.measured = Some(order),
+        }
+        let [first, second, third] = angles.map(|channel| channel.name.as_str());
+        self.notices.push(format!(
+            "{}: {first}, {second}, {third}{} are taken for angles of R = {} in this order, each about an axis of the turned frame; --angles states another one",
+            series.name,
+            if in_degrees { " in degrees" } else { "" },
+            order.product()
+        ));
     }
 
     /// Assigns three or more markers on the platform if no body has an orientation; returns whether there are any.

@@ -6,9 +6,9 @@ use crate::naming::words::{
     WANTED,
 };
 use crate::naming::words_of;
-use crate::recipe::Kind;
+use crate::recipe::{AngleOrder, Kind};
 use crate::source::Channel;
-use crate::units::{Dimension, parse_unit};
+use crate::units::{Dimension, Unit, parse_unit};
 
 pub(super) fn is_any(words: &[String], known: &[&str]) -> bool {
     words.iter().any(|word| known.contains(&word.as_str()))
@@ -200,6 +200,51 @@ pub(super) fn component(name: &str) -> Option<Component> {
         origin,
         is_pose: words.iter().all(|word| is_of_pose(word)),
     })
+}
+
+/// An angle of a pose about the axis of this index, with the order in which such angles turn if their names state it: roll, pitch
+/// and yaw of vehicles, A, B and C of KUKA.
+pub(super) fn angle(name: &str) -> Option<(Component, Option<AngleOrder>)> {
+    let mut words = words_of(name);
+    if words.len() > 1
+        && words
+            .last()
+            .is_some_and(|last| parse_unit(last).is_some_and(is_angle))
+    {
+        words.pop();
+    }
+    let place = |word: &String| {
+        let of_vehicle = ANGLES
+            .iter()
+            .position(|names| names.contains(&word.as_str()));
+        match (of_vehicle, word.as_str()) {
+            (Some(axis), _) => Some((axis, Some(AngleOrder::ZYX))),
+            (None, "rx") => Some((0, None)),
+            (None, "ry") => Some((1, None)),
+            (None, "rz") => Some((2, None)),
+            (None, "a") => Some((2, Some(AngleOrder::ZYX))),
+            (None, "b") => Some((1, Some(AngleOrder::ZYX))),
+            (None, "c") => Some((0, Some(AngleOrder::ZYX))),
+            _ => None,
+        }
+    };
+    let ((index, order), at) = match (words.last().and_then(place), words.first().and_then(place)) {
+        (Some(found), _) => (found, words.len() - 1),
+        (None, Some(found)) => (found, 0),
+        (None, None) => return None,
+    };
+    let word = words.remove(at);
+    let component = Component {
+        index,
+        owner: owner_of(name, &word, at == 0),
+        origin: origin_of(&words),
+        is_pose: words.iter().all(|word| is_of_pose(word)),
+    };
+    Some((component, order))
+}
+
+fn is_angle(unit: Unit) -> bool {
+    unit.dimension == Dimension::Angle
 }
 
 /// Who states the pose that these words name.
