@@ -939,3 +939,72 @@ fn angles_of_commanded_poses_become_quaternions() {
     let wrong = off(&recipe);
     assert!((1e-3..0.2).contains(&wrong), "{wrong}");
 }
+
+#[test]
+fn channels_without_a_name_are_known_by_what_they_do() {
+    let dataset = dataset();
+    let data = &dataset.measurements;
+    for (unit, factor) in [
+        (None, 1.0),
+        (Some("deg"), -360.0),
+        (Some("rad"), std::f64::consts::TAU),
+    ] {
+        let mut columns = columns(data);
+        for (name, values) in &mut columns {
+            if let Some(number) = name
+                .strip_prefix("Winch")
+                .and_then(|rest| rest.strip_suffix(".Pos"))
+            {
+                *name = format!("AI{number}");
+                values.iter_mut().for_each(|value| *value *= factor);
+            } else if let Some(number) = name
+                .strip_prefix("Winch")
+                .and_then(|rest| rest.strip_suffix(".Force"))
+            {
+                *name = format!("Kanal_{number}");
+            }
+        }
+        let text = csv(&columns, ",", false)
+            .replace(" [N]", "")
+            .replace(" [rev]", "");
+        let sources = read(text);
+        let (recipe, notices) = propose(&sources, &dataset.robot);
+        let entry = |column: &str| {
+            let found = recipe
+                .channels
+                .iter()
+                .find(|known| known.quantity == column);
+            found.unwrap_or_else(|| panic!("no {column}: {notices:?}"))
+        };
+        let rev = entry("rev_{i}");
+        assert_eq!((rev.channel.as_str(), rev.unit.as_deref()), ("AI{i}", unit));
+        assert_eq!(rev.reversed, factor < 0.0);
+        assert_eq!(entry("force_{i}_n").channel, "Kanal_{i}");
+        for part in ["AI{i} follow the lengths", "Kanal_{i} carry the platform"] {
+            assert!(
+                notices.iter().any(|notice| notice.contains(part)),
+                "{part}: {notices:?}"
+            );
+        }
+    }
+    // Channels that follow the cables in another order are none of them.
+    let mut columns = columns(data);
+    columns.retain(|(name, _)| !name.ends_with(".Force"));
+    for (name, _) in &mut columns {
+        if let Some(number) = name
+            .strip_prefix("Winch")
+            .and_then(|rest| rest.strip_suffix(".Pos"))
+        {
+            let number: usize = number.parse().expect("a number");
+            *name = format!("AI{}", number % 8 + 1);
+        }
+    }
+    let sources = read(csv(&columns, ",", false).replace(" [rev]", ""));
+    let (recipe, _) = propose(&sources, &dataset.robot);
+    assert!(
+        recipe
+            .channels
+            .iter()
+            .all(|known| !known.channel.starts_with("AI"))
+    );
+}

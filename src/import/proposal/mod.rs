@@ -2,6 +2,7 @@
 
 mod evidence;
 mod markers;
+mod motion;
 mod recognition;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,11 +14,12 @@ use crate::naming::words::{
     ANGLES, GROUP, HOT, LABEL, LASER, NO_CLOCK, OTHER, PER_CABLE, RANGE, TEMPERATURE, TIME, TRAVEL,
 };
 use crate::naming::{Family, families, words_of};
-use crate::recipe::{AngleOrder, Assignment, Cutting, Kind, Quantity, Recipe, Rest};
+use crate::recipe::{AngleOrder, Assignment, Cutting, Kind, Quantity, Recipe, Rest, resolve};
 use crate::source::{Channel, Format, Series, Source};
 use crate::units::{Dimension, parse_unit};
 use evidence::{are_quaternion, is_clock, magnitude};
 use markers::{Marker, on_platform};
+use motion::CommandedPoses;
 use recognition::{
     Component, Origin, Recognised, angle, component, is_any, is_of_pose, is_wanted, is_whole,
     kind_name, kind_of, origin_of,
@@ -55,6 +57,7 @@ pub fn propose_around(
         proposal.families(series, format);
         proposal.singles(series, format);
     }
+    proposal.by_motion(sources);
     let names_repeat = |name: &str| {
         let all = sources.iter().flat_map(|source| &source.series);
         all.filter(|series| series.channel(name).is_some() || series.text(name).is_some())
@@ -336,6 +339,77 @@ impl Proposal<'_> {
             };
             self.add(assignment);
         }
+    }
+
+    /// Families whose names say nothing, but whose values follow the cables at the commanded poses.
+    fn by_motion(&mut self, sources: &[Source]) {
+        let moves = self.is_given("rev_{i}") || self.is_given("length_{i}_m");
+        let pulls = self.is_given("force_{i}_n");
+        let known = self.recipe.channels.iter().chain(&self.known).cloned();
+        let trial = Recipe {
+            channels: known.collect(),
+            ..Recipe::default()
+        };
+        let cables = self.robot.cable_count();
+        let Ok(mapping) = resolve(sources, &trial, "recipe", cables) else {
+            return;
+        };
+        let Some(poses) = CommandedPoses::of(&mapping, self.robot) else {
+            return;
+        };
+        let series = mapping.series[poses.series];
+        let names = series.channels.iter().map(|channel| channel.name.as_str());
+        let mut found: Vec<Assignment> = Vec::new();
+        for family in families(names)
+            .into_iter()
+            .filter(|family| family.count == cables)
+        {
+            let channels = members(series, &family);
+            let is_free = |channel: &&Channel| {
+                let mut uses = trial.channels.iter();
+                !uses.any(|known| {
+                    known.channel == channel.name || known.is_pattern_of(&channel.name)
+                })
+            };
+            let says_other = |channel: &&Channel| {
+                let words = words_of(&channel.name);
+                channel.unit.is_some() || is_wanted(&words) || is_any(&words, OTHER)
+            };
+            let is_full = channels.len() == cables;
+            if !is_full || !channels.iter().all(is_free) || channels.iter().any(says_other) {
+                continue;
+            }
+            let has = |column: &str| found.iter().any(|known| known.quantity == column);
+            let entry = |kind: Kind, unit: Option<&str>, reversed: bool| Assignment {
+                series: Some(series.name.clone()),
+                unit: unit.map(str::to_owned),
+                reversed,
+                first: family.first,
+                ..Assignment::new(family.pattern.clone(), kind.column_of("{i}"))
+            };
+            let is_moving = moves || has("rev_{i}") || has("length_{i}_m");
+            let followed = poses.followed_by(&channels, self.robot);
+            if let Some((kind, unit, reversed)) = followed.filter(|_| !is_moving) {
+                self.notices.push(format!(
+                    "{}: {} follow the lengths of the cables at the commanded poses: taken for {}",
+                    series.name,
+                    family.pattern,
+                    match (kind, unit) {
+                        (Kind::Length, Some(unit)) => format!("lengths in {unit}"),
+                        (Kind::Length, None) => "lengths in m".to_owned(),
+                        (_, unit) => format!("winches in {}", unit.unwrap_or("rev")),
+                    }
+                ));
+                found.push(entry(kind, unit, reversed));
+            } else if !pulls && !has("force_{i}_n") && poses.are_carried_by(&channels, self.robot) {
+                self.notices.push(format!(
+                    "{}: {} carry the platform at the commanded poses: taken for forces in N",
+                    series.name, family.pattern
+                ));
+                found.push(entry(Kind::Force, None, false));
+            }
+        }
+        found.into_iter().for_each(|entry| self.add(entry));
     }
 
     /// The unit of a family without a stated one, if its values suggest a unit other than that of the quantity.
