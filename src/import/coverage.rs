@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use tautline_core::robot::Robot;
 
-use crate::naming::{Family, families};
+use crate::naming::{Family, families, is_label};
 use crate::recipe::{Kind, Mapping};
 use crate::source::{Series, Source};
 
@@ -45,7 +45,7 @@ fn unused_names(series: &Series, used: &BTreeSet<(bool, usize)>) -> Vec<String> 
     };
     let channels = series.channels.iter().enumerate();
     let left: Vec<(&str, Option<&String>)> = channels
-        .filter(|(k, _)| !used.contains(&(false, *k)))
+        .filter(|(k, channel)| !used.contains(&(false, *k)) && !is_label(&channel.name))
         .map(|(_, channel)| (channel.name.as_str(), channel.unit.as_ref()))
         .collect();
     let mut found = families(left.iter().map(|(name, _)| *name));
@@ -74,7 +74,8 @@ fn unused_names(series: &Series, used: &BTreeSet<(bool, usize)>) -> Vec<String> 
         }
     }
     let texts = series.texts.iter().enumerate();
-    let texts = texts.filter(|(k, _)| !used.contains(&(true, *k)));
+    // Labels join the poses of several series without an entry of their own.
+    let texts = texts.filter(|(k, text)| !used.contains(&(true, *k)) && !is_label(&text.name));
     names.extend(texts.map(|(_, text)| text.name.clone()));
     names
 }
