@@ -825,24 +825,13 @@ impl Proposal<'_> {
                 });
             }
         }
-        let names = |is_on: bool| {
-            let some = all
-                .iter()
-                .enumerate()
-                .filter(|(k, _)| chosen.contains(k) == is_on);
-            some.map(|(_, (owner, _))| owner.as_str())
-                .collect::<Vec<_>>()
-                .join(", ")
-        };
-        let mut notice = format!(
+        let moving = all.iter().enumerate().filter(|(k, _)| chosen.contains(k));
+        let moving: Vec<&str> = moving.map(|(_, (owner, _))| owner.as_str()).collect();
+        self.notices.push(format!(
             "{}: {} move at constant distances from each other: assumed to be markers on the platform",
             series.name,
-            names(true)
-        );
-        if chosen.len() < all.len() {
-            notice += &format!("; not used: {}", names(false));
-        }
-        self.notices.push(notice);
+            moving.join(", ")
+        ));
         true
     }
 

@@ -103,10 +103,10 @@ fn named_kind(words: &[String]) -> Option<Kind> {
     let is_length = words.first().is_some_and(|word| word == "l");
     let says_more = |word: &&String| {
         let word = word.as_str();
-        !ACTUAL.contains(&word)
-            && !NEUTRAL.contains(&word)
-            && parse_unit(word).is_none_or(|_| word.len() == 1)
-            && !(is_length && matches!(word, "enc" | "encoder"))
+        let is_unit = word.len() > 1 && parse_unit(word).is_some();
+        let is_usual = ACTUAL.contains(&word) || NEUTRAL.contains(&word) || is_unit;
+        let is_source = is_length && matches!(word, "enc" | "encoder");
+        !is_usual && !is_source
     };
     let rest: Vec<&String> = words.iter().filter(says_more).collect();
     if let [letter] = rest[..]

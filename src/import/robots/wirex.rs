@@ -10,7 +10,8 @@ use tautline_core::geometry::{Coordinate, Vec3};
 use tautline_core::robot::{Platform, Robot};
 use tautline_session::{Loaded, ReadError, quoted};
 
-use super::{Description, Element, Guide, cable_of, robot_of};
+use super::Element;
+use super::description::{Description, Guide, cable_of, robot_of};
 
 /// Default pulley radius of WireX (m).
 const RADIUS_M: f64 = 0.1;

@@ -4,7 +4,7 @@ use tautline_core::geometry::Vec3;
 use tautline_core::robot::{Cable, Platform, TensionLimits};
 use tautline_session::{ReadError, quoted};
 
-use super::super::{Guide, cable_of};
+use super::super::description::{Guide, cable_of};
 use super::Element;
 
 /// The default set of cables, or the first one; a notice names the others.

@@ -16,7 +16,8 @@ use tautline_core::geometry::{Coordinate, Vec3};
 use tautline_core::robot::{Cable, Home, Limits, PerAxis, Platform, Robot};
 use tautline_session::{Loaded, ReadError, quoted};
 
-use super::{Description, Element, robot_of};
+use super::Element;
+use super::description::{Description, robot_of};
 use joint::Joint;
 
 /// Default standard deviation of a coordinate of the home pose (m): what a mark on the floor reaches.

@@ -2,6 +2,7 @@ use std::f64::consts::PI;
 
 use tautline_core::geometry::{Coordinate, Pose};
 use tautline_core::kinematics::inverse_kinematics;
+use tautline_core::robot::PartTolerances;
 
 use super::*;
 
