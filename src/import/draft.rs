@@ -6,6 +6,7 @@ use std::sync::Arc;
 use tautline_core::robot::Robot;
 
 use crate::cutting::Times;
+use crate::orientation::transpose_matrices;
 use crate::proposal::propose;
 use crate::recipe::{Recipe, is_series, resolve};
 use crate::source::Source;
@@ -32,7 +33,8 @@ impl Draft {
     /// Sources with a recipe that is known, such as that of the session, if its channels are there; else with one that is
     /// proposed from names, units and ranges.
     #[must_use]
-    pub fn new(sources: Vec<Source>, known: Option<Recipe>, robot: &Robot) -> Self {
+    pub fn new(mut sources: Vec<Source>, known: Option<Recipe>, robot: &Robot) -> Self {
+        transpose_matrices(&mut sources, robot.cable_count());
         let mut draft = Self {
             sources: Arc::new(sources),
             recipe: Recipe::default(),
@@ -60,7 +62,8 @@ impl Draft {
     }
 
     /// Adds sources and proposes entries for their channels.
-    pub fn add(&mut self, more: Vec<Source>, robot: &Robot) {
+    pub fn add(&mut self, mut more: Vec<Source>, robot: &Robot) {
+        transpose_matrices(&mut more, robot.cable_count());
         let sources = Arc::make_mut(&mut self.sources);
         sources.extend(more);
         make_names_unique(sources);

@@ -7,15 +7,19 @@ use tautline_core::robot::Robot;
 use tautline_session::{Place, ReadError, escape_formula, read_poses};
 
 use crate::check::{Change, Readings, Suggestion, check};
+use crate::coverage::{unused, without_channel};
 use crate::cutting::{CutPose, Times, cut, number_of};
 use crate::document::{ImportDocument, PoseReport, Reading, SourceReport};
 use crate::external::place;
 use crate::memory::MemoryBudget;
 use crate::recipe::{Cutting, Kind, Mapping, Quantity, Recipe, is_series, resolve};
 use crate::source::Source;
+use crate::turning::turn_angles;
 
 /// Maximum number of suggestions applied.
 const MOST_CHANGES: usize = 64;
+/// Fewest rows per jump of a clock that was set.
+const JUMPS: usize = 20;
 
 /// Poses imported from foreign files.
 #[derive(Debug, Clone)]
@@ -42,16 +46,24 @@ pub fn import(
 ) -> Result<Imported, ImportError> {
     let file = sources.first().map_or("", |source| source.file.as_str());
     let mapping = resolve(sources, recipe, recipe_file, robot.cable_count())?;
-    let mut notices = notices(sources, &mapping);
+    let mut notices = notices(sources, &mapping, robot);
     let (mut poses, _memory) = cut(&mapping, recipe, (robot, budget), file, &mut notices)?;
     check_storage(&mapping, file)?;
+    turn_angles(&mut poses, recipe, &mut notices);
     drop_empty(&mut poses, &mut notices);
     let labels = labels(&poses, recipe, &mut notices);
     apply_steps(&mut poses, &labels, recipe);
     let recipe = &place(&mut poses, recipe, robot, &mut notices)
         .map_err(|message| ReadError::new(file, Place::File, message))?;
     let columns = columns(&mapping, &poses, recipe);
-    let suggestions = suggestions(&mapping, &poses, &labels, recipe, robot);
+    let suggestions = suggestions(
+        &mapping,
+        &poses,
+        (&labels, &columns),
+        recipe,
+        robot,
+        &mut notices,
+    );
     let poses_csv = table(&poses, &labels, &columns, recipe);
     let read = read_poses(poses_csv.as_bytes(), &format!("{file} as poses.csv"), robot);
     let document = ImportDocument {
@@ -96,7 +108,8 @@ fn check_storage(mapping: &Mapping<'_>, file: &str) -> Result<(), ReadError> {
     Err(ReadError::new(file, Place::File, message))
 }
 
-/// Imports, applies the suggestions of the check, and repeats until there are no new ones.
+/// Imports, applies the suggestions of the check, and repeats until there are no new ones. Those that follow from the mass of the
+/// platform are applied if it `is_weighed`.
 ///
 /// # Errors
 /// As [`import`], for errors that no suggestion corrects.
@@ -105,7 +118,7 @@ pub fn import_corrected(
     recipe: &Recipe,
     recipe_file: &str,
     robot: &Robot,
-    budget: &MemoryBudget,
+    (is_weighed, budget): (bool, &MemoryBudget),
 ) -> Result<Imported, ImportError> {
     let mut recipe = recipe.clone();
     let mut applied: Vec<Suggestion> = Vec::new();
@@ -118,7 +131,7 @@ pub fn import_corrected(
         // A suggestion that recurs did not help.
         let new: Vec<Suggestion> = suggestions
             .iter()
-            .filter(|one| !applied.contains(one))
+            .filter(|one| !applied.contains(one) && (is_weighed || !one.by_mass))
             .cloned()
             .collect();
         if new.is_empty() || applied.len() > MOST_CHANGES {
@@ -137,9 +150,10 @@ pub fn import_corrected(
 fn suggestions(
     mapping: &Mapping<'_>,
     poses: &[CutPose],
-    labels: &[i64],
+    (labels, columns): (&[i64], &[Quantity]),
     recipe: &Recipe,
     robot: &Robot,
+    notices: &mut Vec<String>,
 ) -> Vec<Suggestion> {
     let is_empty = |quantity: &Quantity| {
         recipe
@@ -147,10 +161,7 @@ fn suggestions(
             .iter()
             .any(|column| *column == quantity.column())
     };
-    let quantities = mapping
-        .quantities
-        .keys()
-        .filter(|quantity| !quantity.is_text() && !is_empty(quantity));
+    let quantities = columns.iter().filter(|quantity| !is_empty(quantity));
     let values = |quantity: &Quantity| {
         poses
             .iter()
@@ -174,7 +185,14 @@ fn suggestions(
             .clocks
             .iter()
             .any(|clock| clock.close_jumps && is_series(series, &clock.series));
-        if let Some((row, step)) = times.jumps.first().filter(|_| !is_closed) {
+        if times.jumps.len() * JUMPS > series.rows {
+            notices.push(format!(
+                "the times of {} go backwards {} times in {} rows: they are those of no clock, expected another channel as time_s",
+                series.name,
+                times.jumps.len(),
+                series.rows
+            ));
+        } else if let Some((row, step)) = times.jumps.first().filter(|_| !is_closed) {
             let sentence = format!(
                 "the clock of {} jumps by {step:.3} s at row {}: it was adjusted during the recording; close the jump",
                 series.name,
@@ -255,7 +273,7 @@ pub fn found(
         poses: Vec::new(),
         suggestions: Vec::new(),
         applied: Vec::new(),
-        notices: notices(sources, &mapping),
+        notices: notices(sources, &mapping, robot),
     })
 }
 
@@ -288,10 +306,13 @@ fn reports(sources: &[Source], mapping: &Mapping<'_>) -> Vec<SourceReport> {
         .collect()
 }
 
-/// Notices about the sources, and about lost frames.
-fn notices(sources: &[Source], mapping: &Mapping<'_>) -> Vec<String> {
+/// Notices about the sources, what is left over, and lost frames.
+fn notices(sources: &[Source], mapping: &Mapping<'_>, robot: &Robot) -> Vec<String> {
     let known = sources.iter().flat_map(|source| source.notices.clone());
-    known.chain(lost_frames(mapping)).collect()
+    let left_over = unused(mapping)
+        .into_iter()
+        .chain(without_channel(mapping, robot));
+    known.chain(left_over).chain(lost_frames(mapping)).collect()
 }
 
 /// Notices about runs of rows without a value.
@@ -383,13 +404,17 @@ fn apply_steps(poses: &mut [CutPose], labels: &[i64], recipe: &Recipe) {
     }
 }
 
-/// The numeric columns in the order of the table: those of the recipe, and measured poses computed from markers.
+/// The numeric columns in the order of the table: those of the recipe, and poses computed from markers or angles.
 fn columns(mapping: &Mapping<'_>, poses: &[CutPose], recipe: &Recipe) -> Vec<Quantity> {
     let made = poses.iter().flat_map(|pose| pose.readings.keys());
-    let made = made.filter(|quantity| quantity.kind == Kind::Tracked);
+    let made = made.filter(|quantity| matches!(quantity.kind, Kind::Commanded | Kind::Tracked));
     let mapped = mapping.quantities.keys().chain(made).copied();
     let mapped = mapped.filter(|quantity| {
-        !quantity.is_text() && !matches!(quantity.kind, Kind::Time | Kind::Marker)
+        let is_source = matches!(
+            quantity.kind,
+            Kind::Time | Kind::Marker | Kind::CommandedAngle | Kind::TrackedAngle
+        );
+        !quantity.is_text() && !is_source
     });
     let empty = recipe
         .left_empty

@@ -6,6 +6,7 @@
 
 mod alignment;
 mod check;
+mod coverage;
 mod cutting;
 mod document;
 mod draft;
@@ -16,6 +17,7 @@ mod input;
 mod median;
 mod memory;
 mod naming;
+mod orientation;
 mod outline;
 mod proposal;
 mod recipe;
@@ -24,11 +26,13 @@ mod source;
 mod sources;
 mod table;
 mod text;
+mod turning;
 mod units;
 mod values;
 
 pub use alignment::{AlignedClock, ClockFit, align_clocks};
 pub use check::{Change, Line, Mistake, Suggestion, TableCheck, check_table};
+pub use coverage::channel_names;
 pub use document::{
     ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
 };
@@ -37,11 +41,12 @@ pub use formats::{is_robot_description, read_source};
 pub use importing::{ImportError, Imported, found, import, import_corrected};
 pub use memory::{MemoryBudget, OverBudget};
 pub use naming::pattern_of;
+pub use orientation::transpose_matrices;
 pub use outline::outline;
-pub use proposal::propose;
+pub use proposal::{propose, propose_around};
 pub use recipe::{
-    Assignment, Clock, Cutting, Instrument, Kind, Placement, Quantity, Recipe, Rest, Step,
-    read_recipe,
+    AngleOrder, Angles, Assignment, Clock, Cutting, Instrument, Kind, Placement, Quantity, Recipe,
+    Rest, Step, read_recipe,
 };
 pub use robots::read_robot_description;
 pub use source::{Channel, Format, Series, Source, Summary, TextChannel};

@@ -112,6 +112,19 @@ impl Lease {
         &self.budget
     }
 
+    /// A lease of the same budget, of nothing yet.
+    pub fn another(&self) -> Self {
+        Self {
+            budget: self.budget.clone(),
+            bytes: 0,
+        }
+    }
+
+    /// Takes over what another lease of the same budget holds.
+    pub fn absorb(&mut self, mut other: Self) {
+        self.bytes += std::mem::take(&mut other.bytes);
+    }
+
     /// Takes memory for `count` values of a type.
     pub fn take_values<T>(&mut self, count: usize) -> Result<(), OverBudget> {
         self.take((count as u64).saturating_mul(size_of::<T>() as u64))

@@ -9,7 +9,8 @@ use tautline_core::robot::presets;
 use tautline_core::simulation::{Recording, SimulationOptions, record, simulate};
 
 use crate::{
-    Channel, Cutting, Format, Imported, MemoryBudget, Series, Source, import, propose, read_sources,
+    Assignment, Change, Channel, Cutting, Format, Imported, MemoryBudget, Recipe, Series, Source,
+    import, import_corrected, propose, propose_around, read_sources,
 };
 
 fn dataset() -> Dataset {
@@ -348,6 +349,15 @@ fn imported(dataset: &Dataset, files: &[(&str, Vec<u8>)]) -> Imported {
         Ok(imported) => imported,
         Err(error) => panic!("{error}\n{recipe:#?}\n{notices:#?}"),
     }
+}
+
+fn read(text: String) -> Vec<Source> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.csv");
+    std::fs::write(&path, text).expect("written");
+    read_sources(&[path], &MemoryBudget::default(), &|_| true)
+        .expect("read")
+        .value
 }
 
 /// The same entry points, to a nanometre.
@@ -779,8 +789,7 @@ fn a_recipe_is_used_as_it_is_written() {
         let json = format!(
             r#"{{"format": "tautline-import-recipe", "version": 1, "channels": [{entry}]}}"#
         );
-        let read =
-            tautline_session::parse_versioned::<crate::Recipe>(json.as_bytes(), "recipe.json");
+        let read = tautline_session::parse_versioned::<Recipe>(json.as_bytes(), "recipe.json");
         let error = read.expect_err(part).to_string();
         assert!(error.contains(part), "{error}");
     }
@@ -812,4 +821,264 @@ fn more_poses_than_there_is_memory_for_are_refused_before_they_are_made() {
     let told = told.expect_err("too many").to_string();
     let expected = "many.parquet: a table of 50000 poses needs more than 64.0 MiB of memory";
     assert!(told.starts_with(expected), "{told}");
+}
+
+#[test]
+fn right_forces_are_not_divided_by_g_for_a_guessed_mass() {
+    let dataset = dataset();
+    let sources = read(csv(&columns(&dataset.measurements), ",", false));
+    let mut guessed = dataset.robot.clone();
+    let mass_kg = guessed.platform.mass_kg.expect("a mass");
+    guessed.platform.mass_kg = Some(10.0 * mass_kg);
+    let (recipe, _) = propose(&sources, &guessed);
+    let corrected = |is_weighed| {
+        let how = (is_weighed, &MemoryBudget::default());
+        import_corrected(&sources, &recipe, "the recipe", &guessed, how).expect("imported")
+    };
+    let told = corrected(false).document;
+    assert_eq!(told.applied, []);
+    assert_eq!(told.recipe, recipe);
+    let [suggestion] = &told.suggestions[..] else {
+        panic!("one suggestion, found {:?}", told.suggestions);
+    };
+    assert!(suggestion.by_mass);
+    // The mass of the sentence is that which the forces carry.
+    let sentence = &suggestion.sentence;
+    let stated = sentence.split("its mass is ").nth(1).expect("a mass");
+    let stated: f64 = stated
+        .split(' ')
+        .next()
+        .unwrap_or_default()
+        .parse()
+        .expect("a number");
+    assert!((stated / mass_kg - 1.0).abs() < 0.05, "{sentence}");
+    assert!(matches!(
+        &corrected(true).document.applied[..],
+        [applied] if matches!(applied.change, Change::Multiply { .. })
+    ));
+}
+
+#[test]
+fn counts_of_encoders_ask_how_many_make_a_revolution() {
+    let dataset = dataset();
+    let mut columns = columns(&dataset.measurements);
+    for (name, values) in &mut columns {
+        if name.ends_with(".Pos") {
+            *name = name.replace("Pos", "Enc");
+            values
+                .iter_mut()
+                .for_each(|value| *value = (65536.0 * *value).round());
+        }
+    }
+    let sources = read(csv(&columns, ",", false));
+    let (recipe, notices) = propose(&sources, &dataset.robot);
+    assert!(
+        recipe
+            .channels
+            .iter()
+            .all(|known| known.quantity != "rev_{i}")
+    );
+    let asks = notices
+        .iter()
+        .find(|notice| notice.contains("encoder counts"));
+    let asks = asks.expect("a question");
+    assert!(
+        asks.contains("--set \"rev_{i}=Winch{i}.Enc [rev/4096]\""),
+        "{asks}"
+    );
+    let set = Assignment::parse("rev_{i}=Winch{i}.Enc [rev/65536]", &sources).expect("an entry");
+    let (recipe, _) = propose_around(&sources, &dataset.robot, vec![set.clone()]);
+    assert_eq!(recipe.channels.last(), Some(&set));
+    assert!(
+        recipe
+            .channels
+            .iter()
+            .any(|known| known.quantity == "force_{i}_n")
+    );
+    let imported = import(
+        &sources,
+        &recipe,
+        "the recipe",
+        &dataset.robot,
+        &MemoryBudget::default(),
+    )
+    .expect("imported");
+    let given = &dataset.measurements.revolutions;
+    for pose in 0..dataset.measurements.len() {
+        let found = imported.measurements.revolutions.get(pose, 3);
+        assert!((found - given.get(pose, 3)).abs() < 1.0 / 65536.0);
+    }
+}
+
+#[test]
+fn what_does_not_go_forwards_is_no_clock() {
+    let dataset = dataset();
+    let mut columns = columns(&dataset.measurements);
+    let waves = (0..dataset.measurements.len()).map(|row| (1.3 * row as f64).sin());
+    columns.push(("t".to_owned(), waves.collect()));
+    let sources = read(csv(&columns, ",", false));
+    let (recipe, _) = propose(&sources, &dataset.robot);
+    assert!(
+        recipe
+            .channels
+            .iter()
+            .all(|known| known.quantity != "time_s")
+    );
+    // Nor is it repaired as one if a recipe says that it is.
+    let mut channels = recipe.channels;
+    channels.push(Assignment::new("t", "time_s"));
+    let recipe = Recipe {
+        channels,
+        cutting: Cutting::Rows,
+        ..Recipe::default()
+    };
+    let imported = import(
+        &sources,
+        &recipe,
+        "the recipe",
+        &dataset.robot,
+        &MemoryBudget::default(),
+    )
+    .expect("imported");
+    let repairs = |change: &Change| matches!(change, Change::CloseJumps { .. });
+    let document = imported.document;
+    assert!(
+        !document
+            .suggestions
+            .iter()
+            .any(|found| repairs(&found.change))
+    );
+    let told = |notice: &String| notice.contains("they are those of no clock");
+    assert!(document.notices.iter().any(told), "{:?}", document.notices);
+}
+
+/// Angles of R = Rz Ry Rx.
+fn yaw_pitch_roll([w, x, y, z]: [f64; 4]) -> [f64; 3] {
+    [
+        (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z)),
+        (2.0 * (w * y - z * x)).asin(),
+        (2.0 * (w * x + y * z)).atan2(1.0 - 2.0 * (x * x + y * y)),
+    ]
+}
+
+#[test]
+fn angles_of_commanded_poses_become_quaternions() {
+    let dataset = dataset();
+    let data = &dataset.measurements;
+    let mut columns = columns(data);
+    columns.retain(|(name, _)| !name.starts_with("cmd.q"));
+    for (k, name) in ["Yaw", "Pitch", "Roll"].iter().enumerate() {
+        let degrees = data.commanded.iter().map(|pose| {
+            let pose = pose.expect("commanded");
+            yaw_pitch_roll(pose.orientation_wxyz())[k].to_degrees()
+        });
+        columns.push((format!("cmd.{name}"), degrees.collect()));
+    }
+    let sources = read(csv(&columns, ",", false));
+    let (mut recipe, notices) = propose(&sources, &dataset.robot);
+    let told = notices
+        .iter()
+        .find(|notice| notice.contains("R = Rz Ry Rx"));
+    assert!(
+        told.is_some_and(|told| told.contains("in degrees")),
+        "{notices:?}"
+    );
+    let off = |recipe: &Recipe| {
+        let found = import(
+            &sources,
+            recipe,
+            "the recipe",
+            &dataset.robot,
+            &MemoryBudget::default(),
+        )
+        .expect("imported");
+        let poses = found.measurements.commanded.iter().zip(&data.commanded);
+        let off = poses.map(|(found, given)| {
+            let (found, given) = (found.expect("a pose"), given.expect("a pose"));
+            found.difference(&given).amax()
+        });
+        off.fold(0.0, f64::max)
+    };
+    assert!(off(&recipe) < 1e-9, "{}", off(&recipe));
+    // The channels keep their axes in another order, which is not that of the file.
+    recipe.order_angles("xyz".parse().expect("an order"));
+    let column = |channel: &str| {
+        let mut entries = recipe.channels.iter();
+        entries
+            .find(|known| known.channel == channel)
+            .map(|known| known.quantity.clone())
+    };
+    assert_eq!(column("cmd.Roll").as_deref(), Some("angle_1_rad"));
+    assert_eq!(column("cmd.Yaw").as_deref(), Some("angle_3_rad"));
+    let wrong = off(&recipe);
+    assert!((1e-3..0.2).contains(&wrong), "{wrong}");
+}
+
+#[test]
+fn channels_without_a_name_are_known_by_what_they_do() {
+    let dataset = dataset();
+    let data = &dataset.measurements;
+    for (unit, factor) in [
+        (None, 1.0),
+        (Some("deg"), -360.0),
+        (Some("rad"), std::f64::consts::TAU),
+    ] {
+        let mut columns = columns(data);
+        for (name, values) in &mut columns {
+            if let Some(number) = name
+                .strip_prefix("Winch")
+                .and_then(|rest| rest.strip_suffix(".Pos"))
+            {
+                *name = format!("AI{number}");
+                values.iter_mut().for_each(|value| *value *= factor);
+            } else if let Some(number) = name
+                .strip_prefix("Winch")
+                .and_then(|rest| rest.strip_suffix(".Force"))
+            {
+                *name = format!("Kanal_{number}");
+            }
+        }
+        let text = csv(&columns, ",", false)
+            .replace(" [N]", "")
+            .replace(" [rev]", "");
+        let sources = read(text);
+        let (recipe, notices) = propose(&sources, &dataset.robot);
+        let entry = |column: &str| {
+            let found = recipe
+                .channels
+                .iter()
+                .find(|known| known.quantity == column);
+            found.unwrap_or_else(|| panic!("no {column}: {notices:?}"))
+        };
+        let rev = entry("rev_{i}");
+        assert_eq!((rev.channel.as_str(), rev.unit.as_deref()), ("AI{i}", unit));
+        assert_eq!(rev.reversed, factor < 0.0);
+        assert_eq!(entry("force_{i}_n").channel, "Kanal_{i}");
+        for part in ["AI{i} follow the lengths", "Kanal_{i} carry the platform"] {
+            assert!(
+                notices.iter().any(|notice| notice.contains(part)),
+                "{part}: {notices:?}"
+            );
+        }
+    }
+    // Channels that follow the cables in another order are none of them.
+    let mut columns = columns(data);
+    columns.retain(|(name, _)| !name.ends_with(".Force"));
+    for (name, _) in &mut columns {
+        if let Some(number) = name
+            .strip_prefix("Winch")
+            .and_then(|rest| rest.strip_suffix(".Pos"))
+        {
+            let number: usize = number.parse().expect("a number");
+            *name = format!("AI{}", number % 8 + 1);
+        }
+    }
+    let sources = read(csv(&columns, ",", false).replace(" [rev]", ""));
+    let (recipe, _) = propose(&sources, &dataset.robot);
+    assert!(
+        recipe
+            .channels
+            .iter()
+            .all(|known| !known.channel.starts_with("AI"))
+    );
 }

@@ -152,10 +152,19 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     ),
 ];
 
-/// Parses the name of a unit.
+/// Parses the name of a unit, or a part of one: `rev/4096` is the count of an encoder with 4096 of them per revolution.
 #[must_use]
 pub fn parse_unit(text: &str) -> Option<Unit> {
     let text = text.trim();
+    if let Some((whole, parts)) = text.split_once('/') {
+        let parts = parts.trim().parse().ok();
+        let parts = parts.filter(|parts: &f64| *parts > 0.0 && parts.is_finite())?;
+        let whole = parse_unit(whole).filter(|unit| unit.dimension != Dimension::Temperature)?;
+        return Some(Unit {
+            factor: whole.factor / parts,
+            ..whole
+        });
+    }
     // The only spelling whose case matters: it could mean meganewton or millinewton, so it is rejected.
     if text == "MN" {
         return None;
@@ -212,7 +221,23 @@ pub fn split_heading(heading: &str) -> (String, Option<String>) {
             return (name.trim().into(), Some(unit.trim().into()));
         }
     }
-    let unit = heading.rsplit_once(['_', '.']).map(|(_, unit)| unit);
+    // An index may follow: `angle_rad[2]`, `angle_rad_2`, `angle_rad(:,2)`.
+    let is_of_index = |letter: char| {
+        letter.is_ascii_digit() || matches!(letter, '[' | ']' | '(' | ')' | ':' | ',' | '{' | '}')
+    };
+    let indexed = heading.trim_end_matches(is_of_index);
+    let base = match indexed.len() < heading.len() {
+        true => indexed.trim_end_matches('_'),
+        false => heading,
+    };
+    let unit = base.rsplit_once(['_', '.']).map(|(_, unit)| unit);
+    // `A_m2` are square metres.
+    let is_power = |unit: &&str| {
+        unit.len() == 1
+            && heading.len() > base.len()
+            && heading[base.len()..].starts_with(|letter: char| letter.is_ascii_digit())
+    };
+    let unit = unit.filter(|unit| !is_power(unit));
     // A single letter after an underscore is more often part of the name than a unit, except for SI units.
     let is_unit = |unit: &&str| {
         matches!(*unit, "m" | "s" | "n" | "N") || (unit.len() > 1 && parse_unit(unit).is_some())
@@ -265,7 +290,14 @@ mod tests {
         }
         let fahrenheit = parse_unit("°F").expect("a unit");
         assert!((212.0 * fahrenheit.factor + fahrenheit.offset - 100.0).abs() < 1e-12);
-        assert_eq!(parse_unit("furlong"), None);
+        let count = parse_unit("rev/4096").expect("a unit");
+        assert_eq!(
+            (count.dimension, count.factor),
+            (Dimension::Angle, TAU / 4096.0)
+        );
+        for text in ["furlong", "mm/s", "rev/0", "1/min", "°C/10"] {
+            assert_eq!(parse_unit(text), None, "{text}");
+        }
         assert_eq!(parse_unit("MN"), None);
     }
 
@@ -277,6 +309,12 @@ mod tests {
             ("Seillänge / m", "Seillänge", Some("m")),
             ("angle in deg", "angle", Some("deg")),
             ("length_1_m", "length_1_m", Some("m")),
+            ("motor_angle_rad[2]", "motor_angle_rad[2]", Some("rad")),
+            ("motor_angle_rad_2", "motor_angle_rad_2", Some("rad")),
+            ("motor_angle_deg2", "motor_angle_deg2", Some("deg")),
+            ("pos_mm(:,3)", "pos_mm(:,3)", Some("mm")),
+            ("A_m2", "A_m2", None),
+            ("rev_3", "rev_3", None),
             ("x[3]", "x[3]", None),
             ("q (unit quaternion)", "q (unit quaternion)", None),
             ("Winch1.Pos", "Winch1.Pos", None),

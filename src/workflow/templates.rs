@@ -327,7 +327,7 @@ fn cables(parts: &Parts, size: f64, weight_n: f64) -> Vec<Cable> {
         name: format!("cable-{}", k + 1),
         pulley: Pulley {
             entry_point_m: millimetres(*entry),
-            entry_point_sd_m: PerAxis::known(tidy(5e-3 + 7e-4 * size)),
+            entry_point_sd_m: PerAxis::known(tidy(Pulley::typical_sd_m(size))),
             swivel_axis: *axis,
             swivel_zero: None,
             swivel_sd_rad: None,

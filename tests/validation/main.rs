@@ -1,5 +1,6 @@
 //! Comparison with independent references.
 
+mod caspr;
 mod ceres;
 mod hangprinter;
 mod hidden_effects;

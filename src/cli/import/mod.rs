@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use tautline_core::robot::Robot;
 use tautline_import::{
-    ImportDocument, Imported, MemoryBudget, Recipe, Source, align_clocks, import, import_corrected,
-    is_robot_description, propose, read_recipe, read_robot_description, read_sources,
+    AngleOrder, Assignment, ImportDocument, ImportError, Imported, MemoryBudget, Recipe, Source,
+    align_clocks, channel_names, import, import_corrected, is_robot_description, propose_around,
+    read_recipe, read_robot_description, read_sources, transpose_matrices,
 };
 use tautline_session::{Loaded, ReadError, read_robot, write_robot, write_text, write_versioned};
 
@@ -32,6 +33,12 @@ pub struct Arguments {
     /// Recipe that assigns channels to quantities; without it, one is proposed from names, units and ranges
     #[arg(long, value_name = "FILE")]
     recipe: Option<PathBuf>,
+    /// Assigns a channel to a column of poses.csv, as in "rev_{i}=theta(:,{i}) [rad]"; the rest is proposed, or the recipe's
+    #[arg(long, value_name = "COLUMN=CHANNEL [UNIT]")]
+    set: Vec<String>,
+    /// Axes of the angles of commanded and measured poses: R = R1 R2 R3, each about an axis of the turned frame, as in zyx
+    #[arg(long, value_name = "ORDER")]
+    angles: Option<AngleOrder>,
     /// The robot: a preset or a robot.json; by default the robot.json in the folder
     #[arg(long, value_name = "PRESET|FILE")]
     robot: Option<String>,
@@ -52,6 +59,9 @@ pub struct Arguments {
     /// Apply the suggestions of the data check to the recipe: units, signs, swapped channels, steps, jumps, dead channels
     #[arg(long)]
     apply_suggestions: bool,
+    /// The mass in robot.json was weighed: with --apply-suggestions, it may correct the unit of the forces
+    #[arg(long, requires = "apply_suggestions")]
+    weighed: bool,
     /// Estimate offset and drift of the clocks of further recorders from the motion that both recorded
     #[arg(long)]
     align_clocks: bool,
@@ -72,8 +82,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     // Checked before a long log is read.
     let robot = robot(arguments)?;
     let budget = budget(arguments)?;
-    let sources = noticed(read(&arguments.sources, &budget)?);
+    let mut sources = noticed(read(&arguments.sources, &budget)?);
+    transpose_matrices(&mut sources, robot.robot.cable_count());
     let (mut recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
+    if let Some(order) = arguments.angles {
+        recipe.order_angles(order);
+    }
     if arguments.align_clocks {
         let clocks = align_clocks(&sources, &mut recipe, &robot.robot)?;
         for clock in &clocks {
@@ -85,14 +99,27 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return deliver(arguments, document, assumptions);
     }
     let imported = match arguments.apply_suggestions {
-        true => import_corrected(&sources, &recipe, &name, &robot.robot, &budget),
+        true => {
+            let is_weighed = arguments.weighed;
+            import_corrected(
+                &sources,
+                &recipe,
+                &name,
+                &robot.robot,
+                (is_weighed, &budget),
+            )
+        }
         false => import(&sources, &recipe, &name, &robot.robot, &budget),
     };
     let Imported {
         poses_csv,
         document,
         ..
-    } = imported.map_err(BadInput::new)?;
+    } = match (imported, &assumptions) {
+        (Ok(imported), _) => imported,
+        (Err(error), None) => return Err(BadInput::new(error)),
+        (Err(error), Some(_)) => return proposal_failed(arguments, &error, &recipe, &sources),
+    };
     if let Some(folder) = &arguments.out {
         write(arguments, folder, &robot, &poses_csv, &document.recipe)?;
     }
@@ -108,6 +135,27 @@ fn budget(arguments: &Arguments) -> Result<MemoryBudget> {
         return Err(BadInput::new(message));
     }
     Ok(MemoryBudget::new((limit * GIB) as u64))
+}
+
+/// Fails with the channels of the files and how to assign them; the proposed recipe is written if it was asked for.
+fn proposal_failed(
+    arguments: &Arguments,
+    error: &ImportError,
+    recipe: &Recipe,
+    sources: &[Source],
+) -> Result<()> {
+    let recipe_out = match &arguments.recipe_out {
+        Some(path) => {
+            write_versioned(path, recipe)?;
+            format!("edit {}", path.display())
+        }
+        None => "write a recipe with --recipe-out FILE".to_owned(),
+    };
+    let message = format!(
+        "{error}; found the channels {} (--channels lists them): assign them with --set \"rev_{{i}}=CHANNEL [UNIT]\", or {recipe_out}",
+        channel_names(sources)
+    );
+    Err(BadInput::new(message))
 }
 
 /// Reads the sources with progress on the terminal; an interrupt ends the program.
@@ -204,14 +252,19 @@ fn recipe(
     sources: &[Source],
     robot: &Robot,
 ) -> Result<(Recipe, String, Option<Vec<String>>)> {
+    let set = arguments.set.iter();
+    let set = set.map(|text| Assignment::parse(text, sources));
+    let set: Vec<Assignment> = set
+        .collect::<Result<_, String>>()
+        .map_err(|message| BadInput::new(format!("--set: {message}")))?;
     match &arguments.recipe {
-        Some(path) => Ok((
-            noticed(read_recipe(path)?),
-            path.display().to_string(),
-            None,
-        )),
+        Some(path) => {
+            let mut recipe = noticed(read_recipe(path)?);
+            recipe.channels.extend(set);
+            Ok((recipe, path.display().to_string(), None))
+        }
         None => {
-            let (recipe, assumptions) = propose(sources, robot);
+            let (recipe, assumptions) = propose_around(sources, robot, set);
             Ok((recipe, "the proposed recipe".into(), Some(assumptions)))
         }
     }

@@ -57,7 +57,11 @@ pub fn print(document: &ImportDocument, list_channels: bool) {
         say!("Corrected: {}", suggestion.sentence);
     }
     for suggestion in &document.suggestions {
-        say!("Check: {} (--apply-suggestions)", suggestion.sentence);
+        let option = match suggestion.by_mass {
+            true => "--apply-suggestions --weighed",
+            false => "--apply-suggestions",
+        };
+        say!("Check: {} ({option})", suggestion.sentence);
     }
 }
 

@@ -264,6 +264,14 @@ pub struct Pulley {
     pub radius_m: f64,
 }
 
+impl Pulley {
+    /// Typical standard deviation of a coordinate of an entry point that is known from the drawing of a frame of this size (m).
+    #[must_use]
+    pub fn typical_sd_m(frame_m: f64) -> f64 {
+        5e-3 + 7e-4 * frame_m
+    }
+}
+
 /// Motor, gear and drum.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Winch {

@@ -37,6 +37,9 @@ pub struct TensionRange {
 }
 
 impl Workspace {
+    /// Largest rotation about each axis where no limit is stated (rad).
+    pub const USUAL_ROTATION_RAD: f64 = 0.1;
+
     /// The workspace that the description states, else one around the home pose (or the centroid of the pulleys): 30 % of
     /// the frame.
     #[must_use]
@@ -59,7 +62,7 @@ impl Workspace {
         Self {
             centre,
             half_extent_m: [0, 1, 2].map(|k| 0.3 * half[k].max(least)),
-            half_rotation_rad: 0.1,
+            half_rotation_rad: Self::USUAL_ROTATION_RAD,
         }
     }
 

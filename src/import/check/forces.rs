@@ -18,6 +18,8 @@ const UNITS: [(f64, &str); 4] = [
     (1e-3, "millinewtons"),
     (1.0 / 9.806_65, "newtons multiplied by g"),
 ];
+/// Smallest share of its stated mass that a platform may have: no guess is further off.
+const LIGHTEST: f64 = 0.02;
 /// Relative tolerance within which a factor counts as a known one.
 const FACTOR: f64 = 0.2;
 /// Maximum squared residual of the equilibrium relative to the squared weight.
@@ -57,11 +59,25 @@ pub(super) fn check(
     if let Some((known, unit)) = unit
         && balance.left(*known, None) < 0.25 * one.min(1.0)
     {
+        let stated_kg = robot.platform.mass_kg.unwrap_or_default();
+        // Weight and forces are in balance for this mass as well, which a description may have guessed.
+        let by_mass = (LIGHTEST..=1.0 / LIGHTEST).contains(known);
         let sentence = |forces: &str| {
-            format!("{forces} balance the weight of the platform only as {unit}, not newtons")
+            let said =
+                format!("{forces} balance the weight of the platform only as {unit}, not newtons");
+            match by_mass {
+                true => format!(
+                    "{said}, or its mass is {:.3} kg, not {stated_kg}: weigh it and correct mass_kg in robot.json if it was a guess",
+                    stated_kg / factor
+                ),
+                false => said,
+            }
         };
         let columns = columns.iter().map(|(quantity, _)| quantity.column());
-        found.push(Suggestion::multiply(columns.collect(), *known, sentence));
+        found.push(Suggestion {
+            by_mass,
+            ..Suggestion::multiply(columns.collect(), *known, sentence)
+        });
         return;
     }
     let cables = robot.cable_count();

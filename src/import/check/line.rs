@@ -29,7 +29,7 @@ const BESIDE: usize = 3;
 const PLACES: usize = 200;
 
 /// Regression line, refitted without outliers; `None` if there are too few readings or they do not vary.
-pub(super) fn fit(expected: &[f64], readings: &[f64]) -> Option<Line> {
+pub(crate) fn fit(expected: &[f64], readings: &[f64]) -> Option<Line> {
     let mut pairs: Vec<(f64, f64)> = expected
         .iter()
         .zip(readings)

@@ -22,7 +22,8 @@ use crate::external::other_frame;
 use crate::recipe::{Kind, Quantity};
 use expected::Expected;
 pub use line::Line;
-use line::{best_step, fit};
+use line::best_step;
+pub(crate) use line::fit;
 pub use suggestion::{Change, Mistake, Suggestion};
 
 /// Minimum number of poses for a check.

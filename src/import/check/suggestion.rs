@@ -44,6 +44,9 @@ pub struct Suggestion {
     pub sentence: String,
     /// Change of the recipe that corrects it.
     pub change: Change,
+    /// Whether it follows from the mass of the platform only: if that is a guess, the readings may be right.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub by_mass: bool,
 }
 
 /// A change of a recipe.
@@ -114,6 +117,7 @@ impl Suggestion {
             columns,
             sentence,
             change,
+            by_mass: false,
         }
     }
 

@@ -48,7 +48,9 @@ impl Limits {
                 .get(quantity.index)
                 .copied()
                 .unwrap_or(f64::INFINITY),
-            Kind::Swivel | Kind::Inclination => self.turn,
+            Kind::Swivel | Kind::Inclination | Kind::CommandedAngle | Kind::TrackedAngle => {
+                self.turn
+            }
             Kind::Commanded | Kind::Tracked if quantity.index > 2 => self.turn / 2.0,
             _ => self.speed,
         }

@@ -216,7 +216,7 @@ fn poses_in_another_frame_are_recognised_and_brought_over() {
         &recipe,
         "recipe",
         &robot,
-        &MemoryBudget::default(),
+        (false, &MemoryBudget::default()),
     )
     .expect("imported");
     for (row, pose) in poses.iter().enumerate() {

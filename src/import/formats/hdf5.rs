@@ -19,6 +19,7 @@ use hdf5_pure::{
 use tautline_session::{Place, ReadError, quoted, read_damaged};
 
 use super::hdf5_elements::{Cell, Field, fields_of, joined, text};
+use super::matlab::object;
 use super::{MAX_WHOLE, stem};
 use crate::input::Input;
 use crate::memory::MemoryBudget;
@@ -40,6 +41,8 @@ const MAX_DEPTH: usize = 16;
 const MAX_OBJECTS: usize = 100_000;
 /// Maximum number of columns of an array: images have more.
 const MAX_COLUMNS: u64 = 4096;
+/// Most rows of an array with more columns than that whose rows are channels.
+const MAX_CHANNELS: u64 = 64;
 /// How many times larger than the file its content may be: no stream of gzip holds more.
 const MAX_RATIO: u64 = 1032;
 /// The filters that are read: gzip, shuffle, Fletcher-32, scale-offset and LZF.
@@ -164,6 +167,20 @@ struct Size {
     columns: u64,
     /// Whether the array is stored column by column.
     by_columns: bool,
+    /// Whether the columns are the rows of the array.
+    is_transposed: bool,
+}
+
+impl Size {
+    /// The array with one row per channel in place of one column.
+    fn transposed(self) -> Self {
+        Self {
+            rows: self.columns,
+            columns: self.rows,
+            by_columns: !self.by_columns,
+            is_transposed: true,
+        }
+    }
 }
 
 /// A column of an array.
@@ -311,7 +328,7 @@ impl Reader<'_> {
         if self.is_matlab
             && let Some(why) = not_numbers(&attributes)
         {
-            self.leave_out(path, why);
+            self.leave_out(path, &why);
             return Ok(());
         }
         let mut fields = Vec::new();
@@ -323,10 +340,13 @@ impl Reader<'_> {
         if fields.is_empty() {
             return Ok(());
         }
-        let Some(size) = self.size(path, &shape) else {
+        let Some(mut size) = self.size(path, &shape) else {
             return Ok(());
         };
         let parts = parts_of(&fields);
+        if size.columns > MAX_COLUMNS && size.rows <= MAX_CHANNELS && parts == 1 {
+            size = size.transposed();
+        }
         if size.columns.saturating_mul(parts as u64) > MAX_COLUMNS {
             let (rows, columns) = (size.rows, size.columns);
             let why = format!("{rows} x {columns} values, more than {MAX_COLUMNS} columns");
@@ -365,6 +385,7 @@ impl Reader<'_> {
             rows,
             columns,
             by_columns,
+            is_transposed: false,
         })
     }
 
@@ -457,7 +478,11 @@ impl Reader<'_> {
                     let name = match headings.and_then(|names| names.get(number)) {
                         Some(heading) => heading.clone(),
                         None if count == 1 => name,
+                        None if self.is_matlab && size.is_transposed => {
+                            format!("{name}({},:)", number + 1)
+                        }
                         None if self.is_matlab => format!("{name}(:,{})", number + 1),
+                        None if size.is_transposed => format!("{name}[{number},:]"),
                         None => format!("{name}[{number}]"),
                     };
                     let stated = match units {
@@ -655,20 +680,21 @@ fn cells_of(columns: &mut [Column], place: usize) -> Option<&mut Filled> {
 }
 
 /// Describes a MATLAB variable that is not a numeric array.
-fn not_numbers(attributes: &HashMap<String, AttrValue>) -> Option<&'static str> {
+fn not_numbers(attributes: &HashMap<String, AttrValue>) -> Option<String> {
     let class = attributes.get("MATLAB_class").and_then(AttrValue::as_str);
     if attributes.contains_key("MATLAB_empty") {
-        return Some("empty");
+        return Some("empty".to_owned());
     }
     if attributes.contains_key("MATLAB_object_decode") {
-        return Some("an object");
+        return Some(object(class.unwrap_or_default()));
     }
-    match class {
-        Some("cell") => Some("cells"),
-        Some("char") => Some("text"),
-        Some("function_handle") => Some("a function"),
-        _ => None,
-    }
+    let what = match class {
+        Some("cell") => "cells (save with -v7)",
+        Some("char") => "text",
+        Some("function_handle") => "a function",
+        _ => return None,
+    };
+    Some(what.to_owned())
 }
 
 /// The name of a column and the unit that its own part of the path states: a dot in the path is no mark of a unit.

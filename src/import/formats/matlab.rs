@@ -2,7 +2,11 @@
 //!
 //! A file is a header of 128 bytes and a sequence of elements: type and size, four bytes each, and the data, padded to
 //! eight bytes; an element of up to four bytes is packed into the tag. An array is an element of elements: flags,
-//! dimensions, name, and its data or, for structs and cells, arrays again.
+//! dimensions, name, and its data or, for structs and cells, arrays again. An object has flags, name, the type system
+//! (`MCOS`) and its class; its properties are in an array without a name, in a format that is not published.
+//!
+//! A field that has the same few values in every element of a struct array, or of a cell array, fewer than elements, is a table
+//! with one row per element.
 //! Source: MAT-File Format, The MathWorks, R2019b.
 
 use std::io::ErrorKind;
@@ -13,14 +17,22 @@ use tautline_session::{Place, ReadError, quoted};
 use super::{over_budget, stem, whole};
 use crate::input::Input;
 use crate::memory::{Lease, OverBudget};
-use crate::source::{Channel, Format, Series, Source};
+use crate::orientation::owner_of;
+use crate::source::{Channel, FillingTexts, Format, Series, Source};
 use crate::units::split_heading;
 
 /// Deepest nesting of structs and cells that is followed.
 const MAX_DEPTH: usize = 16;
+/// Most values of an element of a struct array that become columns of a table.
+const MAX_MERGED: usize = 64;
 
-const COMPRESSED: u32 = 15;
+const UINT16: u32 = 4;
 const MATRIX: u32 = 14;
+const COMPRESSED: u32 = 15;
+const UTF8: u32 = 16;
+const UTF16: u32 = 17;
+/// Class of arrays that are objects.
+const OPAQUE: u32 = 17;
 
 pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let (bytes, memory) = whole(input, file)?;
@@ -38,10 +50,11 @@ pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadErro
         memory,
         over: None,
         arrays: Vec::new(),
+        texts: Vec::new(),
         skipped: Vec::new(),
     };
     let add = |found: &mut Found, data: &[u8], at: usize| {
-        let added = found.array(data, "", 0);
+        let added = found.array(data, None, 0);
         match found.over {
             Some(over) => Err(fail(at, &format!("a variable {over}"))),
             None => {
@@ -91,13 +104,14 @@ pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadErro
             "{file}, byte {at}: the file ends in the middle of a variable: left out"
         ));
     }
-    let series = series(found.arrays, &stem(file), file, &mut notices);
+    let series = series(found, &stem(file), file, &mut notices);
     if series.is_empty() {
-        return Err(ReadError::new(
-            file,
-            Place::File,
-            "found no numeric array of two rows or more, expected readings",
-        ));
+        // A file of objects only is refused with what to do instead.
+        let why = notices.first().map_or_else(String::new, |notice| {
+            format!(" ({})", notice.trim_start_matches(&format!("{file}: ")))
+        });
+        let message = format!("found no numeric array of two rows or more, expected readings{why}");
+        return Err(ReadError::new(file, Place::File, message));
     }
     Ok(Source {
         file: file.into(),
@@ -117,6 +131,12 @@ struct Array {
     values: Vec<f64>,
 }
 
+/// Text, or a column of it.
+struct Texts {
+    path: String,
+    rows: Vec<String>,
+}
+
 struct Found {
     swapped: bool,
     /// Memory of the file and of the arrays.
@@ -124,6 +144,7 @@ struct Found {
     /// Set where it does not suffice.
     over: Option<OverBudget>,
     arrays: Vec<Array>,
+    texts: Vec<Texts>,
     skipped: Vec<String>,
 }
 
@@ -163,26 +184,31 @@ fn word(bytes: &[u8], at: usize, swapped: bool) -> Option<u32> {
 }
 
 impl Found {
-    /// Adds an array and those in it; `None` if it is damaged.
-    fn array(&mut self, data: &[u8], parent: &str, depth: usize) -> Option<()> {
+    /// Adds an array and those in it; `None` if it is damaged. `path` is its place in a variable.
+    fn array(&mut self, data: &[u8], path: Option<&str>, depth: usize) -> Option<()> {
         if data.is_empty() {
             return Some(());
         }
         let (_, flags, rest) = element(data, self.swapped)?;
-        let (_, dimensions, rest) = element(rest, self.swapped)?;
-        let (_, name, rest) = element(rest, self.swapped)?;
         let flags = word(flags, 0, self.swapped)?;
         let (class, is_complex) = (flags & 0xff, flags & 0x800 != 0);
+        if class == OPAQUE {
+            return self.object(rest, path);
+        }
+        let (_, dimensions, rest) = element(rest, self.swapped)?;
+        let (_, name, rest) = element(rest, self.swapped)?;
         let dimensions: Vec<usize> = (0..dimensions.len() / 4)
             .map(|k| word(dimensions, 4 * k, self.swapped).map(|size| size as usize))
             .collect::<Option<_>>()?;
         let count = dimensions
             .iter()
             .try_fold(1_usize, |product, size| product.checked_mul(*size))?;
-        let path = match (parent, String::from_utf8_lossy(name)) {
-            ("", name) => name.into_owned(),
-            (parent, _) => parent.to_owned(),
-        };
+        let name = String::from_utf8_lossy(name);
+        // Properties of objects.
+        if path.is_none() && name.is_empty() {
+            return Some(());
+        }
+        let path = path.map_or_else(|| name.into_owned(), str::to_owned);
         let skip = |what: &str| format!("variable {} ({what})", quoted(&path));
         if depth > MAX_DEPTH {
             self.skipped.push(skip("nested too deeply"));
@@ -191,7 +217,7 @@ impl Found {
         match class {
             1 => self.cells(rest, &path, count, depth),
             2 => self.fields(rest, &path, count, depth),
-            4 => Some(()),
+            4 => self.text(rest, path),
             6..=15 => {
                 let (kind, numbers, _) = element(rest, self.swapped)?;
                 // A byte may be a value of its own.
@@ -205,10 +231,7 @@ impl Found {
                     return None;
                 }
                 match dimensions[..] {
-                    [rows, columns] if is_complex => {
-                        self.skipped.push(skip("complex"));
-                        let _ = (rows, columns);
-                    }
+                    [_, _] if is_complex => self.skipped.push(skip("complex")),
                     [1, columns] => self.arrays.push(Array {
                         path,
                         rows: columns,
@@ -237,12 +260,66 @@ impl Found {
         }
     }
 
+    /// Names an object that cannot be read.
+    fn object(&mut self, rest: &[u8], path: Option<&str>) -> Option<()> {
+        let (_, name, rest) = element(rest, self.swapped)?;
+        let (_, _, rest) = element(rest, self.swapped)?;
+        let (_, class, _) = element(rest, self.swapped)?;
+        let path = path.map_or_else(|| String::from_utf8_lossy(name), Into::into);
+        let class = String::from_utf8_lossy(class);
+        let what = format!("variable {}, {},", quoted(&path), object(&class));
+        self.skipped.push(what);
+        Some(())
+    }
+
+    /// Adds a text in one row.
+    fn text(&mut self, rest: &[u8], path: String) -> Option<()> {
+        let (kind, letters, _) = element(rest, self.swapped)?;
+        let text = match kind {
+            UTF8 => String::from_utf8_lossy(letters).into_owned(),
+            UTF16 => {
+                let words = self.numbers(UINT16, letters)?;
+                let words: Vec<u16> = words.iter().map(|word| *word as u16).collect();
+                String::from_utf16_lossy(&words)
+            }
+            _ => {
+                let codes = self.numbers(kind, letters)?;
+                let letters = codes.iter().map(|code| char::from_u32(*code as u32));
+                letters.map(|letter| letter.unwrap_or('?')).collect()
+            }
+        };
+        self.texts.push(Texts {
+            path,
+            rows: vec![text],
+        });
+        Some(())
+    }
+
+    /// Adds an array of an element; what memory does not suffice for is told of the whole.
+    fn array_within(
+        &mut self,
+        within: &mut Self,
+        data: &[u8],
+        path: &str,
+        depth: usize,
+    ) -> Option<()> {
+        let added = within.array(data, Some(path), depth + 1);
+        if added.is_none() {
+            self.over = within.over;
+        }
+        added
+    }
+
     fn cells(&mut self, mut rest: &[u8], path: &str, count: usize, depth: usize) -> Option<()> {
+        let mut elements = Vec::new();
         for k in 0..count {
             let (_, data, next) = element(rest, self.swapped)?;
-            self.array(data, &format!("{path}{{{}}}", k + 1), depth + 1)?;
+            let mut within = self.below();
+            self.array_within(&mut within, data, "", depth)?;
+            elements.push((format!("{path}{{{}}}", k + 1), within));
             rest = next;
         }
+        self.merge(path, elements);
         Some(())
     }
 
@@ -262,19 +339,78 @@ impl Found {
                 })
                 .collect(),
         };
+        let mut elements = Vec::new();
         for k in 0..count {
+            let mut within = self.below();
             for name in &names {
                 let (_, data, next) = element(rest, self.swapped)?;
-                let index = if count == 1 {
-                    String::new()
-                } else {
-                    format!("({})", k + 1)
-                };
-                self.array(data, &format!("{path}{index}.{name}"), depth + 1)?;
+                self.array_within(&mut within, data, &format!(".{name}"), depth)?;
                 rest = next;
             }
+            let place = match count {
+                1 => path.to_owned(),
+                _ => format!("{path}({})", k + 1),
+            };
+            elements.push((place, within));
         }
+        self.merge(path, elements);
         Some(())
+    }
+
+    /// Nothing yet, of the same file.
+    fn below(&self) -> Self {
+        Self {
+            swapped: self.swapped,
+            memory: self.memory.another(),
+            over: None,
+            arrays: Vec::new(),
+            texts: Vec::new(),
+            skipped: Vec::new(),
+        }
+    }
+
+    /// Adds the elements of a struct array or cell array with their places. What has as many values in each of them, or none,
+    /// becomes a table with one row per element.
+    fn merge(&mut self, path: &str, mut elements: Vec<(String, Self)>) {
+        let count = elements.len();
+        let mut names: Vec<String> = Vec::new();
+        for (_, within) in &elements {
+            let arrays = within.arrays.iter().map(|array| &array.path);
+            for name in arrays.chain(within.texts.iter().map(|texts| &texts.path)) {
+                if !names.contains(name) {
+                    names.push(name.clone());
+                }
+            }
+        }
+        for name in names.iter().filter(|_| count > 1) {
+            let path = format!("{path}{name}");
+            if let Some(merged) = merged_numbers(&path, name, &mut elements) {
+                self.arrays.push(merged);
+            } else if let Some(merged) = merged_texts(&path, name, &mut elements) {
+                self.texts.push(merged);
+            }
+        }
+        for (place, within) in elements {
+            self.memory.absorb(within.memory);
+            let named = |name: String| format!("{place}{name}");
+            self.arrays
+                .extend(within.arrays.into_iter().map(|array| Array {
+                    path: named(array.path),
+                    ..array
+                }));
+            self.texts
+                .extend(within.texts.into_iter().map(|texts| Texts {
+                    path: named(texts.path),
+                    ..texts
+                }));
+            // The notice has the place of the variable.
+            self.skipped.extend(
+                within
+                    .skipped
+                    .into_iter()
+                    .map(|what| what.replacen("variable \"", &format!("variable \"{place}"), 1)),
+            );
+        }
     }
 
     /// Numbers as they are stored, which may be narrower than the array's class.
@@ -311,10 +447,81 @@ impl Found {
     }
 }
 
+/// Takes the numbers of this name out of all elements, if they are as many everywhere and fewer than the elements, which then
+/// are samples; an empty array is a missing row.
+fn merged_numbers(path: &str, name: &str, elements: &mut [(String, Found)]) -> Option<Array> {
+    let of = |within: &Found| {
+        let arrays = &within.arrays;
+        arrays.iter().position(|array| array.path == name)
+    };
+    let rows = elements.len();
+    let mut columns = 0;
+    for (_, within) in &*elements {
+        let size = within.arrays[of(within)?].values.len();
+        if size > MAX_MERGED || size >= rows || size > 0 && columns > 0 && size != columns {
+            return None;
+        }
+        columns = columns.max(size);
+    }
+    let mut values = vec![f64::NAN; rows * columns];
+    for (row, (_, within)) in elements.iter_mut().enumerate() {
+        let array = within.arrays.remove(of(within)?);
+        for (column, value) in array.values.iter().enumerate() {
+            values[column * rows + row] = *value;
+        }
+    }
+    Some(Array {
+        path: path.to_owned(),
+        rows,
+        columns,
+        values,
+    })
+}
+
+/// Takes the texts of this name out of all elements, if each has one.
+fn merged_texts(path: &str, name: &str, elements: &mut [(String, Found)]) -> Option<Texts> {
+    let of = |within: &Found| {
+        let texts = &within.texts;
+        texts
+            .iter()
+            .position(|one| one.path == name && one.rows.len() == 1)
+    };
+    if !elements.iter().all(|(_, within)| of(within).is_some()) {
+        return None;
+    }
+    let mut rows = Vec::new();
+    for (_, within) in elements {
+        let place = of(within)?;
+        rows.extend(within.texts.remove(place).rows);
+    }
+    Some(Texts {
+        path: path.to_owned(),
+        rows,
+    })
+}
+
+/// What an object is, and how to save what is in it.
+pub(super) fn object(class: &str) -> String {
+    let advice = match class {
+        "timeseries" => "save its Time and Data as arrays",
+        "timetable" => "save its variables and seconds(RowTimes) as arrays, or use writetimetable",
+        "table" => "save table2struct(.., 'ToScalar', true), or use writetable",
+        "datetime" => "save posixtime(..)",
+        "duration" => "save seconds(..)",
+        "string" => "save cellstr(..)",
+        "categorical" => "save double(..)",
+        _ => "save its properties as arrays",
+    };
+    format!("an object of class {} ({advice})", quoted(class))
+}
+
 /// Arrays of one variable with the same number of rows become a series.
-fn series(arrays: Vec<Array>, stem: &str, file: &str, notices: &mut Vec<String>) -> Vec<Series> {
-    let mut series: Vec<(String, Series)> = Vec::new();
-    for array in arrays {
+fn series(found: Found, stem: &str, file: &str, notices: &mut Vec<String>) -> Vec<Series> {
+    let mut series = Grouped {
+        stem,
+        series: Vec::new(),
+    };
+    for array in found.arrays {
         let Array {
             path,
             rows,
@@ -328,28 +535,7 @@ fn series(arrays: Vec<Array>, stem: &str, file: &str, notices: &mut Vec<String>)
             ));
             continue;
         }
-        let owner = match path.find(['.', '{', '(']) {
-            Some(end) => path[..end].to_owned(),
-            None => String::new(),
-        };
-        let known = series
-            .iter()
-            .position(|(of, series)| *of == owner && series.rows == rows);
-        let place = known.unwrap_or_else(|| {
-            let name = match series.len() {
-                0 => stem.to_owned(),
-                count => format!("{stem} ({})", count + 1),
-            };
-            series.push((
-                owner,
-                Series {
-                    name,
-                    rows,
-                    ..Series::default()
-                },
-            ));
-            series.len() - 1
-        });
+        let channels = &mut series.of(&path, rows).channels;
         for (k, column) in values.chunks_exact(rows).enumerate() {
             let (name, unit) = split_heading(&path);
             let name = if columns == 1 {
@@ -361,11 +547,50 @@ fn series(arrays: Vec<Array>, stem: &str, file: &str, notices: &mut Vec<String>)
                 .iter()
                 .map(|value| if value.is_finite() { *value } else { f64::NAN })
                 .collect();
-            series[place]
-                .1
-                .channels
-                .push(Channel { name, unit, values });
+            channels.push(Channel { name, unit, values });
         }
     }
-    series.into_iter().map(|(_, series)| series).collect()
+    for texts in found.texts.into_iter().filter(|texts| texts.rows.len() > 1) {
+        let mut filling = FillingTexts::default();
+        texts.rows.iter().for_each(|text| filling.push(text));
+        match filling.finish(&texts.path) {
+            Ok(channel) => series.of(&texts.path, texts.rows.len()).texts.push(channel),
+            Err(why) => notices.push(format!("{file}: variable {}: {why}", quoted(&texts.path))),
+        }
+    }
+    let series = series.series.into_iter().map(|(_, series)| series);
+    series
+        .filter(|series| !series.channels.is_empty())
+        .collect()
+}
+
+/// Series of one file, each with the variable that it belongs to.
+struct Grouped<'a> {
+    stem: &'a str,
+    series: Vec<(String, Series)>,
+}
+
+impl Grouped<'_> {
+    /// The series of a path that has as many rows.
+    fn of(&mut self, path: &str, rows: usize) -> &mut Series {
+        let owner = owner_of(path);
+        let known = self
+            .series
+            .iter()
+            .position(|(of, series)| of == owner && series.rows == rows);
+        let place = known.unwrap_or_else(|| {
+            let name = match self.series.len() {
+                0 => self.stem.to_owned(),
+                count => format!("{} ({})", self.stem, count + 1),
+            };
+            let series = Series {
+                name,
+                rows,
+                ..Series::default()
+            };
+            self.series.push((owner.to_owned(), series));
+            self.series.len() - 1
+        });
+        &mut self.series[place].1
+    }
 }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::words::split_compound;
+
 /// Channels whose names differ by one number.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Family {
@@ -11,6 +13,14 @@ pub(crate) struct Family {
     pub first: usize,
     /// Number of members.
     pub count: usize,
+}
+
+impl Family {
+    /// The name of a member, counted from 0.
+    pub fn member(&self, k: usize) -> String {
+        self.pattern
+            .replacen("{i}", &(self.first + k).to_string(), 1)
+    }
 }
 
 /// The families among names: names that differ in one number only, with consecutive numbers.
@@ -85,23 +95,32 @@ fn patterns_of(name: &str) -> Vec<(String, usize)> {
     patterns
 }
 
-/// The words of a name, in lower case: `GVL.Winch1_ActPos [mm]` is gvl, winch, act, pos, mm.
+/// The words of a name, in lower case, and the known words of compounds: `GVL.Winch1_ActPos [mm]` is gvl, winch, act, pos, mm.
 pub(crate) fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
-    let mut last = ' ';
-    for letter in name.chars() {
-        if letter.is_alphabetic() {
-            let begins = !last.is_alphabetic() || (letter.is_uppercase() && last.is_lowercase());
-            if begins {
-                words.push(String::new());
-            }
-            if let Some(word) = words.last_mut() {
-                word.extend(letter.to_lowercase());
-            }
+    let letters: Vec<char> = name.chars().collect();
+    for (k, letter) in letters.iter().enumerate() {
+        if !letter.is_alphabetic() {
+            continue;
         }
-        last = letter;
+        let last = k.checked_sub(1).map_or(' ', |before| letters[before]);
+        let next = letters.get(k + 1).copied().unwrap_or(' ');
+        let begins = !last.is_alphabetic()
+            || (letter.is_uppercase() && last.is_lowercase())
+            // The last capital of several begins a word: `LCForce`.
+            || (letter.is_uppercase() && last.is_uppercase() && next.is_lowercase());
+        if begins {
+            words.push(String::new());
+        }
+        if let Some(word) = words.last_mut() {
+            word.extend(letter.to_lowercase());
+        }
     }
-    words
+    let parts = |word: String| -> Vec<String> {
+        let parts = split_compound(&word).into_iter();
+        parts.map(str::to_owned).collect()
+    };
+    words.into_iter().flat_map(parts).collect()
 }
 
 #[cfg(test)]
@@ -150,5 +169,13 @@ mod tests {
         );
         assert_eq!(words("fKraft"), ["f", "kraft"]);
         assert_eq!(words("Seillänge 3"), ["seillänge"]);
+        assert_eq!(words("LCForce_1"), ["lc", "force"]);
+        assert_eq!(words("Motorwinkel[2]"), ["motor", "winkel"]);
+        assert_eq!(words("cablelengthdot"), ["cable", "length", "dot"]);
+        assert_eq!(words("xSoll px posz"), ["x", "soll", "p", "x", "pos", "z"]);
+        assert_eq!(
+            words("distal offset listed"),
+            ["distal", "offset", "listed"]
+        );
     }
 }

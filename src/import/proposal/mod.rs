@@ -1,6 +1,8 @@
 //! Proposal of a recipe from names, units and ranges.
 
+mod evidence;
 mod markers;
+mod motion;
 mod recognition;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -9,22 +11,38 @@ use tautline_core::robot::Robot;
 
 use crate::cutting::{is_recording, sampled_at_rest, sampled_in_motion};
 use crate::naming::words::{
-    ANGLES, EXTERNAL, GROUP, LABEL, LASER, PER_CABLE, TEMPERATURE, TIME, WANTED,
+    ANGLES, GROUP, HOT, LABEL, LASER, NO_CLOCK, OTHER, PER_CABLE, RANGE, TEMPERATURE, TIME, TRAVEL,
 };
 use crate::naming::{Family, families, words_of};
-use crate::recipe::{Assignment, Cutting, Kind, Quantity, Recipe, Rest};
+use crate::recipe::{AngleOrder, Assignment, Cutting, Kind, Quantity, Recipe, Rest, resolve};
 use crate::source::{Channel, Format, Series, Source};
 use crate::units::{Dimension, parse_unit};
+use evidence::{are_quaternion, is_clock, magnitude};
 use markers::{Marker, on_platform};
-use recognition::{Body, component, is_any, is_whole, kind_name, kind_of};
+use motion::CommandedPoses;
+use recognition::{
+    Component, Origin, Recognised, angle, component, is_any, is_of_pose, is_wanted, is_whole,
+    kind_name, kind_of, origin_of,
+};
 
 /// Proposes a recipe; the sentences state the assumptions.
 #[must_use]
 pub fn propose(sources: &[Source], robot: &Robot) -> (Recipe, Vec<String>) {
+    propose_around(sources, robot, Vec::new())
+}
+
+/// Proposes a recipe around assignments that are known; the sentences state the assumptions.
+#[must_use]
+pub fn propose_around(
+    sources: &[Source],
+    robot: &Robot,
+    known: Vec<Assignment>,
+) -> (Recipe, Vec<String>) {
     let mut proposal = Proposal {
         robot,
+        given: known.iter().map(|known| known.quantity.clone()).collect(),
         recipe: Recipe::default(),
-        given: BTreeSet::new(),
+        known,
         notices: Vec::new(),
     };
     let series = sources.iter().flat_map(|source| {
@@ -33,12 +51,13 @@ pub fn propose(sources: &[Source], robot: &Robot) -> (Recipe, Vec<String>) {
     });
     let mut series: Vec<(&Series, Format)> = series.collect();
     // States and commands of joints have the same names: what is measured goes first.
-    series.sort_by_key(|(series, format)| is_any(&topic(series, *format), WANTED));
+    series.sort_by_key(|(series, format)| is_wanted(&topic(series, *format)));
     for (series, format) in series {
         proposal.own_names(series);
         proposal.families(series, format);
         proposal.singles(series, format);
     }
+    proposal.by_motion(sources);
     let names_repeat = |name: &str| {
         let all = sources.iter().flat_map(|source| &source.series);
         all.filter(|series| series.channel(name).is_some() || series.text(name).is_some())
@@ -53,6 +72,8 @@ pub fn propose(sources: &[Source], robot: &Robot) -> (Recipe, Vec<String>) {
             assignment.series = None;
         }
     }
+    // A later entry overrides an earlier one.
+    proposal.recipe.channels.append(&mut proposal.known);
     proposal.cutting(sources);
     proposal.home(sources);
     (proposal.recipe, proposal.notices)
@@ -66,9 +87,150 @@ fn topic(series: &Series, format: Format) -> Vec<String> {
     }
 }
 
+/// The channels of a family in their order.
+fn members<'s>(series: &'s Series, family: &Family) -> Vec<&'s Channel> {
+    let names = (0..family.count).map(|k| family.member(k));
+    names.filter_map(|name| series.channel(&name)).collect()
+}
+
+/// Whether a series has the position of a pose.
+fn has_position(series: &Series) -> bool {
+    let found = series
+        .channels
+        .iter()
+        .filter_map(|channel| component(&channel.name));
+    let mut open = found.filter(|found| found.origin == Origin::Open && found.is_pose);
+    open.any(|found| found.index == 0)
+}
+
+/// Channels of one pose with the component that each is.
+type Components<'a> = Vec<(usize, &'a Channel)>;
+
+/// A pose in a series.
+struct Body<'a> {
+    owner: String,
+    origin: Origin,
+    components: Components<'a>,
+    /// Angles about x, y, z, where an orientation is stated as such.
+    angles: Components<'a>,
+    order: Option<AngleOrder>,
+}
+
+/// Adds components to the body of this owner.
+fn add<'a>(bodies: &mut Vec<Body<'a>>, owner: String, origin: Origin, components: Components<'a>) {
+    let known = bodies
+        .iter_mut()
+        .find(|body| body.owner == owner && body.origin == origin);
+    let body = match known {
+        Some(body) => body,
+        None => {
+            bodies.push(Body {
+                owner,
+                origin,
+                components: Vec::new(),
+                angles: Vec::new(),
+                order: None,
+            });
+            let last = bodies.len() - 1;
+            &mut bodies[last]
+        }
+    };
+    for (index, channel) in components {
+        if body.components.iter().all(|(known, _)| *known != index) {
+            body.components.push((index, channel));
+        }
+    }
+}
+
+/// Gives a quaternion with a name of its own to the only position of the same origin, `x_des` and `quat_cmd`, or one whose origin
+/// its name leaves open to the only position that lacks one.
+fn join_rotations(bodies: &mut Vec<Body<'_>>) {
+    for origin in [Origin::Commanded, Origin::Measured, Origin::Open] {
+        join_rotation(bodies, origin, |body| body.origin == origin);
+    }
+    join_rotation(bodies, Origin::Open, |_| true);
+}
+
+fn join_rotation(bodies: &mut Vec<Body<'_>>, origin: Origin, takes: impl Fn(&Body<'_>) -> bool) {
+    let has_rotation = |body: &Body<'_>| body.components.iter().any(|(k, _)| *k > 2);
+    let has_position = |body: &Body<'_>| body.components.iter().any(|(k, _)| *k < 3);
+    let places = |is_meant: &dyn Fn(&Body<'_>) -> bool| -> Vec<usize> {
+        let all = bodies.iter().enumerate();
+        all.filter(|(_, body)| is_meant(body))
+            .map(|(k, _)| k)
+            .collect()
+    };
+    let rotations = places(&|body| body.origin == origin && !has_position(body));
+    let positions = places(&|body| takes(body) && has_position(body) && !has_rotation(body));
+    if let ([rotation], [position]) = (&rotations[..], &positions[..]) {
+        let components = std::mem::take(&mut bodies[*rotation].components);
+        bodies[*position].components.extend(components);
+        bodies.remove(*rotation);
+    }
+}
+
+/// Angles of a platform in radians are smaller.
+const QUARTER_TURN_RAD: f64 = 1.6;
+
+/// Words of vectors that are poses.
+const VECTORS: &[&str] = &[
+    "x",
+    "p",
+    "pose",
+    "tcp",
+    "ee",
+    "effector",
+    "pf",
+    "platform",
+    "plattform",
+];
+
+/// Poses that are numbered vectors, such as `x_des(:,1)` to `x_des(:,7)`, and quaternions `q0` to `q3`.
+fn vectors(series: &Series) -> Vec<(Origin, Components<'_>)> {
+    let mut found = Vec::new();
+    let names = series.channels.iter().map(|channel| channel.name.as_str());
+    for family in families(names) {
+        let channels = members(series, &family);
+        let words = words_of(&family.pattern.replacen("{i}", "", 1));
+        let is_pose = !words.is_empty()
+            && words
+                .iter()
+                .all(|word| is_of_pose(word) || matches!(word.as_str(), "x" | "e"));
+        if !is_pose || channels.len() != family.count || is_any(&words, OTHER) {
+            continue;
+        }
+        let origin = origin_of(&words);
+        // `pos[{i}]` are as likely positions of axes.
+        let is_vector =
+            is_any(&words, VECTORS) && family.pattern.contains(['(', '[', '_', '.', '{']);
+        let rotation = |of: &[&'_ Channel]| -> Option<[usize; 4]> {
+            // Rotations of a platform are small: the scalar is the larger one at the end where it may stand.
+            let is_last = magnitude(of.last()?) > magnitude(of.first()?);
+            are_quaternion(of).then_some(match is_last {
+                true => [4, 5, 6, 3],
+                false => [3, 4, 5, 6],
+            })
+        };
+        let places: Option<Vec<usize>> = match channels.len() {
+            4 => rotation(&channels).map(|places| places.to_vec()),
+            3 | 6 if is_vector => Some(vec![0, 1, 2]),
+            7 if is_vector => {
+                rotation(&channels[3..]).map(|places| [&[0, 1, 2], &places[..]].concat())
+            }
+            _ => None,
+        };
+        if let Some(places) = places {
+            found.push((origin, places.into_iter().zip(channels).collect()));
+        }
+    }
+    found
+}
+
 struct Proposal<'a> {
     robot: &'a Robot,
     recipe: Recipe,
+    /// Assignments that are not to be proposed.
+    known: Vec<Assignment>,
     /// Columns that already have a channel.
     given: BTreeSet<String>,
     notices: Vec<String>,
@@ -82,6 +244,12 @@ impl Proposal<'_> {
 
     fn is_given(&self, column: &str) -> bool {
         self.given.contains(column)
+    }
+
+    /// Whether a channel has a known use.
+    fn is_known(&self, name: &str) -> bool {
+        let mut known = self.known.iter();
+        known.any(|known| known.channel == name || known.is_pattern_of(name))
     }
 
     /// Channels with the names of the columns of `poses.csv`.
@@ -121,34 +289,48 @@ impl Proposal<'_> {
     fn families(&mut self, series: &Series, format: Format) {
         let cables = self.robot.cable_count();
         let names = series.channels.iter().map(|channel| channel.name.as_str());
-        let mut candidates: Vec<(Kind, i32, Family)> = Vec::new();
+        let mut candidates: Vec<(Recognised, Family)> = Vec::new();
         for family in families(names) {
-            let member = family.pattern.replacen("{i}", &family.first.to_string(), 1);
-            let Some(channel) = series.channel(&member) else {
+            let channels = members(series, &family);
+            let is_known = channels.iter().any(|channel| self.is_known(&channel.name));
+            if channels.len() != family.count || is_known || are_quaternion(&channels) {
                 continue;
-            };
-            let Some((kind, score)) = kind_of(channel) else {
+            }
+            let Some(recognised) = kind_of(&channels) else {
                 continue;
             };
             if family.count == cables {
-                candidates.push((kind, score, family));
+                candidates.push((recognised, family));
             } else if family.count + 1 >= cables || family.count > 2 {
                 self.notices.push(format!(
                     "{}: {} channels {} could be the {} of cables, but the robot has {cables} cables: not used",
                     series.name,
                     family.count,
                     family.pattern,
-                    kind_name(kind)
+                    kind_name(recognised.kind)
                 ));
             }
         }
-        candidates.sort_by_key(|(kind, score, _)| (*kind, -score));
-        for (kind, _, family) in candidates {
-            let column = kind.column_of("{i}");
+        candidates.sort_by_key(|(recognised, _)| (recognised.kind, -recognised.score));
+        for (recognised, family) in candidates {
+            let column = recognised.kind.column_of("{i}");
             if self.is_given(&column) {
                 continue;
             }
-            let unit = self.unit_by_range(series, &family, kind, format);
+            if recognised.is_counts {
+                self.notices.push(format!(
+                    "{}: {} look like encoder counts, of which the file does not state how many make a revolution: not used; for 4096, --set \"{column}={} [rev/4096]\"",
+                    series.name, family.pattern, family.pattern
+                ));
+                continue;
+            }
+            if recognised.by_values {
+                self.notices.push(format!(
+                    "{}: {} vary as tensions do and are taken for them",
+                    series.name, family.pattern
+                ));
+            }
+            let unit = self.unit_by_range(series, &family, recognised.kind, format);
             let assignment = Assignment {
                 series: Some(series.name.clone()),
                 unit,
@@ -159,6 +341,77 @@ impl Proposal<'_> {
         }
     }
 
+    /// Families whose names say nothing, but whose values follow the cables at the commanded poses.
+    fn by_motion(&mut self, sources: &[Source]) {
+        let moves = self.is_given("rev_{i}") || self.is_given("length_{i}_m");
+        let pulls = self.is_given("force_{i}_n");
+        let known = self.recipe.channels.iter().chain(&self.known).cloned();
+        let trial = Recipe {
+            channels: known.collect(),
+            ..Recipe::default()
+        };
+        let cables = self.robot.cable_count();
+        let Ok(mapping) = resolve(sources, &trial, "recipe", cables) else {
+            return;
+        };
+        let Some(poses) = CommandedPoses::of(&mapping, self.robot) else {
+            return;
+        };
+        let series = mapping.series[poses.series];
+        let names = series.channels.iter().map(|channel| channel.name.as_str());
+        let mut found: Vec<Assignment> = Vec::new();
+        for family in families(names)
+            .into_iter()
+            .filter(|family| family.count == cables)
+        {
+            let channels = members(series, &family);
+            let is_free = |channel: &&Channel| {
+                let mut uses = trial.channels.iter();
+                !uses.any(|known| {
+                    known.channel == channel.name || known.is_pattern_of(&channel.name)
+                })
+            };
+            let says_other = |channel: &&Channel| {
+                let words = words_of(&channel.name);
+                channel.unit.is_some() || is_wanted(&words) || is_any(&words, OTHER)
+            };
+            let is_full = channels.len() == cables;
+            if !is_full || !channels.iter().all(is_free) || channels.iter().any(says_other) {
+                continue;
+            }
+            let has = |column: &str| found.iter().any(|known| known.quantity == column);
+            let entry = |kind: Kind, unit: Option<&str>, reversed: bool| Assignment {
+                series: Some(series.name.clone()),
+                unit: unit.map(str::to_owned),
+                reversed,
+                first: family.first,
+                ..Assignment::new(family.pattern.clone(), kind.column_of("{i}"))
+            };
+            let is_moving = moves || has("rev_{i}") || has("length_{i}_m");
+            let followed = poses.followed_by(&channels, self.robot);
+            if let Some((kind, unit, reversed)) = followed.filter(|_| !is_moving) {
+                self.notices.push(format!(
+                    "{}: {} follow the lengths of the cables at the commanded poses: taken for {}",
+                    series.name,
+                    family.pattern,
+                    match (kind, unit) {
+                        (Kind::Length, Some(unit)) => format!("lengths in {unit}"),
+                        (Kind::Length, None) => "lengths in m".to_owned(),
+                        (_, unit) => format!("winches in {}", unit.unwrap_or("rev")),
+                    }
+                ));
+                found.push(entry(kind, unit, reversed));
+            } else if !pulls && !has("force_{i}_n") && poses.are_carried_by(&channels, self.robot) {
+                self.notices.push(format!(
+                    "{}: {} carry the platform at the commanded poses: taken for forces in N",
+                    series.name, family.pattern
+                ));
+                found.push(entry(Kind::Force, None, false));
+            }
+        }
+        found.into_iter().for_each(|entry| self.add(entry));
+    }
+
     /// The unit of a family without a stated one, if its values suggest a unit other than that of the quantity.
     fn unit_by_range(
         &mut self,
@@ -167,14 +420,7 @@ impl Proposal<'_> {
         kind: Kind,
         format: Format,
     ) -> Option<String> {
-        let channels = (0..family.count).filter_map(|k| {
-            series.channel(
-                &family
-                    .pattern
-                    .replacen("{i}", &(family.first + k).to_string(), 1),
-            )
-        });
-        let channels: Vec<&Channel> = channels.collect();
+        let channels = members(series, family);
         if channels.iter().any(|channel| channel.unit.is_some()) {
             return None;
         }
@@ -225,36 +471,15 @@ impl Proposal<'_> {
             };
             self.single(series, &text.name, column, None);
         }
+        let names = series.channels.iter().map(|channel| channel.name.as_str());
+        let several: BTreeSet<String> = families(names)
+            .iter()
+            .filter(|family| family.count > 1)
+            .flat_map(|family| (0..family.count).map(|k| family.member(k)))
+            .collect();
         for channel in &series.channels {
-            let words = words_of(&channel.name);
-            let dimension = channel
-                .unit
-                .as_deref()
-                .and_then(parse_unit)
-                .map(|unit| unit.dimension);
-            let fits = |expected: Dimension| {
-                dimension.is_none_or(|found| found == expected || found == Dimension::Number)
-            };
-            let column = if is_any(&words, LABEL) && is_whole(channel) && words.len() <= 2 {
-                Some("pose")
-            } else if series.time_s.is_none()
-                && fits(Dimension::Time)
-                && (is_any(&words[..words.len().min(1)], TIME)
-                    || dimension == Some(Dimension::Time))
-            {
-                Some("time_s")
-            } else if (is_any(&words, LASER) || words == ["range"]) && fits(Dimension::Length) {
-                Some("laser_m")
-            } else if is_any(&words, TEMPERATURE) && fits(Dimension::Temperature) {
-                Some("temperature_c")
-            } else {
-                ANGLES
-                    .iter()
-                    .position(|angle| is_any(&words, angle))
-                    .filter(|_| fits(Dimension::Angle) && !is_any(&words, WANTED))
-                    .map(|k| ["roll_rad", "pitch_rad", "yaw_rad"][k])
-            };
-            if let Some(column) = column {
+            let is_one = !several.contains(&channel.name);
+            if let Some(column) = self.single_column(series, channel, is_one) {
                 let unit = self.single_unit(channel, column);
                 self.single(series, &channel.name, column, unit);
             }
@@ -262,8 +487,68 @@ impl Proposal<'_> {
         self.poses(series, format);
     }
 
+    /// The column of a channel that is the only one of its kind; `is_one`: no other has its name but for a number.
+    fn single_column(
+        &self,
+        series: &Series,
+        channel: &Channel,
+        is_one: bool,
+    ) -> Option<&'static str> {
+        let words = words_of(&channel.name);
+        let unit = channel.unit.as_deref().map(parse_unit);
+        // What an unknown unit measures is none of ours.
+        let dimension = match unit {
+            Some(unit) => Some(unit?.dimension),
+            None => None,
+        };
+        let fits = |expected: Dimension| {
+            dimension.is_none_or(|found| found == expected || found == Dimension::Number)
+        };
+        let is_time = dimension == Some(Dimension::Time)
+            || is_any(&words[..words.len().min(1)], TIME)
+            || is_any(&words[words.len().saturating_sub(1)..], TIME) && words.len() > 1;
+        let is_distance = is_any(&words, LASER)
+            || is_any(&words, &["range"])
+                && words.iter().all(|word| RANGE.contains(&word.as_str()));
+        let is_temperature =
+            is_any(&words, TEMPERATURE) || dimension == Some(Dimension::Temperature) && is_one;
+        if is_any(&words, LABEL) && is_whole(channel) && words.len() <= 2 {
+            Some("pose")
+        } else if series.time_s.is_none()
+            && is_time
+            && fits(Dimension::Time)
+            && !is_any(&words, NO_CLOCK)
+            && is_clock(channel)
+        {
+            Some("time_s")
+        } else if is_distance
+            && is_one
+            && fits(Dimension::Length)
+            && !(is_any(&words, OTHER) || is_any(&words, TRAVEL) || is_wanted(&words))
+        {
+            Some("laser_m")
+        } else if is_temperature && is_one && fits(Dimension::Temperature) && !is_any(&words, HOT) {
+            Some("temperature_c")
+        } else {
+            ANGLES
+                .iter()
+                .position(|angle| is_any(&words, angle))
+                .filter(|_| {
+                    // Beside a position and without an inclinometer they are angles of a pose.
+                    let is_of_pose = self.robot.inclinometer.is_none() && has_position(series);
+                    if is_of_pose {
+                        return false;
+                    }
+                    let is_other = is_any(&words, OTHER) || origin_of(&words) != Origin::Open;
+                    fits(Dimension::Angle) && is_one && !is_other
+                })
+                .map(|k| ["roll_rad", "pitch_rad", "yaw_rad"][k])
+        }
+    }
+
     fn single(&mut self, series: &Series, name: &str, column: &str, unit: Option<&str>) {
-        if self.is_given(column)
+        if self.is_known(name)
+            || self.is_given(column)
             || self
                 .recipe
                 .channels
@@ -295,6 +580,10 @@ impl Proposal<'_> {
         let largest = range[0].abs().max(range[1].abs());
         let frame_m = self.robot.frame_size_m()?;
         let unit = match column {
+            // No recording begins that many seconds after 1970.
+            "time_s" if largest > 1e17 => "ns",
+            "time_s" if largest > 1e14 => "us",
+            "time_s" if largest > 1e11 => "ms",
             "laser_m" if largest > 30.0 * frame_m => "mm",
             "roll_rad" | "pitch_rad" | "yaw_rad" if largest > 3.2 => "deg",
             _ => return None,
@@ -311,98 +600,190 @@ impl Proposal<'_> {
         if self.markers(series, format) {
             return;
         }
+        let mut bodies = self.bodies(series, format);
+        // What is stated goes first; a body with an orientation tells more than a marker without one.
+        bodies.sort_by_key(|body| (body.origin, usize::MAX - body.components.len()));
+        for body in bodies {
+            self.pose(series, format, body);
+        }
+    }
+
+    /// The poses in a series: channels that are named as components, and vectors.
+    fn bodies<'s>(&self, series: &'s Series, format: Format) -> Vec<Body<'s>> {
         let topic = topic(series, format);
-        let mut bodies: Vec<Body<'_>> = Vec::new();
-        let given: BTreeSet<String> = self
-            .recipe
-            .channels
-            .iter()
-            .filter(|known| known.series.as_ref() == Some(&series.name))
-            .map(|known| known.channel.clone())
-            .collect();
-        let free = series
-            .channels
-            .iter()
-            .filter(|channel| !given.contains(&channel.name));
-        for channel in free {
+        let is_capture = matches!(
+            format,
+            Format::Motive | Format::Nexus | Format::C3d | Format::PointList
+        );
+        let with_topic = |origin: Origin| match origin {
+            Origin::Open if is_capture => Origin::Measured,
+            Origin::Open => origin_of(&topic),
+            stated => stated,
+        };
+        let is_free = |channel: &Channel| {
+            let known = self.recipe.channels.iter();
+            !self.is_known(&channel.name)
+                && !known
+                    .filter(|known| known.series.as_ref() == Some(&series.name))
+                    .any(|known| {
+                        known.channel == channel.name || known.is_pattern_of(&channel.name)
+                    })
+        };
+        let mut bodies: Vec<Body<'s>> = Vec::new();
+        let mut in_vectors: BTreeSet<&str> = BTreeSet::new();
+        for (origin, components) in vectors(series) {
+            if !components.iter().all(|(_, channel)| is_free(channel)) {
+                continue;
+            }
+            in_vectors.extend(components.iter().map(|(_, channel)| channel.name.as_str()));
+            let owner = String::new();
+            add(&mut bodies, owner, with_topic(origin), components);
+        }
+        for channel in &series.channels {
             let words = words_of(&channel.name);
-            let (Some((component, owner)), false) = (
-                component(&channel.name, &words),
-                is_any(
-                    &words,
-                    &[
-                        "vel",
-                        "velocity",
-                        "twist",
-                        "speed",
-                        "acc",
-                        "accel",
-                        "acceleration",
-                        "force",
-                        "torque",
-                        "error",
-                    ],
-                ),
-            ) else {
+            let is_taken = in_vectors.contains(channel.name.as_str()) || !is_free(channel);
+            let is_other = is_any(&words, OTHER) || is_any(&words, &["twist", "force", "wrench"]);
+            if is_taken || is_other {
+                continue;
+            }
+            let Some(Component {
+                index,
+                owner,
+                origin,
+                is_pose,
+            }) = component(&channel.name)
+            else {
                 continue;
             };
-            let is_wanted = is_any(&words, WANTED) || is_any(&topic, WANTED);
-            let is_known = is_wanted
-                || is_any(&words, EXTERNAL)
-                || is_any(&topic, EXTERNAL)
-                || matches!(
-                    format,
-                    Format::Motive | Format::Nexus | Format::C3d | Format::PointList
-                )
-                || owner.is_empty();
-            if !is_known || is_any(&words, &["marker"]) {
+            let origin = with_topic(origin);
+            // A coordinate of anything else than the platform, such as of a person.
+            if origin == Origin::Open && !is_pose && !owner.is_empty() {
                 continue;
             }
-            match bodies.iter_mut().find(|(known, ..)| *known == owner) {
-                Some((_, _, components)) => components.push((component, channel)),
-                None => bodies.push((owner, is_wanted, vec![(component, channel)])),
-            }
+            add(&mut bodies, owner, origin, vec![(index, channel)]);
         }
-        // A body with an orientation tells more than a marker without one.
-        bodies.sort_by_key(|(_, _, components)| usize::MAX - components.len());
-        for (owner, is_wanted, components) in bodies {
-            let has = |k: usize| components.iter().any(|(component, _)| *component == k);
-            let columns: [&str; 7] = match is_wanted {
-                true => ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"],
-                false => [
-                    "meas_x_m", "meas_y_m", "meas_z_m", "meas_qw", "meas_qx", "meas_qy", "meas_qz",
-                ],
-            };
-            if !(0..3).any(has) || (0..3).any(|k| self.is_given(columns[k])) {
-                continue;
-            }
-            let whole_rotation = (3..7).all(has);
-            let up_is_y = format == Format::Motive;
-            let unit = self.position_unit(&components, &owner);
-            for (component, channel) in &components {
-                if *component > 2 && !whole_rotation {
-                    continue;
+        join_rotations(&mut bodies);
+        for channel in series.channels.iter().filter(|channel| is_free(channel)) {
+            let fits = channel.unit.as_deref().is_none_or(|unit| {
+                parse_unit(unit).is_some_and(|unit| unit.dimension == Dimension::Angle)
+            });
+            if let Some((found, order)) = angle(&channel.name).filter(|_| fits) {
+                let origin = with_topic(found.origin);
+                let of = bodies
+                    .iter_mut()
+                    .find(|body| body.owner == found.owner && body.origin == origin);
+                if let Some(body) = of {
+                    body.angles.push((found.index, channel));
+                    body.order = body.order.or(order);
                 }
-                // Motive's y axis is up and its z axis points to the viewer; ours is z up: (x, y, z) is (x, -z, y) there.
-                let (place, reversed) = match (up_is_y, *component) {
-                    (true, 1) => (2, false),
-                    (true, 2) => (1, true),
-                    (true, 5) => (6, false),
-                    (true, 6) => (5, true),
-                    (_, component) => (component, false),
-                };
-                let unit = unit.filter(|_| *component < 3).map(Into::into);
-                self.add(Assignment {
-                    series: Some(series.name.clone()),
-                    unit,
-                    reversed,
-                    ..Assignment::new(channel.name.clone(), columns[place])
-                });
-            }
-            if up_is_y {
-                self.notices.push(format!("{}: the y axis of the capture is assumed to point up: x, y, z of the robot are x, -z, y there", series.name));
             }
         }
+        bodies
+    }
+
+    /// Assigns the components of a pose.
+    fn pose(&mut self, series: &Series, format: Format, body: Body<'_>) {
+        let has = |k: usize| body.components.iter().any(|(component, _)| *component == k);
+        let is_open = body.origin == Origin::Open;
+        let is_commanded = match body.origin {
+            Origin::Commanded => true,
+            Origin::Measured => false,
+            // Without an instrument a pose is where the controller takes the platform to be.
+            Origin::Open => self.robot.tracker.is_none() || self.is_given("meas_x_m"),
+        };
+        let columns: [&str; 7] = match is_commanded {
+            true => ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"],
+            false => [
+                "meas_x_m", "meas_y_m", "meas_z_m", "meas_qw", "meas_qx", "meas_qy", "meas_qz",
+            ],
+        };
+        if !(0..3).any(has) || (0..3).any(|k| self.is_given(columns[k])) {
+            return;
+        }
+        let whole_rotation = (3..7).all(has);
+        let up_is_y = format == Format::Motive;
+        let unit = self.position_unit(&body.components, &body.owner);
+        for (component, channel) in &body.components {
+            if *component > 2 && !whole_rotation {
+                continue;
+            }
+            // Motive's y axis is up and its z axis points to the viewer; ours is z up: (x, y, z) is (x, -z, y) there.
+            let (place, reversed) = match (up_is_y, *component) {
+                (true, 1) => (2, false),
+                (true, 2) => (1, true),
+                (true, 5) => (6, false),
+                (true, 6) => (5, true),
+                (_, component) => (component, false),
+            };
+            let unit = unit.filter(|_| *component < 3).map(Into::into);
+            self.add(Assignment {
+                series: Some(series.name.clone()),
+                unit,
+                reversed,
+                ..Assignment::new(channel.name.clone(), columns[place])
+            });
+        }
+        if !whole_rotation {
+            self.angles(series, &body, is_commanded);
+        }
+        if is_open {
+            let names = body
+                .components
+                .iter()
+                .map(|(_, channel)| channel.name.as_str());
+            let names: Vec<&str> = names.collect();
+            let what = match is_commanded {
+                true => "commanded",
+                false => "measured",
+            };
+            self.notices.push(format!(
+                "{}: {} are taken for {what} poses, which their names do not state",
+                series.name,
+                names.join(", ")
+            ));
+        }
+        if up_is_y {
+            self.notices.push(format!("{}: the y axis of the capture is assumed to point up: x, y, z of the robot are x, -z, y there", series.name));
+        }
+    }
+
+    /// Assigns the angles of a pose.
+    fn angles(&mut self, series: &Series, body: &Body<'_>, is_commanded: bool) {
+        let about = |axis: usize| body.angles.iter().find(|(known, _)| *known == axis);
+        let (Some((_, x)), Some((_, y)), Some((_, z))) = (about(0), about(1), about(2)) else {
+            return;
+        };
+        let order = body.order.unwrap_or(AngleOrder::XYZ);
+        let kind = match is_commanded {
+            true => Kind::CommandedAngle,
+            false => Kind::TrackedAngle,
+        };
+        let angles = order.sort([*x, *y, *z]);
+        let widest = angles.iter().map(|channel| {
+            let [low, high] = channel.summary().range;
+            low.abs().max(high.abs())
+        });
+        let is_stated = angles.iter().all(|channel| channel.unit.is_some());
+        let in_degrees = !is_stated && widest.fold(0.0, f64::max) > QUARTER_TURN_RAD;
+        for (index, channel) in angles.iter().enumerate() {
+            self.add(Assignment {
+                series: Some(series.name.clone()),
+                unit: in_degrees.then(|| "deg".to_owned()),
+                ..Assignment::new(channel.name.clone(), Quantity { kind, index }.column())
+            });
+        }
+        let stated = self.recipe.angles.get_or_insert_default();
+        match is_commanded {
+            true => stated.commanded = Some(order),
+            false => stated.measured = Some(order),
+        }
+        let [first, second, third] = angles.map(|channel| channel.name.as_str());
+        self.notices.push(format!(
+            "{}: {first}, {second}, {third}{} are taken for angles of R = {} in this order, each about an axis of the turned frame; --angles states another one",
+            series.name,
+            if in_degrees { " in degrees" } else { "" },
+            order.product()
+        ));
     }
 
     /// Assigns three or more markers on the platform if no body has an orientation; returns whether there are any.
@@ -410,9 +791,9 @@ impl Proposal<'_> {
         let mut owners: BTreeMap<String, [Option<&Channel>; 3]> = BTreeMap::new();
         let mut has_orientation = false;
         for channel in &series.channels {
-            match component(&channel.name, &words_of(&channel.name)) {
-                Some((axis @ 0..3, owner)) => {
-                    owners.entry(owner).or_default()[axis] = Some(channel);
+            match component(&channel.name) {
+                Some(found) if found.index < 3 => {
+                    owners.entry(found.owner).or_default()[found.index] = Some(channel);
                 }
                 Some(_) => has_orientation = true,
                 None => {}
@@ -444,24 +825,13 @@ impl Proposal<'_> {
                 });
             }
         }
-        let names = |is_on: bool| {
-            let some = all
-                .iter()
-                .enumerate()
-                .filter(|(k, _)| chosen.contains(k) == is_on);
-            some.map(|(_, (owner, _))| owner.as_str())
-                .collect::<Vec<_>>()
-                .join(", ")
-        };
-        let mut notice = format!(
+        let moving = all.iter().enumerate().filter(|(k, _)| chosen.contains(k));
+        let moving: Vec<&str> = moving.map(|(_, (owner, _))| owner.as_str()).collect();
+        self.notices.push(format!(
             "{}: {} move at constant distances from each other: assumed to be markers on the platform",
             series.name,
-            names(true)
-        );
-        if chosen.len() < all.len() {
-            notice += &format!("; not used: {}", names(false));
-        }
-        self.notices.push(notice);
+            moving.join(", ")
+        ));
         true
     }
 
@@ -566,3 +936,6 @@ impl Proposal<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,16 +1,25 @@
-//! Recognition of one channel by its name, unit and values.
+//! Recognition of channels by their names, units and values.
 
-use crate::naming::words::{ACTUAL, OTHER, PER_CABLE, WANTED};
+use super::evidence::{are_counts, are_settings, are_tensions};
+use crate::naming::words::{
+    ACTUAL, ANGLES, EXTERNAL, LASER, LETTERS, MACHINES, NEUTRAL, OTHER, PER_CABLE, POSE, STATES,
+    WANTED,
+};
 use crate::naming::words_of;
-use crate::recipe::Kind;
+use crate::recipe::{AngleOrder, Kind};
 use crate::source::Channel;
-use crate::units::{Dimension, parse_unit};
-
-/// Name of a body, whether it is commanded rather than measured, and its components.
-pub(super) type Body<'a> = (String, bool, Vec<(usize, &'a Channel)>);
+use crate::units::{Dimension, Unit, parse_unit};
 
 pub(super) fn is_any(words: &[String], known: &[&str]) -> bool {
     words.iter().any(|word| known.contains(&word.as_str()))
+}
+
+/// Whether a name is that of a commanded value. In German, `des` is also an article.
+pub(super) fn is_wanted(words: &[String]) -> bool {
+    let ends = [words.first(), words.last()];
+    let is_article = |word: &String| word == "des" && !ends.contains(&Some(word));
+    let said = words.iter().filter(|word| !is_article(word));
+    said.into_iter().any(|word| WANTED.contains(&word.as_str()))
 }
 
 pub(super) fn is_whole(channel: &Channel) -> bool {
@@ -26,84 +35,276 @@ pub(super) fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
-/// Kind of a channel that exists once per cable, with a score.
-pub(super) fn kind_of(channel: &Channel) -> Option<(Kind, i32)> {
-    let words = words_of(&channel.name);
-    if is_any(&words, OTHER) {
-        return None;
-    }
-    let named = PER_CABLE
-        .iter()
-        .find(|(_, known)| is_any(&words, known))
-        .map(|(kind, _)| *kind);
-    let dimension = channel
-        .unit
-        .as_deref()
-        .map(|unit| parse_unit(unit).map(|unit| unit.dimension));
-    let kind = match dimension {
-        Some(Some(Dimension::Force)) => Kind::Force,
-        Some(Some(Dimension::Length)) => Kind::Length,
-        Some(Some(Dimension::Angle)) if named == Some(Kind::Swivel) => Kind::Swivel,
-        Some(Some(Dimension::Angle)) => Kind::Revolutions,
-        Some(Some(Dimension::Number)) | None => match (named, &words[..]) {
-            (Some(kind), _) => kind,
-            // `F1` and `l1` are what equations call forces and lengths.
-            (None, [letter]) if letter == "f" => Kind::Force,
-            (None, [letter]) if letter == "l" => Kind::Length,
-            _ => return None,
-        },
-        Some(_) => return None,
-    };
-    let score = i32::from(named.is_some()) + 2 * i32::from(is_any(&words, ACTUAL))
-        - 4 * i32::from(is_any(&words, WANTED));
-    Some((kind, score))
+/// What a family of channels with one for each cable is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Recognised {
+    pub kind: Kind,
+    /// How well it is known, to choose among several families of one kind.
+    pub score: i32,
+    /// Whether its values are encoder counts.
+    pub is_counts: bool,
+    /// Whether the values said so rather than the name.
+    pub by_values: bool,
 }
 
-/// The component of a pose that a name ends with, x, y, z, and w, x, y, z of a quaternion, and the name without it.
-pub(super) fn component(name: &str, words: &[String]) -> Option<(usize, String)> {
-    let last = words.last()?;
-    // A unit may follow: `ee_x_m`.
-    let (last, dropped) = match parse_unit(last) {
-        Some(_) if words.len() > 1 && last != "x" => (&words[words.len() - 2], last.len() + 1),
-        _ => (last, 0),
+/// Recognises a family of channels that exists once per cable.
+pub(super) fn kind_of(channels: &[&Channel]) -> Option<Recognised> {
+    let first = channels.first()?;
+    let words = words_of(&first.name);
+    let is_component = |word: Option<&String>| word.is_some_and(|word| is_axis(word));
+    let is_derivative = words.iter().any(|word| word.ends_with("dot"));
+    // `Axis1.Status.ActPos` is not a status.
+    let leaf = first.name.rsplit('.').next().unwrap_or_default();
+    if is_any(&words, OTHER)
+        || is_any(&words_of(leaf), STATES)
+        || is_derivative
+        || is_wanted(&words)
+        || is_component(words.first())
+        || is_component(words.last())
+        || ANGLES.iter().any(|angle| is_any(&words, angle))
+        || are_settings(channels)
+    {
+        return None;
+    }
+    let (named, by_values) = match named_kind(&words) {
+        // Torques and temperatures are called `T` as well.
+        None if words == ["t"] && are_tensions(channels) => (Some(Kind::Force), true),
+        named => (named, false),
     };
+    let dimension = match first.unit.as_deref() {
+        None => None,
+        // What an unknown unit measures is none of ours.
+        Some(unit) => Some(parse_unit(unit)?.dimension),
+    };
+    let kind = match dimension {
+        Some(Dimension::Force) => Some(Kind::Force),
+        Some(Dimension::Length) if is_any(&words, LASER) => None,
+        Some(Dimension::Length) => Some(Kind::Length),
+        Some(Dimension::Angle) if named == Some(Kind::Swivel) => Some(Kind::Swivel),
+        Some(Dimension::Angle) => Some(Kind::Revolutions),
+        Some(Dimension::Temperature | Dimension::Time) => None,
+        Some(Dimension::Number) | None => named,
+    }?;
+    let is_counts = matches!(kind, Kind::Revolutions | Kind::Swivel)
+        && dimension.is_none_or(|dimension| dimension == Dimension::Number)
+        && (dimension == Some(Dimension::Number) || are_counts(channels));
+    let score = i32::from(named == Some(kind)) + 2 * i32::from(is_any(&words, ACTUAL));
+    Some(Recognised {
+        kind,
+        score,
+        is_counts,
+        by_values,
+    })
+}
+
+/// The kind that a name states.
+fn named_kind(words: &[String]) -> Option<Kind> {
+    // `l_enc` is a length that an encoder reads, `F_meas` a measured force.
+    let is_length = words.first().is_some_and(|word| word == "l");
+    let says_more = |word: &&String| {
+        let word = word.as_str();
+        let is_unit = word.len() > 1 && parse_unit(word).is_some();
+        let is_usual = ACTUAL.contains(&word) || NEUTRAL.contains(&word) || is_unit;
+        let is_source = is_length && matches!(word, "enc" | "encoder");
+        !is_usual && !is_source
+    };
+    let rest: Vec<&String> = words.iter().filter(says_more).collect();
+    if let [letter] = rest[..]
+        && let Some((kind, _)) = LETTERS
+            .iter()
+            .find(|(_, letters)| letters.contains(&letter.as_str()))
+    {
+        return Some(*kind);
+    }
+    let stated = PER_CABLE
+        .iter()
+        .find(|(_, known)| is_any(words, known))
+        .map(|(kind, _)| *kind);
+    match stated {
+        None if is_any(words, &["load"]) && is_any(words, &["cell"]) => Some(Kind::Force),
+        // The angle of a pulley is that about its swivel axis.
+        Some(Kind::Revolutions) if is_any(words, &["pulley", "rolle"]) => Some(Kind::Swivel),
+        Some(kind) => Some(kind),
+        None => {
+            let last = rest.last().or(words.last().as_ref()).copied()?;
+            MACHINES
+                .contains(&last.as_str())
+                .then_some(Kind::Revolutions)
+        }
+    }
+}
+
+/// Who states a pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Origin {
+    /// The controller, as a command.
+    Commanded,
+    /// An instrument outside of the robot.
+    Measured,
+    /// The name leaves it open.
+    Open,
+}
+
+/// A component of a pose, x, y, z, or w, x, y, z of a quaternion, counted from 0, and what it belongs to.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Component {
+    pub index: usize,
+    /// Name of the body.
+    pub owner: String,
+    pub origin: Origin,
+    /// Whether its name consists of words of poses only.
+    pub is_pose: bool,
+}
+
+fn is_axis(word: &str) -> bool {
+    matches!(word, "x" | "y" | "z")
+}
+
+/// The component of a pose that a name begins or ends with.
+pub(super) fn component(name: &str) -> Option<Component> {
+    let mut words = words_of(name);
+    // A unit may follow, `ee_x_m`; `x_d` is a desired coordinate.
+    let is_desired = words.len() == 2 && is_axis(&words[0]) && words[1] == "d";
+    if words.len() > 1 && words.last().is_some_and(|last| parse_unit(last).is_some()) {
+        words.pop();
+    }
     let is_rotation = words.iter().any(|word| {
         matches!(
             word.as_str(),
             "rotation" | "quat" | "quaternion" | "orientation" | "q"
         )
     });
-    let place = match (last.as_str(), is_rotation) {
-        ("x", false) => 0,
-        ("y", false) => 1,
-        ("z", false) => 2,
-        ("w" | "qw", _) => 3,
-        ("x", true) | ("qx", _) => 4,
-        ("y", true) | ("qy", _) => 5,
-        ("z", true) | ("qz", _) => 6,
-        _ => return None,
+    let place = |word: &String| match (word.as_str(), is_rotation) {
+        ("x", false) => Some(0),
+        ("y", false) => Some(1),
+        ("z", false) => Some(2),
+        ("w" | "qw", _) => Some(3),
+        ("x", true) | ("qx", _) => Some(4),
+        ("y", true) | ("qy", _) => Some(5),
+        ("z", true) | ("qz", _) => Some(6),
+        _ => None,
     };
-    let end = name.len().checked_sub(dropped + last.len())?;
-    let owner = name
-        .get(..end)?
-        .trim_end_matches(|letter: char| !letter.is_alphanumeric());
-    let kinds = [
-        "Rotation",
-        "Position",
+    let (index, at) = match (words.last().and_then(place), words.first().and_then(place)) {
+        (Some(index), _) => (index, words.len() - 1),
+        (None, Some(index)) => (index, 0),
+        (None, None) => return None,
+    };
+    let word = words.remove(at);
+    let origin = match origin_of(&words) {
+        Origin::Open if is_desired => Origin::Commanded,
+        origin => origin,
+    };
+    Some(Component {
+        index,
+        owner: owner_of(name, &word, at == 0),
+        origin,
+        is_pose: words.iter().all(|word| is_of_pose(word)),
+    })
+}
+
+/// An angle of a pose about the axis of this index, with the order in which such angles turn if their names state it: roll, pitch
+/// and yaw of vehicles, A, B and C of KUKA.
+pub(super) fn angle(name: &str) -> Option<(Component, Option<AngleOrder>)> {
+    let mut words = words_of(name);
+    if words.len() > 1
+        && words
+            .last()
+            .is_some_and(|last| parse_unit(last).is_some_and(is_angle))
+    {
+        words.pop();
+    }
+    let place = |word: &String| {
+        let of_vehicle = ANGLES
+            .iter()
+            .position(|names| names.contains(&word.as_str()));
+        match (of_vehicle, word.as_str()) {
+            (Some(axis), _) => Some((axis, Some(AngleOrder::ZYX))),
+            (None, "rx") => Some((0, None)),
+            (None, "ry") => Some((1, None)),
+            (None, "rz") => Some((2, None)),
+            (None, "a") => Some((2, Some(AngleOrder::ZYX))),
+            (None, "b") => Some((1, Some(AngleOrder::ZYX))),
+            (None, "c") => Some((0, Some(AngleOrder::ZYX))),
+            _ => None,
+        }
+    };
+    let ((index, order), at) = match (words.last().and_then(place), words.first().and_then(place)) {
+        (Some(found), _) => (found, words.len() - 1),
+        (None, Some(found)) => (found, 0),
+        (None, None) => return None,
+    };
+    let word = words.remove(at);
+    let component = Component {
+        index,
+        owner: owner_of(name, &word, at == 0),
+        origin: origin_of(&words),
+        is_pose: words.iter().all(|word| is_of_pose(word)),
+    };
+    Some((component, order))
+}
+
+fn is_angle(unit: Unit) -> bool {
+    unit.dimension == Dimension::Angle
+}
+
+/// Who states the pose that these words name.
+pub(super) fn origin_of(words: &[String]) -> Origin {
+    if is_wanted(words) {
+        Origin::Commanded
+    } else if is_any(words, EXTERNAL) {
+        Origin::Measured
+    } else {
+        Origin::Open
+    }
+}
+
+/// Whether a word belongs to the name of a pose.
+pub(super) fn is_of_pose(word: &str) -> bool {
+    let lists = [POSE, ACTUAL, WANTED, EXTERNAL];
+    let rotations = [
         "rotation",
-        "position",
+        "quat",
         "quaternion",
         "orientation",
-        "quat",
-        "translation",
+        "orient",
+        "q",
+        "d",
+        "robot",
+        "gvl",
+        "main",
     ];
-    let owner = kinds.iter().fold(owner, |owner, kind| {
-        owner.strip_suffix(kind).unwrap_or(owner)
+    lists.iter().any(|list| list.contains(&word)) || rotations.contains(&word)
+}
+
+/// Words that say which part of a pose a component is of.
+const PARTS: [&str; 9] = [
+    "Rotation",
+    "Position",
+    "rotation",
+    "position",
+    "quaternion",
+    "orientation",
+    "quat",
+    "translation",
+    "q",
+];
+
+/// What the name of a component is without the component.
+fn owner_of(name: &str, component: &str, is_first: bool) -> String {
+    let lower = name.to_lowercase();
+    let is_between = |letter: char| !letter.is_alphanumeric();
+    let found = match is_first {
+        true => lower.find(component),
+        false => lower.rfind(component),
+    };
+    let at = found.unwrap_or(name.len());
+    let owner = match is_first {
+        true => name.get(at + component.len()..),
+        false => name.get(..at),
+    };
+    let owner = owner.unwrap_or_default().trim_matches(is_between);
+    let owner = PARTS.iter().fold(owner, |owner, part| {
+        owner.strip_suffix(part).unwrap_or(owner)
     });
-    Some((
-        place,
-        owner
-            .trim_end_matches(|letter: char| !letter.is_alphanumeric())
-            .to_owned(),
-    ))
+    owner.trim_matches(is_between).to_owned()
 }

@@ -39,6 +39,17 @@ impl Assignment {
         (0..count).map(|cable| self.of_cable(cable)).collect()
     }
 
+    /// Whether it is a pattern that a name fits, whatever its number.
+    pub(crate) fn is_pattern_of(&self, name: &str) -> bool {
+        let Some((before, after)) = self.channel.split_once(NUMBER) else {
+            return false;
+        };
+        let number = name
+            .strip_prefix(before)
+            .and_then(|rest| rest.strip_suffix(after));
+        number.is_some_and(|number| number.parse::<usize>().is_ok())
+    }
+
     fn is_of(&self, series: &str, channel: &str) -> bool {
         let named = self.series.as_ref();
         self.channel == channel && named.is_none_or(|named| series.ends_with(named.as_str()))

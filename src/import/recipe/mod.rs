@@ -1,9 +1,11 @@
 //! Recipes: the assignment of channels to quantities of the robot.
 
+mod angles;
 mod edit;
 mod instrument;
 mod quantity;
 mod resolve;
+mod text;
 
 use std::path::Path;
 
@@ -12,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 use tautline_session::{Loaded, ReadError, VersionedFile, read_versioned};
 
+pub use angles::{AngleOrder, Angles};
 pub use instrument::{Instrument, Placement};
 pub use quantity::{Kind, Quantity};
 pub(crate) use resolve::{Mapped, Mapping, is_series, resolve};
@@ -38,6 +41,9 @@ pub struct Recipe {
     /// markers need is found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instrument: Option<Box<Instrument>>,
+    /// Conventions of orientations that are stated as angles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angles: Option<Angles>,
     /// Encoder steps that are compensated.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<Step>,

@@ -44,9 +44,13 @@ pub enum Kind {
     Group,
     /// `marker_1_x_m` to `marker_99_z_m`: not in `poses.csv`; measured poses are computed from them
     Marker,
+    /// `angle_1_rad` to `angle_3_rad`: not in `poses.csv`; the commanded quaternion is computed from them
+    CommandedAngle,
+    /// `meas_angle_1_rad` to `meas_angle_3_rad`: the same for the measured one
+    TrackedAngle,
 }
 
-const SINGLE: [(Kind, &[&str]); 9] = [
+const SINGLE: [(Kind, &[&str]); 11] = [
     (Kind::Label, &["pose"]),
     (Kind::Time, &["time_s"]),
     (Kind::Temperature, &["temperature_c"]),
@@ -67,6 +71,14 @@ const SINGLE: [(Kind, &[&str]); 9] = [
         &["meas_sd_x_m", "meas_sd_y_m", "meas_sd_z_m"],
     ),
     (Kind::Group, &["group"]),
+    (
+        Kind::CommandedAngle,
+        &["angle_1_rad", "angle_2_rad", "angle_3_rad"],
+    ),
+    (
+        Kind::TrackedAngle,
+        &["meas_angle_1_rad", "meas_angle_2_rad", "meas_angle_3_rad"],
+    ),
 ];
 
 const PER_CABLE: [(Kind, &str, &str); 4] = [
@@ -159,7 +171,9 @@ impl Quantity {
             Kind::Time => (Dimension::Time, 1.0),
             Kind::Temperature => (Dimension::Temperature, 1.0),
             Kind::Revolutions => (Dimension::Angle, TAU),
-            Kind::Swivel | Kind::Inclination => (Dimension::Angle, 1.0),
+            Kind::Swivel | Kind::Inclination | Kind::CommandedAngle | Kind::TrackedAngle => {
+                (Dimension::Angle, 1.0)
+            }
             Kind::Force => (Dimension::Force, 1.0),
             Kind::Commanded | Kind::Tracked if self.index > 2 => (Dimension::Number, 1.0),
             Kind::Length
@@ -257,6 +271,8 @@ impl Quantity {
             Kind::Tracked => axis("Measured"),
             Kind::TrackedSd => axis("Standard deviation of measured"),
             Kind::Group => "Group of poses".into(),
+            Kind::CommandedAngle => format!("Commanded angle {}", self.index + 1),
+            Kind::TrackedAngle => format!("Measured angle {}", self.index + 1),
             Kind::Marker => format!("Marker {} {}", self.index / 3 + 1, AXES[self.index % 3]),
         }
     }
@@ -273,6 +289,8 @@ impl Quantity {
                 | Kind::Tracked
                 | Kind::Marker
                 | Kind::Inclination
+                | Kind::CommandedAngle
+                | Kind::TrackedAngle
         )
     }
 }

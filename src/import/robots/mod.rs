@@ -1,23 +1,19 @@
 //! Descriptions of robots by other programs.
 
 mod caspr;
+mod description;
 mod wirex;
 mod xml;
 
 use std::path::PathBuf;
 
-use tautline_core::robot::{
-    Cable, CableMaterial, PartTolerances, PerAxis, Platform, Pulley, Robot, Winch,
-};
-use tautline_session::{Loaded, Place, ReadError, VersionedFile, open_input};
+use tautline_core::robot::Robot;
+use tautline_session::{Loaded, Place, ReadError, open_input};
 
 use xml::Element;
 
 /// Largest description that is read (bytes).
 const MAX_BYTES: u64 = 16 << 20;
-
-/// Default standard deviation of a length reading (m): what good winches reach.
-const LENGTH_SD_M: f64 = 1e-3;
 
 /// Reads a robot description: the two files of cables and bodies of CASPR, or a model of WireX.
 ///
@@ -34,15 +30,21 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
         let root = xml::parse(&text, &file)?;
         let slot = match root.name.as_str() {
             "cables" => &mut cables,
-            "links" | "bodies" | "body_system" => &mut bodies,
+            "links" | "bodies_system" => &mut bodies,
             "models" => return wirex::robot(&file, &root),
             name => {
                 let message = format!(
-                    "found <{name}>, expected <cables> or <links> of CASPR or <models> of WireX"
+                    "found <{name}>, expected <cables> or <bodies_system> of CASPR or <models> of WireX"
                 );
                 return Err(ReadError::new(&file, Place::File, message));
             }
         };
+        if let Some((first, _)) = &*slot {
+            let message = format!(
+                "describes the same part of a robot as {first}, expected one file of cables and one of bodies"
+            );
+            return Err(ReadError::new(&file, Place::File, message));
+        }
         *slot = Some((file, root));
     }
     match cables {
@@ -60,86 +62,6 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
             ))
         }
     }
-}
-
-/// Where a cable enters the robot: the point that stays when the pulley swivels (m, robot frame), the axis about which it
-/// swivels, a unit vector in the direction in which the cable arrives, and the radius (m), 0 for an eyelet.
-struct Guide {
-    entry_point_m: [f64; 3],
-    swivel_axis: [f64; 3],
-    radius_m: f64,
-}
-
-/// A cable with known geometry and the default winch and noise that [`robot_of`] reports.
-fn cable_of(
-    name: Option<String>,
-    number: usize,
-    guide: Guide,
-    platform_anchor_m: [f64; 3],
-) -> Cable {
-    Cable {
-        name: name.unwrap_or_else(|| format!("cable-{number}")),
-        pulley: Pulley {
-            entry_point_m: guide.entry_point_m,
-            entry_point_sd_m: PerAxis::default(),
-            swivel_axis: guide.swivel_axis,
-            swivel_zero: None,
-            swivel_sd_rad: None,
-            radius_m: guide.radius_m,
-        },
-        platform_anchor_m,
-        winch: Winch {
-            drum_diameter_m: std::f64::consts::FRAC_1_PI,
-            drum_pitch_m: 0.0,
-            gear_ratio: 1.0,
-            length_to_pulley_m: 0.0,
-            length_sd_m: LENGTH_SD_M,
-        },
-        cable: CableMaterial::default(),
-        force_sensor: None,
-    }
-}
-
-/// `CoGiRo` of `models/CoGiRo_cables.xml`.
-fn name_of(file: &str) -> String {
-    let stem = std::path::Path::new(file)
-        .file_stem()
-        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    stem.strip_suffix("_cables").unwrap_or(&stem).to_owned()
-}
-
-/// The robot of a description that states the geometry only.
-fn robot_of(
-    file: &str,
-    platform: Platform,
-    cables: Vec<Cable>,
-    mut notices: Vec<String>,
-) -> Result<Loaded<Robot>, ReadError> {
-    notices.push(format!(
-        "{file}: does not state winches, noise and tolerances of the pulleys: a motor revolution is assumed to wind 1 m of cable, a length to have a standard deviation of {} mm, entry points to be unknown, and all other parts to have typical tolerances; correct robot.json",
-        1e3 * LENGTH_SD_M
-    ));
-    let robot = Robot {
-        name: name_of(file),
-        home: None,
-        gravity_m_s2: [0.0, 0.0, -9.806_65],
-        platform,
-        limits: None,
-        laser: None,
-        inclinometer: None,
-        tracker: None,
-        cables,
-        home_platform: None,
-        tolerances: Some(PartTolerances::typical()),
-        deviations: Vec::new(),
-        effects: Vec::new(),
-    };
-    VersionedFile::check(&robot)
-        .map_err(|error| ReadError::new(file, Place::Pointer(error.pointer), error.message))?;
-    Ok(Loaded {
-        value: robot,
-        notices,
-    })
 }
 
 #[cfg(test)]

@@ -10,7 +10,8 @@ use tautline_core::geometry::{Coordinate, Vec3};
 use tautline_core::robot::{Platform, Robot};
 use tautline_session::{Loaded, ReadError, quoted};
 
-use super::{Element, Guide, cable_of, robot_of};
+use super::Element;
+use super::description::{Description, Guide, cable_of, robot_of};
 
 /// Default pulley radius of WireX (m).
 const RADIUS_M: f64 = 0.1;
@@ -78,7 +79,13 @@ pub(super) fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadE
             "{file}: does not state whether WireX models pulleys; they are modelled with the radius in the file: set radius_m to 0 in robot.json if the cables leave from fixed points"
         ));
     }
-    robot_of(file, platform, cables, notices)
+    let description = Description {
+        platform,
+        cables,
+        home: None,
+        limits: None,
+    };
+    robot_of(file, description, notices)
 }
 
 fn point(file: &str, element: &Element) -> Result<[f64; 3], ReadError> {

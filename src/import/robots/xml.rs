@@ -53,6 +53,29 @@ impl Element {
             })
     }
 
+    /// The numbers in an attribute, `None` where there is none.
+    pub fn list(
+        &self,
+        file: &str,
+        name: &str,
+        count: usize,
+    ) -> Result<Option<Vec<f64>>, ReadError> {
+        let Some(text) = self.attribute(name) else {
+            return Ok(None);
+        };
+        let numbers: Option<Vec<f64>> = text
+            .split_whitespace()
+            .map(|part| part.parse().ok().filter(|value: &f64| value.is_finite()))
+            .collect();
+        match numbers {
+            Some(numbers) if numbers.len() == count => Ok(Some(numbers)),
+            _ => Err(self.error(
+                file,
+                &format!("found {name}={}, expected {count} numbers", quoted(text)),
+            )),
+        }
+    }
+
     /// The number in an attribute, `None` where there is none.
     pub fn number(&self, file: &str, name: &str) -> Result<Option<f64>, ReadError> {
         let Some(text) = self.attribute(name) else {

@@ -316,7 +316,7 @@ fn a_robot_of_caspr_becomes_a_robot() {
         cables.join("\n")
     );
     let cables = folder.write("frame_cables.xml", &text);
-    let bodies = folder.write("frame_bodies.xml", "<links><link_rigid num=\"1\"><joint type=\"TRANSLATIONAL_XYZ\"/><physical><mass>2</mass></physical></link_rigid></links>");
+    let bodies = folder.write("frame_bodies.xml", "<links><link_rigid num=\"1\"><joint type=\"T_XYZ\" q_initial=\"2 2 1\" q_min=\"1 1 0.5\" q_max=\"3 3 1.5\"/><physical><mass>2</mass></physical></link_rigid></links>");
     let robot = folder.join("robot.json");
     let answer = tautline(&["import", &cables, &bodies, "-o", &robot]).succeeded();
     assert!(
@@ -334,6 +334,61 @@ fn a_robot_of_caspr_becomes_a_robot() {
         &folder.join("made"),
     ])
     .succeeded();
+}
+
+#[test]
+fn channels_that_nobody_recognises_are_assigned_on_the_command_line() {
+    let folder = Folder::new();
+    let made = folder.join("made");
+    let simulated = [
+        "simulate", "--robot", "mini", "--poses", "20", "--out", &made,
+    ];
+    tautline(&simulated).succeeded();
+    let text = std::fs::read_to_string(folder.join("made/poses.csv")).expect("poses");
+    let (header, rows) = text.split_once('\n').expect("a header");
+    // Only what winches read, under names that say nothing.
+    let kept: Vec<usize> = header
+        .split(',')
+        .enumerate()
+        .filter(|(_, name)| name.starts_with("rev_"))
+        .map(|(k, _)| k)
+        .collect();
+    let mut log: Vec<String> = vec![
+        (0..8)
+            .map(|k| format!("ch{k}"))
+            .collect::<Vec<_>>()
+            .join(","),
+    ];
+    for row in rows.lines() {
+        let cells: Vec<&str> = row.split(',').collect();
+        let cells: Vec<&str> = kept.iter().map(|k| cells[*k]).collect();
+        log.push(cells.join(","));
+    }
+    let log = folder.write("log.csv", &log.join("\n"));
+    let out = folder.join("data");
+    let import = ["import", &log, "--robot", "mini", "-o", &out];
+    let recipe = folder.join("proposed.json");
+    tautline(&[&import[..], &["--recipe-out", &recipe]].concat()).refused(&[
+        "no channel is assigned to a quantity of the robot",
+        "found the channels ch0 to ch7 (--channels lists them)",
+        "--set \"rev_{i}=CHANNEL [UNIT]\"",
+        "edit ",
+    ]);
+    assert_valid(&folder.json("proposed.json"));
+    let set = |text: &str| tautline(&[&import[..], &["--set", text]].concat());
+    set("rev_{i}=Ch{i}")
+        .refused(&["--set: found no channel \"Ch{i}\", expected one of ch0 to ch7"]);
+    set("ref_{i}=ch{i}").refused(&["--set: found the column \"ref_{i}\""]);
+    let answer = set("rev_{i}=ch{i} [rev]").succeeded();
+    assert!(
+        answer.stdout.contains("  rev_{i} is ch{i} in rev"),
+        "{}",
+        answer.stdout
+    );
+    let told = "the robot has a laser and force sensors, but there is no channel for them";
+    assert!(answer.stderr.contains(told), "{}", answer.stderr);
+    let read = std::fs::read_to_string(folder.join("data/poses.csv")).expect("poses");
+    assert!(read.starts_with("pose,rev_1,rev_2"), "{read}");
 }
 
 #[test]

@@ -81,6 +81,20 @@ fn only_side_by_side_cables_may_have_close_pulleys() {
 }
 
 #[test]
+fn two_cables_may_leave_one_eyelet_but_not_one_pulley() {
+    let mut crane = robot();
+    crane.cables[1].pulley.entry_point_m = crane.cables[0].pulley.entry_point_m;
+    crane.cables[1].platform_anchor_m = [0.8, 0.4, 0.0];
+    crane.check().expect_err("two pulleys in one place");
+    for cable in &mut crane.cables {
+        cable.pulley.radius_m = 0.0;
+    }
+    assert_eq!(crane.check(), Ok(()));
+    crane.cables[1].platform_anchor_m = crane.cables[0].platform_anchor_m;
+    crane.check().expect_err("one cable twice");
+}
+
+#[test]
 fn cables_that_cannot_reach_are_told_apart() {
     let reach = |x: f64, z: f64| {
         let pose = Pose::from_parts([-2.0 + x, -1.5, 2.0 - z], [1.0, 0.0, 0.0, 0.0]);

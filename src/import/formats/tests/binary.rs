@@ -169,6 +169,117 @@ fn matlab_structs_and_cells() {
     );
 }
 
+/// Struct array, cell array, nested structs, and a matrix with one row per cable, written by SciPy 1.17.
+#[test]
+fn matlab_struct_arrays_are_tables() {
+    let mut source = read("log.mat", seed("scipy.mat"));
+    let names = |series: &Series| -> Vec<String> {
+        let channels = series.channels.iter();
+        channels.map(|channel| channel.name.clone()).collect()
+    };
+    let poses = &source.series[0];
+    assert_eq!(poses.rows, 12);
+    assert_eq!(
+        names(poses),
+        [
+            "poses.rev(:,1)",
+            "poses.rev(:,2)",
+            "poses.rev(:,3)",
+            "poses.rev(:,4)",
+            "poses.laser",
+            "poses.cmd.x(:,1)",
+            "poses.cmd.x(:,2)",
+            "poses.cmd.x(:,3)",
+            "poses.cmd.q(:,1)",
+            "poses.cmd.q(:,2)",
+            "poses.cmd.q(:,3)",
+            "poses.cmd.q(:,4)",
+        ]
+    );
+    let value = |name: &str, row: usize| poses.channel(name).expect(name).values.at(row);
+    assert_eq!(value("poses.rev(:,2)", 4), -2.0);
+    assert_eq!(value("poses.laser", 2), 1.52);
+    assert!(value("poses.laser", 3).is_nan(), "an empty array");
+    assert_eq!(value("poses.cmd.x(:,3)", 10), 3.0);
+    let labels = poses.text("poses.name").expect("names");
+    assert_eq!((labels.at(0), labels.at(11)), ("P0", "P11"));
+    let nested = source.series.iter().find_map(|series| {
+        let name = "log.plant.winch.angle_rad(:,4)";
+        series.channel(name)
+    });
+    let nested = nested.expect("a matrix in a struct in a struct");
+    assert_eq!(
+        (nested.unit.as_deref(), nested.values.at(3)),
+        (Some("rad"), 12.0)
+    );
+    assert_eq!(source.notices, [""; 0]);
+    crate::transpose_matrices(std::slice::from_mut(&mut source), 4);
+    let with_time = source
+        .series
+        .iter()
+        .find(|series| series.channel("t").is_some());
+    let expected = [
+        "F(:,1)",
+        "F(:,2)",
+        "t",
+        "theta(1,:)",
+        "theta(2,:)",
+        "theta(3,:)",
+        "theta(4,:)",
+    ];
+    let with_time = with_time.expect("a time");
+    assert_eq!(names(with_time), expected);
+    let theta = with_time.channel("theta(3,:)").expect("a row");
+    assert_eq!((theta.values.len(), theta.values.at(11)), (12, 33.0));
+}
+
+/// An object as MATLAB writes it (scipy/scipy, pull request 23481): flags, name, type system, class, and what refers to its
+/// properties, which are in an array without a name.
+#[test]
+fn matlab_objects_are_named_with_advice() {
+    let object = |name: &str, class: &str| {
+        let flags = [17_u32.to_le_bytes(), 0_u32.to_le_bytes()].concat();
+        let head = [
+            element(6, &flags, false),
+            element(1, name.as_bytes(), false),
+            element(1, b"MCOS", false),
+            element(1, class.as_bytes(), false),
+        ];
+        let refers = doubles("", [6, 1], &[3.7e9, 2.0, 1.0, 1.0, 1.0, 1.0], false);
+        element(14, &[head.concat(), refers].concat(), false)
+    };
+    let properties = doubles("", [4, 1], &[1.0, 2.0, 3.0, 4.0], false);
+    let t = doubles("t", [3, 1], &[0.0, 1.0, 2.0], false);
+    let whole = matlab(
+        &[
+            object("ts", "timeseries"),
+            object("log", "timetable"),
+            t,
+            object("own", "Robot"),
+            properties,
+        ],
+        false,
+    );
+    let source = read("a.mat", whole);
+    assert_eq!(
+        content(&source.series[0]),
+        [channel("t", None, &[0.0, 1.0, 2.0])]
+    );
+    assert_eq!(
+        source.notices,
+        [
+            "a.mat: variable \"ts\", an object of class \"timeseries\" (save its Time and Data as arrays), left out",
+            "a.mat: variable \"log\", an object of class \"timetable\" (save its variables and seconds(RowTimes) as arrays, or use writetimetable), left out",
+            "a.mat: variable \"own\", an object of class \"Robot\" (save its properties as arrays), left out",
+        ]
+    );
+    let alone = refusal("b.mat", matlab(&[object("ts", "timeseries")], false));
+    assert!(
+        alone.contains("variable \"ts\", an object of class \"timeseries\""),
+        "{alone}"
+    );
+}
+
 #[test]
 fn matlab_files_that_are_broken() {
     let whole = matlab(

@@ -145,7 +145,11 @@ fn matlab_73_is_transposed_and_has_structs() {
         content(&source.series[1]),
         [channel("log.force", None, &[5.0, f64::NAN, 7.0])]
     );
-    let left_out = [("note", "text"), ("nothing", "empty"), ("runs", "cells")];
+    let left_out = [
+        ("note", "text"),
+        ("nothing", "empty"),
+        ("runs", "cells (save with -v7)"),
+    ];
     let left_out =
         left_out.map(|(name, why)| format!("log73.mat, variable \"{name}\": {why}, left out"));
     assert_eq!(source.notices, left_out);

@@ -1,0 +1,208 @@
+//! Models of CASPR: `..._cables.xml` and `..._bodies.xml`.
+//!
+//! `<bodies_system>` holds `<links>`, which was the root of older files; each `<link_rigid>` is a body with the joint by which
+//! it moves. A robot of ours is one platform on the base. `q_initial` is its home, `q_min` and `q_max` are its workspace.
+//! A cable runs from link 0, the base, to link 1, the platform. At the base it leaves an `attachment`, a point, or a
+//! `base_rotating_pulley`: `fixed_location` is the point that stays when the pulley swivels, our entry point,
+//! `cable_entry_vector` the direction in which the cable reaches it, our swivel axis.
+//! Source: Lau et al., CASPR, 2016, and its classes `JointBase`, `BodyModelRigid`, `CableModelBase`,
+//! `BaseRotatingPulleyAttachment`.
+
+mod cable;
+mod joint;
+
+use nalgebra::Matrix3;
+use tautline_core::geometry::{Coordinate, Vec3};
+use tautline_core::robot::{Cable, Home, Limits, PerAxis, Platform, Robot};
+use tautline_session::{Loaded, ReadError, quoted};
+
+use super::Element;
+use super::description::{Description, robot_of};
+use joint::Joint;
+
+/// Default standard deviation of a coordinate of the home pose (m): what a mark on the floor reaches.
+const POSITION_SD_M: f64 = 1e-3;
+/// Default standard deviation of a rotation of the home pose (rad).
+const ROTATION_SD_RAD: f64 = 1e-3;
+
+pub(super) fn robot(
+    file: &str,
+    cables: &Element,
+    bodies: Option<(&str, &Element)>,
+) -> Result<Loaded<Robot>, ReadError> {
+    let mut notices = Vec::new();
+    let body = match bodies {
+        Some((file, root)) => body(file, root, &mut notices)?,
+        None => {
+            notices.push(format!("{file}: without the file of the bodies the platform is assumed to have six degrees of freedom and no mass"));
+            Body::unknown()
+        }
+    };
+    let set = cable::cable_set(file, cables, &mut notices)?;
+    let mut cables = cable::cables(file, set, &body.platform, &mut notices)?;
+    know_normal_to_plane(&body.platform, &mut cables);
+    let limits = Limits {
+        workspace: body.joint.as_ref().and_then(Joint::workspace),
+        tension: cable::tension_limits(file, set, &mut notices)?,
+    };
+    let home = body.joint.as_ref().and_then(Joint::home).map(|home| Home {
+        position_m: home.position_m,
+        orientation_wxyz: home.orientation_wxyz,
+        position_sd_m: POSITION_SD_M,
+        orientation_sd_rad: ROTATION_SD_RAD,
+        covariance: None,
+    });
+    if home.is_some() {
+        notices.push(format!(
+            "{}: q_initial is the home pose, at which encoders read 0; it is assumed to be known to {} mm and {} mrad",
+            bodies.map_or(file, |(file, _)| file),
+            1e3 * POSITION_SD_M,
+            1e3 * ROTATION_SD_RAD
+        ));
+    }
+    let description = Description {
+        platform: body.platform,
+        cables,
+        home,
+        limits: (limits != Limits::default()).then_some(limits),
+    };
+    robot_of(file, description, notices)
+}
+
+/// Entry points are known across the plane in which a platform moves: nothing depends on them.
+fn know_normal_to_plane(platform: &Platform, cables: &mut [Cable]) {
+    let axes = [Coordinate::X, Coordinate::Y, Coordinate::Z];
+    let moves = axes.map(|axis| platform.free.contains(&axis));
+    if moves.iter().filter(|moves| **moves).count() == 2 {
+        let sd = PerAxis::Each(moves.map(|moves| (!moves).then_some(0.0)));
+        for cable in cables {
+            cable.pulley.entry_point_sd_m = sd;
+        }
+    }
+}
+
+/// A platform, and the joint by which it moves if it is described.
+struct Body {
+    platform: Platform,
+    joint: Option<Joint>,
+}
+
+impl Body {
+    fn unknown() -> Self {
+        Self {
+            platform: Platform {
+                free: Coordinate::ALL.to_vec(),
+                mass_kg: None,
+                center_of_mass_m: [0.0; 3],
+                inertia_kg_m2: None,
+                wrench_sd: None,
+            },
+            joint: None,
+        }
+    }
+}
+
+fn body(file: &str, root: &Element, notices: &mut Vec<String>) -> Result<Body, ReadError> {
+    let links = match root.name.as_str() {
+        "links" => root,
+        _ => root
+            .child("links")
+            .ok_or_else(|| root.error(file, "found no <links>, expected the bodies"))?,
+    };
+    let bodies: Vec<&Element> = links
+        .children
+        .iter()
+        .filter(|child| child.name == "link_rigid")
+        .collect();
+    let link = match bodies[..] {
+        [link] => link,
+        [] => return Err(links.error(file, "found no <link_rigid>, expected the platform")),
+        _ => {
+            let names = bodies
+                .iter()
+                .map(|body| quoted(body.attribute("name").unwrap_or_default()));
+            let message = format!(
+                "found the bodies {}, expected one platform: robots of several bodies cannot be calibrated here",
+                names.collect::<Vec<_>>().join(", ")
+            );
+            return Err(links.error(file, &message));
+        }
+    };
+    let origin_m = link
+        .child("parent")
+        .and_then(|parent| parent.child("location"))
+        .map(|place| place.numbers::<3>(file))
+        .transpose()?
+        .unwrap_or_default();
+    let joint = link
+        .child("joint")
+        .ok_or_else(|| link.error(file, "found no joint, expected the joint of the platform"))?;
+    let joint = Joint::of(file, joint, origin_m)?;
+    let physical = link.child("physical");
+    let of = |name: &str| physical.and_then(|physical| physical.child(name));
+    let mass = of("mass").map(|mass| mass.numbers::<1>(file)).transpose()?;
+    let mass_kg = mass.map(|[mass]| mass).filter(|mass| *mass > 0.0);
+    let center_of_mass_m = of("com_location")
+        .map(|place| place.numbers::<3>(file))
+        .transpose()?
+        .unwrap_or_default();
+    let inertia_kg_m2 = match (of("inertia"), mass_kg) {
+        (Some(element), Some(mass_kg)) => {
+            inertia(file, element, mass_kg, center_of_mass_m, notices)?
+        }
+        _ => None,
+    };
+    Ok(Body {
+        platform: Platform {
+            free: joint.free(),
+            mass_kg,
+            center_of_mass_m,
+            inertia_kg_m2,
+            wrench_sd: None,
+        },
+        joint: Some(joint),
+    })
+}
+
+/// Inertia about the centre of mass, `None` for that of a point or a plane figure. With `ref="joint"` the file states that about
+/// the joint, which is the origin of the platform.
+fn inertia(
+    file: &str,
+    element: &Element,
+    mass_kg: f64,
+    center_of_mass_m: [f64; 3],
+    notices: &mut Vec<String>,
+) -> Result<Option<[f64; 6]>, ReadError> {
+    let mut values = [0.0; 6];
+    for (value, name) in values
+        .iter_mut()
+        .zip(["Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"])
+    {
+        let stated = element.child(name).map(|stated| stated.numbers::<1>(file));
+        *value = stated.transpose()?.map_or(0.0, |[value]| value);
+    }
+    let [xx, yy, zz, xy, xz, yz] = values;
+    let mut matrix = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    if element.attribute("ref") == Some("joint") {
+        let arm = Vec3::from(center_of_mass_m);
+        matrix -= (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * mass_kg;
+    }
+    if matrix.cholesky().is_some() {
+        let [xx, yy, zz] = [0, 1, 2].map(|k| matrix[(k, k)]);
+        return Ok(Some([
+            xx,
+            yy,
+            zz,
+            matrix[(0, 1)],
+            matrix[(0, 2)],
+            matrix[(1, 2)],
+        ]));
+    }
+    if values != [0.0; 6] {
+        notices.push(format!(
+            "{file}, line {}: the inertia is not that of a body: left out",
+            element.line
+        ));
+    }
+    Ok(None)
+}

@@ -1,0 +1,20 @@
+//! Descriptions of robots by other programs.
+
+mod caspr;
+mod wirex;
+
+use super::*;
+
+fn read(files: &[(&str, &str)]) -> Result<Loaded<Robot>, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let paths: Vec<PathBuf> = files
+        .iter()
+        .map(|(name, text)| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).expect("written");
+            path
+        })
+        .collect();
+    let prefix = format!("{}/", folder.path().display());
+    read_robot_description(&paths).map_err(|error| error.to_string().replace(&prefix, ""))
+}
