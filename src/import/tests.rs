@@ -802,7 +802,10 @@ fn more_poses_than_there_is_memory_for_are_refused_before_they_are_made() {
     let channel = |cable: usize| Channel {
         name: format!("Winch{cable}.Pos"),
         unit: Some("rev".to_owned()),
-        values: vec![1.5; ROWS].into(),
+        values: (0..ROWS)
+            .map(|row| (0.01 * row as f64 + cable as f64).sin())
+            .collect::<Vec<f64>>()
+            .into(),
     };
     let sources = [Source {
         file: "many.parquet".to_owned(),
