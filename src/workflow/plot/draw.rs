@@ -432,7 +432,7 @@ impl<'a> Points<'a> {
     ) {
         let colour = series.ink.colour(self.colours).gamma_multiply(strength);
         crowded(thinned, colour, &mut |rect, colour| {
-            canvas.fill(rect, colour)
+            canvas.fill(rect, colour);
         });
         for (at, colour, point) in self.places((series, thinned), strength) {
             let stroke = Stroke::new(1.0, colour.gamma_multiply(0.7));

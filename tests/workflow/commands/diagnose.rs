@@ -134,7 +134,6 @@ fn a_diagnosed_model_evaluates_to_the_same_result() {
         "pulley_friction:mu=0.06",
         "frame_compliance:compliance=0.00003",
         "cable_stiffness:cable-2:change=0.5",
-        "unknown:reading=3,shape=0,variable=10,from=-0.3,to=0.3,other=0,other_from=0,other_to=1,terms=6,scale=0.002,c3=1",
     ];
     // Of the geometry: `diagnose` counts them, `evaluate` does not. They are those of the first effect, which depends on no
     // pose; the geometry of all runs is the same.
