@@ -104,7 +104,7 @@ fn imported_robots_are_planned_inside_their_workspace_simulated_and_identified()
         let drawn = robot.cables.iter().map(|cable| cable.pulley.entry_point_m);
         let before = error_m(&run.truth, drawn);
         let found = solution.globals.entry_points.iter();
-        let after = error_m(&run.truth, found.map(|point| (*point).into()));
+        let after = error_m(&run.truth, found.copied());
         println!(
             "{name}: entry points {:.1} mm off, {:.1} mm after identification",
             1e3 * before,

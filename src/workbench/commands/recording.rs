@@ -62,7 +62,7 @@ pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
         }
         RecordingCommand::UseRecipe(path) => model.tasks.start(READING, move |_| {
             let result = read_recipe(&path).map_err(|error| error.to_string());
-            RecordingOutcome::Recipe(path, result).into()
+            RecordingOutcome::Recipe(path, result.map(Box::new)).into()
         }),
         RecordingCommand::AskSaveRecipe => ask_save(model, SaveContent::Recipe, "recipe.json"),
         RecordingCommand::SaveRecipe(path) => save(model, path),
@@ -363,7 +363,8 @@ pub(super) fn receive(model: &mut Model, outcome: RecordingOutcome) {
         RecordingOutcome::Read(Err(error)) | RecordingOutcome::Recipe(_, Err(error)) => {
             model.messages.failure(Cause::Opening, sentence(&error));
         }
-        RecordingOutcome::Recipe(path, Ok(Loaded { value, notices })) => {
+        RecordingOutcome::Recipe(path, Ok(loaded)) => {
+            let Loaded { value, notices } = *loaded;
             notices
                 .into_iter()
                 .for_each(|notice| model.messages.warning(notice));

@@ -53,7 +53,7 @@ pub enum RecordingCommand {
 pub enum RecordingOutcome {
     /// Files were read; `None` where that was stopped.
     Read(Result<Option<Loaded<Vec<Source>>>, String>),
-    Recipe(PathBuf, Result<Loaded<Recipe>, String>),
+    Recipe(PathBuf, Result<Box<Loaded<Recipe>>, String>),
     Cut(Box<Cut>),
     /// Clocks were found, with the revision of the draft they are of and the recipe that has them; or one sentence.
     Aligned(u64, Result<(Box<Recipe>, Vec<AlignedClock>), String>),
