@@ -126,10 +126,7 @@ impl Template {
             gravity_m_s2: [0.0, 0.0, -GRAVITY],
             platform: Platform {
                 free: parts.free.clone(),
-                mass_kg: Some(mass_kg),
-                center_of_mass_m: [0.0; 3],
-                inertia_kg_m2: None,
-                wrench_sd: None,
+                ..Platform::spatial(Some(mass_kg))
             },
             limits: Some(limits(&parts, mass_kg * GRAVITY)),
             laser: Some(downward(parts.bottom_m, size)),

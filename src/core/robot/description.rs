@@ -157,6 +157,18 @@ pub(super) fn inertia_matrix([xx, yy, zz, xy, xz, yz]: &[f64; 6]) -> Matrix3<f64
 }
 
 impl Platform {
+    /// A platform that moves freely in space, with its centre of mass at its origin and the inertia of a point.
+    #[must_use]
+    pub fn spatial(mass_kg: Option<f64>) -> Self {
+        Self {
+            free: Coordinate::ALL.to_vec(),
+            mass_kg,
+            center_of_mass_m: [0.0; 3],
+            inertia_kg_m2: None,
+            wrench_sd: None,
+        }
+    }
+
     /// Inertia about the centre of mass in the platform frame (kg m^2); zero if it is not given.
     #[must_use]
     pub fn inertia(&self) -> Matrix3<f64> {

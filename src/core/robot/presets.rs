@@ -126,16 +126,6 @@ impl CableKind {
     }
 }
 
-fn spatial_platform(mass_kg: f64) -> Platform {
-    Platform {
-        free: Coordinate::ALL.to_vec(),
-        mass_kg: Some(mass_kg),
-        center_of_mass_m: [0.0; 3],
-        inertia_kg_m2: None,
-        wrench_sd: None,
-    }
-}
-
 fn downward_laser(origin_z_m: f64, sd_m: f64, offset_m: f64, offset_sd_m: f64) -> Laser {
     Laser {
         origin_m: [0.0, 0.0, origin_z_m],
@@ -226,7 +216,7 @@ fn mini() -> Preset {
         robot: robot(
             "mini",
             home([0.0; 3], 1e-4, 5e-4),
-            spatial_platform(2.5),
+            Platform::spatial(Some(2.5)),
             downward_laser(-0.055, 3e-4, -0.5, 5e-3),
             cables,
         ),
@@ -274,7 +264,7 @@ fn hall() -> Preset {
         robot: robot(
             "hall",
             home([0.0, 0.0, 3.0], 1e-3, 1e-3),
-            spatial_platform(60.0),
+            Platform::spatial(Some(60.0)),
             downward_laser(-0.4, 1e-3, 0.0, 0.01),
             cables,
         ),
@@ -324,7 +314,7 @@ fn suspended() -> Preset {
         robot: robot(
             "suspended",
             home([0.0, 0.0, 3.0], 2e-3, 1e-3),
-            spatial_platform(300.0),
+            Platform::spatial(Some(300.0)),
             downward_laser(-0.6, 1e-3, 0.0, 0.02),
             cables,
         ),
@@ -371,7 +361,7 @@ fn planar() -> Preset {
         home([0.0; 3], 2e-4, 5e-4),
         Platform {
             free: vec![Coordinate::X, Coordinate::Y, Coordinate::Rz],
-            ..spatial_platform(4.0)
+            ..Platform::spatial(Some(4.0))
         },
         Laser {
             origin_m: [0.0, -0.1, 0.0],

@@ -90,13 +90,7 @@ struct Body {
 impl Body {
     fn unknown() -> Self {
         Self {
-            platform: Platform {
-                free: Coordinate::ALL.to_vec(),
-                mass_kg: None,
-                center_of_mass_m: [0.0; 3],
-                inertia_kg_m2: None,
-                wrench_sd: None,
-            },
+            platform: Platform::spatial(None),
             joint: None,
         }
     }

@@ -1,7 +1,7 @@
 //! Geometry and winches of all cables as a table of numbers in the units of the screen, with empty cells where nothing is
 //! known. A block that was copied from a spreadsheet is pasted into it.
 
-use tautline_core::geometry::{Coordinate, Vec3};
+use tautline_core::geometry::Vec3;
 use tautline_core::robot::{
     Cable, CableMaterial, PartTolerances, PerAxis, Platform, Pulley, Robot, Winch,
 };
@@ -345,13 +345,7 @@ impl CableTable {
             name: name.to_owned(),
             home: None,
             gravity_m_s2: [0.0, 0.0, -9.80665],
-            platform: Platform {
-                free: Coordinate::ALL.to_vec(),
-                mass_kg: None,
-                center_of_mass_m: [0.0; 3],
-                inertia_kg_m2: None,
-                wrench_sd: None,
-            },
+            platform: Platform::spatial(None),
             limits: None,
             laser: None,
             inclinometer: None,
