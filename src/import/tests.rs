@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use tautline_core::estimation::{Control, Options, Problem, solve};
 use tautline_core::measurement::{Dataset, Measurements};
-use tautline_core::robot::presets;
+use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{Recording, SimulationOptions, record, simulate};
 
 use crate::{
@@ -349,6 +349,18 @@ fn imported(dataset: &Dataset, files: &[(&str, Vec<u8>)]) -> Imported {
         Ok(imported) => imported,
         Err(error) => panic!("{error}\n{recipe:#?}\n{notices:#?}"),
     }
+}
+
+/// What a recipe makes of files.
+fn followed(sources: &[Source], recipe: &Recipe, robot: &Robot) -> Imported {
+    import(
+        sources,
+        recipe,
+        "the recipe",
+        robot,
+        &MemoryBudget::default(),
+    )
+    .expect("imported")
 }
 
 fn read(text: String) -> Vec<Source> {
@@ -898,14 +910,7 @@ fn counts_of_encoders_ask_how_many_make_a_revolution() {
             .iter()
             .any(|known| known.quantity == "force_{i}_n")
     );
-    let imported = import(
-        &sources,
-        &recipe,
-        "the recipe",
-        &dataset.robot,
-        &MemoryBudget::default(),
-    )
-    .expect("imported");
+    let imported = followed(&sources, &recipe, &dataset.robot);
     let given = &dataset.measurements.revolutions;
     for pose in 0..dataset.measurements.len() {
         let found = imported.measurements.revolutions.get(pose, 3);
@@ -935,14 +940,7 @@ fn what_does_not_go_forwards_is_no_clock() {
         cutting: Cutting::Rows,
         ..Recipe::default()
     };
-    let imported = import(
-        &sources,
-        &recipe,
-        "the recipe",
-        &dataset.robot,
-        &MemoryBudget::default(),
-    )
-    .expect("imported");
+    let imported = followed(&sources, &recipe, &dataset.robot);
     let repairs = |change: &Change| matches!(change, Change::CloseJumps { .. });
     let document = imported.document;
     assert!(
@@ -987,14 +985,7 @@ fn angles_of_commanded_poses_become_quaternions() {
         "{notices:?}"
     );
     let off = |recipe: &Recipe| {
-        let found = import(
-            &sources,
-            recipe,
-            "the recipe",
-            &dataset.robot,
-            &MemoryBudget::default(),
-        )
-        .expect("imported");
+        let found = followed(&sources, recipe, &dataset.robot);
         let poses = found.measurements.commanded.iter().zip(&data.commanded);
         let off = poses.map(|(found, given)| {
             let (found, given) = (found.expect("a pose"), given.expect("a pose"));

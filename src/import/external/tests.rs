@@ -2,11 +2,11 @@ use nalgebra::UnitQuaternion;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tautline_core::kinematics::inverse_kinematics;
-use tautline_core::robot::{PerAxis, Tracker, presets};
+use tautline_core::robot::{PerAxis, Robot, Tracker, presets};
 
 use super::*;
 use crate::source::{Channel, Format, Series, Source};
-use crate::{Change, Cutting, MemoryBudget, import, import_corrected, propose};
+use crate::{Change, Cutting, Imported, MemoryBudget, Recipe, import, import_corrected, propose};
 
 /// Markers on the platform (m, its frame).
 const ON_PLATFORM: [[f64; 3]; 4] = [
@@ -133,6 +133,11 @@ fn capture(poses: &[Pose]) -> Source {
     source(Format::Nexus, "capture", channels)
 }
 
+/// What a recipe makes of files.
+fn followed(sources: &[Source], recipe: &Recipe, robot: &Robot) -> Imported {
+    import(sources, recipe, "recipe", robot, &MemoryBudget::default()).expect("imported")
+}
+
 /// Largest distance and largest angle of measured poses from the true ones (m, rad).
 fn errors(measured: &tautline_core::measurement::Measurements, poses: &[Pose]) -> [f64; 2] {
     let mut largest = [0.0_f64; 2];
@@ -160,14 +165,7 @@ fn markers_in_a_frame_of_their_own_become_poses_of_the_platform() {
                 .any(|n| n.contains("robot:P0, robot:P1, robot:P2, robot:P3 move")),
             "{notices:?}"
         );
-        let imported = import(
-            &sources,
-            &recipe,
-            "recipe",
-            &robot,
-            &MemoryBudget::default(),
-        )
-        .expect("imported");
+        let imported = followed(&sources, &recipe, &robot);
         let [distance, angle] = errors(&imported.measurements, &poses);
         assert!(distance < allowed && angle < allowed, "{distance} {angle}");
         assert!(
@@ -182,8 +180,7 @@ fn markers_in_a_frame_of_their_own_become_poses_of_the_platform() {
         // What was found holds for the next recording, even one with too few poses to find it.
         let found = imported.document.recipe.clone();
         let few = [table(&robot, &poses[..3], true), capture(&poses[..3])];
-        let next = import(&few, &found, "recipe", &robot, &MemoryBudget::default())
-            .expect("imported again");
+        let next = followed(&few, &found, &robot);
         let [distance, angle] = errors(&next.measurements, &poses[..3]);
         assert!(distance < allowed && angle < allowed, "{distance} {angle}");
     }
@@ -200,14 +197,7 @@ fn poses_in_another_frame_are_recognised_and_brought_over() {
     }
     let sources = [log];
     let (recipe, _) = propose(&sources, &robot);
-    let as_it_is = import(
-        &sources,
-        &recipe,
-        "recipe",
-        &robot,
-        &MemoryBudget::default(),
-    )
-    .expect("imported");
+    let as_it_is = followed(&sources, &recipe, &robot);
     let suggestions = &as_it_is.document.suggestions;
     assert_eq!(suggestions.len(), 1, "{suggestions:?}");
     assert_eq!(suggestions[0].change, Change::AlignInstrument);

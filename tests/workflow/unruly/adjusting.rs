@@ -18,6 +18,11 @@ use super::{
 /// Values that an adjustment of the measured session changes.
 const VALUES: u64 = 31;
 
+/// The command that writes the values of a session to a controller.
+fn armed<'a>(file: &'a str, controller: &'a str) -> [&'a str; 5] {
+    ["adjust", file, "--controller", controller, "--arm"]
+}
+
 #[test]
 fn a_half_written_adjustment_is_settled_before_anything_else() {
     let plant = Plant::unruly();
@@ -81,13 +86,7 @@ fn a_roll_back_is_settled_and_finished_as_well() {
     let folder = Folder::new();
     let file = measured(&folder, "s.json");
     let controller = controller(&plant);
-    let adjust = [
-        "adjust",
-        file.as_str(),
-        "--controller",
-        &controller,
-        "--arm",
-    ];
+    let adjust = armed(&file, &controller);
     let roll_back = [adjust.as_slice(), &["--roll-back"]].concat();
     let old = held(&plant);
     tautline(&adjust).succeeded();
@@ -115,13 +114,7 @@ fn killed_after_the_last_value_a_roll_back_still_rolls_back() {
     let old = held(&plant);
     for rolls_back in [true, false] {
         let file = measured(&folder, "s.json");
-        let adjust = [
-            "adjust",
-            file.as_str(),
-            "--controller",
-            &controller,
-            "--arm",
-        ];
+        let adjust = armed(&file, &controller);
         // The answer to the last block is late: all values are there, and the program does not know.
         plant.server.fault(Kind::Write, 2, Action::Late(60_000));
         let before = plant.server.values();
@@ -183,13 +176,7 @@ fn nothing_is_written_once_the_release_is_gone() {
     let folder = Folder::new();
     let file = measured(&folder, "s.json");
     let controller = controller(&plant);
-    let adjust = [
-        "adjust",
-        file.as_str(),
-        "--controller",
-        &controller,
-        "--arm",
-    ];
+    let adjust = armed(&file, &controller);
     let old = held(&plant);
     // The switch at the robot is turned while the first values are written.
     plant.server.before_value(|written, memory| {
@@ -256,27 +243,14 @@ fn short_answers_never_become_values() {
     let [old, new] = {
         let controller = controller(&untouched);
         let old = held(&untouched);
-        tautline(&[
-            "adjust",
-            &measured_file,
-            "--controller",
-            &controller,
-            "--arm",
-        ])
-        .succeeded();
+        tautline(&armed(&measured_file, &controller)).succeeded();
         [old, held(&untouched)]
     };
     for number in 1..=5 {
         let plant = Plant::unruly();
         let file = measured(&folder, "s.json");
         let controller = controller(&plant);
-        let adjust = [
-            "adjust",
-            file.as_str(),
-            "--controller",
-            &controller,
-            "--arm",
-        ];
+        let adjust = armed(&file, &controller);
         // What is read there would be the values to roll back to.
         plant.server.fault(Kind::Read, number, Action::Short(64));
         tautline(&adjust);
@@ -483,13 +457,7 @@ fn the_timeout_is_an_option_that_the_session_keeps() {
     let file = measured(&folder, "s.json");
     let controller = controller(&plant);
     let with = |words: &[&str]| {
-        let adjust = [
-            "adjust",
-            file.as_str(),
-            "--controller",
-            &controller,
-            "--arm",
-        ];
+        let adjust = armed(&file, &controller);
         tautline(&[adjust.as_slice(), words].concat())
     };
     let old = held(&plant);
@@ -530,13 +498,7 @@ fn doubtful_values_are_written_only_by_name() {
     }
     std::fs::write(&file, session.to_string()).expect("written");
     let controller = controller(&plant);
-    let adjust = [
-        "adjust",
-        file.as_str(),
-        "--controller",
-        &controller,
-        "--arm",
-    ];
+    let adjust = armed(&file, &controller);
     let old = held(&plant);
     let mut allowed: Vec<&str> = Vec::new();
     for (doubt, flag) in [
