@@ -6,6 +6,7 @@ use tautline_core::diagnosis::stated_probability;
 
 use super::Study;
 use super::run::Sure;
+use super::table::logarithmic_score;
 
 /// Bounds of computed log odds: beyond, a probability is 0 or 1 in double precision.
 const LARGEST_LOG_ODDS: f64 = 36.0;
@@ -113,11 +114,7 @@ impl Calibration {
 }
 
 fn score(statements: &[Statement], stated: impl Fn(&Statement) -> f64) -> f64 {
-    let of = |one: &Statement| match one.is_true {
-        true => -stated(one).ln(),
-        false => -(1.0 - stated(one)).ln(),
-    };
-    statements.iter().map(of).sum::<f64>() / statements.len().max(1) as f64
+    logarithmic_score(statements.iter().map(|one| (stated(one), one.is_true)))
 }
 
 /// The fitted calibration, and a table of what was computed, is stated and was true.

@@ -12,7 +12,7 @@ use tautline_core::effect::CATALOGUE;
 
 pub use drawn::drawn_markdown;
 pub use figures::{Figure, Figures, Target};
-pub use reliability::diagram;
+pub use reliability::{diagram, logarithmic_score};
 
 use figures::NORMAL_95;
 

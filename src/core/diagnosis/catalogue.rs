@@ -374,6 +374,7 @@ impl Builder<'_> {
         let Some(prior) = covariance.cholesky() else {
             return;
         };
+        let share = expected / places as f64;
         let targeted = cause
             .instances
             .iter()
@@ -389,7 +390,7 @@ impl Builder<'_> {
             prior: prior.unpack(),
             scales: scales(size),
             is_positive: size.bounds[0] == 0.0 && sds.len() == 1,
-            log_odds: (expected / places as f64 / (1.0 - expected / places as f64)).ln(),
+            log_odds: (share / (1.0 - share)).ln(),
             log_places: (places as f64).ln(),
         });
     }

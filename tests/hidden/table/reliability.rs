@@ -104,10 +104,10 @@ pub fn classes(study: &Study) -> Vec<Class> {
     classes
 }
 
-/// Mean logarithmic score: negative log of the probability assigned to the truth.
-fn logarithmic_score(study: &Study) -> f64 {
+/// Mean logarithmic score of probabilities and whether it was so: negative log of the probability assigned to the truth.
+pub fn logarithmic_score(statements: impl Iterator<Item = (f64, bool)>) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
-    for (probability, right) in statements(study) {
+    for (probability, right) in statements {
         let given = if right {
             probability
         } else {
@@ -142,7 +142,7 @@ pub(super) fn table(study: &Study) -> String {
             class.verdict(),
         );
     }
-    let score = logarithmic_score(study);
+    let score = logarithmic_score(statements(study));
     let _ = writeln!(
         text,
         "\nLogarithmic score {score:.3} per cause; all with 50 % would be 0.693.\n"
