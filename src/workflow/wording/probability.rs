@@ -20,13 +20,17 @@ pub fn percent(probability: f64) -> String {
 
 /// `almost certainly (98 %)`.
 pub fn certainty(probability: f64) -> String {
-    let words = match probability {
+    format!("{} ({})", degree(probability), percent(probability))
+}
+
+/// A probability in words: `almost certainly`.
+pub fn degree(probability: f64) -> &'static str {
+    match probability {
         p if p >= ALMOST_CERTAIN => "almost certainly",
         p if p >= PROBABLE => "probably",
         p if p > 0.5 => "more likely than not",
         _ => "possibly",
-    };
-    format!("{words} ({})", percent(probability))
+    }
 }
 
 /// Odds of one probability against another: `2 to 1`, or `even odds` if they are about equal.

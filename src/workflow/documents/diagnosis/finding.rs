@@ -4,9 +4,9 @@ use tautline_core::diagnosis::{Alternative, Cause, Finding, FoundParameter, Gain
 use tautline_core::effect::EffectSetting;
 
 use super::Diagnosed;
-use crate::wording::probability::{certainty, odds_between, percent};
+use crate::wording::probability::{certainty, degree, odds_between, percent};
 use crate::wording::units::{significant, unit_of, with_sd};
-use crate::wording::{count, first_lower, list, ratio};
+use crate::wording::{count, first_lower, list, ratio, sentence};
 
 impl Diagnosed {
     /// The cause and its certainty.
@@ -15,7 +15,8 @@ impl Diagnosed {
         match finding.verdict {
             Verdict::Ambiguous if !finding.is_list() => {
                 let title = first_lower(&self.subject(&finding.subject));
-                format!("Probably {title}, {}", percent(finding.probability))
+                let degree = sentence(degree(finding.probability));
+                format!("{degree} {title}, {}", percent(finding.probability))
             }
             Verdict::Named | Verdict::Ambiguous => {
                 let title = self.subject(&finding.subject);
