@@ -149,7 +149,8 @@ impl Typist {
     fn next(&mut self, title: &str) {
         self.bench.harness.step();
         let name = format!("Next: {title}");
-        assert!(find(&self.bench.harness, &name).is_some(), "no {name:?}");
+        let found = find(&self.bench.harness, &name).is_some();
+        assert!(found, "no {name:?} but {:?}", next_label(&self.bench));
         self.key(Modifiers::COMMAND, Key::Enter);
     }
 
@@ -175,6 +176,13 @@ impl Typist {
             open.session().verifications().len() == runs && state.model.link.verifying.is_none()
         });
     }
+}
+
+/// What the button of the next step says; empty without one.
+fn next_label(bench: &Bench) -> String {
+    let node = find(&bench.harness, "Next: ");
+    node.and_then(|node| node.accesskit_node().label())
+        .unwrap_or_default()
 }
 
 #[test]
@@ -248,9 +256,7 @@ fn the_next_step_follows_results() {
     let mut bench = Bench::demo(SEED);
     let next = |bench: &mut Bench| {
         bench.harness.run_ok();
-        let node = find(&bench.harness, "Next: ");
-        node.and_then(|node| node.accesskit_node().label())
-            .unwrap_or_default()
+        next_label(bench)
     };
     bench.go(Phase::Adjustment);
     assert_eq!(next(&mut bench), "Next: Go to measuring");

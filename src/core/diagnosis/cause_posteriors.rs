@@ -13,14 +13,24 @@ pub(super) struct CausePosterior {
     pub probability: f64,
     /// What replaces it in the other sets, most probable first.
     pub alternatives: Vec<PossibleCause>,
-    /// Whether it or one of its alternatives is present with near certainty.
-    pub is_near_certain: bool,
+    /// Probability of the cause and of all that replaces it in the other sets, listed or not.
+    pub with_replacements: f64,
 }
 
 impl CausePosterior {
-    pub fn is_named(&self) -> bool {
-        self.probability >= NAMING_PROBABILITY
+    /// Whether the cause or one of its replacements is present with near certainty.
+    pub fn is_near_certain(&self) -> bool {
+        self.with_replacements >= NAMING_PROBABILITY
     }
+
+    pub fn is_named(&self) -> bool {
+        self.probability * stated_share(self.with_replacements) >= NAMING_PROBABILITY
+    }
+}
+
+/// Ratio of the stated to the computed probability that one of several causes that exclude each other is present.
+pub(super) fn stated_share(computed: f64) -> f64 {
+    stated_probability(computed.min(1.0)) / computed.max(f64::MIN_POSITIVE)
 }
 
 /// States the probabilities of possible causes that did not become findings, without those that are too small.
@@ -115,7 +125,10 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
     let posterior =
         |((probability, mut alternatives), own): ((f64, Vec<PossibleCause>), &Cause)| {
             alternatives.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-            let all: f64 = alternatives.iter().map(|a| a.probability).sum();
+            let replacements: f64 = alternatives.iter().map(|a| a.probability).sum();
+            // Rounding can make the sum of weights exceed 1.
+            let with_replacements = (probability + replacements).min(1.0);
+            let needed = NAMING_PROBABILITY / stated_share(with_replacements);
             let mut sum = probability;
             let mut kept: Vec<PossibleCause> = Vec::new();
             for alternative in alternatives {
@@ -128,7 +141,7 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
                     sum += alternative.probability;
                     continue;
                 }
-                if sum >= NAMING_PROBABILITY
+                if sum >= needed
                     || kept.len() == MAX_ALTERNATIVES
                     || alternative.probability < MIN_LISTED_PROBABILITY
                 {
@@ -138,10 +151,9 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
                 kept.push(alternative);
             }
             CausePosterior {
-                // Rounding can make the sum of weights exceed 1.
                 probability: probability.min(1.0),
                 alternatives: kept,
-                is_near_certain: probability + all >= NAMING_PROBABILITY,
+                with_replacements,
             }
         };
     let known = probability.into_iter().zip(others);
@@ -332,7 +344,7 @@ mod tests {
         let alternative = &posteriors[0].alternatives[0];
         assert_eq!(alternative.cause.cables(), [0, 1, 2, 3]);
         assert!(
-            posteriors[0].is_near_certain && posteriors[1].is_named(),
+            posteriors[0].is_near_certain() && posteriors[1].is_named(),
             "{posteriors:?}"
         );
         assert!(beside.is_empty());

@@ -1,9 +1,9 @@
 //! Decides which inferred causes are confirmed and with which probability they are stated.
 
 use super::adequacy::adequacy;
-use super::calibration::{LOOKS_THE_SAME, NAMING_PROBABILITY, stated_probability};
+use super::calibration::{LOOKS_THE_SAME, NAMING_PROBABILITY};
 use super::candidates::{log_rarity, size_parameter};
-use super::cause_posteriors::CausePosterior;
+use super::cause_posteriors::{CausePosterior, stated_share};
 use super::cause_sets::has_possible_values;
 use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
@@ -118,7 +118,7 @@ pub(super) fn confirm_causes<'a>(
         let without = Fit::new(problem, &others)?;
         // The other poses cannot predict an event at a single pose.
         let is_event = matches!(cause.effect().search(), Search::AtPose(_));
-        if posterior.is_near_certain
+        if posterior.is_near_certain()
             && (is_event || full.is_better_than(&Prediction::new(&without)))
         {
             confirmed.push((without.solution.chi2, cause.clone(), posterior));
@@ -190,20 +190,22 @@ pub(super) fn downgrade_doubtful_names(
     }
 }
 
-/// Turns the computed probabilities of the findings into stated ones. A name that falls below the naming threshold is no
-/// longer certain.
-pub(super) fn state_probabilities(findings: &mut [Finding]) {
-    for finding in findings {
-        if finding.verdict == Verdict::Named {
-            finding.alternatives.clear();
-        }
-        let is_cause = |other: &&Alternative| other.subject.cause().is_some();
-        let others = finding.alternatives.iter().filter(is_cause);
-        let computed = finding.probability + others.map(|other| other.probability).sum::<f64>();
+/// Turns the computed probabilities of the findings into stated ones. `posteriors` are those of the last findings.
+pub(super) fn state_probabilities(findings: &mut [Finding], posteriors: &[CausePosterior]) {
+    let first = findings.len() - posteriors.len();
+    for (index, finding) in findings.iter_mut().enumerate() {
+        let of = |others: &[Alternative], is_cause: bool| -> f64 {
+            let others = others.iter();
+            let others = others.filter(|other| other.subject.cause().is_some() == is_cause);
+            others.map(|other| other.probability).sum()
+        };
         // One of the causes is present, or an error that none of them explains.
-        let stated = stated_probability(computed.min(1.0));
-        let of_causes = stated / computed.max(f64::MIN_POSITIVE);
-        let of_errors = (1.0 - stated) / (1.0 - computed).max(f64::MIN_POSITIVE);
+        let computed = match index.checked_sub(first) {
+            Some(own) => posteriors[own].with_replacements - of(&finding.alternatives, false),
+            None => finding.probability + of(&finding.alternatives, true),
+        };
+        let of_causes = stated_share(computed);
+        let of_errors = (1.0 - computed * of_causes) / (1.0 - computed).max(f64::MIN_POSITIVE);
         finding.probability *= of_causes;
         for other in &mut finding.alternatives {
             other.probability *= match other.subject {

@@ -156,7 +156,7 @@ fn examine(
             remaining_errors.extend(remaining.first().map(WeighedError::from_discrepancy));
         }
         downgrade_doubtful_names(&mut findings, &inference, &unmodelled.rivals, &space);
-        state_probabilities(&mut findings);
+        state_probabilities(&mut findings, &posteriors);
         findings.extend(remaining_errors.iter().map(|s| s.finding(fit)));
         possible = stated_causes(possible);
     }
