@@ -55,10 +55,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         );
         return Err(BadInput::new(message));
     }
-    let dataset = input::dataset(&arguments.dataset)?;
-    let fit = match contents.iter().any(|content| *content != Content::Poses) {
-        true => Some(identified(arguments, &dataset)?),
-        false => None,
+    let folder = &arguments.dataset;
+    let is_identified = contents.iter().any(|content| *content != Content::Poses);
+    let (dataset, fit) = if is_identified {
+        let dataset = input::identifiable_dataset(folder)?;
+        let fit = identified(arguments, &dataset)?;
+        (dataset, Some(fit))
+    } else {
+        (input::dataset(folder)?, None)
     };
     let table = |content: &Content| match (content, &fit) {
         (Content::Values, Some(fit)) => values_table(fit),

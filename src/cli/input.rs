@@ -8,9 +8,12 @@ use anyhow::Result;
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 use tautline_core::robot::presets::{self, Preset};
-use tautline_session::{Loaded, Session, import, read_dataset, read_robot};
+use tautline_session::{
+    DatasetFolder, Loaded, PoseLines, Session, import, read_dataset, read_robot,
+};
 use tautline_workflow::clock;
 use tautline_workflow::comparison::as_session;
+use tautline_workflow::readiness::reading_faults;
 
 /// Prints the notices and returns what was read.
 pub fn noticed<T>(read: Loaded<T>) -> T {
@@ -32,16 +35,41 @@ pub fn session(path: &Path) -> Result<Session> {
     for notice in &notices {
         note!("{notice}");
     }
+    note_faults(&session.dataset(), None);
     Ok(session)
 }
 
-/// Reads a dataset folder.
+/// Reads a dataset folder; readings that make an identification invalid are noted.
 pub fn dataset(folder: &Path) -> Result<Dataset> {
+    let read = dataset_and_lines(folder)?;
+    note_faults(&read.dataset, Some(&read.lines));
+    Ok(read.dataset)
+}
+
+/// Reads a dataset folder from which a robot can be identified.
+pub fn identifiable_dataset(folder: &Path) -> Result<Dataset> {
+    let read = dataset_and_lines(folder)?;
+    match reading_faults(&read.dataset).first() {
+        Some(fault) => Err((read.lines)
+            .error(fault.row, &fault.column, &fault.message)
+            .into()),
+        None => Ok(read.dataset),
+    }
+}
+
+/// Reads a dataset folder, with the lines of its measurements.
+pub fn dataset_and_lines(folder: &Path) -> Result<DatasetFolder> {
     let read = read_dataset(folder)?;
     for notice in &read.notices {
         note!("{notice}");
     }
-    Ok(read.dataset)
+    Ok(read)
+}
+
+fn note_faults(dataset: &Dataset, table: Option<&PoseLines>) {
+    for fault in reading_faults(dataset) {
+        note!("{}", fault.sentence(dataset, table));
+    }
 }
 
 /// A robot named by an argument.

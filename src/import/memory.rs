@@ -32,7 +32,7 @@ impl std::fmt::Display for OverBudget {
         let limit = shown(self.limit);
         write!(
             f,
-            "needs more than {limit} of memory when it is decoded, expected fewer values, or a larger --memory-limit"
+            "needs more than {limit} of memory when it is decoded, expected fewer values, or the command `import` with a larger --memory-limit"
         )
     }
 }

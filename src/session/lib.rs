@@ -47,7 +47,7 @@ pub use phases::{
 };
 pub use plan_table::{read_plan, write_plan};
 pub use plots::{PlotArea, PlotShare, Plots};
-pub use poses::{PoseColumns, pose_columns, read_poses, write_poses};
+pub use poses::{PoseColumns, PoseLines, pose_columns, read_poses, write_poses};
 pub use preferences::{LastConnection, Layout, Preferences, RecentSession, Theme};
 pub use recovery::{
     RecoveredSession, RecoveryWriter, SessionChanges, UnsavedSession, find_unsaved_sessions,

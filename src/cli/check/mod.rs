@@ -24,8 +24,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let dataset = input::dataset(&arguments.dataset)?;
-    let document = check(&dataset);
+    let read = input::dataset_and_lines(&arguments.dataset)?;
+    let document = check(&read.dataset, Some(&read.lines));
     arguments
         .json
         .deliver(&document, || print(&document, arguments.explain))?;

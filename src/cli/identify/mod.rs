@@ -58,7 +58,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let request = request(arguments, input::dataset(&arguments.dataset)?)?;
+    let request = request(arguments, input::identifiable_dataset(&arguments.dataset)?)?;
     let (model, document, is_usable) = match arguments.method {
         MethodName::Published => {
             if arguments.statistics.is_some() || arguments.values.is_some() {

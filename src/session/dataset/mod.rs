@@ -11,7 +11,7 @@ use crate::atomic::write_atomically;
 use crate::error::{Loaded, Place, ReadError, WriteError};
 use crate::input_file::open_input;
 use crate::phases::{self, PhaseData};
-use crate::poses::{read_poses, write_poses};
+use crate::poses::{PoseLines, read_poses_and_lines, write_poses};
 use crate::robot_file::{read_robot, write_robot};
 
 /// Names of the files of a dataset folder.
@@ -28,6 +28,8 @@ const CHECK: &str = "check.csv";
 pub struct DatasetFolder {
     /// The robot and the measurements.
     pub dataset: Dataset,
+    /// Lines of `poses.csv`, for messages about the measurements.
+    pub lines: PoseLines,
     /// The optional tables; empty if the file is absent.
     pub phases: PhaseData,
     /// Notices for the operator, one sentence each.
@@ -46,7 +48,7 @@ pub fn read_dataset(folder: &Path) -> Result<DatasetFolder, ReadError> {
         robot: &robot.value,
         notices: robot.notices.clone(),
     };
-    let measurements = files.require(POSES, read_poses)?;
+    let (measurements, lines) = files.require(POSES, read_poses_and_lines)?;
     let phases = PhaseData {
         check: files.find(CHECK, |reader, file, _| phases::read_check(reader, file))?,
         ..files.phases_1_and_2()?
@@ -57,6 +59,7 @@ pub fn read_dataset(folder: &Path) -> Result<DatasetFolder, ReadError> {
             robot: robot.value,
             measurements,
         },
+        lines,
         phases,
         notices,
     })

@@ -17,7 +17,7 @@ use crate::phases::{
     read_elongation, read_home,
 };
 use crate::plan_table::read_plan;
-use crate::poses::{Column, Group, LABEL, read_poses};
+use crate::poses::{Column, Group, LABEL, PoseLines, read_poses};
 use crate::session::{PlannedPose, Session, SessionFile, checked};
 use crate::table::Table;
 
@@ -137,6 +137,7 @@ fn import_folder(folder: &Path, file: &str) -> Result<Loaded<Import>, ReadError>
                 robot,
                 measurements: Measurements::default(),
             },
+            lines: PoseLines::default(),
             phases,
             notices: loaded.notices,
         }

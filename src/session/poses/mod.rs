@@ -17,6 +17,24 @@ pub(crate) use columns::{Columns, Fault};
 pub(crate) use plausible::check_plausible;
 use plausible::{check_home, unused_readings};
 
+/// Lines of a `poses.csv` that was read, for messages about its rows.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct PoseLines {
+    /// The file as the operator named it.
+    pub file: String,
+    /// Line of each row.
+    pub lines: Vec<u64>,
+}
+
+impl PoseLines {
+    /// An error in a cell.
+    #[must_use]
+    pub fn error(&self, row: usize, column: &str, message: &str) -> ReadError {
+        let fault = Fault::new(Some(row), column, message);
+        place_fault(fault, &self.file, &self.lines)
+    }
+}
+
 /// Reads `poses.csv`; `file` is the name for messages.
 ///
 /// # Errors
@@ -26,6 +44,15 @@ pub fn read_poses(
     file: &str,
     robot: &Robot,
 ) -> Result<Loaded<Measurements>, ReadError> {
+    Ok(read_poses_and_lines(reader, file, robot)?.map(|(measurements, _)| measurements))
+}
+
+/// As [`read_poses`], with the line of each row.
+pub(crate) fn read_poses_and_lines(
+    reader: impl BufRead,
+    file: &str,
+    robot: &Robot,
+) -> Result<Loaded<(Measurements, PoseLines)>, ReadError> {
     let mut table = Table::open(reader, file)?;
     let (places, columns) = read_header(&table, robot)?;
     let mut notices: Vec<String> = columns
@@ -44,8 +71,9 @@ pub fn read_poses(
         .map_err(|fault| place_fault(fault, file, &lines))?;
     let unused = unused_readings(&measurements, robot).into_iter();
     notices.extend(unused.map(|text| format!("{file}: {text}")));
+    let file = file.to_owned();
     Ok(Loaded {
-        value: measurements,
+        value: (measurements, PoseLines { file, lines }),
         notices,
     })
 }

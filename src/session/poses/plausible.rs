@@ -16,8 +16,6 @@ const LASER_FRAME_SIZES: f64 = 30.0;
 const FARTHEST_LASER_M: f64 = 1000.0;
 /// Number of poses that one thread checks at a time, some milliseconds of work.
 const REACHED_TOGETHER: usize = 1 << 14;
-/// Length below which a nonzero encoder reading at home is noise.
-const HOME_LENGTH_M: f64 = 5e-3;
 
 /// Checks that the home row is present if the encoders count from it.
 pub(super) fn check_home(measurements: &Measurements, robot: &Robot) -> Result<(), Fault> {
@@ -190,7 +188,7 @@ fn check_deviations(deviations: &[[f64; 3]]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Notices about readings that the robot has no instrument for, and about a home row that is not at zero.
+/// Notices about readings that the robot has no instrument for.
 pub(super) fn unused_readings(m: &Measurements, robot: &Robot) -> Vec<String> {
     let every = |has: fn(&Cable) -> bool| robot.cables.iter().all(has);
     let swivels = |c: &Cable| c.pulley.swivel_zero.is_some() && c.pulley.swivel_sd_rad.is_some();
@@ -232,18 +230,5 @@ pub(super) fn unused_readings(m: &Measurements, robot: &Robot) -> Vec<String> {
         .into_iter()
         .filter(|(measured, explained, ..)| *measured && !explained)
         .map(|(_, _, what, lacks)| format!("{what} are not used, the robot has no {lacks}"))
-        .chain(home_not_zero(m, robot))
         .collect()
-}
-
-fn home_not_zero(m: &Measurements, robot: &Robot) -> Option<String> {
-    let home = m.revolutions.row(m.home_row()?);
-    let far = |(value, cable): &(&f64, &Cable)| {
-        (**value * cable.winch.cable_per_revolution_m()).abs() > HOME_LENGTH_M
-    };
-    let (value, cable) = home.iter().zip(&robot.cables).find(far)?;
-    Some(format!(
-        "the encoder of {:?} reads {value} revolutions at home, where it should be zero",
-        cable.name
-    ))
 }

@@ -58,7 +58,7 @@ fn check_readings(model: &mut Model) {
     }
     let (dataset, inputs) = (open.session().dataset(), open.inputs());
     model.tasks.start(READINESS, move |_| {
-        let found = check(&dataset);
+        let found = check(&dataset, None);
         let readiness = Box::new(Readiness {
             faults: found.isolability.as_ref().map(IsolabilityTable::of),
             checks: found.checks,

@@ -1,6 +1,7 @@
 //! Readiness check before identification: whether the readings are complete and plausible, whether they determine the
 //! geometry, and which faults they would reveal. Every part passes, fails or is not evaluated, with a sentence and advice.
 
+mod faults;
 mod readings;
 #[cfg(test)]
 mod tests;
@@ -10,10 +11,11 @@ use serde::{Deserialize, Serialize};
 use tautline_core::effect::measurements_as_modelled;
 use tautline_core::estimation::{Control, Options, Problem, Solution, rank_defects, solve};
 use tautline_core::measurement::Dataset;
-use tautline_session::VersionedFile;
+use tautline_session::{PoseLines, VersionedFile};
 
 use crate::documents::isolability::{IsolabilityDocument, IsolabilityTable, SEEN, percent};
 use crate::wording::{count, list, sentence};
+pub use faults::{ReadingFault, reading_faults};
 use readings::{complete, plausible};
 
 /// Name of the part that compares readings with the commanded poses.
@@ -92,10 +94,10 @@ impl CheckItem {
     }
 }
 
-/// Checks a dataset with its raw measurements.
+/// Checks a dataset with its raw measurements; `table` is the one that they were read from.
 #[must_use]
-pub fn check(dataset: &Dataset) -> ReadinessDocument {
-    let mut checks = check_readings(dataset);
+pub fn check(dataset: &Dataset, table: Option<&PoseLines>) -> ReadinessDocument {
+    let mut checks = check_readings(dataset, table);
     let is_spoilt = checks.iter().any(|c| c.outcome == CheckOutcome::Fail);
     let fitted = if is_spoilt {
         Fitted::Not("the readings cannot be used".to_owned())
@@ -123,8 +125,9 @@ pub fn check(dataset: &Dataset) -> ReadinessDocument {
 
 /// The parts that need no fit: they take no time.
 #[must_use]
-pub fn check_readings(dataset: &Dataset) -> Vec<CheckItem> {
-    vec![complete(dataset), plausible(dataset)]
+pub fn check_readings(dataset: &Dataset, table: Option<&PoseLines>) -> Vec<CheckItem> {
+    let said = |fault: &ReadingFault| fault.sentence(dataset, table);
+    vec![complete(dataset, &said), plausible(dataset, &said)]
 }
 
 /// A first fit, which shows what the readings determine.

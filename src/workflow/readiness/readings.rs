@@ -3,6 +3,7 @@
 use tautline_core::measurement::{Dataset, Grid};
 use tautline_import::{Kind, Mistake, Quantity, TableCheck, check_table};
 
+use super::faults::{self, ReadingFault};
 use super::{CheckItem, CheckOutcome, PLAUSIBLE};
 use crate::wording::{count, list, sentence};
 
@@ -12,8 +13,6 @@ const MISSING: f64 = 0.5;
 const SCATTERED: f64 = 0.6;
 /// Plausible ratio of read to expected changes of length.
 const RATIOS: std::ops::Range<f64> = 0.7..1.4;
-/// Negative tension that noise does not explain, in standard deviations of its sensor.
-const PUSHING: f64 = 5.0;
 /// Plausible difference between read and expected laser distance (m).
 const LASER_OFF_M: f64 = 0.3;
 
@@ -31,17 +30,15 @@ fn grids(dataset: &Dataset) -> Vec<(&'static str, &Grid)> {
         .collect()
 }
 
-pub(super) fn complete(dataset: &Dataset) -> CheckItem {
+/// `said` says a fault with its place.
+pub(super) fn complete(dataset: &Dataset, said: &dyn Fn(&ReadingFault) -> String) -> CheckItem {
     let item = |outcome, sentence: String| CheckItem::new("complete", outcome, sentence);
     let data = &dataset.measurements;
     let poses = data.len() - usize::from(dataset.robot.home.is_some() && data.home_row().is_some());
     let lengths = !data.revolutions.is_empty() || !data.length_m.is_empty();
-    if data.is_empty() || poses == 0 {
-        return item(
-            CheckOutcome::Fail,
-            "No pose other than home was measured.".to_owned(),
-        )
-        .with("Measure the planned poses first.");
+    if data.is_empty() {
+        return item(CheckOutcome::Fail, "No pose was measured.".to_owned())
+            .with("Measure the planned poses first.");
     }
     if !lengths {
         return item(
@@ -56,6 +53,13 @@ pub(super) fn complete(dataset: &Dataset) -> CheckItem {
             "The home pose (label 0), from which revolutions count, is missing.".to_owned(),
         )
         .with("Measure the home pose, and give it the label 0.");
+    }
+    if let Some(fault) = faults::no_lengths(dataset) {
+        return item(CheckOutcome::Fail, said(&fault))
+            .with("Record the motor encoders, and import the readings again.");
+    }
+    if let Some(fault) = faults::few_rows(dataset) {
+        return item(CheckOutcome::Fail, said(&fault)).with("Measure the planned poses first.");
     }
     let mut missing = 0;
     let mut poor = Vec::new();
@@ -105,12 +109,14 @@ pub(super) fn complete(dataset: &Dataset) -> CheckItem {
     found
 }
 
-pub(super) fn plausible(dataset: &Dataset) -> CheckItem {
+/// `said` says a fault with its place.
+pub(super) fn plausible(dataset: &Dataset, said: &dyn Fn(&ReadingFault) -> String) -> CheckItem {
     let item = |outcome, sentence: String| CheckItem::new(PLAUSIBLE, outcome, sentence);
     let mut problems: Vec<String> = Vec::new();
     let found = check_table(&dataset.measurements, &dataset.robot);
     problems.extend(implausible_lengths(dataset, &found));
-    problems.extend(implausible_forces(dataset));
+    problems.extend(faults::turned_at_home(dataset).iter().map(said));
+    problems.extend(faults::pushing_cables(dataset).iter().map(said));
     problems.extend(implausible_distances(dataset));
     if !problems.is_empty() {
         return item(CheckOutcome::Fail, problems.join(" ")).with(
@@ -176,35 +182,6 @@ fn implausible_lengths(dataset: &Dataset, found: &TableCheck) -> Vec<String> {
         });
     }
     problems
-}
-
-fn implausible_forces(dataset: &Dataset) -> Vec<String> {
-    let data = &dataset.measurements;
-    let mut pushing = Vec::new();
-    for (cable, described) in dataset.robot.cables.iter().enumerate() {
-        let Some(sensor) = described.force_sensor.filter(|_| !data.force_n.is_empty()) else {
-            continue;
-        };
-        let tension = |row: usize| sensor.tension_n(data.force_n.get(row, cable));
-        let is_pushing = |row: &usize| tension(*row) < -PUSHING * sensor.tension_sd_n;
-        let poses: Vec<String> = (0..data.len())
-            .filter(is_pushing)
-            .map(|row| data.labels[row].to_string())
-            .collect();
-        if let Some(first) = poses.first() {
-            let more = poses.len() - 1;
-            let where_else = if more == 0 {
-                String::new()
-            } else {
-                format!(" and {more} more")
-            };
-            pushing.push(format!(
-                "The force sensor of {} reads a negative tension at pose {first}{where_else}: a cable cannot push.",
-                described.name
-            ));
-        }
-    }
-    pushing
 }
 
 fn implausible_distances(dataset: &Dataset) -> Option<String> {

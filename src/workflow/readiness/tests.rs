@@ -22,7 +22,7 @@ fn outcomes(items: &[CheckItem]) -> Vec<CheckOutcome> {
 
 #[test]
 fn a_good_run_is_ready() {
-    let found = check(&measured());
+    let found = check(&measured(), None);
     assert!(found.ready, "{:?}", found.checks);
     assert_eq!(
         outcomes(&found.checks),
@@ -38,7 +38,7 @@ fn wrong_signs_units_and_channels_are_named() {
     let change = |of: fn(&mut Dataset)| {
         let mut dataset = measured();
         of(&mut dataset);
-        let item = check_readings(&dataset).remove(1);
+        let item = check_readings(&dataset, None).remove(1);
         assert_eq!(item.outcome, CheckOutcome::Fail, "{item:?}");
         assert!(item.action.is_some());
         item.sentence
@@ -69,7 +69,15 @@ fn wrong_signs_units_and_channels_are_named() {
         "{exchanged}"
     );
     let pushing = change(|d| d.measurements.force_n.set(4, 1, -50.0));
-    assert!(pushing.contains("force sensor of cable-2"), "{pushing}");
+    assert!(
+        pushing.starts_with("Pose 4, force_2_n: found -50 N, a negative tension of cable-2"),
+        "{pushing}"
+    );
+    let turned = change(|d| d.measurements.revolutions.set(0, 2, 3.5));
+    assert!(
+        turned.starts_with("Pose 0, rev_3: found 3.5 revolutions of cable-3 at home, expected 0"),
+        "{turned}"
+    );
     let distance = change(|d| d.measurements.laser_m[3] = 7.0);
     assert!(
         distance.contains("The laser reads 7.000 m at pose 3"),
@@ -82,24 +90,52 @@ fn what_is_missing_is_named() {
     let mut dataset = measured();
     let grid = &mut dataset.measurements.revolutions;
     (1..30).for_each(|row| grid.set(row, 3, f64::NAN));
-    let found = check_readings(&dataset);
+    let found = check_readings(&dataset, None);
     assert_eq!(found[0].outcome, CheckOutcome::Fail);
     assert!(
         found[0].sentence.contains("revolutions of cable-4"),
         "{found:?}"
     );
     let mut dataset = measured();
+    let grid = &mut dataset.measurements.revolutions;
+    (1..grid.rows()).for_each(|row| (0..8).for_each(|cable| grid.set(row, cable, f64::NAN)));
+    let found = check_readings(&dataset, None);
+    assert!(
+        found[0]
+            .sentence
+            .starts_with("Pose 1, rev_1: found no number"),
+        "{found:?}"
+    );
+    let mut dataset = measured();
+    let two = Dataset {
+        measurements: dataset.measurements.select(&[0, 1]),
+        ..dataset.clone()
+    };
+    let found = check_readings(&two, None);
+    assert_eq!(found[0].outcome, CheckOutcome::Fail);
+    assert!(
+        found[0]
+            .sentence
+            .contains("found 2 rows in all, which cannot determine the robot"),
+        "{found:?}"
+    );
     dataset.measurements.commanded.fill(None);
     // Eight cables show by their lengths whether they agree; at three poses there is too little to compare.
-    assert_eq!(check_readings(&dataset)[1].outcome, CheckOutcome::Pass);
+    assert_eq!(
+        check_readings(&dataset, None)[1].outcome,
+        CheckOutcome::Pass
+    );
     let few = Dataset {
         measurements: dataset.measurements.select(&[0, 1, 2]),
         ..dataset.clone()
     };
-    assert_eq!(check_readings(&few)[1].outcome, CheckOutcome::NotEvaluated);
+    assert_eq!(
+        check_readings(&few, None)[1].outcome,
+        CheckOutcome::NotEvaluated
+    );
     let home = dataset.measurements.select(&[0]);
     dataset.measurements = home;
-    let found = check(&dataset);
+    let found = check(&dataset, None);
     assert!(!found.ready);
     let expected = [
         CheckOutcome::Fail,

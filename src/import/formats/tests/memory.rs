@@ -10,7 +10,7 @@ fn needs_more(name: &str, bytes: &[u8]) {
     let budget = MemoryBudget::new(LIMIT);
     let told = bench.read_within(&budget, name, bytes);
     let told = told.expect_err("more than the limit");
-    let expected = "needs more than 16.0 MiB of memory when it is decoded, expected fewer values, or a larger --memory-limit";
+    let expected = "needs more than 16.0 MiB of memory when it is decoded, expected fewer values, or the command `import` with a larger --memory-limit";
     assert!(told.starts_with(name) && told.contains(expected), "{told}");
     budget.take(LIMIT).expect("nothing is held after a refusal");
     bench

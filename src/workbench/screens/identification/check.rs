@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let readings = panel
         .memory
         .readings
-        .get(key, || check_readings(&open.session().dataset()))
+        .get(key, || check_readings(&open.session().dataset(), None))
         .clone();
     let inputs = open.inputs();
     let whole = panel.run.readiness.as_ref().filter(|(of, _)| *of == inputs);
