@@ -39,7 +39,7 @@ pub fn session(path: &Path) -> Result<Session> {
     Ok(session)
 }
 
-/// Reads a dataset folder; readings that make an identification invalid are noted.
+/// Reads a dataset folder; readings that cannot be right are noted.
 pub fn dataset(folder: &Path) -> Result<Dataset> {
     let read = dataset_and_lines(folder)?;
     note_faults(&read.dataset, Some(&read.lines));
@@ -49,12 +49,13 @@ pub fn dataset(folder: &Path) -> Result<Dataset> {
 /// Reads a dataset folder from which a robot can be identified.
 pub fn identifiable_dataset(folder: &Path) -> Result<Dataset> {
     let read = dataset_and_lines(folder)?;
-    match reading_faults(&read.dataset).first() {
-        Some(fault) => Err((read.lines)
-            .error(fault.row, &fault.column, &fault.message)
-            .into()),
-        None => Ok(read.dataset),
+    let faults = reading_faults(&read.dataset);
+    if let Some(fault) = faults.iter().find(|fault| fault.prevents_identification) {
+        let error = read.lines.error(fault.row, &fault.column, &fault.message);
+        return Err(error.into());
     }
+    note_faults(&read.dataset, Some(&read.lines));
+    Ok(read.dataset)
 }
 
 /// Reads a dataset folder, with the lines of its measurements.

@@ -1,4 +1,4 @@
-//! Readings with which no identification is valid.
+//! Readings that cannot be right.
 
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Cable;
@@ -15,7 +15,7 @@ const PUSHING: f64 = 5.0;
 /// Length below which a nonzero encoder reading at home is noise (m).
 const HOME_LENGTH_M: f64 = 5e-3;
 
-/// A reading with which no identification is valid.
+/// A reading that cannot be right.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReadingFault {
     /// Row of the measurements.
@@ -24,6 +24,9 @@ pub struct ReadingFault {
     pub column: String,
     /// What was found and what was expected.
     pub message: String,
+    /// Whether no identification is valid with it. An instrument with an error of its own, which a diagnosis may name, can
+    /// read what is impossible.
+    pub prevents_identification: bool,
 }
 
 impl ReadingFault {
@@ -86,6 +89,7 @@ pub(super) fn no_lengths(dataset: &Dataset) -> Option<ReadingFault> {
         message: format!(
             "found no number from here to the last row of {last}, so no row has a length, expected {what}"
         ),
+        prevents_identification: true,
     })
 }
 
@@ -100,6 +104,7 @@ pub(super) fn few_rows(dataset: &Dataset) -> Option<ReadingFault> {
             "found {} in all, which cannot determine the robot, expected at least {FEWEST_ROWS}, and 20 or more for an accurate result",
             count(data.len(), "row")
         ),
+        prevents_identification: true,
     })
 }
 
@@ -122,6 +127,7 @@ pub(super) fn turned_at_home(dataset: &Dataset) -> Vec<ReadingFault> {
                 "found {value} revolutions of {} at home, expected 0, as revolutions count from there",
                 described.name
             ),
+            prevents_identification: true,
         })
     };
     let readings = data.revolutions.row(row).iter().zip(&dataset.robot.cables);
@@ -156,6 +162,7 @@ pub(super) fn pushing_cables(dataset: &Dataset) -> Vec<ReadingFault> {
                 data.force_n.get(row, cable),
                 described.name
             ),
+            prevents_identification: false,
         })
     };
     let cables = dataset.robot.cables.iter().enumerate();
