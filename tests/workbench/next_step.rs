@@ -227,6 +227,11 @@ fn keys_alone_lead_to_an_accepted_robot() {
     typist.bench.settle("a diagnosis");
     typist.next("Add to model: Winch scale (cable-3)");
     typist.bench.settle("the identification with the cause");
+    // The moment of the stop changes the noise, and with one in a hundred the fit of a correct model is doubtful.
+    if next_label(&typist.bench) == "Next: Diagnose model" {
+        typist.next("Diagnose model");
+        typist.bench.settle("a second diagnosis");
+    }
     typist.next("Go to adjustment");
     typist.next("Add the parameters to the simulated controller");
     typist
