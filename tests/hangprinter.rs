@@ -75,7 +75,7 @@ pub fn opinion(folder: &Path) -> Result<Opinion> {
     Ok(Opinion {
         findings: all
             .clone()
-            .map(|f| (f.verdict, f.causes().map(of).collect()))
+            .map(|f| (f.verdict(), f.causes().map(of).collect()))
             .collect(),
         lines: all
             .map(|f| (f.sentence.clone(), f.gain.before, f.gain.after))

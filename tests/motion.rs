@@ -269,7 +269,7 @@ pub fn opinion(run: &Simulated) -> Result<(Diagnosis, f64)> {
 #[must_use]
 pub fn named(diagnosis: &Diagnosis) -> Vec<(&'static str, Vec<usize>)> {
     let findings = diagnosis.findings.iter();
-    let named = findings.filter(|finding| finding.verdict == Verdict::Named);
+    let named = findings.filter(|finding| finding.verdict() == Verdict::Named);
     let causes = named.filter_map(Finding::cause);
     causes
         .map(|cause| (cause.effect().id(), cause.cables()))

@@ -372,7 +372,7 @@ impl Machine {
         for finding in &found.findings {
             let is_right = finding.cause().is_some_and(|cause| self.is_hidden(cause));
             let is_false = |cause| self.is_false(cause, &finding.parameters);
-            match finding.verdict {
+            match finding.verdict() {
                 Verdict::Named if is_right => {
                     row.named += 1;
                     let cause = finding.cause();
@@ -413,7 +413,7 @@ impl Machine {
         for (hidden, _) in visible.filter(|(_, is_visible)| **is_visible) {
             let is_named = found.findings.iter().any(|finding| {
                 let mut own = finding.cause().into_iter();
-                finding.verdict == Verdict::Named && own.any(|cause| self.is_fault(cause, hidden))
+                finding.verdict() == Verdict::Named && own.any(|cause| self.is_fault(cause, hidden))
             });
             let is_listed = found.findings.iter().any(|finding| {
                 let mut causes = finding.causes();

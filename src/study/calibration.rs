@@ -211,7 +211,7 @@ impl<'a> Simulator<'a> {
                     is_right |= is_it;
                 }
             }
-            if finding.verdict == Verdict::Named && !is_right {
+            if finding.verdict() == Verdict::Named && !is_right {
                 return Opinion::Wrong;
             }
             unknown |= !is_right;

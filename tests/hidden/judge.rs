@@ -68,11 +68,11 @@ impl Claim {
 
 fn claims(finding: usize, of: &Finding) -> Vec<Claim> {
     let is_reading = |cause: &&Cause| matches!(cause.effect().search(), Search::AtPose(_));
-    if of.verdict == Verdict::Named
+    if of.verdict() == Verdict::Named
         && let Some(readings) = of.cause().filter(is_reading)
     {
         let claim = |bound: &BoundEffect| Claim {
-            verdict: of.verdict,
+            verdict: of.verdict(),
             candidates: vec![Subject::Cause(Cause {
                 instances: vec![bound.clone()],
             })],
@@ -86,7 +86,7 @@ fn claims(finding: usize, of: &Finding) -> Vec<Claim> {
     let all = own.chain(others.map(|other| (other.subject.clone(), other.probability)));
     let (candidates, probabilities) = all.unzip();
     vec![Claim {
-        verdict: of.verdict,
+        verdict: of.verdict(),
         candidates,
         probabilities,
         finding,

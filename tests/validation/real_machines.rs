@@ -70,7 +70,7 @@ fn one_offset_of_all_cables_comes_before_anything_without_a_name() {
     let hidden = effect("winch_offset", &[], &[("offset", offset)]);
     let diagnosis = asked(&measured(&setup, vec![hidden]));
     let first = &diagnosis.findings[0];
-    assert_eq!(first.verdict, Verdict::Named, "{:?}", first.subject);
+    assert_eq!(first.verdict(), Verdict::Named, "{:?}", first.subject);
     assert_eq!(name(first).0, "winch_offset");
     let found = &first.parameters[0];
     let sd = found.sd.expect("a standard deviation");
@@ -157,7 +157,7 @@ fn an_empty_cell_stops_no_fit() {
     }
     let diagnosis = asked(&dataset);
     assert_eq!(name(&diagnosis.findings[0]), ("winch_scale", vec![1]));
-    assert_eq!(diagnosis.findings[0].verdict, Verdict::Named);
+    assert_eq!(diagnosis.findings[0].verdict(), Verdict::Named);
 }
 
 /// Play is not negative, whatever the data look like.
@@ -235,7 +235,7 @@ fn what_the_catalogue_can_express_is_never_unknown() {
     for (seed, hidden) in (600_918..).zip(settings) {
         let dataset = measured(&setup("planar", seed), vec![hidden.clone()]);
         let findings = asked(&dataset).findings;
-        let unknown = findings.iter().find(|f| f.verdict == Verdict::Unknown);
+        let unknown = findings.iter().find(|f| f.verdict() == Verdict::Unknown);
         assert!(unknown.is_none(), "{hidden:?}: {unknown:?}");
         assert_eq!(name(&findings[0]).0, hidden.effect);
     }

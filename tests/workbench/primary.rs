@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_core::diagnosis::{
-    Cause, ErrorForm, Finding, Quantity, ReadingId, Subject, UnmodelledError, Variable, Verdict,
+    Cause, ErrorForm, Finding, Quantity, ReadingId, Subject, UnmodelledError, Variable,
 };
 use tautline_core::effect::{BoundEffect, EffectSetting, find};
 use tautline_core::robot::presets;
@@ -167,7 +167,6 @@ const TWO: [Hidden; 2] = [
 /// The finding as it is reported if no effect explains the readings.
 fn without_cause(finding: &Finding) -> Finding {
     Finding {
-        verdict: Verdict::Unknown,
         subject: Subject::UnmodelledError(UnmodelledError {
             readings: ReadingId {
                 quantity: Quantity::Length,
@@ -278,7 +277,6 @@ fn a_probable_cause_without_alternatives_has_a_card_of_its_own() {
     give(&mut harness, IdentificationCommand::Identify);
     give(&mut harness, IdentificationCommand::Diagnose);
     replace_findings(&mut harness, |findings| {
-        findings[0].verdict = Verdict::Ambiguous;
         findings[0].probability = 0.93;
         findings[0].alternatives.clear();
     });

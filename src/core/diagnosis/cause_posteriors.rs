@@ -304,7 +304,7 @@ mod tests {
             "{posteriors:?}"
         );
         assert!((posteriors[0].alternatives[0].probability - 0.3).abs() < 1e-12);
-        assert!(!posteriors[0].is_named() && posteriors[0].is_near_certain);
+        assert!(!posteriors[0].is_named() && posteriors[0].is_near_certain());
     }
 
     #[test]

@@ -1,23 +1,22 @@
 //! Decides which inferred causes are confirmed and with which probability they are stated.
 
 use super::adequacy::adequacy;
+use super::budget::{MAX_ALTERNATIVES, MIN_POSSIBLE_PROBABILITY};
 use super::calibration::{LOOKS_THE_SAME, NAMING_PROBABILITY};
 use super::candidates::{log_rarity, size_parameter};
 use super::cause_posteriors::{CausePosterior, stated_share};
 use super::cause_sets::has_possible_values;
 use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
-use super::gain::Prediction;
-use super::heavy_tails::shares_of_heavy_tails;
+use super::heavy_tails::odds_of_heavy_tails;
 use super::inference::{Inference, inference_at_fit};
 use super::report::{
     Adequacy, Alternative, Cause, Discrepancy, Finding, FoundParameter, PossibleCause, Subject,
-    Verdict,
+    UnmodelledError, Verdict,
 };
 use super::residual_space::ResidualSpace;
 use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
 use super::variables::Variables;
-use crate::effect::Search;
 use crate::estimation::{EstimationError, Problem};
 
 /// Confirmed causes with their posteriors, and other possible causes.
@@ -102,25 +101,19 @@ fn fit_of_possible<'a>(
     }
 }
 
-/// Confirms the causes that are nearly certain and improve the prediction of held-out poses, and refits the model with
-/// those alone. The others become possible causes.
+/// Confirms the causes that are nearly certain, and refits the model with those alone. The others become possible causes.
 pub(super) fn confirm_causes<'a>(
     problem: &Problem<'a>,
     inference: Inference<'a>,
     posteriors: Vec<CausePosterior>,
     mut possible: Vec<PossibleCause>,
 ) -> Result<ConfirmedCauses<'a>, EstimationError> {
-    let full = Prediction::new(&inference.fit);
     let mut confirmed: Vec<(f64, Cause, CausePosterior)> = Vec::new();
     for (index, (cause, posterior)) in inference.fit.causes.iter().zip(posteriors).enumerate() {
-        let mut others = inference.fit.causes.clone();
-        others.remove(index);
-        let without = Fit::new(problem, &others)?;
-        // The other poses cannot predict an event at a single pose.
-        let is_event = matches!(cause.effect().search(), Search::AtPose(_));
-        if posterior.is_near_certain()
-            && (is_event || full.is_better_than(&Prediction::new(&without)))
-        {
+        if posterior.is_near_certain() {
+            let mut others = inference.fit.causes.clone();
+            others.remove(index);
+            let without = Fit::new(problem, &others)?;
             confirmed.push((without.solution.chi2, cause.clone(), posterior));
             continue;
         }
@@ -153,56 +146,60 @@ pub(super) fn confirm_causes<'a>(
     })
 }
 
-/// Downgrades names that an unmodelled error might explain as well.
-pub(super) fn downgrade_doubtful_names(
+/// Shares the probability of each cause with errors outside the catalogue that explain the same readings: a function that
+/// replaces the cause, heavy tails of the noise, and an error that looks like a cause of a size that real machines do not
+/// have. Returns what each cause lost to errors. `rivals` are those of the last findings.
+pub(super) fn allow_for_errors(
     findings: &mut [Finding],
     inference: &Inference<'_>,
     rivals: &[Option<WeighedError>],
     space: &ResidualSpace,
-) {
-    // An improbable rival does not make a near-certain name ambiguous.
-    let matters = |share: f64| 1.0 - share < NAMING_PROBABILITY;
+) -> Vec<f64> {
     // Exchanged channels come first in the findings and have no rivals.
     let first = findings.len() - rivals.len();
-    let tails = shares_of_heavy_tails(findings, first, inference, space);
-    for (index, (finding, tails)) in findings.iter_mut().zip(tails).enumerate() {
-        let own_index = index.checked_sub(first);
-        let rival = own_index.and_then(|k| rivals[k].as_ref());
-        let rival = rival.map(|r| (r.clone(), r.probability()));
-        let rival = rival.filter(|(_, share)| matters(*share));
-        // A size beyond that of real machines suggests another error that looks the same.
-        let odds = (log_rarity_of(finding) - LOOKS_THE_SAME).exp();
-        let share = tails.max(odds / (1.0 + odds));
-        let imitated = || {
-            let id = inference.most_affected_class(own_index.filter(|_| matters(share))?)?;
-            Some((WeighedError::of(id), share))
+    let tails = odds_of_heavy_tails(findings, first, inference, space);
+    let lost = |(index, finding): (usize, &mut Finding)| {
+        let Some(own) = index.checked_sub(first) else {
+            return 0.0;
         };
-        let Some((other, share)) = rival.or_else(imitated) else {
-            continue;
+        let rival = rivals[own].as_ref();
+        let replaced = rival.map_or(0.0, |rival| rival.log_odds.exp());
+        let scattered = tails[index] + log_rarity_of(finding).exp_m1() * (-LOOKS_THE_SAME).exp();
+        let odds = replaced + scattered;
+        let probability = finding.probability * odds / (1.0 + odds);
+        finding.probability -= probability;
+        let error = match rival {
+            Some(rival) if replaced >= scattered => Some(rival.error.clone()),
+            _ => inference
+                .most_affected_class(own)
+                .map(UnmodelledError::scatter),
         };
-        finding.verdict = Verdict::Ambiguous;
-        finding.alternatives.truncate(1);
-        finding.alternatives.push(Alternative {
-            subject: Subject::UnmodelledError(other.error),
-            probability: finding.probability * share,
-        });
-        finding.probability *= 1.0 - share;
-    }
+        if let Some(error) = error.filter(|_| probability >= MIN_POSSIBLE_PROBABILITY) {
+            finding.alternatives.truncate(MAX_ALTERNATIVES - 1);
+            finding.alternatives.push(Alternative {
+                subject: Subject::UnmodelledError(error),
+                probability,
+            });
+        }
+        probability
+    };
+    findings.iter_mut().enumerate().map(lost).collect()
 }
 
-/// Turns the computed probabilities of the findings into stated ones. `posteriors` are those of the last findings.
-pub(super) fn state_probabilities(findings: &mut [Finding], posteriors: &[CausePosterior]) {
+/// Turns the computed probabilities of the findings into stated ones; a name has no alternatives. `posteriors` are those of
+/// the last findings, `of_errors` what each finding lost to errors.
+pub(super) fn state_probabilities(
+    findings: &mut [Finding],
+    posteriors: &[CausePosterior],
+    of_errors: &[f64],
+) {
     let first = findings.len() - posteriors.len();
-    for (index, finding) in findings.iter_mut().enumerate() {
-        let of = |others: &[Alternative], is_cause: bool| -> f64 {
-            let others = others.iter();
-            let others = others.filter(|other| other.subject.cause().is_some() == is_cause);
-            others.map(|other| other.probability).sum()
-        };
+    for (index, (finding, lost)) in findings.iter_mut().zip(of_errors).enumerate() {
+        let others = || finding.alternatives.iter().map(|other| other.probability);
         // One of the causes is present, or an error that none of them explains.
         let computed = match index.checked_sub(first) {
-            Some(own) => posteriors[own].with_replacements - of(&finding.alternatives, false),
-            None => finding.probability + of(&finding.alternatives, true),
+            Some(own) => posteriors[own].with_replacements - lost,
+            None => finding.probability + others().sum::<f64>(),
         };
         let of_causes = stated_share(computed);
         let of_errors = (1.0 - computed * of_causes) / (1.0 - computed).max(f64::MIN_POSITIVE);
@@ -213,8 +210,8 @@ pub(super) fn state_probabilities(findings: &mut [Finding], posteriors: &[CauseP
                 Subject::UnmodelledError(_) => of_errors,
             };
         }
-        if finding.probability < NAMING_PROBABILITY && finding.verdict == Verdict::Named {
-            finding.verdict = Verdict::Ambiguous;
+        if finding.verdict() == Verdict::Named {
+            finding.alternatives.clear();
         }
     }
 }

@@ -7,8 +7,8 @@ use super::calibration::POWER;
 use super::candidates::size_parameter;
 use super::cause_posteriors::{cause_posteriors, stated_causes};
 use super::confidence::{
-    ConfirmedCauses, assess_fit, confirm_causes, downgrade_doubtful_names,
-    reject_replaceable_causes, state_probabilities,
+    ConfirmedCauses, allow_for_errors, assess_fit, confirm_causes, reject_replaceable_causes,
+    state_probabilities,
 };
 use super::exchange::find_exchange;
 use super::exploration::Visibility;
@@ -155,8 +155,8 @@ fn examine(
         if remaining_errors.is_empty() {
             remaining_errors.extend(remaining.first().map(WeighedError::from_discrepancy));
         }
-        downgrade_doubtful_names(&mut findings, &inference, &unmodelled.rivals, &space);
-        state_probabilities(&mut findings, &posteriors);
+        let of_errors = allow_for_errors(&mut findings, &inference, &unmodelled.rivals, &space);
+        state_probabilities(&mut findings, &posteriors, &of_errors);
         findings.extend(remaining_errors.iter().map(|s| s.finding(fit)));
         possible = stated_causes(possible);
     }

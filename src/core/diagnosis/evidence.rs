@@ -1,7 +1,7 @@
 //! Log evidence of a set of causes in closed form.
 //!
-//! With the Gram matrix `G` and the score `b` of the columns of a set, in units of their prior, the log evidence
-//! relative to no cause is `1/2 b^T (1 + G)^-1 b - 1/2 log det(1 + G)`. The determinant penalises parameters. A
+//! With the Gram matrix `K` and the score `b` of the columns of a set, in units of their prior, the log evidence
+//! relative to no cause is `1/2 b^T (1 + K)^-1 b - 1/2 log det(1 + K)`. The determinant penalises parameters. A
 //! parameter that cannot be negative has a normal prior truncated at zero, which adds the logarithm of twice the
 //! posterior probability that it is positive. The size prior is a mixture of several scales.
 
@@ -34,7 +34,7 @@ pub(super) struct System {
     pub log_posterior: f64,
     /// Estimated coordinates, member after member.
     pub estimate: DVector<f64>,
-    /// The estimate times -1 in units of the prior, the matrix `1 + G` that gave it, and the factor of the prior.
+    /// The estimate times -1 in units of the prior, the matrix `1 + K` that gave it, and the factor of the prior.
     solution: DVector<f64>,
     matrix: Cholesky<f64, Dyn>,
     factor: DMatrix<f64>,
@@ -139,7 +139,7 @@ impl System {
         &self.factor * self.matrix.solve(&self.factor.transpose())
     }
 
-    /// A block on the diagonal of `(1 + G)^-1`.
+    /// A block on the diagonal of `(1 + K)^-1`.
     fn inverse(&self, range: Range<usize>) -> DMatrix<f64> {
         let mut unit = DMatrix::zeros(self.solution.len(), range.len());
         unit.view_mut((range.start, 0), (range.len(), range.len()))

@@ -8,7 +8,7 @@ use super::calibration::{HUGE_CHI2, MAX_REMAINING_EXCESS};
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::progress::Reporter;
-use super::report::{Alternative, Cause, Evidence, Finding, Rival, Subject, Verdict};
+use super::report::{Alternative, Cause, Evidence, Finding, Rival, Subject};
 use crate::effect::{BoundEffect, CATALOGUE, Search};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
@@ -104,11 +104,6 @@ impl Exchange {
             })
             .collect();
         Finding {
-            verdict: if alternatives.is_empty() {
-                Verdict::Named
-            } else {
-                Verdict::Ambiguous
-            },
             subject: Subject::Cause(cause(&self.bound)),
             probability: weights.recip(),
             sentence: self.bound.cause(robot),

@@ -5,7 +5,6 @@ use super::fit::Fit;
 use super::gain::Prediction;
 use super::report::{
     Alternative, Cause, Evidence, Finding, FoundParameter, Gain, PossibleCause, Rival, Subject,
-    Verdict,
 };
 use super::separation::separation;
 use crate::effect::BoundEffect;
@@ -47,11 +46,6 @@ impl FindingBuilder<'_, '_> {
         let parameters = fit.parameters_of(self.index).len();
         let p_value = chi_square_survival(delta_chi2, parameters as f64).unwrap_or(1.0);
         Ok(Finding {
-            verdict: if is_named {
-                Verdict::Named
-            } else {
-                Verdict::Ambiguous
-            },
             probability: self.posterior.probability,
             sentence: distinct_texts(cause, robot, BoundEffect::cause),
             advice: distinct_texts(cause, robot, BoundEffect::workshop),

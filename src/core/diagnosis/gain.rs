@@ -81,23 +81,6 @@ impl Prediction {
         both.filter(|(one, _)| !skipped(one.row)).collect()
     }
 
-    /// Whether held-out poses are predicted better than by `before`. Each kind of reading is weighted by the noise that
-    /// this fit leaves in it.
-    pub fn is_better_than(&self, before: &Self) -> bool {
-        let pairs = self.pairs(before);
-        let sums = |quantity: Quantity| {
-            pairs.iter().fold([0.0; 3], |sum, (before, after)| {
-                let ((before, _), (after, freedom)) =
-                    (before.of_kind(quantity), after.of_kind(quantity));
-                [sum[0] + before, sum[1] + after, sum[2] + freedom]
-            })
-        };
-        let gained = Quantity::ALL.into_iter().map(sums);
-        let gained = gained.filter(|[_, after, freedom]| *after > 0.0 && *freedom > 0.0);
-        let gained = gained.map(|[before, after, freedom]| freedom * (before / after - 1.0));
-        gained.sum::<f64>() > 0.0
-    }
-
     /// Gain of this fit over `before`.
     pub fn gain_over(&self, before: &Self) -> Gain {
         let pairs = self.pairs(before);

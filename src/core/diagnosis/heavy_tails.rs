@@ -25,9 +25,9 @@ struct WrongReading {
     log_prior: f64,
 }
 
-/// For each finding the probability that heavy tails explain it; 0 for findings other than single wrong readings. The
-/// findings from index `first` on are the causes of the inference.
-pub(super) fn shares_of_heavy_tails(
+/// For each finding the odds that heavy tails explain it; 0 for findings other than single wrong readings. The findings
+/// from index `first` on are the causes of the inference.
+pub(super) fn odds_of_heavy_tails(
     findings: &[Finding],
     first: usize,
     inference: &Inference<'_>,
@@ -38,7 +38,7 @@ pub(super) fn shares_of_heavy_tails(
         .enumerate()
         .map(|(index, finding)| wrong_reading(finding, index.checked_sub(first)?, inference))
         .collect();
-    let share = |own: &Option<WrongReading>| {
+    let odds = |own: &Option<WrongReading>| {
         let Some(own) = own else {
             return 0.0;
         };
@@ -47,9 +47,9 @@ pub(super) fn shares_of_heavy_tails(
         let alike = alike.filter(|w| w.quantity == own.quantity && w.size <= own.size);
         let alike: Vec<WrongReading> = alike.copied().collect();
         let others = other_residuals(space, own.quantity, &alike);
-        1.0 / (1.0 + (-log_odds(&alike, &others)).exp())
+        log_odds(&alike, &others).exp()
     };
-    wrong.iter().map(share).collect()
+    wrong.iter().map(odds).collect()
 }
 
 fn wrong_reading(

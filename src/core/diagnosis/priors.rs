@@ -55,8 +55,6 @@ pub(super) const AS_STATED: usize = 3;
 pub(super) const KIND_VARIANCE_WEIGHT: f64 = 1.0;
 /// Weight of the prior of a cable's variance around that of its kind, in numbers of readings.
 pub(super) const CABLE_VARIANCE_WEIGHT: f64 = 60.0;
-/// Weight of the prior of the variance beside an unmodelled error, in numbers of readings.
-pub(super) const ERROR_VARIANCE_WEIGHT: f64 = 8.0;
 /// Bounds of the variance factors.
 pub(super) const VARIANCES: [f64; 2] = [1e-3, 1e5];
 /// Prior probability that the noise of a kind of reading has heavy tails.

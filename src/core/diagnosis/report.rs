@@ -1,5 +1,6 @@
 //! The result of a diagnosis as plain data.
 
+use super::calibration::NAMING_PROBABILITY;
 use super::reading_id::ReadingId;
 use crate::effect::{BoundEffect, Effect};
 use crate::estimation::Solution;
@@ -339,8 +340,6 @@ pub struct Separation {
 /// A finding of the diagnosis.
 #[derive(Debug, Clone)]
 pub struct Finding {
-    /// How certain the name is.
-    pub verdict: Verdict,
     /// What was found: a cause with its values in the final model, or an error without one.
     pub subject: Subject,
     /// Posterior probability of the subject. It and its alternatives exclude each other.
@@ -362,6 +361,16 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// How certain the name is.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        match &self.subject {
+            Subject::UnmodelledError(_) => Verdict::Unknown,
+            Subject::Cause(_) if self.probability >= NAMING_PROBABILITY => Verdict::Named,
+            Subject::Cause(_) => Verdict::Ambiguous,
+        }
+    }
+
     /// The cause; `None` if an unmodelled error was found.
     #[must_use]
     pub fn cause(&self) -> Option<&Cause> {
@@ -379,7 +388,7 @@ impl Finding {
     /// alone.
     #[must_use]
     pub fn is_list(&self) -> bool {
-        self.verdict == Verdict::Ambiguous && !self.alternatives.is_empty()
+        self.verdict() == Verdict::Ambiguous && !self.alternatives.is_empty()
     }
 }
 

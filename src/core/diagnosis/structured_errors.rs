@@ -20,7 +20,7 @@ use super::calibration::MIN_SHARE_LEFT;
 use super::conditions::concatenate_columns;
 use super::error_functions::{ErrorTarget, FunctionFamily};
 use super::hyperparameters::{Estimate, Hyperparameters, LinearProblem};
-use super::priors::{ERROR_SIZES, ERROR_VARIANCE_WEIGHT, EXPECTED_ERRORS};
+use super::priors::{CABLE_VARIANCE_WEIGHT, ERROR_SIZES, EXPECTED_ERRORS};
 use super::reading_errors::ReadingErrors;
 use super::reading_id::ReadingId;
 use super::report::ErrorForm;
@@ -246,9 +246,9 @@ impl<'l> ErrorSearch<'l> {
             }
             let errors = ReadingErrors::new(base, &target.classes);
             let squares = target.classes.iter().map(|k| sums[*k][0] / variance[*k]);
-            let squares = squares.sum::<f64>() + ERROR_VARIANCE_WEIGHT;
+            let squares = squares.sum::<f64>() + CABLE_VARIANCE_WEIGHT;
             let freedom =
-                target.classes.iter().map(|k| sums[*k][1]).sum::<f64>() + ERROR_VARIANCE_WEIGHT;
+                target.classes.iter().map(|k| sums[*k][1]).sum::<f64>() + CABLE_VARIANCE_WEIGHT;
             let mut own: Option<(f64, ScoredFamily)> = None;
             for (index, family) in target.families.iter().enumerate() {
                 let functions = with_constant(functions(family), &target.poses);

@@ -3,17 +3,14 @@
 use nalgebra::DMatrix;
 
 use super::budget::MAX_REPORTED_ERRORS;
-use super::calibration::{
-    CAUSE_LIKELIER, EVERYTHING, NEARLY_ALL, NEGLIGIBLE_LOG_ODDS, REPORTED_LOG_ODDS,
-    UNDECIDED_ABOVE, UNDECIDED_LOG_ODDS,
-};
+use super::calibration::{NEARLY_ALL, NEGLIGIBLE_LOG_ODDS, REPORTED_LOG_ODDS};
 use super::conditions::concatenate_columns;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::inference::Inference;
 use super::reading_id::ReadingId;
 use super::report::{
-    Cause, Discrepancy, ErrorForm, Evidence, Finding, Quantity, Subject, UnmodelledError, Verdict,
+    Cause, Discrepancy, ErrorForm, Evidence, Finding, Quantity, Subject, UnmodelledError,
 };
 use super::structured_errors::{ErrorSearch, StructuredError};
 use super::variables::Variables;
@@ -144,7 +141,8 @@ fn best_rival(
     ];
     let own = values.into_iter().fold(f64::NEG_INFINITY, f64::max) + inference.log_prior(set);
     let log_odds = found.log_odds - own;
-    // Chi-squares are compared with the noise estimated for the unmodelled error.
+    // A cause that explains nearly all that the error explains, with no more parameters, is the simpler description.
+    // Chi-squares are compared with the noise estimated for the error.
     let with_rival = concatenate_columns(&[&others, &found.columns]);
     let noise = linear
         .with_amplitudes(start, (&amplitude, inference.hyper.factor), &with_rival)
@@ -152,25 +150,9 @@ fn best_rival(
     let chi2 = |columns: &DMatrix<f64>| linear.reduced(&noise, columns).chi2;
     let none = chi2(&others);
     let share = (none - chi2(&named)) / (none - chi2(&with_rival)).max(f64::MIN_POSITIVE);
-    let has_no_more = inference.parameters_of(set) <= found.columns.ncols();
-    // A cause with no more parameters keeps what it explains. If the rival explains clearly more and is far more
-    // probable, both are listed.
-    let log_odds = match has_no_more && share >= NEARLY_ALL {
-        true if share < EVERYTHING && log_odds > UNDECIDED_ABOVE => UNDECIDED_LOG_ODDS,
-        true => return None,
-        false => log_odds,
-    };
-    if log_odds <= NEGLIGIBLE_LOG_ODDS {
+    if inference.parameters_of(set) <= found.columns.ncols() && share >= NEARLY_ALL {
         return None;
     }
-    // What an unmodelled error has in common with the causes, its constant above all, is no evidence against them. Part
-    // of the error must also remain beside them.
-    let log_odds = if set.len() > 1 {
-        log_odds
-    } else {
-        let more = search.find_in_place(&named, &amplitude, is_eligible)?;
-        log_odds.min(more.log_odds - values[0].max(values[1]) - CAUSE_LIKELIER)
-    };
     (log_odds > NEGLIGIBLE_LOG_ODDS).then(|| WeighedError {
         log_odds,
         ..WeighedError::from(&found)
@@ -191,18 +173,6 @@ impl From<&StructuredError> for WeighedError {
 }
 
 impl WeighedError {
-    /// Excess scatter of some readings without a recognisable pattern.
-    pub fn of(readings: ReadingId) -> Self {
-        Self {
-            error: UnmodelledError {
-                readings,
-                form: ErrorForm::Scatter,
-                rms: None,
-            },
-            log_odds: 0.0,
-        }
-    }
-
     /// An error found by a test of the residuals.
     pub fn from_discrepancy(discrepancy: &Discrepancy) -> Self {
         Self {
@@ -228,7 +198,6 @@ impl WeighedError {
     pub fn finding(&self, fit: &Fit<'_>) -> Finding {
         let prediction = Prediction::new(fit);
         Finding {
-            verdict: Verdict::Unknown,
             subject: Subject::UnmodelledError(self.error.clone()),
             probability: self.probability(),
             sentence: self.error.sentence(&fit.problem.dataset.robot),
@@ -252,6 +221,15 @@ impl WeighedError {
 const ADVICE: &str = "Measure more poses between those where this error is large and small.";
 
 impl UnmodelledError {
+    /// Excess scatter of some readings without a recognisable pattern.
+    pub(super) fn scatter(readings: ReadingId) -> Self {
+        Self {
+            readings,
+            form: ErrorForm::Scatter,
+            rms: None,
+        }
+    }
+
     fn sentence(&self, robot: &Robot) -> String {
         let name = self.readings.quantity.name();
         let what = match self.readings.cable {

@@ -3,7 +3,7 @@
 use super::globals::Globals;
 use super::parameter::{Parameter, ParameterId};
 use super::problem::{Geometry, Problem};
-use crate::effect::BoundEffect;
+use crate::effect::{BoundEffect, Search};
 use crate::geometry::{Pose, Twist};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -144,12 +144,18 @@ fn push_deviations(problem: &Problem<'_>, parameters: &mut Vec<Parameter>) {
         let all = of.bound.effect.parameters().iter().zip(&of.prior_sd);
         for (parameter, (description, sd)) in all.enumerate() {
             let name = effect_parameter_name(problem, &of.bound, parameter);
+            // The deviation of a wave has two amplitudes, each with a phase of its own.
+            let part = match of.bound.effect.search() {
+                Search::Wave { phase, .. } if of.bound.values[phase] == 0.0 => ", sine",
+                Search::Wave { .. } => ", cosine",
+                _ => "",
+            };
             parameters.push(Parameter {
                 id: ParameterId::Deviation {
                     deviation,
                     parameter,
                 },
-                name: format!("deviation: {name}"),
+                name: format!("deviation: {name}{part}"),
                 unit: description.unit,
                 prior_sd: Some(*sd),
             });

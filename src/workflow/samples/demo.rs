@@ -135,8 +135,8 @@ mod tests {
             let is_it =
                 |cause: &tautline_core::diagnosis::Cause| cause.effect().id() == hidden.effect;
             let first = found.findings.first();
-            let right =
-                first.is_some_and(|f| f.cause().is_some_and(is_it) && f.verdict == Verdict::Named);
+            let right = first
+                .is_some_and(|f| f.cause().is_some_and(is_it) && f.verdict() == Verdict::Named);
             let among = first.is_some_and(|f| f.causes().any(is_it));
             named += usize::from(right);
             if !among {

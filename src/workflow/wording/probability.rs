@@ -1,7 +1,7 @@
 //! Probabilities in words and numbers.
 
-/// Probability from which something is called almost certain.
-const ALMOST_CERTAIN: f64 = 0.95;
+use tautline_core::diagnosis::NAMING_PROBABILITY;
+
 /// Probability from which something is called probable.
 const PROBABLE: f64 = 0.75;
 /// Largest odds given as a number.
@@ -26,7 +26,7 @@ pub fn certainty(probability: f64) -> String {
 /// A probability in words: `almost certainly`.
 pub fn degree(probability: f64) -> &'static str {
     match probability {
-        p if p >= ALMOST_CERTAIN => "almost certainly",
+        p if p >= NAMING_PROBABILITY => "almost certainly",
         p if p >= PROBABLE => "probably",
         p if p > 0.5 => "more likely than not",
         _ => "possibly",

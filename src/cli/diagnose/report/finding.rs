@@ -15,7 +15,7 @@ const BAR: usize = 20;
 /// Heading and body of a finding.
 pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<String> {
     let mut body = vec![finding.sentence.clone()];
-    if finding.verdict == Verdict::Ambiguous {
+    if finding.verdict() == Verdict::Ambiguous {
         body.extend(diagnosed.otherwise(finding));
     }
     if finding.is_list() {
@@ -23,7 +23,7 @@ pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<Str
     }
     let size = diagnosed.size(&finding.parameters);
     body.extend(size.map(|size| format!("Size: {size}")));
-    if finding.verdict != Verdict::Unknown {
+    if finding.verdict() != Verdict::Unknown {
         body.push(format!("Improvement: {}", gain(&finding.gain)));
     }
     if !finding.advice.is_empty() {

@@ -11,7 +11,7 @@ fn exchanged_channels_are_found() {
     let diagnosis = diagnosed(&run.dataset);
     assert_eq!(found(&diagnosis), [("cable_swap", vec![1, 6])]);
     let finding = &diagnosis.findings[0];
-    assert_eq!(finding.verdict, Verdict::Named);
+    assert_eq!(finding.verdict(), Verdict::Named);
     assert!(finding.evidence.p_value < 1e-6 && finding.parameters.is_empty());
     assert!(!diagnosis.base.adequate && diagnosis.extended.adequate);
     let effects = &diagnosis.extended_solution.globals.effects;

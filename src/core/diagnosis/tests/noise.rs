@@ -15,7 +15,7 @@ fn excess_noise_is_not_named_as_a_cause() {
                 laser.sd_m /= 2.1;
             }
             let diagnosis = diagnosed(&run.dataset);
-            let sure = |f: &crate::diagnosis::Finding| f.verdict == Verdict::Named;
+            let sure = |f: &crate::diagnosis::Finding| f.verdict() == Verdict::Named;
             named += usize::from(diagnosis.findings.iter().any(sure));
             let covers = |s: &crate::diagnosis::NoiseStatement| {
                 s.quantity == Quantity::Laser && s.interval[0] < 2.1 && s.interval[1] > 2.1
@@ -38,9 +38,9 @@ fn a_cause_is_found_in_excess_noise() {
     }
     let diagnosis = diagnosed(&run.dataset);
     assert_eq!(found(&diagnosis)[0], ("winch_scale", vec![1]));
-    assert_eq!(diagnosis.findings[0].verdict, Verdict::Named);
+    assert_eq!(diagnosis.findings[0].verdict(), Verdict::Named);
     // Further findings may only be the noise itself.
     let rest = &diagnosis.findings[1..];
-    assert!(rest.iter().all(|f| f.verdict == Verdict::Unknown));
+    assert!(rest.iter().all(|f| f.verdict() == Verdict::Unknown));
     assert_eq!(diagnosis.noise[0].quantity, Quantity::Length);
 }

@@ -77,7 +77,7 @@ fn a_wave_in_one_channel_is_reported_as_unknown() {
     let dataset = with_wave(2e-3);
     let found = diagnosed(&dataset).findings;
     assert_eq!(found.len(), 1, "{found:?}");
-    assert_eq!(found[0].verdict, Verdict::Unknown);
+    assert_eq!(found[0].verdict(), Verdict::Unknown);
     let Subject::UnmodelledError(error) = &found[0].subject else {
         panic!("{found:?}");
     };

@@ -70,7 +70,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
 fn proposed(open: &OpenSession, diagnosed: &Diagnosed, status: PhaseStatus) -> Option<NextStep> {
     let undecided = findings::undecided(open, diagnosed);
     let is_list = |finding: &&Finding| finding.is_list();
-    let has_name = |finding: &&Finding| finding.verdict != Verdict::Unknown && !finding.is_list();
+    let has_name = |finding: &&Finding| finding.verdict() != Verdict::Unknown && !finding.is_list();
     let named: Vec<&Finding> = undecided.iter().copied().filter(has_name).collect();
     let then = "Then: the model is identified again.";
     if let [first, others @ ..] = &named[..] {

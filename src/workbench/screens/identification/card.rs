@@ -37,7 +37,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: u
         .inner_margin(Margin::same(3 * GRID as i8));
     frame.show(ui, |ui| {
         ui.set_width(ui.available_width());
-        ui.push_id(("finding", number), |ui| match finding.verdict {
+        ui.push_id(("finding", number), |ui| match finding.verdict() {
             Sure::Ambiguous if finding.is_list() => {
                 ambiguous::body(ui, panel, diagnosed, finding, number);
             }
@@ -108,7 +108,7 @@ fn single(
     number: usize,
 ) {
     let name = diagnosed.subject(&finding.subject);
-    let heading = match finding.verdict {
+    let heading = match finding.verdict() {
         Sure::Ambiguous => diagnosed.heading(finding),
         _ => name.clone(),
     };

@@ -190,7 +190,7 @@ impl Diagnosed {
         let separation = finding.separation.as_ref();
         let poses = separation.iter().flat_map(|s| &s.poses);
         FindingDocument {
-            verdict: match finding.verdict {
+            verdict: match finding.verdict() {
                 Verdict::Named => VerdictDocument::Named,
                 Verdict::Ambiguous => VerdictDocument::Ambiguous,
                 Verdict::Unknown => VerdictDocument::Unknown,

@@ -12,7 +12,7 @@ impl Diagnosed {
     /// The cause and its certainty.
     #[must_use]
     pub fn heading(&self, finding: &Finding) -> String {
-        match finding.verdict {
+        match finding.verdict() {
             Verdict::Ambiguous if !finding.is_list() => {
                 let title = first_lower(&self.subject(&finding.subject));
                 let degree = sentence(degree(finding.probability));
@@ -29,7 +29,7 @@ impl Diagnosed {
     /// What else it may be, each with its probability; `None` if the cause is named.
     #[must_use]
     pub fn otherwise(&self, finding: &Finding) -> Option<String> {
-        if finding.verdict != Verdict::Ambiguous {
+        if finding.verdict() != Verdict::Ambiguous {
             return None;
         }
         if !finding.is_list() {
@@ -57,7 +57,7 @@ impl Diagnosed {
     /// and the checks in the workshop. `None` if the cause is named or unknown.
     #[must_use]
     pub fn decides(&self, finding: &Finding) -> Option<(&'static str, String)> {
-        if finding.verdict != Verdict::Ambiguous {
+        if finding.verdict() != Verdict::Ambiguous {
             return None;
         }
         let heading = match finding.is_list() {

@@ -140,7 +140,6 @@ pub fn finding(robot: &Robot, verdict: Verdict) -> Finding {
         _ => vec![rival(cause.clone(), 61.0), rival(other.clone(), 20.0)],
     };
     Finding {
-        verdict,
         probability: if is_ambiguous { 0.6 } else { 0.998 },
         sentence: "Winch 3 pays out too much.".to_owned(),
         advice: "Measure the drum.".to_owned(),

@@ -69,7 +69,7 @@ pub fn section(input: &ReportInput<'_>, diagnosed: &Diagnosed) -> Section {
 fn finding(diagnosed: &Diagnosed, number: usize, finding: &Finding, section: &mut Section) {
     section.heading(format!("{number}. {}", diagnosed.heading(finding)));
     section.paragraph(finding.sentence.clone());
-    match finding.verdict {
+    match finding.verdict() {
         Verdict::Named => {}
         Verdict::Ambiguous if finding.is_list() => section.table(candidates(diagnosed, finding)),
         Verdict::Ambiguous => {
@@ -124,7 +124,7 @@ fn facts(diagnosed: &Diagnosed, finding: &Finding) -> Vec<(String, String)> {
     if let Some(text) = runner_up(diagnosed, finding) {
         add("Runner-up", text);
     }
-    if finding.verdict != Verdict::Unknown {
+    if finding.verdict() != Verdict::Unknown {
         add("Improvement", sentence(&gain(&finding.gain)));
         if let Some(text) = gain_interval(finding) {
             add("Improvement, 95 % interval", sentence(&text));
