@@ -9,8 +9,10 @@ use std::f64::consts::FRAC_PI_4;
 
 use nalgebra::DMatrix;
 
-use super::calibration::DISTINCT_PERIODS;
 use super::priors::{ATYPICAL_SHARE, RELATIVE_SD, SCALE_RATIO};
+use super::relations::{
+    is_same_effect_and_targets, is_same_kind, is_same_period, place, place_parameter,
+};
 use super::report::Cause;
 use crate::effect::{Effect, EffectParameter, Scope, Search};
 
@@ -92,16 +94,8 @@ impl Candidate {
     /// Whether this candidate represents a cause, whatever its values: the same effect and targets, and the same pose
     /// or period.
     pub fn represents(&self, cause: &Cause) -> bool {
-        let bound = &cause.instances[0];
-        let place = match bound.effect.search() {
-            Search::FromPose(k)
-            | Search::AtPose(k)
-            | Search::Wave {
-                period: Some(k), ..
-            } => bound.values[k],
-            _ => f64::NAN,
-        };
-        is_same_effect_and_targets(&self.cause, cause) && (place.is_nan() || place == self.place)
+        let is_here = place(cause).is_none_or(|place| place == self.place);
+        is_same_effect_and_targets(&self.cause, cause) && is_here
     }
 
     /// Whether this candidate and another cannot be in one set because they describe the same property of a cable.
@@ -154,12 +148,7 @@ impl Candidate {
     pub fn placed(&self) -> Cause {
         let mut cause = self.cause.clone();
         for bound in &mut cause.instances {
-            if let Search::FromPose(k)
-            | Search::AtPose(k)
-            | Search::Wave {
-                period: Some(k), ..
-            } = bound.effect.search()
-            {
+            if let Some(k) = place_parameter(bound.effect) {
                 bound.values[k] = self.place;
             }
         }
@@ -220,26 +209,6 @@ impl Candidate {
         }
         numbers
     }
-}
-
-/// Whether two effects are the same, taking the scale of one winch and the scale of all winches as the same.
-pub(super) fn is_same_kind(one: &Effect, other: &Effect) -> bool {
-    let scale = |effect: &Effect| matches!(effect.id(), "winch_scale" | "winch_scale_common");
-    std::ptr::eq(one, other) || scale(one) && scale(other)
-}
-
-/// Whether two causes have the same effect and targets, ignoring the pose of an event or the period of a wave.
-pub(super) fn is_same_effect_and_targets(one: &Cause, other: &Cause) -> bool {
-    let targets = |cause: &Cause| -> Vec<(Vec<usize>, bool)> {
-        let instances = cause.instances.iter();
-        instances.map(|b| (b.cables.clone(), b.targeted)).collect()
-    };
-    std::ptr::eq(one.effect(), other.effect()) && targets(one) == targets(other)
-}
-
-/// Whether two waves of these periods may be the same.
-pub(super) fn is_same_period(one: f64, other: f64) -> bool {
-    (one / other).max(other / one) < DISTINCT_PERIODS
 }
 
 /// Offset from the neutral value at which a parameter is differentiated. It is not zero for parameters on which nothing

@@ -6,12 +6,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::budget::{COLUMNS_AT_ONCE, FREQUENCIES_PER_WAVE, MAX_PERIODS};
 use super::candidates::{
-    Candidate, Column, PoseWeights, amplitude_of, estimable, is_same_effect_and_targets,
-    is_same_period, prior_sd, probe_offset, scales, size_parameter,
+    Candidate, Column, PoseWeights, amplitude_of, estimable, prior_sd, probe_offset, scales,
+    size_parameter,
 };
 use super::conditions::Conditions;
 use super::fit::Fit;
 use super::priors::{EXPECTED_CAUSES, FAMILY_CORRELATION, TARGET_WEIGHTS, TargetShares};
+use super::relations::{is_same_effect_and_targets, is_same_period, place_parameter};
 use super::report::Cause;
 use crate::effect::{BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_EXTERNAL_POSES, Scope, Search};
 use crate::estimation::{Linearisation, ParameterId};
@@ -398,12 +399,12 @@ impl Builder<'_> {
     /// Whether the model has a cause on each of its cables already, at the same pose or with the same period.
     fn is_in_model(&self, cause: &Cause, place: f64) -> bool {
         let model = &self.fit.problem.free_effects[..self.fit.model_effects()];
-        let is_at_place = |bound: &BoundEffect| match bound.effect.search() {
-            Search::FromPose(k) | Search::AtPose(k) => bound.values[k] == place,
-            Search::Wave {
-                period: Some(k), ..
-            } => is_same_period(bound.values[k], place),
-            _ => true,
+        let is_at_place = |bound: &BoundEffect| {
+            let own = place_parameter(bound.effect).map(|k| bound.values[k]);
+            match bound.effect.search() {
+                Search::Wave { .. } => own.is_none_or(|own| is_same_period(own, place)),
+                _ => own.is_none_or(|own| own == place),
+            }
         };
         let alike = |bound: &&BoundEffect| bound.effect.id() == cause.effect().id();
         let known: Vec<_> = model

@@ -2,8 +2,8 @@
 
 use super::budget::{MAX_ALTERNATIVES, MIN_LISTED_PROBABILITY, MIN_POSSIBLE_PROBABILITY};
 use super::calibration::{NAMING_PROBABILITY, stated_probability};
-use super::candidates::{is_same_effect_and_targets, is_same_kind, is_same_period};
 use super::cause_sets::RankedSet;
+use super::relations::{covers, is_covered_by, is_family_member, is_same_effect_and_targets};
 use super::report::{Cause, PossibleCause};
 use crate::effect::Search;
 
@@ -198,58 +198,6 @@ fn add_probability(all: &mut Vec<PossibleCause>, cause: &Cause, probability: f64
             probability,
         }),
     }
-}
-
-/// Whether a set accounts for a cause, either by one of its causes or by several of the same effect on single cables.
-fn is_covered_by(set: &[Cause], own: &Cause) -> bool {
-    let is_same = |cause: &&Cause| {
-        std::ptr::eq(cause.effect(), own.effect()) && own.effect().pose_parameter().is_none()
-    };
-    let together: Vec<usize> = set.iter().filter(is_same).flat_map(Cause::cables).collect();
-    let cables = own.cables();
-    // A common value plus a deviation of one cable is not the same as a value for each cable.
-    let is_more = |cause: &Cause| is_family_member(cause, own) && !covers(cause, own);
-    let has_more = set.iter().any(is_more);
-    let is_each = |cause: &Cause| !has_more || std::ptr::eq(cause.effect(), own.effect());
-    set.iter().any(|cause| covers(cause, own) && is_each(cause))
-        || cables.len() > 1 && cables.iter().all(|cable| together.contains(cable))
-}
-
-/// Whether a cause is the effect of a family on just one of its cables.
-fn is_family_member(cause: &Cause, family: &Cause) -> bool {
-    let all = family.cables();
-    family.instances.len() > 1
-        && std::ptr::eq(cause.effect(), family.effect())
-        && cause.effect().pose_parameter().is_none()
-        && cause.cables().len() == 1
-        && cause.cables().iter().all(|cable| all.contains(cable))
-}
-
-/// Whether one cause covers another, apart from parameter values: on the same cables or more, with an event at the same
-/// reading, a step at most one pose away or a wave of about the same period.
-fn covers(one: &Cause, other: &Cause) -> bool {
-    let whole = |one: &Cause, other: &Cause| {
-        one.cables().is_empty() && other.instances.len() == one.instances[0].cables.len()
-    };
-    // A value for all cables covers a value for each, and vice versa.
-    if is_same_kind(one.effect(), other.effect()) && (whole(one, other) || whole(other, one)) {
-        return true;
-    }
-    if !std::ptr::eq(one.effect(), other.effect()) {
-        return false;
-    }
-    let place = |cause: &Cause, k: usize| cause.instances[0].values[k];
-    let near = match one.effect().search() {
-        Search::AtPose(k) => place(one, k) == place(other, k),
-        Search::FromPose(k) => (place(one, k) - place(other, k)).abs() <= 1.0,
-        Search::Wave {
-            period: Some(k), ..
-        } => is_same_period(place(one, k), place(other, k)),
-        _ => true,
-    };
-    let (a, b) = (one.cables(), other.cables());
-    let more = a.len() > 1 && !b.is_empty() && b.iter().all(|cable| a.contains(cable));
-    near && (a == b || more)
 }
 
 #[cfg(test)]

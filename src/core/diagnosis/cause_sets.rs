@@ -1,10 +1,8 @@
-//! Sets of causes: whether two are the same, and whether their values are possible.
+//! Sets of causes, and whether their values are possible.
 
-use super::candidates::{is_same_effect_and_targets, is_same_period};
 use super::fit::Fit;
 use super::priors::IMPOSSIBLE_FACTOR;
 use super::report::Cause;
-use crate::effect::Search;
 
 /// A set of causes with its posterior.
 #[derive(Debug, Clone)]
@@ -28,23 +26,4 @@ pub(super) fn has_possible_values(cause: &Cause) -> bool {
             p.discrete || (value - p.neutral).abs() < IMPOSSIBLE_FACTOR * largest.max(p.prior_sd);
         sized && *value >= p.bounds[0] && *value <= p.bounds[1]
     })
-}
-
-/// Whether two sets consist of the same causes, in any order.
-pub(super) fn is_same_set(one: &[Cause], other: &[Cause]) -> bool {
-    let contains = |all: &[Cause], cause: &Cause| all.iter().any(|c| is_same_cause(c, cause));
-    one.len() == other.len() && one.iter().all(|cause| contains(other, cause))
-}
-
-/// Whether two causes have the same effect and targets, events the same pose, and waves about the same period.
-pub(super) fn is_same_cause(one: &Cause, other: &Cause) -> bool {
-    let value = |cause: &Cause, k: usize| cause.instances[0].values[k];
-    is_same_effect_and_targets(one, other)
-        && match one.effect().search() {
-            Search::FromPose(k) | Search::AtPose(k) => value(one, k) == value(other, k),
-            Search::Wave {
-                period: Some(k), ..
-            } => is_same_period(value(one, k), value(other, k)),
-            _ => true,
-        }
 }

@@ -8,12 +8,12 @@ use super::budget::{
     KEPT_WITHIN, MAX_EXTENDED, MAX_POINTS, MIN_INFORMATION, RIVAL_WITHIN, SETTLED_WITHIN,
 };
 use super::calibration::LINEARISATION_ERROR;
-use super::candidates::is_same_effect_and_targets;
 use super::evidence::{Member, System};
 use super::gram::Gram;
 use super::hyperparameters::{Hyperparameters, Start};
 use super::linear_fit::{LinearFit, OwnEvidence};
 use super::progress::Reporter;
+use super::relations::is_same_effect_and_targets;
 use super::report::Cause;
 use super::search::{CandidateSet, EvaluatedSet, Search, set_of, settled};
 use crate::statistics::log_sum;

@@ -44,6 +44,7 @@ mod projector;
 mod reading_errors;
 mod reading_id;
 mod reduced_problem;
+mod relations;
 mod report;
 mod residual_space;
 mod search;

@@ -185,6 +185,28 @@ impl<'g, 'l> Search<'g, 'l> {
         self.best().map_or(f64::NEG_INFINITY, |b| b.log_posterior)
     }
 
+    /// What candidates that a set does not exclude would add to its log posterior, if at least `least`: the largest first.
+    fn additions(
+        &self,
+        system: &System,
+        members: &[Member],
+        least: f64,
+        is_eligible: impl Fn(usize) -> bool,
+    ) -> Vec<(f64, Member)> {
+        let all = self.gram.candidates;
+        let is_allowed = |index: &usize| {
+            let excludes = |m: &Member| all[*index].excludes(&all[m.0]);
+            is_eligible(*index) && !members.iter().any(excludes)
+        };
+        let gain = |index: usize| {
+            let (gain, scale) = system.gain(self.gram, index, least)?;
+            (gain >= least).then_some((gain, (index, scale)))
+        };
+        let mut found: Vec<_> = (0..all.len()).filter(is_allowed).filter_map(gain).collect();
+        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        found
+    }
+
     /// Evaluates a set extended by each candidate, discarding extensions far below `best_value`.
     fn extend(&mut self, members: &[Member], best_value: f64) {
         self.extended.insert(set_of(members));
@@ -193,22 +215,12 @@ impl<'g, 'l> Search<'g, 'l> {
         }
         let system = System::extensible(self.gram, members);
         let least = best_value - RECORD_WITHIN - system.log_posterior;
-        let all = self.gram.candidates;
-        let allowed = |index: &usize| {
-            let candidate = &all[*index];
-            members.iter().all(|m| !candidate.excludes(&all[m.0]))
-        };
-        let mut found: Vec<(f64, Member)> = (0..all.len())
-            .filter(allowed)
-            .filter_map(|index| {
-                let (gain, scale) = system.gain(self.gram, index, least)?;
-                // A gain from the prior odds alone means that the readings speak against the candidate.
-                let speaks_for = gain > system.log_odds(self.gram, index);
-                (gain >= least && speaks_for).then_some((gain, (index, scale)))
-            })
-            .collect();
-        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        for (gain, member) in found.into_iter().take(MAX_RECORDED) {
+        let found = self.additions(&system, members, least, |_| true);
+        // A gain from the prior odds alone means that the readings speak against the candidate.
+        let is_evident =
+            |(gain, (index, _)): &(f64, Member)| *gain > system.log_odds(self.gram, *index);
+        let evident: Vec<_> = found.into_iter().filter(is_evident).collect();
+        for (gain, member) in evident.into_iter().take(MAX_RECORDED) {
             let mut more = members.to_vec();
             more.push(member);
             self.record(more, system.log_posterior + gain);
@@ -230,16 +242,9 @@ impl<'g, 'l> Search<'g, 'l> {
             if off < RECORD_WITHIN {
                 continue;
             }
-            let is_eligible = |index: &usize| {
-                let candidate = &all[*index];
-                !std::ptr::eq(candidate.effect(), all[*cause].effect())
-                    && fewer.iter().all(|m| !candidate.excludes(&all[m.0]))
-            };
-            let gains = (0..all.len()).filter(is_eligible).filter_map(|index| {
-                let (gain, scale) = system.gain(self.gram, index, f64::NEG_INFINITY)?;
-                Some((gain, (index, scale)))
-            });
-            let Some((gain, other)) = gains.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+            let is_other = |index: usize| !std::ptr::eq(all[index].effect(), all[*cause].effect());
+            let others = self.additions(&system, &fewer, f64::NEG_INFINITY, is_other);
+            let Some((gain, other)) = others.first().copied() else {
                 continue;
             };
             let value = system.log_posterior + gain;
@@ -258,29 +263,14 @@ impl<'g, 'l> Search<'g, 'l> {
         let Some(members) = self.best().map(|b| b.members.clone()) else {
             return;
         };
-        for (place, (family, _)) in members.iter().enumerate() {
+        for ((family, _), fewer) in members.iter().zip(leave_one_out(&members)) {
             if !all[*family].is_family() {
                 continue;
             }
-            let mut fewer = members.clone();
-            fewer.remove(place);
             let system = System::extensible(self.gram, &fewer);
-            let is_eligible = |index: &usize| {
-                let candidate = &all[*index];
-                index != family
-                    && !candidate.is_event()
-                    && !candidate.is_family()
-                    && fewer.iter().all(|m| !candidate.excludes(&all[m.0]))
-            };
-            let mut gains: Vec<(f64, Member)> = (0..all.len())
-                .filter(is_eligible)
-                .filter_map(|index| {
-                    let (gain, scale) = system.gain(self.gram, index, f64::NEG_INFINITY)?;
-                    Some((gain, (index, scale)))
-                })
-                .collect();
-            gains.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-            for (_, member) in gains.into_iter().take(MAX_REPLACEMENTS) {
+            let is_single = |index: usize| !all[index].is_event() && !all[index].is_family();
+            let instead = self.additions(&system, &fewer, f64::NEG_INFINITY, is_single);
+            for (_, member) in instead.into_iter().take(MAX_REPLACEMENTS) {
                 let mut instead = fewer.clone();
                 instead.push(member);
                 if !self.extended.contains(&set_of(&instead)) {
@@ -317,7 +307,7 @@ impl<'g, 'l> Search<'g, 'l> {
 
     fn reduce_families_of(&mut self, members: &[Member]) {
         let all = self.gram.candidates;
-        for (place, (family, _)) in members.iter().enumerate() {
+        for ((family, _), mut fewer) in members.iter().zip(leave_one_out(members)) {
             let family = &all[*family];
             if !family.is_family() {
                 continue;
@@ -327,8 +317,6 @@ impl<'g, 'l> Search<'g, 'l> {
                 candidate.is_single() && std::ptr::eq(candidate.effect(), family.effect())
             };
             let mut open: Vec<usize> = (0..all.len()).filter(is_member).collect();
-            let mut fewer = members.to_vec();
-            fewer.remove(place);
             while open.len() > 1 && fewer.len() < self.most {
                 let range = open[0]..=open[open.len() - 1];
                 let system = System::extensible_by(self.gram, &fewer, range);

@@ -6,9 +6,10 @@
 //! sets most similar to it.
 
 use super::budget::{FIT_WITHIN, MAX_FITS, RIVAL_WITHIN};
-use super::cause_sets::{RankedSet, is_same_set};
+use super::cause_sets::RankedSet;
 use super::evidence::Member;
 use super::linear_fit::LinearFit;
+use super::relations::is_same_set;
 use super::report::Cause;
 
 /// A set with its evidence from the linear comparison and from its own fit.

@@ -36,12 +36,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::budget::{ISOLABILITY_POINTS, RULED_OUT};
 use super::calibration::NAMING_PROBABILITY;
-use super::candidates::{Candidate, is_same_effect_and_targets};
+use super::candidates::Candidate;
 use super::doctor::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::fit::Fit;
 use super::gram::{CandidateScore, Gram};
 use super::linear_fit::LinearFit;
 use super::priors::AS_STATED;
+use super::relations::is_same_effect_and_targets;
 use super::report::Cause;
 use crate::effect::measurements_as_modelled;
 use crate::estimation::EstimationError;

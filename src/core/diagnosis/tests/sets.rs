@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::super::candidates::PoseWeights;
-use super::super::cause_sets::is_same_cause;
 use super::super::conditions::concatenate_columns;
 use super::super::evidence::{Member, System};
 use super::super::gram::Gram;
@@ -11,6 +10,7 @@ use super::super::hyperparameters::Hyperparameters;
 use super::super::inference::inference_at_fit;
 use super::super::linear_fit::LinearFit;
 use super::super::priors::AMPLITUDES;
+use super::super::relations::is_same_cause;
 use super::super::report::Cause;
 use super::super::search::{EvaluatedSet, Search, settled};
 use super::{Fit, diagnosed, found, problem_at_fitted_poses, run_with, setting};

@@ -1,0 +1,106 @@
+//! Relations between causes, whatever their sizes: whether two are the same, and whether one accounts for another.
+
+use super::calibration::DISTINCT_PERIODS;
+use super::report::Cause;
+use crate::effect::{Effect, Search};
+
+/// Index of the parameter that places an effect: the pose of an event, or the period of a wave.
+pub(super) fn place_parameter(effect: &Effect) -> Option<usize> {
+    match effect.search() {
+        Search::FromPose(k)
+        | Search::AtPose(k)
+        | Search::Wave {
+            period: Some(k), ..
+        } => Some(k),
+        _ => None,
+    }
+}
+
+/// Label of the pose of an event, or period of a wave (m).
+pub(super) fn place(cause: &Cause) -> Option<f64> {
+    place_parameter(cause.effect()).map(|k| cause.instances[0].values[k])
+}
+
+/// Whether two causes with the same effect have the same place: waves about the same period, and steps poses that are at
+/// most `most_steps` apart.
+fn is_same_place(one: &Cause, other: &Cause, most_steps: f64) -> bool {
+    let Some((a, b)) = place(one).zip(place(other)) else {
+        return true;
+    };
+    match one.effect().search() {
+        Search::Wave { .. } => is_same_period(a, b),
+        Search::FromPose(_) => (a - b).abs() <= most_steps,
+        _ => a == b,
+    }
+}
+
+/// Whether two waves of these periods may be the same.
+pub(super) fn is_same_period(one: f64, other: f64) -> bool {
+    (one / other).max(other / one) < DISTINCT_PERIODS
+}
+
+/// Whether two effects are the same, taking the scale of one winch and the scale of all winches as the same.
+pub(super) fn is_same_kind(one: &Effect, other: &Effect) -> bool {
+    let scale = |effect: &Effect| matches!(effect.id(), "winch_scale" | "winch_scale_common");
+    std::ptr::eq(one, other) || scale(one) && scale(other)
+}
+
+/// Whether two causes have the same effect and targets, ignoring the pose of an event or the period of a wave.
+pub(super) fn is_same_effect_and_targets(one: &Cause, other: &Cause) -> bool {
+    let targets = |cause: &Cause| -> Vec<(Vec<usize>, bool)> {
+        let instances = cause.instances.iter();
+        instances.map(|b| (b.cables.clone(), b.targeted)).collect()
+    };
+    std::ptr::eq(one.effect(), other.effect()) && targets(one) == targets(other)
+}
+
+/// Whether two causes have the same effect and targets, events the same pose, and waves about the same period.
+pub(super) fn is_same_cause(one: &Cause, other: &Cause) -> bool {
+    is_same_effect_and_targets(one, other) && is_same_place(one, other, 0.0)
+}
+
+/// Whether two sets consist of the same causes, in any order.
+pub(super) fn is_same_set(one: &[Cause], other: &[Cause]) -> bool {
+    let contains = |all: &[Cause], cause: &Cause| all.iter().any(|c| is_same_cause(c, cause));
+    one.len() == other.len() && one.iter().all(|cause| contains(other, cause))
+}
+
+/// Whether one cause covers another: on the same cables or more, with an event at the same reading, a step at most one
+/// pose away or a wave of about the same period.
+pub(super) fn covers(one: &Cause, other: &Cause) -> bool {
+    let whole = |one: &Cause, other: &Cause| {
+        one.cables().is_empty() && other.instances.len() == one.instances[0].cables.len()
+    };
+    // A value for all cables covers a value for each, and vice versa.
+    if is_same_kind(one.effect(), other.effect()) && (whole(one, other) || whole(other, one)) {
+        return true;
+    }
+    let (a, b) = (one.cables(), other.cables());
+    let more = a.len() > 1 && !b.is_empty() && b.iter().all(|cable| a.contains(cable));
+    std::ptr::eq(one.effect(), other.effect()) && is_same_place(one, other, 1.0) && (a == b || more)
+}
+
+/// Whether a cause is the effect of a family on just one of its cables.
+pub(super) fn is_family_member(cause: &Cause, family: &Cause) -> bool {
+    let all = family.cables();
+    family.instances.len() > 1
+        && std::ptr::eq(cause.effect(), family.effect())
+        && cause.effect().pose_parameter().is_none()
+        && cause.cables().len() == 1
+        && cause.cables().iter().all(|cable| all.contains(cable))
+}
+
+/// Whether a set accounts for a cause, either by one of its causes or by several of the same effect on single cables.
+pub(super) fn is_covered_by(set: &[Cause], own: &Cause) -> bool {
+    let is_same = |cause: &&Cause| {
+        std::ptr::eq(cause.effect(), own.effect()) && own.effect().pose_parameter().is_none()
+    };
+    let together: Vec<usize> = set.iter().filter(is_same).flat_map(Cause::cables).collect();
+    let cables = own.cables();
+    // A common value plus a deviation of one cable is not the same as a value for each cable.
+    let is_more = |cause: &Cause| is_family_member(cause, own) && !covers(cause, own);
+    let has_more = set.iter().any(is_more);
+    let is_each = |cause: &Cause| !has_more || std::ptr::eq(cause.effect(), own.effect());
+    set.iter().any(|cause| covers(cause, own) && is_each(cause))
+        || cables.len() > 1 && cables.iter().all(|cable| together.contains(cable))
+}
