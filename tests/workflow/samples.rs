@@ -126,9 +126,7 @@ fn creep_and_slip_are_named() {
         .expect("a diagnosis")
         .diagnosis
         .findings;
-    // The slip is close to what tolerances hide: it is the only candidate, but stated with less than 95 %.
-    assert_eq!(findings[0].verdict(), Verdict::Named);
-    assert!(!findings[1].is_list());
+    assert!(findings.iter().all(|f| f.verdict() == Verdict::Named));
     assert_quoted(&made, &readme("hall-creep-and-slip"));
 }
 

@@ -256,6 +256,26 @@ mod tests {
     }
 
     #[test]
+    fn what_replaces_a_cause_counts_for_its_name() {
+        let slip_or_shift = |slip: f64| {
+            let sets = vec![
+                (vec![on("winch_offset", &[5])], slip),
+                (vec![on("platform_anchor", &[5])], 1.0 - slip),
+            ];
+            cause_posteriors(&ranked(sets)).0.remove(0)
+        };
+        // One of the two is certain, so that the name is stated with nearly its own probability.
+        let named = slip_or_shift(0.97);
+        assert!(named.is_named() && named.alternatives.is_empty());
+        let listed = slip_or_shift(0.9);
+        assert!(!listed.is_named() && listed.is_near_certain());
+        assert_eq!(listed.alternatives.len(), 1);
+        // If neither is certain, the same probability is no name.
+        let none = vec![(vec![on("winch_offset", &[5])], 0.97), (Vec::new(), 0.03)];
+        assert!(!cause_posteriors(&ranked(none)).0[0].is_named());
+    }
+
+    #[test]
     fn impossible_readings_have_no_posteriors() {
         let impossible = RankedSet {
             causes: vec![on("payload_mass", &[])],
