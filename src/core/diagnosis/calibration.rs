@@ -32,7 +32,7 @@ pub(super) const LINEARISATION_ERROR: f64 = 0.05;
 const OFFSET: f64 = -1.8;
 /// Stated log odds for each unit of the computed ones.
 const SLOPE: f64 = 0.64;
-/// Stated probability where the computed one is 1: errors outside the catalogue may look exactly like a cause.
+/// Stated probability where the computed one is 1: errors outside the catalogue may look exactly like a cause of typical size.
 const CEILING: f64 = 0.991;
 
 /// The stated probability of a computed one, `c s(a + b logit p)` with the logistic function `s`. The evidence knows only
@@ -46,9 +46,13 @@ pub fn stated_probability(computed: f64) -> f64 {
     }
 }
 
-// Errors outside the catalogue that look like a cause.
-/// Log odds for a cause of typical size against an error outside the catalogue that looks exactly like it.
-pub(super) const LOOKS_THE_SAME: f64 = 4.5;
+/// Ratio of the stated probability of a cause of atypical size to that of one of typical size: an error outside the catalogue that
+/// looks exactly like it is as probable as ever, but such a size is rarer by the factor `exp(log_rarity)`.
+pub(super) fn share_of_atypical_size(log_rarity: f64) -> f64 {
+    1.0 / (CEILING + (1.0 - CEILING) * log_rarity.exp())
+}
+
+// Errors without a name.
 /// Log posterior odds from which an unmodelled error is reported.
 pub(super) const REPORTED_LOG_ODDS: f64 = 5.0;
 /// Log odds of an unmodelled error in place of a cause below which it is ignored.
@@ -71,6 +75,8 @@ mod tests {
             .map(|k| stated_probability(f64::from(k) / 1000.0))
             .collect();
         assert!(stated.is_sorted());
+        assert_eq!(share_of_atypical_size(0.0), 1.0);
+        assert!(share_of_atypical_size(10.0) < 0.01);
         let even = OFFSET.exp() / (1.0 + OFFSET.exp());
         assert!((stated[500] - CEILING * even).abs() < 1e-12);
     }

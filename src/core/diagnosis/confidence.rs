@@ -2,7 +2,7 @@
 
 use super::adequacy::adequacy;
 use super::budget::{MAX_ALTERNATIVES, MIN_POSSIBLE_PROBABILITY};
-use super::calibration::{LOOKS_THE_SAME, NAMING_PROBABILITY};
+use super::calibration::{NAMING_PROBABILITY, share_of_atypical_size};
 use super::candidates::{log_rarity, size_parameter};
 use super::cause_posteriors::{CausePosterior, stated_share};
 use super::cause_sets::has_possible_values;
@@ -146,9 +146,8 @@ pub(super) fn confirm_causes<'a>(
     })
 }
 
-/// Shares the probability of each cause with errors outside the catalogue that explain the same readings: a function that
-/// replaces the cause, heavy tails of the noise, and an error that looks like a cause of a size that real machines do not
-/// have. Returns what each cause lost to errors. `rivals` are those of the last findings.
+/// Shares the probability of each cause with errors that the evidence prefers: a function that replaces the cause, and heavy
+/// tails of the noise. Returns what each cause lost to them. `rivals` are those of the last findings.
 pub(super) fn allow_for_errors(
     findings: &mut [Finding],
     inference: &Inference<'_>,
@@ -164,40 +163,51 @@ pub(super) fn allow_for_errors(
         };
         let rival = rivals[own].as_ref();
         let replaced = rival.map_or(0.0, |rival| rival.log_odds.exp());
-        let scattered = tails[index] + log_rarity_of(finding).exp_m1() * (-LOOKS_THE_SAME).exp();
-        let odds = replaced + scattered;
-        let probability = finding.probability * odds / (1.0 + odds);
+        // Odds may be infinite.
+        let probability = finding.probability / (1.0 + (replaced + tails[index]).recip());
         finding.probability -= probability;
         let error = match rival {
-            Some(rival) if replaced >= scattered => Some(rival.error.clone()),
-            _ => inference
-                .most_affected_class(own)
-                .map(UnmodelledError::scatter),
+            Some(rival) if replaced >= tails[index] => Some(rival.error.clone()),
+            _ => scatter_like(inference, own),
         };
-        if let Some(error) = error.filter(|_| probability >= MIN_POSSIBLE_PROBABILITY) {
-            finding.alternatives.truncate(MAX_ALTERNATIVES - 1);
-            finding.alternatives.push(Alternative {
-                subject: Subject::UnmodelledError(error),
-                probability,
-            });
-        }
+        add_error(finding, error, probability);
         probability
     };
     findings.iter_mut().enumerate().map(lost).collect()
+}
+
+/// Excess scatter of the readings that a cause affects most.
+fn scatter_like(inference: &Inference<'_>, cause: usize) -> Option<UnmodelledError> {
+    let readings = inference.most_affected_class(cause);
+    readings.map(UnmodelledError::scatter)
+}
+
+/// Adds an error to the alternatives of a finding, unless its probability is too small to be said.
+fn add_error(finding: &mut Finding, error: Option<UnmodelledError>, probability: f64) {
+    let Some(error) = error.filter(|_| probability >= MIN_POSSIBLE_PROBABILITY) else {
+        return;
+    };
+    finding.alternatives.truncate(MAX_ALTERNATIVES - 1);
+    finding.alternatives.push(Alternative {
+        subject: Subject::UnmodelledError(error),
+        probability,
+    });
 }
 
 /// Turns the computed probabilities of the findings into stated ones; a name has no alternatives. `posteriors` are those of
 /// the last findings, `of_errors` what each finding lost to errors.
 pub(super) fn state_probabilities(
     findings: &mut [Finding],
+    inference: &Inference<'_>,
     posteriors: &[CausePosterior],
     of_errors: &[f64],
 ) {
     let first = findings.len() - posteriors.len();
     for (index, (finding, lost)) in findings.iter_mut().zip(of_errors).enumerate() {
+        let own = index.checked_sub(first);
         let others = || finding.alternatives.iter().map(|other| other.probability);
         // One of the causes is present, or an error that none of them explains.
-        let computed = match index.checked_sub(first) {
+        let computed = match own {
             Some(own) => posteriors[own].with_replacements - lost,
             None => finding.probability + others().sum::<f64>(),
         };
@@ -210,6 +220,10 @@ pub(super) fn state_probabilities(
                 Subject::UnmodelledError(_) => of_errors,
             };
         }
+        let atypical = finding.probability * (1.0 - share_of_atypical_size(log_rarity_of(finding)));
+        finding.probability -= atypical;
+        let scatter = own.and_then(|own| scatter_like(inference, own));
+        add_error(finding, scatter, atypical);
         if finding.verdict() == Verdict::Named {
             finding.alternatives.clear();
         }

@@ -156,7 +156,7 @@ fn examine(
             remaining_errors.extend(remaining.first().map(WeighedError::from_discrepancy));
         }
         let of_errors = allow_for_errors(&mut findings, &inference, &unmodelled.rivals, &space);
-        state_probabilities(&mut findings, &posteriors, &of_errors);
+        state_probabilities(&mut findings, &inference, &posteriors, &of_errors);
         findings.extend(remaining_errors.iter().map(|s| s.finding(fit)));
         possible = stated_causes(possible);
     }
