@@ -56,14 +56,14 @@ pub use recovery::{
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use sensors::{Catalogue, CatalogueEntry, Growth, Sensor, SensorSource};
 pub use session::{
-    Acceptance, Adjustment, AdsPlace, Connection, ControllerKind, DiagnosisSettings,
+    Acceptance, Adjustment, AdsPlace, Connection, ControllerKind, DiagnosisSettings, ForeignWrite,
     IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings,
     LogEntry, MeasuredPose, MeasuringWarning, Method, NamedValue, NotATimestamp, OpcUaPlace,
-    Outcome, Phase, PlannedPose, RecordingPlace, ResultDocument, ResultRecord, Session, Settings,
-    Simulator, Stage, StoppedVerification, SymbolCommand, SymbolList, SymbolMapping, SymbolNames,
-    SymbolParameter, SymbolPose, SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue,
-    Timestamp, ValueChange, Verification, is_per_cable, name_of_cable, parse_session, read_session,
-    without_user, write_session,
+    Outcome, Phase, PlannedPose, RecordingPlace, ResultDocument, ResultRecord, RunValues, Session,
+    Settings, Simulator, Stage, StoppedVerification, SymbolCommand, SymbolList, SymbolMapping,
+    SymbolNames, SymbolParameter, SymbolPose, SymbolReadings, SymbolRotation, SymbolStatus,
+    SymbolValue, Timestamp, ValueChange, Verification, is_per_cable, name_of_cable, parse_session,
+    read_session, without_user, write_session,
 };
 pub use symbols_file::{read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};

@@ -12,6 +12,7 @@ pub mod documents;
 pub mod exporting;
 pub mod fonts;
 pub mod identification;
+pub mod foreign_writes;
 pub mod importing;
 pub mod planning;
 pub mod plot;

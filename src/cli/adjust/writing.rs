@@ -14,10 +14,11 @@ use tautline_workflow::adjusting::{
     Purpose, begun, held, not_restored, old_and_new, outcome, summary,
 };
 use tautline_workflow::clock;
+use tautline_workflow::foreign_writes::{ValuesRead, end_run};
 
 use super::document::{AdjustmentDocument, print};
 use crate::live::{Connection, SessionFile, interrupt, link_error};
-use crate::output::ReservedOutput;
+use crate::output::{ReservedOutput, note};
 
 /// Number of attempts to restore a lost connection.
 const ATTEMPTS: u32 = 8;
@@ -56,8 +57,17 @@ pub fn write(
 ) -> Result<WriteOutcome> {
     interrupt::finish_first()?;
     connection.controller.arm().map_err(link_error)?;
-    file.session.controller = held(parameters);
+    // A run that was killed has not been compared yet, and its values are about to be replaced.
     let identity = connection.controller.identity();
+    let read = ValuesRead {
+        controller: &identity,
+        parameters,
+    };
+    if let Some(text) = end_run(&mut file.session, read, None, clock::now()) {
+        note!("{text}");
+        file.log(Phase::Poses, text);
+    }
+    file.session.controller = held(parameters);
     let record = begun(
         (identity, operator()),
         parameters,

@@ -42,7 +42,7 @@ impl Adjustment {
     }
 }
 
-/// One parameter of a controller before and after an adjustment.
+/// One parameter of a controller before and after a change.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ValueChange {
     /// Name in the controller.
@@ -53,7 +53,9 @@ pub struct ValueChange {
     #[serde(deserialize_with = "number_or_null")]
     #[schemars(with = "Option<f64>")]
     pub before: f64,
-    /// The new value.
+    /// The new value; null in a file if the controller holds NaN or infinity.
+    #[serde(deserialize_with = "number_or_null")]
+    #[schemars(with = "Option<f64>")]
     pub after: f64,
 }
 

@@ -6,6 +6,7 @@ mod check;
 mod connection;
 mod controller_values;
 mod document;
+mod foreign_write;
 mod laser_settings;
 mod log;
 mod measured_pose;
@@ -38,6 +39,7 @@ pub use connection::{
 };
 pub(crate) use document::SessionFile;
 pub use laser_settings::{LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
+pub use foreign_write::{ForeignWrite, RunValues};
 pub use log::{LogEntry, MeasuringWarning, Phase, ResultRecord};
 pub use measured_pose::MeasuredPose;
 pub(crate) use measurement_table::MeasurementTable;
@@ -114,6 +116,12 @@ pub struct Session<M = Measurements> {
     #[serde(default)]
     log: Vec<LogEntry>,
 }
+    /// Values of the controller at the start of a measuring run whose end was not compared with them yet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    run_values: Option<RunValues>,
+    /// Values of the controller that others changed during measuring runs, the oldest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    foreign_writes: Vec<ForeignWrite>,
 
 impl<M> Session<M> {
     /// The same session with another form of the measurements.
@@ -145,6 +153,8 @@ impl<M> Session<M> {
 
 impl Session {
     /// An empty session of a robot.
+            run_values: self.run_values.clone(),
+            foreign_writes: self.foreign_writes.clone(),
     #[must_use]
     pub fn new(name: impl Into<String>, robot: Robot, now: Timestamp) -> Self {
         Self {
@@ -175,6 +185,8 @@ impl Session {
     /// separate series with its own home row.
     #[must_use]
     pub fn another_series(&self, name: impl Into<String>, now: Timestamp) -> Self {
+            run_values: None,
+            foreign_writes: Vec::new(),
         Self {
             plan: self.plan.clone(),
             phases: self.phases.clone(),
@@ -283,10 +295,13 @@ impl Session {
 
     /// Warnings of the poses that are used: measured and not excluded.
     pub fn measuring_warnings(&self) -> impl Iterator<Item = &MeasuringWarning> {
-        let is_used =
-            |pose: i64| self.measurements.labels.contains(&pose) && !self.excluded.contains(&pose);
         let warnings = self.measuring_warnings.iter();
-        warnings.filter(move |warning| is_used(warning.pose))
+        warnings.filter(|warning| self.is_used(warning.pose))
+    }
+
+    /// Whether a pose is measured and not excluded.
+    fn is_used(&self, pose: i64) -> bool {
+        self.measurements.labels.contains(&pose) && !self.excluded.contains(&pose)
     }
 
     /// Steps of the operator, the oldest first.

@@ -113,6 +113,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
             let arms = std::mem::take(&mut model.link.arms_when_connected) && is_own;
             model.link.connected = Some(Connected { session_id, rig });
             model.link.take_parameters(parameters);
+            run::compare(model, &parameters);
             if arms {
                 model.link.send(DriverCommand::Arm);
             }
@@ -190,6 +191,10 @@ fn regained(model: &mut Model, parameters: Vec<ParameterInfo>) {
     let text = format!("Reconnected. {holds} Arm the controller to go on.");
     match others {
         0 => model.messages.info(text),
+    match model.link.is_measuring() {
+        true => run::values_at_start(model, &parameters),
+        false => run::compare(model, &parameters),
+    }
         _ => model.messages.warning(text),
     }
     adjust::settle(model);
