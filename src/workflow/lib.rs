@@ -4,6 +4,7 @@
 
 pub mod accuracy;
 pub mod adjusting;
+pub mod audit;
 pub mod clock;
 pub mod comparison;
 pub mod controllers;
@@ -11,8 +12,8 @@ pub mod diagnosis;
 pub mod documents;
 pub mod exporting;
 pub mod fonts;
-pub mod identification;
 pub mod foreign_writes;
+pub mod identification;
 pub mod importing;
 pub mod planning;
 pub mod plot;

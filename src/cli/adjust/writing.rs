@@ -13,6 +13,7 @@ use tautline_session::{Outcome, Phase};
 use tautline_workflow::adjusting::{
     Purpose, begun, held, not_restored, old_and_new, outcome, summary,
 };
+use tautline_workflow::audit::system_user;
 use tautline_workflow::clock;
 use tautline_workflow::foreign_writes::{ValuesRead, end_run};
 
@@ -69,7 +70,7 @@ pub fn write(
     }
     file.session.controller = held(parameters);
     let record = begun(
-        (identity, operator()),
+        (identity, system_user()),
         parameters,
         values,
         purpose,
@@ -157,9 +158,12 @@ pub fn conclude(
     written: &WriteOutcome,
 ) -> Result<()> {
     let concluded = written.outcome.clone();
-    file.session.conclude_adjustment(concluded, clock::now());
-    if let Ok(parameters) = connection.controller.parameters() {
-        file.session.controller = held(&parameters);
+    let holds = connection.controller.parameters().ok();
+    let holds = holds.as_deref().map(held);
+    let session = &mut file.session;
+    session.conclude_adjustment(concluded, holds.as_deref(), clock::now());
+    if let Some(holds) = holds {
+        session.controller = holds;
     }
     file.log(Phase::Accuracy, written.text.clone());
     file.save().map_err(|error| {
@@ -170,11 +174,4 @@ pub fn conclude(
         )
     })?;
     Ok(file.remove_controller()?)
-}
-
-/// The user who runs the program.
-fn operator() -> String {
-    let names = ["USER", "LOGNAME", "USERNAME"].iter();
-    let mut found = names.filter_map(|name| std::env::var(name).ok());
-    found.find(|name| !name.is_empty()).unwrap_or_default()
 }

@@ -29,6 +29,10 @@ pub struct Adjustment {
     pub changes: Vec<ValueChange>,
     /// Its outcome.
     pub outcome: Outcome,
+    /// The values of these parameters as they were read after it; empty in files of earlier versions, and if they could not be
+    /// read.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub read_back: Vec<NamedValue>,
     /// Whether it was to bring back the values from before an earlier one.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub restores: bool,

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{NamedValue, Session, Timestamp, ValueChange};
+use super::{NamedValue, Session, Timestamp, TrailPart, ValueChange};
 
 /// The values of the controller at the start of a measuring run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -60,6 +60,7 @@ impl Session {
     pub fn add_foreign_write(&mut self, write: ForeignWrite) {
         self.modified = self.modified.max(write.noticed);
         self.foreign_writes.push(write);
+        self.cover(TrailPart::ForeignWrite(self.foreign_writes.len() - 1));
     }
 
     /// Values that others changed while poses were measured of which at least one is used, that is, not excluded.

@@ -141,6 +141,7 @@ fn values_written_after_a_kill_are_noticed_by_the_next_command() {
     );
     let marked = session(&file);
     let writes: Vec<_> = marked.foreign_writes().collect();
+    assert_eq!(marked.audit(), []);
     // The poses of the killed run, not those of the next one, which had the new values throughout.
     assert_eq!(writes.len(), 1);
     assert!((4..7).contains(&writes[0].poses.len()), "{:?}", writes[0]);
