@@ -327,20 +327,13 @@ impl Session {
 
     /// All parts that the trail covers, except poses.
     fn parts(&self) -> Vec<TrailPart> {
-        let lists: [(usize, fn(usize) -> TrailPart); 5] = [
-            (self.log.len(), TrailPart::Log),
-            (self.adjustments.len(), TrailPart::Adjustment),
-            (self.verifications.len(), TrailPart::Verification),
-            (
-                self.stopped_verifications.len(),
-                TrailPart::StoppedVerification,
-            ),
-            (self.foreign_writes.len(), TrailPart::ForeignWrite),
-        ];
-        let lists = lists.into_iter();
-        lists
-            .flat_map(|(count, part)| (0..count).map(part))
-            .collect()
+        let mut parts: Vec<TrailPart> = (0..self.log.len()).map(TrailPart::Log).collect();
+        parts.extend((0..self.adjustments.len()).map(TrailPart::Adjustment));
+        parts.extend((0..self.verifications.len()).map(TrailPart::Verification));
+        let stopped = 0..self.stopped_verifications.len();
+        parts.extend(stopped.map(TrailPart::StoppedVerification));
+        parts.extend((0..self.foreign_writes.len()).map(TrailPart::ForeignWrite));
+        parts
     }
 
     fn uncovered(&self) -> Vec<TrailPart> {
