@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod adjust;
+mod audit;
 mod bad_input;
 mod check;
 mod compare;
@@ -110,6 +111,8 @@ enum Command {
     Adjust(adjust::Arguments),
     /// Move to test poses and paths and compute the accuracy figures of ISO 9283
     Verify(verify::Arguments),
+    /// Check that nothing was changed that a session recorded: readings, adjustments, operators, log
+    Audit(audit::Arguments),
     /// Studies of many simulated calibrations: which sensor, how many poses, what accuracy
     #[command(subcommand)]
     Study(study::Command),
@@ -182,6 +185,7 @@ pub fn run(window: &Window) -> ExitCode {
         Command::Report(arguments) => report::run(&arguments, window),
         Command::Adjust(arguments) => adjust::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Audit(arguments) => audit::run(&arguments),
         Command::Study(command) => study::run(&command),
         Command::Symbols(arguments) => symbols::run(&arguments),
         Command::Effects => {

@@ -15,6 +15,7 @@ use crate::output::say;
 use tautline_import::{ImportDocument, Recipe};
 use tautline_study::{StudyFile, StudyPlan, StudyResult};
 use tautline_workflow::accuracy::Accuracy;
+use tautline_workflow::audit::AuditDocument;
 use tautline_workflow::documents::diagnosis::DiagnosisDocument;
 use tautline_workflow::documents::plan::PlanDocument;
 use tautline_workflow::identification::IdentificationDocument;
@@ -36,6 +37,7 @@ pub fn run(out: &Path) -> Result<()> {
     schemas.push(tautline_session::versioned_schema::<AdjustmentDocument>());
     schemas.push(tautline_session::versioned_schema::<VerificationDocument>());
     schemas.push(tautline_session::versioned_schema::<HomeDocument>());
+    schemas.push(tautline_session::versioned_schema::<AuditDocument>());
     schemas.push(tautline_session::versioned_schema::<StudyFile>());
     schemas.push(tautline_session::versioned_schema::<StudyPlan>());
     schemas.push(tautline_session::versioned_schema::<StudyResult>());

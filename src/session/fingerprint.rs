@@ -5,6 +5,7 @@ use std::io::{BufRead, BufReader, Result as IoResult};
 use std::path::Path;
 
 use serde_json::Value;
+use sha2::{Digest, Sha256};
 
 /// FNV-1a hash of 64 bits (Fowler, Noll and Vo), which detects accidental changes, not forgeries.
 #[derive(Debug, Clone, Copy)]
@@ -51,35 +52,12 @@ impl Fingerprint {
         Self(bytes.iter().fold(self.0, step))
     }
 
-    /// Adds a JSON value. The order of keys and the notation of numbers do not
-    /// matter, and a key with the value null counts as absent.
+    /// Adds a JSON value; see [`feed`].
     #[must_use]
     pub(crate) fn and_value(self, value: &Value) -> Self {
-        let length = |count: usize| (count as u64).to_le_bytes();
-        match value {
-            Value::Null => self.and(b"n"),
-            Value::Bool(value) => self.and(if *value { b"t" } else { b"f" }),
-            Value::Number(number) => {
-                // Adding 0 turns -0 into 0.
-                let number = number.as_f64().unwrap_or(f64::NAN) + 0.0;
-                self.and(b"d").and(&number.to_bits().to_le_bytes())
-            }
-            Value::String(text) => self.and(b"s").and(&length(text.len())).and(text.as_bytes()),
-            Value::Array(values) => {
-                let start = self.and(b"a").and(&length(values.len()));
-                values.iter().fold(start, Self::and_value)
-            }
-            Value::Object(map) => {
-                let mut entries: Vec<_> = map.iter().filter(|(_, v)| !v.is_null()).collect();
-                entries.sort_by_key(|(key, _)| *key);
-                let start = self.and(b"o").and(&length(entries.len()));
-                entries.into_iter().fold(start, |hash, (key, value)| {
-                    hash.and(&length(key.len()))
-                        .and(key.as_bytes())
-                        .and_value(value)
-                })
-            }
-        }
+        let mut hash = self;
+        feed(value, &mut |bytes| hash = hash.and(bytes));
+        hash
     }
 
     /// As 16 hexadecimal digits.
@@ -87,6 +65,66 @@ impl Fingerprint {
     pub fn to_hex(self) -> String {
         format!("{:016x}", self.0)
     }
+}
+
+/// Gives a JSON value to a hash, byte by byte. The order of keys and the notation of numbers do not
+/// matter, and a key with the value null counts as absent.
+fn feed(value: &Value, hash: &mut impl FnMut(&[u8])) {
+    let length = |count: usize| (count as u64).to_le_bytes();
+    match value {
+        Value::Null => hash(b"n"),
+        Value::Bool(value) => hash(if *value { b"t" } else { b"f" }),
+        Value::Number(number) => {
+            // Adding 0 turns -0 into 0.
+            let number = number.as_f64().unwrap_or(f64::NAN) + 0.0;
+            hash(b"d");
+            hash(&number.to_bits().to_le_bytes());
+        }
+        Value::String(text) => {
+            hash(b"s");
+            hash(&length(text.len()));
+            hash(text.as_bytes());
+        }
+        Value::Array(values) => {
+            hash(b"a");
+            hash(&length(values.len()));
+            values.iter().for_each(|value| feed(value, hash));
+        }
+        Value::Object(map) => {
+            let mut entries: Vec<_> = map.iter().filter(|(_, v)| !v.is_null()).collect();
+            entries.sort_by_key(|(key, _)| *key);
+            hash(b"o");
+            hash(&length(entries.len()));
+            for (key, value) in entries {
+                hash(&length(key.len()));
+                hash(key.as_bytes());
+                feed(value, hash);
+            }
+        }
+    }
+}
+
+/// SHA-256 of a JSON value, fed as to a [`Fingerprint`]: 64 hexadecimal digits. It detects forgeries.
+pub(crate) fn sha256(value: &Value) -> String {
+    let mut hash = Sha256::new();
+    feed(value, &mut |bytes| hash.update(bytes));
+    to_hex(&hash.finalize())
+}
+
+/// Bytes as hexadecimal digits.
+pub(crate) fn to_hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The bytes of exactly so many pairs of hexadecimal digits.
+pub(crate) fn from_hex<const N: usize>(text: &str) -> Option<[u8; N]> {
+    let digits: Option<Vec<u8>> = text.chars().map(|c| Some(c.to_digit(16)? as u8)).collect();
+    let digits = digits.filter(|digits| digits.len() == 2 * N)?;
+    let bytes: Vec<u8> = digits
+        .chunks(2)
+        .map(|pair| 16 * pair[0] + pair[1])
+        .collect();
+    bytes.try_into().ok()
 }
 
 #[cfg(test)]
@@ -103,6 +141,20 @@ mod tests {
         ] {
             assert_eq!(Fingerprint::of(text.as_bytes()).to_hex(), hex, "{text}");
         }
+    }
+
+    #[test]
+    fn hashes_of_values_are_those_of_their_bytes() {
+        // As printed by `printf 's\\x03\\0\\0\\0\\0\\0\\0\\0abc' | sha256sum`.
+        assert_eq!(
+            sha256(&json!("abc")),
+            "738cc6a4aeca85404f503c399ed1bf53f0e7e5b104bb428cc3b24df250a46e64"
+        );
+        assert_eq!(from_hex::<2>("0aFf"), Some([10, 255]));
+        for text in ["0af", "0aff00", "0agf", "-1+2"] {
+            assert_eq!(from_hex::<2>(text), None, "{text}");
+        }
+        assert_eq!(to_hex(&[10, 255]), "0aff");
     }
 
     #[test]

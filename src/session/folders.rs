@@ -51,6 +51,12 @@ impl Folders {
         self.config.join("sensors")
     }
 
+    /// The key that signs audit trails, see [`AuditKey`](crate::AuditKey).
+    #[must_use]
+    pub fn audit_key(&self) -> PathBuf {
+        self.config.join("audit.key")
+    }
+
     /// The recovery folder; see [`RecoveryWriter`](crate::RecoveryWriter).
     #[must_use]
     pub fn recovery(&self) -> PathBuf {

@@ -5,6 +5,7 @@
 //! atomically.
 
 mod atomic;
+mod audit_key;
 mod damaged;
 mod dataset;
 mod error;
@@ -26,6 +27,7 @@ mod symbols_file;
 mod table;
 
 pub use atomic::{ReservedFile, link_target, reserve, temporary_file, write_bytes, write_text};
+pub use audit_key::AuditKey;
 pub use damaged::read_damaged;
 pub use dataset::{
     DatasetFolder, read_calibration_tables, read_check_file, read_dataset, read_table_file,
@@ -56,14 +58,15 @@ pub use recovery::{
 pub use robot_file::{parse_robot, read_robot, write_robot};
 pub use sensors::{Catalogue, CatalogueEntry, Growth, Sensor, SensorSource};
 pub use session::{
-    Acceptance, Adjustment, AdsPlace, Connection, ControllerKind, DiagnosisSettings,
-    IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings,
-    LogEntry, MeasuredPose, MeasuringWarning, Method, NamedValue, NotATimestamp, OpcUaPlace,
-    Outcome, Phase, PlannedPose, RecordingPlace, ResultDocument, ResultRecord, Session, Settings,
-    Simulator, Stage, StoppedVerification, SymbolCommand, SymbolList, SymbolMapping, SymbolNames,
-    SymbolParameter, SymbolPose, SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue,
-    Timestamp, ValueChange, Verification, is_per_cable, name_of_cable, parse_session, read_session,
-    without_user, write_session,
+    Acceptance, Adjustment, AdsPlace, AuditTrail, Connection, ControllerKind, DiagnosisSettings,
+    ForeignWrite, IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit,
+    LineLaserSettings, LogEntry, MeasuredPose, MeasuringWarning, Method, NamedValue, NotATimestamp,
+    OpcUaPlace, Outcome, Phase, PlannedPose, RecordingPlace, ResultDocument, ResultRecord,
+    RunValues, Session, Settings, Simulator, Stage, StoppedVerification, SymbolCommand, SymbolList,
+    SymbolMapping, SymbolNames, SymbolParameter, SymbolPose, SymbolReadings, SymbolRotation,
+    SymbolStatus, SymbolValue, Timestamp, TrailAuthor, TrailEntry, TrailFault, TrailPart,
+    TrailRecord, TrailSignature, ValueChange, Verification, is_per_cable, name_of_cable,
+    parse_session, read_session, without_user, write_session,
 };
 pub use symbols_file::{read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};

@@ -4,6 +4,7 @@
 
 pub mod accuracy;
 pub mod adjusting;
+pub mod audit;
 pub mod clock;
 pub mod comparison;
 pub mod controllers;
@@ -11,6 +12,7 @@ pub mod diagnosis;
 pub mod documents;
 pub mod exporting;
 pub mod fonts;
+pub mod foreign_writes;
 pub mod identification;
 pub mod importing;
 pub mod planning;

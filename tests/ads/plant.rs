@@ -319,8 +319,11 @@ impl Program {
         }
     }
 
-    /// Gives the robot the parameters that were written.
+    /// Gives the robot the parameters that were written, once it stands.
     fn take_parameters(&mut self) {
+        if self.robot.state().activity == Activity::Moving {
+            return;
+        }
         let held = self.robot.parameters().expect("connected");
         let changed = self.places.iter().filter_map(|place| {
             let value = self.written.get(&place.symbol)?.get(place.element)? * place.scale;

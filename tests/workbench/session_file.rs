@@ -158,6 +158,40 @@ fn a_running_command_is_shown_and_blocks_saving() {
 }
 
 #[test]
+fn saving_seals_the_audit_trail_and_opening_says_what_is_wrong_in_it() {
+    let mut bench = Bench::new(None);
+    write_session(&path(&bench), &session(3)).expect("written");
+    bench.give(FileCommand::Open(path(&bench)));
+    bench.wait("the session", |state| state.model.open.is_some());
+    bench.give(RobotCommand::SetOperator("Ada".into()));
+    let log = |bench: &mut Bench, text: &str| {
+        let open = bench.harness.state_mut().state.model.open.as_mut();
+        open.expect("a session").log(Phase::Session, text);
+        save(bench);
+    };
+    log(&mut bench, "Looked at.");
+    log(&mut bench, "Looked at again.");
+    let kept = saved(&bench);
+    assert_eq!(kept.audit(), []);
+    let operators = kept.trail().entries().iter().map(|entry| &entry.operator);
+    assert_eq!(operators.collect::<Vec<_>>(), ["Ada", "Ada"]);
+    assert_eq!(bench.session(), &kept);
+    let open = bench.state().model.open.as_ref();
+    assert!(open.is_some_and(|open| !open.is_unsaved()));
+    // What another program changes is said when the session is opened.
+    let text = std::fs::read_to_string(path(&bench)).expect("a session");
+    let other = bench.folder.path().join("other.json");
+    std::fs::write(&other, text.replace("Looked at.", "Nothing.")).expect("written");
+    bench.give(FileCommand::Open(other));
+    bench.wait("the other session", |state| {
+        let open = state.model.open.as_ref();
+        open.is_some_and(|open| open.session().log()[0].text == "Nothing.")
+    });
+    let said = "The audit trail is broken: step 1 of the log is not as recorded by Ada";
+    assert_eq!(told(&bench, said), 1);
+}
+
+#[test]
 fn measurements_of_a_killed_command_are_recovered() {
     let mut bench = Bench::new(None);
     let whole = session(3);

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use egui_kittest::kittest::Queryable;
 use tautline_core::robot::presets;
 use tautline_link::adjusting::{Adjustment as Attempt, ControllerValues};
 use tautline_session::{AdsPlace, ControllerKind, Outcome, PlannedPose, Session, Timestamp};
@@ -215,6 +216,28 @@ fn other_clients_and_restarts_end_the_run_with_the_sentence_of_the_commands() {
     let series = bench.session();
     assert_eq!((series.measurements.len(), &series.plan), (0, &plan));
     assert_eq!(series.name, "test, another series");
+}
+
+#[test]
+fn values_written_by_another_client_mark_the_poses_and_the_window_says_so() {
+    let plant = Plant::unruly();
+    let mut bench = connected(&plant);
+    bench.give(RobotCommand::Start);
+    bench.wait("a pose", |state| measured(state) > 0);
+    let mut drums = plant.server.numbers(&global("drum_diameter"));
+    drums[1] += 1e-3;
+    plant
+        .server
+        .write_as_another(&global("drum_diameter"), &drums);
+    bench.wait("the end", |state| !state.model.link.is_measuring());
+    let said =
+        "While poses 1, 2 and home were measured, somebody else changed values of the controller";
+    bench.wait("a message", |state| told(state, said));
+    let session = bench.session();
+    assert_eq!(session.foreign_writes().count(), 1);
+    assert!(session.log().iter().any(|step| step.text.contains(said)));
+    bench.go(Phase::Identification);
+    assert!(bench.harness.get_all_by_label_contains(said).count() > 0);
 }
 
 #[test]

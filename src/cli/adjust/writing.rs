@@ -13,11 +13,13 @@ use tautline_session::{Outcome, Phase};
 use tautline_workflow::adjusting::{
     Purpose, begun, held, not_restored, old_and_new, outcome, summary,
 };
+use tautline_workflow::audit::system_user;
 use tautline_workflow::clock;
+use tautline_workflow::foreign_writes::{ValuesRead, end_run};
 
 use super::document::{AdjustmentDocument, print};
 use crate::live::{Connection, SessionFile, interrupt, link_error};
-use crate::output::ReservedOutput;
+use crate::output::{ReservedOutput, note};
 
 /// Number of attempts to restore a lost connection.
 const ATTEMPTS: u32 = 8;
@@ -56,10 +58,19 @@ pub fn write(
 ) -> Result<WriteOutcome> {
     interrupt::finish_first()?;
     connection.controller.arm().map_err(link_error)?;
-    file.session.controller = held(parameters);
+    // A run that was killed has not been compared yet, and its values are about to be replaced.
     let identity = connection.controller.identity();
+    let read = ValuesRead {
+        controller: &identity,
+        parameters,
+    };
+    if let Some(text) = end_run(&mut file.session, read, None, clock::now()) {
+        note!("{text}");
+        file.log(Phase::Poses, text);
+    }
+    file.session.controller = held(parameters);
     let record = begun(
-        (identity, operator()),
+        (identity, system_user()),
         parameters,
         values,
         purpose,
@@ -147,9 +158,12 @@ pub fn conclude(
     written: &WriteOutcome,
 ) -> Result<()> {
     let concluded = written.outcome.clone();
-    file.session.conclude_adjustment(concluded, clock::now());
-    if let Ok(parameters) = connection.controller.parameters() {
-        file.session.controller = held(&parameters);
+    let holds = connection.controller.parameters().ok();
+    let holds = holds.as_deref().map(held);
+    let session = &mut file.session;
+    session.conclude_adjustment(concluded, holds.as_deref(), clock::now());
+    if let Some(holds) = holds {
+        session.controller = holds;
     }
     file.log(Phase::Accuracy, written.text.clone());
     file.save().map_err(|error| {
@@ -160,11 +174,4 @@ pub fn conclude(
         )
     })?;
     Ok(file.remove_controller()?)
-}
-
-/// The user who runs the program.
-fn operator() -> String {
-    let names = ["USER", "LOGNAME", "USERNAME"].iter();
-    let mut found = names.filter_map(|name| std::env::var(name).ok());
-    found.find(|name| !name.is_empty()).unwrap_or_default()
 }

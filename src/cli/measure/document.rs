@@ -28,6 +28,9 @@ pub struct MeasuringDocument {
     /// Largest standard deviation of a coordinate of an entry point that results from the readings (m); null without
     /// --stop-at.
     pub largest_sd_m: Option<f64>,
+    /// What somebody else changed in the controller while poses were measured, one sentence each.
+    #[serde(default)]
+    pub foreign_writes: Vec<String>,
 }
 
 /// A pose that was skipped.
@@ -70,6 +73,7 @@ impl MeasuringDocument {
             measured,
             enough,
             largest_sd_m: ended.largest_sd_m,
+            foreign_writes: ended.foreign_writes.clone(),
         }
     }
 }
@@ -90,6 +94,9 @@ pub fn print(document: &MeasuringDocument, session: &Path) {
             "largest standard deviation of an entry point's coordinate: {} mm",
             units::mm(sd_m, 2)
         );
+    }
+    for text in &document.foreign_writes {
+        say!("attention: {text}");
     }
     if document.end == "good_enough" {
         let rest = count_are(document.missing.len(), "planned pose");

@@ -7,12 +7,15 @@ use crate::BadInput;
 use anyhow::{Context, Result, anyhow};
 use tautline_core::estimation::Control;
 use tautline_core::geometry::Pose;
+use tautline_link::ParameterInfo;
 use tautline_link::laser::ManualLaser;
 use tautline_link::measuring::{
     MeasuringEvent, MeasuringOptions, MeasuringRun, Stage, largest_sd_m, predict_by,
 };
-use tautline_session::{MeasuredPose, RecoveryWriter, Session};
+use tautline_session::{MeasuredPose, Phase, RecoveryWriter, Session};
+use tautline_workflow::clock;
 use tautline_workflow::controllers::ConnectionSetup;
+use tautline_workflow::foreign_writes::{ValuesRead, begin_run, end_run};
 use tautline_workflow::identification::identify_session;
 use tautline_workflow::wording::sentence;
 
@@ -49,6 +52,8 @@ pub struct RunOutcome {
     pub largest_sd_m: Option<f64>,
     /// Whether the controller was restarted, so that this series cannot be continued.
     pub restarted: bool,
+    /// What somebody else changed in the controller while poses were measured, one sentence each.
+    pub foreign_writes: Vec<String>,
 }
 
 /// A run with its stop criteria.
@@ -89,6 +94,7 @@ impl Drive {
                 skipped: Vec::new(),
                 largest_sd_m: None,
                 restarted: false,
+                foreign_writes: Vec::new(),
             },
         }
     }
@@ -112,6 +118,11 @@ impl Drive {
                 self.ended.end = RunEnd::NotTyped(error.to_string());
             }
             Err(error) => self.ended.end = RunEnd::Failed(format!("{error:#}")),
+        }
+        if let Some(MeasuringEvent::ValuesAtEnd(read)) =
+            self.run.values_at_end(&mut *connection.controller)
+        {
+            self.compare(&read, file, connection);
         }
         self.ended.restarted = self.run.was_restarted();
         super::log(file, &self.ended);
@@ -137,6 +148,17 @@ impl Drive {
             let now_s = connection.now_s();
             for event in self.run.tick(&mut *connection.controller, now_s) {
                 match event {
+                    MeasuringEvent::ValuesAtStart(read) => {
+                        let read = ValuesRead {
+                            controller: &connection.controller.identity(),
+                            parameters: &read,
+                        };
+                        let text = begin_run(&mut file.session, read, clock::now());
+                        self.tell_foreign_write(text, file);
+                        // A killed run is compared by the next command.
+                        file.save()?;
+                    }
+                    MeasuringEvent::ValuesAtEnd(read) => self.compare(&read, file, connection),
                     MeasuringEvent::Measured(pose) => {
                         self.store(&pose, &mut file.session, keeper)?;
                         if self.is_good_enough(&file.session) {
@@ -184,6 +206,31 @@ impl Drive {
         );
         self.run.confirm_stored(label);
         Ok(())
+    }
+
+    /// Compares the values of the controller at the end of the run with those at its start.
+    fn compare(
+        &mut self,
+        parameters: &[ParameterInfo],
+        file: &mut SessionFile,
+        connection: &Connection,
+    ) {
+        let controller = &connection.controller.identity();
+        let read = ValuesRead {
+            controller,
+            parameters,
+        };
+        let text = end_run(&mut file.session, read, None, clock::now());
+        self.tell_foreign_write(text, file);
+    }
+
+    /// Says that somebody else changed values of the controller.
+    fn tell_foreign_write(&mut self, text: Option<String>, file: &mut SessionFile) {
+        if let Some(text) = text {
+            note!("{text}");
+            file.log(Phase::Poses, text.clone());
+            self.ended.foreign_writes.push(text);
+        }
     }
 
     /// Retries a pose, or skips it.

@@ -2,7 +2,8 @@
 //!
 //! The caller calls [`MeasuringRun::tick`] repeatedly, at least as often as it wants samples, and stores every
 //! [`MeasuringEvent::Measured`] pose before it confirms it. A pose is commanded only after the previous one
-//! is confirmed, so a crash loses at most the pose in progress. The pose labelled 0 is home: there the controller
+//! is confirmed, so a crash loses at most the pose in progress. The values of the controller are read before the first pose and
+//! at the end, so that a change by someone else shows. The pose labelled 0 is home: there the controller
 //! is sent home, where its encoders are zeroed; it should be first in the plan.
 
 mod at_pose;
@@ -26,9 +27,11 @@ pub use options::{MeasuringOptions, Prediction, Predictor, Rates, predict_by};
 pub use precision::largest_sd_m;
 pub use settling::{SettlingState, SettlingWindow};
 
+use crate::adjusting::read_parameters;
 use crate::controller::{Activity, Controller, Sample};
 use crate::error::LinkError;
 use crate::laser::ManualLaser;
+use crate::parameters::ParameterInfo;
 use channels::Channels;
 use checks::MotionRecord;
 
@@ -44,6 +47,12 @@ const DISARMED: &str = "the controller is not armed: arm it, then resume";
 /// An event of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeasuringEvent {
+    /// The values that the controller holds before the first pose is commanded: store them, to compare them with those at
+    /// the end.
+    ValuesAtStart(Vec<ParameterInfo>),
+    /// The values that the controller holds at the end of the run. If they could not be read, there is no such event, and
+    /// those of the next connection should be compared.
+    ValuesAtEnd(Vec<ParameterInfo>),
     /// The controller was sent to a pose.
     Commanded {
         /// Label of the pose.
@@ -110,6 +119,17 @@ pub enum Stage {
     Ended,
 }
 
+/// Which values of the controller were read last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ValuesRead {
+    /// None so far.
+    None,
+    /// Those at the start of the run.
+    AtStart,
+    /// Those at its end.
+    AtEnd,
+}
+
 /// A measuring run: a state machine that [`Self::tick`] advances.
 pub struct MeasuringRun {
     robot: Robot,
@@ -135,6 +155,7 @@ pub struct MeasuringRun {
     lost_answers: usize,
     /// Whether the run has failed because the controller was restarted.
     restarted: bool,
+    values_read: ValuesRead,
     channels: Channels,
     pending: Vec<MeasuringEvent>,
 }
@@ -162,6 +183,7 @@ impl MeasuringRun {
             last_sample: None,
             lost_answers: 0,
             restarted: false,
+            values_read: ValuesRead::None,
             channels: Channels::default(),
             pending: Vec::new(),
         }
@@ -317,6 +339,11 @@ impl MeasuringRun {
         let waits = self.paused || matches!(self.stage, Stage::Storing | Stage::Ended);
         if !waits {
             self.advance(controller, now_s);
+            if self.stage == Stage::Ended {
+                // Before the event of the end, which is the last one.
+                let read = self.values_at_end(controller);
+                self.pending.splice(0..0, read);
+            }
         }
         std::mem::take(&mut self.pending)
     }
@@ -420,7 +447,33 @@ impl MeasuringRun {
         None
     }
 
+    /// Reads the values of the controller at the end of a run that its caller ends, once.
+    pub fn values_at_end(&mut self, controller: &mut dyn Controller) -> Option<MeasuringEvent> {
+        if self.values_read != ValuesRead::AtStart {
+            return None;
+        }
+        let read = read_parameters(controller).ok()?;
+        self.values_read = ValuesRead::AtEnd;
+        Some(MeasuringEvent::ValuesAtEnd(read))
+    }
+
+    /// Reads the values of the controller before anything moves.
+    fn read_first_values(&mut self, controller: &mut dyn Controller) {
+        match read_parameters(controller) {
+            Ok(read) => {
+                self.values_read = ValuesRead::AtStart;
+                self.pending.push(MeasuringEvent::ValuesAtStart(read));
+            }
+            Err(error) if error.is_disconnection() => self.lose(error.to_string()),
+            Err(error @ LinkError::Restarted(_)) => self.fail_restarted(&error),
+            Err(error) => self.fail(error.to_string()),
+        }
+    }
+
     fn command_next(&mut self, controller: &mut dyn Controller, sample: Sample) {
+        if self.values_read == ValuesRead::None && !self.queue.is_empty() {
+            return self.read_first_values(controller);
+        }
         let Some((label, pose)) = self.queue.pop_front() else {
             self.stage = Stage::Ended;
             self.pending.push(MeasuringEvent::Finished);

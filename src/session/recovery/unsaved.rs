@@ -162,6 +162,7 @@ impl UnsavedSession {
         notices.extend(results::add(&self.folder.join(RESULTS), &mut session));
         let file = self.folder.join(JOURNAL).display().to_string();
         notices.extend(replay(&mut session, journal, &file));
+        session.cover_rest();
         Ok(Loaded {
             value: RecoveredSession {
                 session,

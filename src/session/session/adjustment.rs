@@ -29,6 +29,10 @@ pub struct Adjustment {
     pub changes: Vec<ValueChange>,
     /// Its outcome.
     pub outcome: Outcome,
+    /// The values of these parameters as they were read after it; empty in files of earlier versions, and if they could not be
+    /// read.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub read_back: Vec<NamedValue>,
     /// Whether it was to bring back the values from before an earlier one.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub restores: bool,
@@ -42,7 +46,7 @@ impl Adjustment {
     }
 }
 
-/// One parameter of a controller before and after an adjustment.
+/// One parameter of a controller before and after a change.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ValueChange {
     /// Name in the controller.
@@ -53,7 +57,9 @@ pub struct ValueChange {
     #[serde(deserialize_with = "number_or_null")]
     #[schemars(with = "Option<f64>")]
     pub before: f64,
-    /// The new value.
+    /// The new value; null in a file if the controller holds NaN or infinity.
+    #[serde(deserialize_with = "number_or_null")]
+    #[schemars(with = "Option<f64>")]
     pub after: f64,
 }
 

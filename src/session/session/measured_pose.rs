@@ -4,7 +4,7 @@ use tautline_core::geometry::Pose;
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::FieldError;
 
-use super::{MeasurementTable, Session};
+use super::{MeasurementTable, Session, TrailPart};
 use crate::error::{below, fail};
 use crate::poses::{Columns, Fault};
 
@@ -130,7 +130,11 @@ impl Session {
         for label in &row.labels {
             self.include(*label);
         }
+        let labels = row.labels.clone();
         self.measurements.append(row);
+        for label in labels {
+            self.cover(TrailPart::Pose(label));
+        }
         Ok(())
     }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::FieldError;
 
@@ -90,6 +91,21 @@ impl MeasurementTable {
     /// Labels of the poses.
     pub fn labels(&self) -> &[i64] {
         &self.pose
+    }
+
+    /// The cells of its first row that are not empty, by column.
+    pub fn cells(&self) -> BTreeMap<String, Value> {
+        let numbers = self.columns.iter().filter_map(|(name, values)| {
+            let value = values.first().copied().flatten()?;
+            Some((name.clone(), value.into()))
+        });
+        let group = self.group.first().map(|group| (GROUP, group));
+        let others = self.other.iter();
+        let others = others.filter_map(|one| Some((one.name.as_str(), one.cells.first()?)));
+        let texts = group.into_iter().chain(others);
+        let texts = texts.filter(|(_, text)| !text.is_empty());
+        let texts = texts.map(|(name, text)| (name.to_owned(), text.as_str().into()));
+        numbers.chain(texts).collect()
     }
 
     /// Whether `other` contains all numbers of this table.

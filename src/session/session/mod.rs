@@ -6,6 +6,7 @@ mod check;
 mod connection;
 mod controller_values;
 mod document;
+mod foreign_write;
 mod laser_settings;
 mod log;
 mod measured_pose;
@@ -15,6 +16,7 @@ mod result_document;
 mod settings;
 mod simulator;
 mod timestamp;
+mod trail;
 mod verification;
 
 use std::collections::BTreeSet;
@@ -37,6 +39,7 @@ pub use connection::{
     SymbolStatus, SymbolValue, is_per_cable, name_of_cable, without_user,
 };
 pub(crate) use document::SessionFile;
+pub use foreign_write::{ForeignWrite, RunValues};
 pub use laser_settings::{LaserParity, LaserPort, LaserSettings, LaserUnit, LineLaserSettings};
 pub use log::{LogEntry, MeasuringWarning, Phase, ResultRecord};
 pub use measured_pose::MeasuredPose;
@@ -46,6 +49,9 @@ pub use result_document::ResultDocument;
 pub use settings::{DiagnosisSettings, IdentificationSettings, Method, Settings};
 pub use simulator::Simulator;
 pub use timestamp::{NotATimestamp, Timestamp};
+pub use trail::{
+    AuditTrail, TrailAuthor, TrailEntry, TrailFault, TrailPart, TrailRecord, TrailSignature,
+};
 pub use verification::{Acceptance, Stage, StoppedVerification, Verification};
 
 /// One calibration of one robot.
@@ -110,9 +116,18 @@ pub struct Session<M = Measurements> {
     /// Implausible readings of measured poses, the oldest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     measuring_warnings: Vec<MeasuringWarning>,
+    /// Values of the controller at the start of a measuring run whose end was not compared with them yet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    run_values: Option<RunValues>,
+    /// Values of the controller that others changed during measuring runs, the oldest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    foreign_writes: Vec<ForeignWrite>,
     /// Steps of the operator, the oldest first.
     #[serde(default)]
     log: Vec<LogEntry>,
+    /// Hashes of what moved the robot or wrote to its controller, and of the log.
+    #[serde(default, skip_serializing_if = "AuditTrail::is_empty")]
+    trail: AuditTrail,
 }
 
 impl<M> Session<M> {
@@ -138,7 +153,10 @@ impl<M> Session<M> {
             verifications: self.verifications.clone(),
             stopped_verifications: self.stopped_verifications.clone(),
             measuring_warnings: self.measuring_warnings.clone(),
+            run_values: self.run_values.clone(),
+            foreign_writes: self.foreign_writes.clone(),
             log: self.log.clone(),
+            trail: self.trail.clone(),
         }
     }
 }
@@ -167,7 +185,10 @@ impl Session {
             verifications: Vec::new(),
             stopped_verifications: Vec::new(),
             measuring_warnings: Vec::new(),
+            run_values: None,
+            foreign_writes: Vec::new(),
             log: Vec::new(),
+            trail: AuditTrail::default(),
         }
     }
 
@@ -283,10 +304,13 @@ impl Session {
 
     /// Warnings of the poses that are used: measured and not excluded.
     pub fn measuring_warnings(&self) -> impl Iterator<Item = &MeasuringWarning> {
-        let is_used =
-            |pose: i64| self.measurements.labels.contains(&pose) && !self.excluded.contains(&pose);
         let warnings = self.measuring_warnings.iter();
-        warnings.filter(move |warning| is_used(warning.pose))
+        warnings.filter(|warning| self.is_used(warning.pose))
+    }
+
+    /// Whether a pose is measured and not excluded.
+    fn is_used(&self, pose: i64) -> bool {
+        self.measurements.labels.contains(&pose) && !self.excluded.contains(&pose)
     }
 
     /// Steps of the operator, the oldest first.
@@ -305,16 +329,28 @@ impl Session {
     pub fn add_adjustment(&mut self, adjustment: Adjustment) {
         self.modified = self.modified.max(adjustment.time);
         self.adjustments.push(adjustment);
+        self.cover(TrailPart::Adjustment(self.adjustments.len() - 1));
     }
 
-    /// Sets the outcome of the last adjustment if it is still [open](Adjustment::is_open); returns whether it was.
-    pub fn conclude_adjustment(&mut self, outcome: Outcome, now: Timestamp) -> bool {
+    /// Sets the outcome of the last adjustment if it is still [open](Adjustment::is_open), and the values that the controller
+    /// `holds` after it, if they could be read; returns whether it was open.
+    pub fn conclude_adjustment(
+        &mut self,
+        outcome: Outcome,
+        holds: Option<&[NamedValue]>,
+        now: Timestamp,
+    ) -> bool {
         let last = self.adjustments.last_mut();
         let Some(open) = last.filter(|last| last.is_open()) else {
             return false;
         };
         open.outcome = outcome;
+        let changes = &open.changes;
+        let is_changed = |held: &&NamedValue| changes.iter().any(|c| c.name == held.name);
+        let read_back = holds.unwrap_or_default().iter().filter(is_changed);
+        open.read_back = read_back.cloned().collect();
         self.modified = self.modified.max(now);
+        self.cover(TrailPart::Adjustment(self.adjustments.len() - 1));
         true
     }
 
@@ -322,12 +358,15 @@ impl Session {
     pub fn add_verification(&mut self, verification: Verification) {
         self.modified = self.modified.max(verification.time);
         self.verifications.push(verification);
+        self.cover(TrailPart::Verification(self.verifications.len() - 1));
     }
 
     /// Adds a run that ended early.
     pub fn add_stopped_verification(&mut self, stopped: StoppedVerification) {
         self.modified = self.modified.max(stopped.time);
         self.stopped_verifications.push(stopped);
+        let number = self.stopped_verifications.len() - 1;
+        self.cover(TrailPart::StoppedVerification(number));
     }
 
     /// Adds warnings of poses that were measured.
@@ -339,14 +378,15 @@ impl Session {
     /// verification after an adjustment, if there is one.
     pub fn accept(&mut self, operator: impl Into<String>, now: Timestamp) {
         let values = Some(self.controller_fingerprint());
-        let mut runs = self.verifications.iter_mut().rev();
-        if let Some(last) = runs.find(|run| run.stage == Stage::After) {
+        let mut runs = self.verifications.iter_mut().enumerate().rev();
+        if let Some((number, last)) = runs.find(|(_, run)| run.stage == Stage::After) {
             self.modified = self.modified.max(now);
             last.accepted = Some(Acceptance {
                 time: now,
                 operator: operator.into(),
                 values,
             });
+            self.cover(TrailPart::Verification(number));
         }
     }
 
@@ -363,6 +403,7 @@ impl Session {
     pub fn record(&mut self, entry: LogEntry) {
         self.modified = self.modified.max(entry.time);
         self.log.push(entry);
+        self.cover(TrailPart::Log(self.log.len() - 1));
     }
 }
 

@@ -6,8 +6,8 @@ use egui::ViewportCommand;
 use tautline_core::effect::EffectSetting;
 use tautline_core::robot::Robot;
 use tautline_session::{
-    Import, Loaded, LogEntry, Phase as LogPhase, RecentSession, Session, find_unsaved_sessions,
-    link_target, write_session,
+    AuditKey, Import, Loaded, LogEntry, Phase as LogPhase, RecentSession, Session,
+    find_unsaved_sessions, link_target, write_session,
 };
 
 use super::file_dialog::pick;
@@ -27,7 +27,8 @@ use tautline_workflow::controllers::Kind;
 use tautline_workflow::importing::{Opened, open as open_any};
 use tautline_workflow::planning::missing_labels;
 use tautline_workflow::session_file::recover_unsaved;
-use tautline_workflow::{clock, samples};
+use tautline_workflow::wording::sentence;
+use tautline_workflow::{audit, clock, samples};
 
 const SAVING: &str = "Saving";
 
@@ -170,15 +171,27 @@ fn read(model: &mut Model, path: PathBuf) {
         };
         if let Ok(Some(loaded)) = &mut result {
             loaded.notices.extend(recovered);
+            loaded.notices.extend(broken_trail(&loaded.value));
         }
         FileOutcome::Read { path, result }.into()
     });
 }
 
+/// What is wrong in the audit trail of a session that was read.
+fn broken_trail(opened: &Opened) -> Option<String> {
+    match opened {
+        Opened::Own(own) => match own.as_ref() {
+            Import::Session(session) => audit::notice(session).map(|text| sentence(&text)),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
 fn save(model: &mut Model, path: PathBuf) {
-    let Some(open) = &model.open else {
+    if model.open.is_none() {
         return;
-    };
+    }
     // A file that is being written by this window looks otherwise as well.
     if !model.tasks.runs(SAVING)
         && let Err(text) = model.session_lock.check(&path)
@@ -186,6 +199,10 @@ fn save(model: &mut Model, path: PathBuf) {
         return written(model, &path, Err(text));
     }
     model.messages.resolve(Cause::Saving);
+    seal(model);
+    let Some(open) = &model.open else {
+        return;
+    };
     let session = open.session().clone();
     let state = (open.id(), open.revision());
     model.tasks.start(SAVING, move |_| {
@@ -196,6 +213,25 @@ fn save(model: &mut Model, path: PathBuf) {
             result,
         })
     });
+}
+
+/// Joins what the session records newly to an entry of its audit trail.
+fn seal(model: &mut Model) {
+    let Some(open) = model
+        .open
+        .as_mut()
+        .filter(|open| !open.session().is_sealed())
+    else {
+        return;
+    };
+    let key = AuditKey::read(&model.folders.audit_key()).unwrap_or_else(|error| {
+        // Nothing that was measured is lost because of a key.
+        let text = format!("The audit trail is not signed: {error}.");
+        model.messages.warning(text);
+        None
+    });
+    let operator = &model.preferences.operator;
+    open.record(|session| audit::seal(session, operator, key.as_ref()));
 }
 
 /// Leaves the open session or its controller, after a question if that loses unsaved changes or disarms a robot.

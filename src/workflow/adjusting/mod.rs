@@ -106,6 +106,7 @@ pub fn begun(
         controller,
         changes: changes(parameters, &old, values),
         outcome: Outcome::Begun,
+        read_back: Vec::new(),
         restores: purpose == Purpose::RollBack,
     }
 }
@@ -327,6 +328,7 @@ mod tests {
             controller: String::new(),
             changes: changes.to_vec(),
             outcome,
+            read_back: Vec::new(),
             restores,
         }
     }

@@ -8,9 +8,6 @@ use super::choice::ReportChoice;
 use crate::documents::diagnosis::Diagnosed;
 use crate::identification::{Identification, same_effect};
 
-/// Name and version of the program, as stated in reports.
-pub const PROGRAM: &str = concat!("Tautline ", env!("CARGO_PKG_VERSION"));
-
 /// Input of a report.
 #[derive(Debug, Clone, Copy)]
 pub struct ReportInput<'a> {

@@ -88,6 +88,7 @@ fn sample(verdicts: &[Verdict]) -> Sample {
             after: 1.0123,
         }],
         outcome: Outcome::Written,
+        read_back: Vec::new(),
         restores: false,
     });
     Sample {
@@ -437,6 +438,7 @@ fn sample_with_a_fault_added() -> Sample {
             })
             .collect(),
         outcome: Outcome::Written,
+        read_back: Vec::new(),
         restores: false,
     });
     sample

@@ -14,6 +14,9 @@ pub use printable::{is_obeyed, printable};
 pub use recording::sampling_sentence;
 pub use session::{recent_facts, session_facts};
 
+/// Name and version of the program, as stated in reports and audit trails.
+pub const PROGRAM: &str = concat!("Tautline ", env!("CARGO_PKG_VERSION"));
+
 /// `a, b and c`.
 pub fn list<S: AsRef<str>>(items: &[S]) -> String {
     let items: Vec<&str> = items.iter().map(AsRef::as_ref).collect();

@@ -2,6 +2,7 @@
 
 use serde_json::json;
 use tautline_link::ads::AdsOptions;
+use tautline_link::measuring::{MeasuringEvent, MeasuringOptions, MeasuringRun};
 use tautline_link::reconnecting::{BackOff, Reconnect, Reconnected};
 use tautline_link::{Activity, Controller};
 
@@ -55,6 +56,36 @@ fn a_connection_lost_while_reading_is_reported_and_reopened(protocol: Protocol) 
         client.connect().expect("connected again");
         assert_eq!(client.parameters().expect("parameters"), held);
     }
+}
+
+fn parameters_that_another_client_writes_show_at_the_end_of_a_run(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
+    let mut client = plant.armed();
+    let robot = &plant.preset.robot;
+    let home = robot.home.expect("a home pose").pose();
+    let mut run = MeasuringRun::new(vec![(0, home)], robot, MeasuringOptions::of(robot));
+    let events = run.tick(&mut client, 0.0);
+    let [MeasuringEvent::ValuesAtStart(before)] = &events[..] else {
+        panic!("{events:?}");
+    };
+    let drums = vec![0.05; robot.cable_count()];
+    plant
+        .server
+        .order(json!({"set": {global("drum_diameter"): drums}}));
+    run.abort(&mut client).expect("stopped");
+    let read = run.values_at_end(&mut client);
+    let Some(MeasuringEvent::ValuesAtEnd(after)) = read else {
+        panic!("{read:?}");
+    };
+    let pairs = before.iter().zip(&after);
+    let changed = pairs.filter(|(before, after)| before.value != after.value);
+    let changed: Vec<&str> = changed.map(|(before, _)| before.name.as_str()).collect();
+    assert_eq!(changed.len(), robot.cable_count(), "{changed:?}");
+    assert!(
+        changed
+            .iter()
+            .all(|name| name.ends_with(".winch.drum_diameter_m"))
+    );
 }
 
 #[test]
@@ -204,4 +235,5 @@ super::over_both! {
     a_late_answer_is_never_matched_with_another_request,
     a_connection_lost_while_reading_is_reported_and_reopened,
     a_restarted_controller_is_reconnected,
+    parameters_that_another_client_writes_show_at_the_end_of_a_run,
 }

@@ -143,6 +143,7 @@ fn after_a_killed_adjustment_the_next_call_restores_old_or_new_values() {
             other => panic!("kill {kill}: {other:?}"),
         };
         assert_eq!(now, expected, "kill {kill}");
+        assert_eq!(session(&file).audit(), [], "kill {kill}");
         assert_eq!(
             beside(&file),
             Vec::<std::path::PathBuf>::new(),

@@ -79,6 +79,9 @@ fn a_killed_run_loses_no_pose_and_repeats_none() {
         let kept: BTreeSet<i64> = measured.iter().copied().collect();
         assert_eq!(measured.len(), kept.len(), "kill {kill}: {measured:?}");
         assert_eq!(kept, expected, "kill {kill}");
+        let measured = session(&file);
+        assert_eq!(measured.audit(), [], "kill {kill}");
+        assert_eq!(measured.uncovered_poses(), [0; 0], "kill {kill}");
         // A pose may be on disk before it could be told.
         assert!(told.is_subset(&kept), "kill {kill}");
         assert_eq!(

@@ -1,5 +1,6 @@
 //! Measuring, adjusting and verifying without a window: the whole loop, and kills at any moment of it.
 
+mod audit;
 mod kill_adjust;
 mod kill_measure;
 mod refusals;

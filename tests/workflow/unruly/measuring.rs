@@ -78,6 +78,76 @@ fn a_second_client_ends_the_run() {
     assert_eq!(plant.server.numbers("GVL_Tautline.release"), [0.0]);
 }
 
+/// Another client writes the drum of a cable.
+fn write_drum(plant: &Plant<Unruly>, cable: usize, off_m: f64) {
+    let mut drums = plant.server.numbers("GVL_Tautline.drum_diameter");
+    drums[cable] += off_m;
+    plant
+        .server
+        .write_as_another("GVL_Tautline.drum_diameter", &drums);
+}
+
+#[test]
+fn values_written_by_another_client_mark_the_poses_of_the_run() {
+    let plant = Plant::unruly();
+    let folder = Folder::new();
+    let file = folder.join("s.json");
+    let run = measure(&plant, &file, (5, &|| write_drum(&plant, 2, 1e-3))).succeeded();
+    let said = "While poses 1 to 25 and home were measured, somebody else changed values of the controller: \
+                cable-3.winch.drum_diameter_m from 0.04 to 0.041 m.";
+    assert!(run.stderr.contains(said), "{}", run.stderr);
+    assert!(run.stdout.contains(said), "{}", run.stdout);
+    let marked = session(&file);
+    let writes: Vec<_> = marked.foreign_writes().collect();
+    assert_eq!(writes.len(), 1);
+    assert_eq!(writes[0].poses, marked.measurements.labels);
+    let log = marked.log().iter();
+    assert_eq!(log.filter(|step| step.text.contains(said)).count(), 1);
+    let report = folder.join("r.html");
+    tautline(&["report", &file, "--out", &report]).succeeded();
+    let report = std::fs::read_to_string(&report).expect("a report");
+    assert!(report.contains(said), "{report}");
+}
+
+#[test]
+fn values_written_after_a_kill_are_noticed_by_the_next_command() {
+    let plant = Plant::unruly();
+    let folder = Folder::new();
+    let file = folder.join("s.json");
+    let controller = controller(&plant);
+    let words = [
+        "measure",
+        &file,
+        "--controller",
+        &controller,
+        "--robot",
+        "mini",
+        "--arm",
+    ];
+    heard(start(&words), |line, child| {
+        if line.contains("is on disk (4 of") {
+            child.kill().expect("killed");
+        }
+    });
+    let known = plant.server.values();
+    write_drum(&plant, 0, 2e-3);
+    assert_eq!(plant.server.values(), known, "not by Tautline");
+    let next = measure(&plant, &file, (0, &|| ())).succeeded();
+    assert!(
+        next.stderr
+            .contains("somebody else changed values of the controller: cable-1.winch"),
+        "{}",
+        next.stderr
+    );
+    let marked = session(&file);
+    let writes: Vec<_> = marked.foreign_writes().collect();
+    assert_eq!(marked.audit(), []);
+    // The poses of the killed run, not those of the next one, which had the new values throughout.
+    assert_eq!(writes.len(), 1);
+    assert!((4..7).contains(&writes[0].poses.len()), "{:?}", writes[0]);
+    assert_eq!(marked.measurements.len(), 26);
+}
+
 #[test]
 fn poses_before_and_after_a_restart_are_separate_series() {
     let plant = Plant::unruly();

@@ -122,13 +122,65 @@ fn continues_repeats_skips_and_pauses() {
 }
 
 #[test]
+fn values_are_read_before_anything_moves_and_at_the_end() {
+    let preset = preset("mini");
+    let (mut robot, clock) = armed(&preset, |_| ());
+    let before = robot.parameters().unwrap();
+    let mut run = run_of(&preset, 2, 1);
+    clock.advance(0.05);
+    let events = run.tick(&mut robot, clock.now_s());
+    assert_eq!(events, vec![MeasuringEvent::ValuesAtStart(before.clone())]);
+    assert_eq!(robot.state().activity, Activity::Still);
+    // Another client writes at a pose.
+    while run.stage() != Stage::Storing {
+        clock.advance(0.05);
+        run.tick(&mut robot, clock.now_s());
+    }
+    let (name, value) = (before[0].name.clone(), before[0].value + 0.01);
+    robot.write(&[(name, value)]).unwrap();
+    run.confirm_stored(0);
+    let events = drive(&mut run, &mut robot, &clock);
+    let [
+        ..,
+        MeasuringEvent::ValuesAtEnd(after),
+        MeasuringEvent::Finished,
+    ] = &events[..]
+    else {
+        panic!("{events:?}");
+    };
+    assert_eq!(after[0].value, value);
+    assert_eq!(after[1..], before[1..]);
+    assert_eq!(run.values_at_end(&mut robot), None, "once");
+}
+
+#[test]
+fn a_run_that_is_ended_reads_the_values_where_it_can() {
+    let preset = preset("mini");
+    let (mut robot, clock) = armed(&preset, |_| ());
+    let mut run = run_of(&preset, 2, 1);
+    assert_eq!(run.values_at_end(&mut robot), None, "nothing was begun");
+    clock.advance(0.05);
+    run.tick(&mut robot, clock.now_s());
+    run.abort(&mut robot).unwrap();
+    let held = robot.parameters().unwrap();
+    robot.disconnect();
+    assert_eq!(run.values_at_end(&mut robot), None, "it cannot be read");
+    robot.connect().unwrap();
+    let read = run.values_at_end(&mut robot);
+    assert_eq!(read, Some(MeasuringEvent::ValuesAtEnd(held)));
+}
+
+#[test]
 fn a_pause_under_way_approaches_the_pose_anew() {
     let preset = preset("mini");
     let (mut robot, clock) = armed(&preset, |_| ());
     let mut run = run_of(&preset, 2, 1).continuing(&[0]);
-    clock.advance(0.05);
-    run.tick(&mut robot, clock.now_s());
-    assert_eq!(run.stage(), Stage::Approaching);
+    // The values of the controller are read before it moves.
+    for stage in [Stage::Ready, Stage::Approaching] {
+        clock.advance(0.05);
+        run.tick(&mut robot, clock.now_s());
+        assert_eq!(run.stage(), stage);
+    }
     run.pause();
     let events = drive(&mut run, &mut robot, &clock);
     assert_eq!(reason(&events), "paused by the operator");

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 use tautline_core::effect::EffectSetting;
 
 mod poses;
+mod trail;
 
 pub(crate) fn session() -> Session {
     let cable = |name: &str, x: f64| {
@@ -78,6 +79,7 @@ fn with_the_later_steps(mut session: Session) -> Session {
             after: 0.101,
         }],
         outcome: Outcome::Failed("The controller did not answer.".into()),
+        read_back: Vec::new(),
         restores: false,
     });
     let at_origin = CheckPose {
@@ -173,6 +175,7 @@ fn an_acceptance_ends_when_the_controller_gets_other_values() {
             after,
         }],
         outcome,
+        read_back: Vec::new(),
         restores: false,
     };
     let mut written = session.clone();
@@ -353,7 +356,7 @@ fn a_session_that_cannot_be_read_is_not_written() {
 fn only_an_open_adjustment_is_concluded() {
     let mut session = session();
     let now = session.modified;
-    assert!(!session.conclude_adjustment(Outcome::Written, now));
+    assert!(!session.conclude_adjustment(Outcome::Written, None, now));
     let begun = Adjustment {
         outcome: Outcome::Begun,
         ..session.adjustments()[0].clone()
@@ -362,9 +365,9 @@ fn only_an_open_adjustment_is_concluded() {
     let document = serde_json::to_value(SessionFile::of(&session)).expect("JSON");
     assert_eq!(document["adjustments"][1]["outcome"], "begun");
     let unsettled = Outcome::Unsettled("The line broke.".into());
-    assert!(session.conclude_adjustment(unsettled.clone(), now));
+    assert!(session.conclude_adjustment(unsettled.clone(), None, now));
     assert_eq!(session.adjustments()[1].outcome, unsettled);
-    assert!(session.conclude_adjustment(Outcome::Written, now));
+    assert!(session.conclude_adjustment(Outcome::Written, None, now));
     assert_eq!(session.adjustments()[1].outcome, Outcome::Written);
     assert!(matches!(
         session.adjustments()[0].outcome,

@@ -117,16 +117,16 @@ pub(super) fn not_recorded(model: &mut Model) {
     if model.link.to_write.take().is_some() {
         model.link.writing = false;
         let text = "Nothing was written: its record cannot be saved to disk.";
-        conclude(model, Outcome::Failed(text.to_owned()), text);
+        conclude(model, Outcome::Failed(text.to_owned()), text, None);
         model.messages.failure(Cause::Adjustment, text);
     }
 }
 
 pub(super) fn written(
     model: &mut Model,
-    values: &[(String, f64)],
-    purpose: Purpose,
+    (values, purpose): (&[(String, f64)], Purpose),
     result: Result<Box<Written>, String>,
+    read_back: Option<&[NamedValue]>,
 ) {
     let (adjustment, text) = match result {
         Ok(adjustment) => {
@@ -139,7 +139,7 @@ pub(super) fn written(
     };
     let holds = adjustment.as_ref().map(|a| &a.holds);
     let outcome = adjusting::outcome(holds, purpose, &text);
-    conclude(model, outcome, &text);
+    conclude(model, outcome, &text, read_back);
     if holds == Some(&ControllerValues::New) {
         model.messages.info(&text);
     } else {
@@ -160,7 +160,12 @@ pub(super) fn settle(model: &Model) {
     }
 }
 
-pub(super) fn settled(model: &mut Model, found: &ControllerValues, adjustment: &Written) {
+pub(super) fn settled(
+    model: &mut Model,
+    found: &ControllerValues,
+    adjustment: &Written,
+    read_back: Option<&[NamedValue]>,
+) {
     let session = model.open.as_ref().map(|open| open.session());
     let Some((session, open)) =
         session.and_then(|session| Some((session, adjusting::open(session)?)))
@@ -170,7 +175,7 @@ pub(super) fn settled(model: &mut Model, found: &ControllerValues, adjustment: &
     let kept = adjusting::not_restored(session);
     let (outcome, text) = adjusting::settled(open, found, adjustment, kept.as_deref());
     let is_settled = !matches!(outcome, Outcome::Unsettled(_));
-    conclude(model, outcome, &text);
+    conclude(model, outcome, &text, read_back);
     match is_settled {
         true => model.messages.info(&text),
         false => model.messages.failure(Cause::Adjustment, &text),
@@ -178,14 +183,14 @@ pub(super) fn settled(model: &mut Model, found: &ControllerValues, adjustment: &
 }
 
 /// Records the attempt.
-fn conclude(model: &mut Model, outcome: Outcome, text: &str) {
+fn conclude(model: &mut Model, outcome: Outcome, text: &str, read_back: Option<&[NamedValue]>) {
     model.messages.resolve(Cause::Adjustment);
-    let held = held(model);
+    let holds = held(model);
     if let Some(open) = &mut model.open {
         open.record(|session| {
-            session.conclude_adjustment(outcome, clock::now());
-            if let Some(held) = held {
-                session.controller = held;
+            session.conclude_adjustment(outcome, read_back, clock::now());
+            if let Some(holds) = holds {
+                session.controller = holds;
             }
         });
         open.log(LogPhase::Accuracy, text);

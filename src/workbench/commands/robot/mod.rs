@@ -6,13 +6,14 @@ mod plan;
 mod run;
 
 use tautline_link::ParameterInfo;
-use tautline_session::Phase as LogPhase;
+use tautline_session::{NamedValue, Phase as LogPhase};
 
 use crate::commands::setup;
 use crate::model::command::RobotCommand;
 use crate::model::link::{Connected, DriverCommand, DriverEvent};
 use crate::model::messages::{Cause, full_sentence};
 use crate::model::{ConnectionRequest, Model, OpenSession, UiRequest};
+use tautline_workflow::adjusting::held;
 use tautline_workflow::controllers::{ConnectionSetup, Kind};
 
 pub use self::adjust::recorded;
@@ -112,6 +113,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
             let is_own = rig.kind == Kind::OfSession;
             let arms = std::mem::take(&mut model.link.arms_when_connected) && is_own;
             model.link.connected = Some(Connected { session_id, rig });
+            run::compare(model, &parameters);
             model.link.take_parameters(parameters);
             if arms {
                 model.link.send(DriverCommand::Arm);
@@ -133,24 +135,28 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
             holds,
         } => {
             model.link.writing = false;
-            if let Some(holds) = holds {
-                model.link.take_parameters(holds);
-            }
-            adjust::written(model, &values, purpose, result);
+            let read_back = take_read_back(model, holds);
+            adjust::written(model, (&values, purpose), result, read_back.as_deref());
         }
         DriverEvent::Settled {
             found,
             adjustment,
             holds,
         } => {
-            if let Some(holds) = holds {
-                model.link.take_parameters(holds);
-            }
-            adjust::settled(model, &found, &adjustment);
+            let read_back = take_read_back(model, holds);
+            adjust::settled(model, &found, &adjustment, read_back.as_deref());
         }
         DriverEvent::Verified(stage, rows, result) => adjust::verified(model, stage, rows, result),
         event => run::receive(model, event),
     }
+}
+
+/// Takes the values that were read after writing, if they could be read; they confirm the adjustment.
+fn take_read_back(model: &mut Model, holds: Option<Vec<ParameterInfo>>) -> Option<Vec<NamedValue>> {
+    let holds = holds?;
+    let read_back = held(&holds);
+    model.link.take_parameters(holds);
+    Some(read_back)
 }
 
 /// Reports a failure, also in the connection dialog.
@@ -185,6 +191,10 @@ fn regained(model: &mut Model, parameters: Vec<ParameterInfo>) {
         1 => "Attention: one of its values has changed.".to_owned(),
         many => format!("Attention: {many} of its values have changed."),
     };
+    match model.link.is_measuring() {
+        true => run::values_at_start(model, &parameters),
+        false => run::compare(model, &parameters),
+    }
     model.link.take_parameters(parameters);
     model.messages.resolve(Cause::Connection);
     let text = format!("Reconnected. {holds} Arm the controller to go on.");

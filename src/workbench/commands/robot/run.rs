@@ -4,11 +4,14 @@ use std::sync::Arc;
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
+use tautline_link::ParameterInfo;
 use tautline_session::{MeasuredPose, MeasuringWarning, Phase as LogPhase};
 
 use super::adjust::{not_recorded, refuses};
 use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending, RunLog};
 use crate::model::{Model, OpenSession, UiRequest};
+use tautline_workflow::clock;
+use tautline_workflow::foreign_writes::{ValuesRead, begin_run, end_run};
 use tautline_workflow::planning::poses_in_words;
 
 /// What readings are compared with: the identified model where it is up to date, else the description.
@@ -85,6 +88,11 @@ pub(super) fn receive(model: &mut Model, event: DriverEvent) {
         measured(model, *pose);
         return;
     }
+    match &event {
+        DriverEvent::ValuesAtStart(values) => return values_at_start(model, values),
+        DriverEvent::ValuesAtEnd(values) => return compare(model, values),
+        _ => {}
+    }
     let Some(run) = &mut model.link.run else {
         return;
     };
@@ -107,6 +115,43 @@ pub(super) fn receive(model: &mut Model, event: DriverEvent) {
             ended(model, Err(why));
         }
         _ => {}
+    }
+}
+
+/// Keeps what the controller holds before a run moves, or goes on after its connection was lost.
+pub(super) fn values_at_start(model: &mut Model, values: &[ParameterInfo]) {
+    let mut changed = None;
+    let read = ValuesRead {
+        controller: &model.link.identity,
+        parameters: values,
+    };
+    if let Some(open) = &mut model.open {
+        open.record(|session| changed = begin_run(session, read, clock::now()));
+    }
+    tell_foreign_write(model, changed);
+    model.autosave.follow(model.open.as_ref());
+}
+
+/// Compares what the controller holds with what it held when the last run began.
+pub(super) fn compare(model: &mut Model, values: &[ParameterInfo]) {
+    let mut changed = None;
+    let pending = model.link.pending.as_ref();
+    let pending = pending.map(|pending| pending.pose.label());
+    let read = ValuesRead {
+        controller: &model.link.identity,
+        parameters: values,
+    };
+    let open = model.open.as_mut();
+    if let Some(open) = open.filter(|open| open.session().is_run_open(read.controller)) {
+        open.record(|session| changed = end_run(session, read, pending, clock::now()));
+    }
+    tell_foreign_write(model, changed);
+}
+
+fn tell_foreign_write(model: &mut Model, text: Option<String>) {
+    if let Some(text) = text {
+        model.messages.warning(&text);
+        log(model, text);
     }
 }
 

@@ -96,6 +96,10 @@ pub enum DriverEvent {
     Lost(String),
     /// A lost connection is there again, not armed; what the controller holds now.
     Regained(Vec<ParameterInfo>),
+    /// What the controller holds before the first pose of a run is commanded.
+    ValuesAtStart(Vec<ParameterInfo>),
+    /// What it holds at the end of the run.
+    ValuesAtEnd(Vec<ParameterInfo>),
     /// The controller is going to a pose.
     Commanded(i64),
     /// A pose is measured and waits to be stored.

@@ -47,6 +47,15 @@ impl Operation {
         }
     }
 
+    /// What the controller holds at the end of a run that is about to be aborted.
+    pub fn values_at_end(&mut self, controller: &mut dyn Controller) -> Option<DriverEvent> {
+        let Self::Measuring(measuring) = self else {
+            return None;
+        };
+        let read = measuring.run.values_at_end(controller)?;
+        measuring.report(read)
+    }
+
     pub fn measuring(&mut self, change: impl FnOnce(&mut Measuring)) {
         if let Self::Measuring(measuring) = self {
             change(measuring);
@@ -103,6 +112,8 @@ impl Measuring {
 
     fn report(&mut self, event: MeasuringEvent) -> Option<DriverEvent> {
         Some(match event {
+            MeasuringEvent::ValuesAtStart(values) => DriverEvent::ValuesAtStart(values),
+            MeasuringEvent::ValuesAtEnd(values) => DriverEvent::ValuesAtEnd(values),
             MeasuringEvent::Commanded { label } => {
                 self.doing = Doing::Moving;
                 DriverEvent::Commanded(label)

@@ -223,8 +223,9 @@ impl Worker {
                 let stopped = controller.stop();
                 // What is shown afterwards is where it is now; what is wrong with a reading shows in the state.
                 let _ = controller.sample();
+                let read = self.operation.values_at_end(controller);
                 let report = self.operation.abort(BY_OPERATOR);
-                report.into_iter().for_each(|r| self.publisher.report(r));
+                (read.into_iter().chain(report)).for_each(|r| self.publisher.report(r));
                 stopped?;
             }
             DriverCommand::Measure(command) => {
@@ -314,12 +315,15 @@ impl Worker {
 
     /// Stops the platform and ends operation and connection for the reason `why`; returns whether there was a connection.
     fn close(&mut self, why: &str) -> bool {
-        let ended = self.operation.abort(why);
-        ended.into_iter().for_each(|r| self.publisher.report(r));
-        let connection = self.connection.take();
-        connection.is_some_and(|mut connection| {
+        let mut connection = self.connection.take();
+        let read = connection.as_mut().and_then(|connection| {
             // The connection ends either way, and a lost connection stops the drives.
             let _ = connection.controller.stop();
+            self.operation.values_at_end(&mut connection.controller)
+        });
+        let ended = self.operation.abort(why);
+        (read.into_iter().chain(ended)).for_each(|r| self.publisher.report(r));
+        connection.is_some_and(|mut connection| {
             connection.controller.disconnect();
             true
         })

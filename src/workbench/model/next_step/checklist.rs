@@ -151,6 +151,7 @@ mod tests {
             controller: String::new(),
             changes: Vec::new(),
             outcome: Outcome::Written,
+            read_back: Vec::new(),
             restores: false,
         }
     }

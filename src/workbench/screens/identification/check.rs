@@ -2,6 +2,7 @@
 
 use egui::{CollapsingHeader, Ui};
 use tautline_session::Session;
+use tautline_workflow::foreign_writes::sentences;
 use tautline_workflow::importing::can_import_again;
 use tautline_workflow::readiness::{CheckItem, CheckOutcome, PLAUSIBLE, check_readings};
 
@@ -62,6 +63,9 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
 
 /// Implausible readings that were noticed while measuring; excluding the pose settles one.
 fn warnings(ui: &mut Ui, session: &Session) {
+    for text in sentences(session) {
+        verdict(ui, Verdict::Bad, &text);
+    }
     let texts: Vec<&str> = session
         .measuring_warnings()
         .map(|warning| warning.text.as_str())

@@ -3,9 +3,10 @@
 use tautline_session::{Phase, Session, schemas};
 
 use super::when;
+use crate::audit;
 use crate::report::document::{Section, Table};
-use crate::report::input::{PROGRAM, ReportInput};
-use crate::wording::list;
+use crate::report::input::ReportInput;
+use crate::wording::{PROGRAM, list};
 
 pub fn section(input: &ReportInput<'_>) -> Section {
     let mut section = Section::new("About this report");
@@ -19,6 +20,7 @@ pub fn section(input: &ReportInput<'_>) -> Section {
         ("Created", when(input.now)),
         ("Session", input.session.name.clone()),
         ("Fingerprint of the inputs", input.session.basis()),
+        ("Audit trail", audit::state(input.session)),
     ];
     let facts = facts.map(|(name, value)| (name.to_owned(), value));
     section.facts(facts);

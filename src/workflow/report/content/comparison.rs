@@ -8,10 +8,10 @@ use crate::comparison::{differs, effect_name, unexplained, verdict};
 use crate::identification::{Identification, all_readings};
 use crate::report::deviations::Deviation;
 use crate::report::document::{Block, Document, Section, Table};
-use crate::report::input::{ComparisonInput, PROGRAM};
+use crate::report::input::ComparisonInput;
 use crate::report::plots;
 use crate::wording::units::{decimals, display_unit, fixed, mm, quantity, significant, with_sd};
-use crate::wording::{count, ratio, sentence};
+use crate::wording::{PROGRAM, count, ratio, sentence};
 
 /// The whole content.
 pub fn document(input: &ComparisonInput<'_>) -> Document {

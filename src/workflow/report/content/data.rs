@@ -4,6 +4,7 @@ use tautline_core::measurement::{Grid, Measurements};
 use tautline_session::Session;
 
 use super::when;
+use crate::foreign_writes::sentences;
 use crate::report::document::{Section, Table};
 use crate::wording::list;
 
@@ -27,6 +28,9 @@ pub fn section(session: &Session) -> Section {
     }
     add("Tables of phases 1 and 2", phases(session));
     section.facts(facts);
+    for text in sentences(session) {
+        section.paragraph(text);
+    }
     section.table(readings(measured));
     section
 }

@@ -16,8 +16,8 @@ use tautline_session::Timestamp;
 
 use super::colours;
 use super::document::Document;
-use super::input::PROGRAM;
 use crate::plot::drawing::{Anchor, Shape};
+use crate::wording::PROGRAM;
 use faces::Faces;
 use layout::{BOTTOM, LEFT, Layout, PAGE, Page, WIDTH};
 

@@ -1,0 +1,318 @@
+//! The audit trail of a session: who seals it, and what is wrong in it in words.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tautline_session::{
+    AuditKey, Folders, ReadError, Session, Timestamp, TrailAuthor, TrailEntry, TrailFault,
+    TrailPart, VersionedFile,
+};
+
+use crate::clock;
+use crate::planning::poses_in_words;
+use crate::wording::{PROGRAM, count, list};
+
+/// The user who runs the program, by the environment; empty if that does not name one.
+#[must_use]
+pub fn system_user() -> String {
+    let names = ["USER", "LOGNAME", "USERNAME"].iter();
+    let mut found = names.filter_map(|name| std::env::var(name).ok());
+    found.find(|name| !name.is_empty()).unwrap_or_default()
+}
+
+/// The key with which the user signs, if there is one; a user without folders has none.
+///
+/// # Errors
+/// If there is a key file that cannot be read or is no key.
+pub fn own_key() -> Result<Option<AuditKey>, ReadError> {
+    match Folders::of_user() {
+        Ok(folders) => AuditKey::read(&folders.audit_key()),
+        Err(_) => Ok(None),
+    }
+}
+
+/// Joins what is new in a session to an entry of its trail, by the `operator`, or the user of the system if that is empty.
+pub fn seal(session: &mut Session, operator: &str, key: Option<&AuditKey>) {
+    let user = system_user();
+    let author = TrailAuthor {
+        operator: if operator.trim().is_empty() {
+            &user
+        } else {
+            operator.trim()
+        },
+        program: PROGRAM,
+        key,
+    };
+    session.seal(&author, clock::now());
+}
+
+/// What is wrong in the trail of a session that was opened: one sentence without full stop.
+#[must_use]
+pub fn notice(session: &Session) -> Option<String> {
+    let faults = session.audit();
+    let first = faults.first().filter(|_| !session.trail().is_empty())?;
+    let others = match faults.len() - 1 {
+        0 => String::new(),
+        others => format!("; `tautline audit` lists {}", count(others, "other fault")),
+    };
+    Some(format!(
+        "the audit trail is broken: {}{others}",
+        sentence(session, first)
+    ))
+}
+
+/// The state of the trail for a report.
+#[must_use]
+pub fn state(session: &Session) -> String {
+    let trail = session.trail();
+    let Some(last) = trail.last_hash() else {
+        return "none".to_owned();
+    };
+    let entries = match trail.entries().len() {
+        1 => "1 entry".to_owned(),
+        many => format!("{many} entries"),
+    };
+    match session.audit().len() {
+        0 => format!("{entries}, the last one with the hash {last}"),
+        faults => format!(
+            "broken ({}), {entries}, the last one with the hash {last}",
+            count(faults, "fault")
+        ),
+    }
+}
+
+/// The result of `audit`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct AuditDocument {
+    /// intact, broken, or none: the session has no trail.
+    pub verdict: String,
+    /// The entries, the oldest first.
+    pub entries: Vec<AuditEntry>,
+    /// What is wrong.
+    pub faults: Vec<AuditFault>,
+    /// Labels of the poses that are in no entry: imported ones, and those of earlier versions.
+    pub uncovered_poses: Vec<i64>,
+    /// Hash of the last entry.
+    pub last_hash: Option<String>,
+}
+
+/// An entry of the trail.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct AuditEntry {
+    /// Its number, from 1.
+    pub entry: usize,
+    /// Time.
+    pub time: Timestamp,
+    /// Operator.
+    pub operator: String,
+    /// Name and version of the program.
+    pub program: String,
+    /// Whether the session had these records when its trail began.
+    pub found: bool,
+    /// What it records, in words.
+    pub what: String,
+    /// Its hash.
+    pub hash: String,
+    /// Public key of its signature; null if it is not signed.
+    pub signed_by: Option<String>,
+}
+
+/// Something that is wrong in the trail.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct AuditFault {
+    /// Number of the entry, from 1; null if no entry has that part.
+    pub entry: Option<usize>,
+    /// hash, signature, changed, missing, uncovered, key (not signed with the key that was asked for) or lost (no entry has the
+    /// hash that was asked for).
+    pub kind: String,
+    /// The fault in one sentence.
+    pub text: String,
+}
+
+impl VersionedFile for AuditDocument {
+    const FORMAT: &'static str = "tautline-audit";
+    const VERSION: u32 = 1;
+    const MAX_BYTES: u64 = 64 << 20;
+}
+
+impl AuditDocument {
+    /// Checks the trail of a session. Every entry must be signed with the public key `signed_by`, and one must have the hash
+    /// `contained`, as far as they are given.
+    #[must_use]
+    pub fn of(session: &Session, signed_by: Option<&str>, contained: Option<&str>) -> Self {
+        let trail = session.trail();
+        let mut faults: Vec<AuditFault> = match trail.is_empty() {
+            true => Vec::new(),
+            false => session
+                .audit()
+                .iter()
+                .map(|fault| found(session, fault))
+                .collect(),
+        };
+        let is_of = |entry: &TrailEntry, key: &str| {
+            let signature = entry.signature.as_ref();
+            signature.is_some_and(|signature| signature.key.eq_ignore_ascii_case(key))
+        };
+        for (number, entry) in (1..).zip(trail.entries()) {
+            if let Some(key) = signed_by.filter(|key| !is_of(entry, key)) {
+                faults.push(AuditFault {
+                    entry: Some(number),
+                    kind: "key".to_owned(),
+                    text: format!("entry {number} is not signed with the key {key}"),
+                });
+            }
+        }
+        if let Some(hash) = contained {
+            let mut hashes = trail.entries().iter().map(|entry| &entry.hash);
+            if !hashes.any(|known| known.eq_ignore_ascii_case(hash)) {
+                faults.push(AuditFault {
+                    entry: None,
+                    kind: "lost".to_owned(),
+                    text: format!(
+                        "no entry has the hash {hash}: it is of another session, or the trail was computed anew"
+                    ),
+                });
+            }
+        }
+        let verdict = match (trail.is_empty(), faults.is_empty()) {
+            (true, _) => "none",
+            (false, true) => "intact",
+            (false, false) => "broken",
+        };
+        Self {
+            verdict: verdict.to_owned(),
+            entries: (1..)
+                .zip(trail.entries())
+                .map(|(number, entry)| AuditEntry {
+                    entry: number,
+                    time: entry.time,
+                    operator: entry.operator.clone(),
+                    program: entry.program.clone(),
+                    found: entry.found,
+                    what: what(session, entry),
+                    hash: entry.hash.clone(),
+                    signed_by: entry.signature.as_ref().map(|s| s.key.clone()),
+                })
+                .collect(),
+            faults,
+            uncovered_poses: session.uncovered_poses(),
+            last_hash: trail.last_hash().map(str::to_owned),
+        }
+    }
+}
+
+fn found(session: &Session, fault: &TrailFault) -> AuditFault {
+    let (kind, entry) = match fault {
+        TrailFault::Hash(entry) => ("hash", Some(entry)),
+        TrailFault::Signature(entry) => ("signature", Some(entry)),
+        TrailFault::Changed(_, entry) => ("changed", Some(entry)),
+        TrailFault::Missing(_, entry) => ("missing", Some(entry)),
+        TrailFault::Uncovered(_) => ("uncovered", None),
+    };
+    AuditFault {
+        entry: entry.map(|number| number + 1),
+        kind: kind.to_owned(),
+        text: sentence(session, fault),
+    }
+}
+
+fn sentence(session: &Session, fault: &TrailFault) -> String {
+    let recorded = |number: usize| match session.trail().entries().get(number) {
+        Some(entry) => format!(
+            "recorded{} on {} in entry {}",
+            by(&entry.operator),
+            entry.time,
+            number + 1
+        ),
+        None => "recorded last".to_owned(),
+    };
+    match fault {
+        TrailFault::Hash(number) => format!(
+            "entry {} does not have its hash: its operator, time, program or records were changed, or an entry was removed or inserted before it",
+            number + 1
+        ),
+        TrailFault::Signature(number) => {
+            format!(
+                "the signature of entry {} is not that of its key",
+                number + 1
+            )
+        }
+        TrailFault::Changed(part, number) => {
+            format!("{} not as {}", part_is(*part), recorded(*number))
+        }
+        TrailFault::Missing(part, number) => {
+            format!("{} gone, which was {}", part_is(*part), recorded(*number))
+        }
+        TrailFault::Uncovered(part) => {
+            format!("{} in no entry: another program added it", part_is(*part))
+        }
+    }
+}
+
+/// ` by Ada`; empty if the operator is not named.
+fn by(operator: &str) -> String {
+    match operator {
+        "" => String::new(),
+        name => format!(" by {name}"),
+    }
+}
+
+/// The part with its verb.
+fn part_is(part: TrailPart) -> String {
+    match part {
+        TrailPart::Pose(0) => "the readings at home are".to_owned(),
+        TrailPart::Pose(label) => format!("the readings of pose {label} are"),
+        TrailPart::Adjustment(number) => format!("adjustment {} is", number + 1),
+        TrailPart::Verification(number) => format!("verification {} is", number + 1),
+        TrailPart::StoppedVerification(number) => {
+            format!("verification {} of those that ended early is", number + 1)
+        }
+        TrailPart::ForeignWrite(number) => {
+            format!("change {} of the controller by others is", number + 1)
+        }
+        TrailPart::Log(number) => format!("step {} of the log is", number + 1),
+    }
+}
+
+/// What an entry records: `25 poses and the home pose, adjustment 1 (31 values) and 2 steps of the log`.
+fn what(session: &Session, entry: &TrailEntry) -> String {
+    let parts = || entry.records.iter().map(|record| record.part);
+    let mut words = Vec::new();
+    let poses: Vec<i64> = parts()
+        .filter_map(|part| match part {
+            TrailPart::Pose(label) => Some(label),
+            _ => None,
+        })
+        .collect();
+    if !poses.is_empty() {
+        words.push(poses_in_words(poses));
+    }
+    for part in parts() {
+        match part {
+            TrailPart::Pose(_) | TrailPart::Log(_) => {}
+            TrailPart::Adjustment(number) => {
+                let values = session.adjustments().get(number);
+                let values = values.map_or(0, |adjustment| adjustment.changes.len());
+                words.push(format!(
+                    "adjustment {} ({})",
+                    number + 1,
+                    count(values, "value")
+                ));
+            }
+            TrailPart::Verification(number) => words.push(format!("verification {}", number + 1)),
+            TrailPart::StoppedVerification(_) => {
+                words.push("a verification that ended early".to_owned());
+            }
+            TrailPart::ForeignWrite(_) => {
+                words.push("a change of the controller by others".to_owned());
+            }
+        }
+    }
+    words.dedup();
+    let steps = parts()
+        .filter(|part| matches!(part, TrailPart::Log(_)))
+        .count();
+    if steps > 0 {
+        words.push(format!("{} of the log", count(steps, "step")));
+    }
+    list(&words)
+}
