@@ -13,6 +13,7 @@ pub mod exporting;
 pub mod fonts;
 pub mod identification;
 pub mod importing;
+pub mod machines;
 pub mod planning;
 pub mod plot;
 pub mod precalibration;
