@@ -2,24 +2,27 @@
 
 use std::path::PathBuf;
 
-use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::{Control, Geometry, Method, Poses};
 use tautline_core::measurement::Dataset;
-use tautline_session::read_robot;
+use tautline_core::robot::Robot;
 use tautline_workflow::identification::{IdentificationRequest, identify};
 
+use crate::examples::examples;
 use crate::identify::print;
-use crate::input;
 use crate::not_converged::NotConverged;
 use crate::output::JsonOutput;
+use crate::{BadInput, input, standard_input};
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("The poses of one run with the pulleys of another", "tautline evaluate bad --model model.json"),
+]))]
 pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// Model file or robot.json whose geometry and effects are kept fixed
+    /// Model file or robot.json whose geometry and effects are kept fixed; - is standard input
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
     /// Also keep the poses fixed at the positions measured by the external instrument
@@ -31,7 +34,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let measured = input::dataset(&arguments.dataset)?;
-    let model = input::noticed(read_robot(&arguments.model)?);
+    let model: Robot = input::noticed(standard_input::versioned(&arguments.model)?);
     let cables = measured.robot.cable_count();
     if model.cable_count() != cables {
         return Err(BadInput::new(format!(

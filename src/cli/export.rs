@@ -6,7 +6,6 @@ use anyhow::{Result, anyhow};
 use clap::ValueEnum;
 use tautline_core::estimation::{Control, Method};
 use tautline_core::measurement::Dataset;
-use tautline_session::write_bytes;
 use tautline_workflow::exporting::{Table, TableFormat, encode, poses_table};
 use tautline_workflow::identification::{
     Identification, IdentificationRequest, identify, readings_table, values_table,
@@ -14,17 +13,25 @@ use tautline_workflow::identification::{
 
 use crate::BadInput;
 use crate::effect_arguments::EstimatedEffects;
+use crate::examples::examples;
 use crate::input;
-use crate::output::say;
+use crate::output::{confirm, is_standard, write_file};
+use crate::replace::Replace;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("The readings with their residuals, for a spreadsheet", "tautline export mini --table readings -o residuals.csv"),
+    ("Poses and identified values, for MATLAB", "tautline export mini --table poses --table values -o mini.mat"),
+]))]
 pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// File to write: .csv or .parquet with one table, or .mat (MATLAB version 5) with one struct per table
+    /// File to write: .csv or .parquet with one table, or .mat (MATLAB version 5) with one struct per table; - is CSV on standard output
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    replace: Replace,
     /// What to write: the measured poses, identified values with their standard deviations, or readings with their residuals; may be repeated
     #[arg(long, value_enum, default_value = "poses")]
     table: Vec<Content>,
@@ -41,7 +48,11 @@ enum Content {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let out = arguments.out.display();
-    let Some(format) = TableFormat::of(&arguments.out) else {
+    let format = match is_standard(&arguments.out) {
+        true => Some(TableFormat::Csv),
+        false => TableFormat::of(&arguments.out),
+    };
+    let Some(format) = format else {
         let message =
             format!("--out: found {out}, expected a file that ends in .csv, .parquet or .mat");
         return Err(BadInput::new(message));
@@ -55,6 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         );
         return Err(BadInput::new(message));
     }
+    arguments.replace.permit(&[Some(&arguments.out)], None)?;
     let folder = &arguments.dataset;
     let is_identified = contents.iter().any(|content| *content != Content::Poses);
     let (dataset, fit) = if is_identified {
@@ -72,10 +84,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let tables: Vec<Table> = contents.iter().map(table).collect();
     let bytes =
         encode(format, &tables).map_err(|why| anyhow!("{out}: cannot be created ({why})"))?;
-    write_bytes(&arguments.out, &bytes)?;
+    write_file(&arguments.out, &bytes)?;
     for table in &tables {
         let (rows, columns) = (table.rows(), table.columns.len());
-        say!(
+        confirm!(
             "{out}: {} with {rows} rows and {columns} columns",
             table.name
         );

@@ -3,16 +3,15 @@
 use crate::output::note;
 use std::path::Path;
 
-use crate::BadInput;
+use crate::output::is_standard;
+use crate::{BadInput, standard_input};
 use anyhow::Result;
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
-use tautline_core::robot::presets::{self, Preset};
-use tautline_session::{
-    DatasetFolder, Loaded, PoseLines, Session, import, read_dataset, read_robot,
-};
+use tautline_session::{DatasetFolder, Loaded, PoseLines, Session, import, read_dataset};
 use tautline_workflow::clock;
 use tautline_workflow::comparison::as_session;
+use tautline_workflow::machines::{self, Machine};
 use tautline_workflow::readiness::reading_faults;
 
 /// Prints the notices and returns what was read.
@@ -25,6 +24,11 @@ pub fn noticed<T>(read: Loaded<T>) -> T {
 
 /// Reads a session, or creates one from a robot or a dataset folder.
 pub fn session(path: &Path) -> Result<Session> {
+    if is_standard(path) {
+        let session = noticed(standard_input::session()?);
+        note_faults(&session.dataset(), None);
+        return Ok(session);
+    }
     if !path.exists() {
         let place = path.display();
         let message = format!("{place}: not found, expected a session file or a dataset folder");
@@ -77,26 +81,32 @@ fn note_faults(dataset: &Dataset, table: Option<&PoseLines>) {
 pub struct RobotSource {
     /// The robot.
     pub robot: Robot,
-    /// The preset, if it does not come from a file.
-    pub preset: Option<Preset>,
+    /// The known machine, if it does not come from a file.
+    pub machine: Option<Machine>,
 }
 
-/// The preset with this name, or the robot of this file.
+/// The machine with this name, or the robot of this file.
 pub fn robot(name: &str) -> Result<RobotSource> {
-    if let Some(preset) = presets::find(name) {
+    if let Some(machine) = machines::find(name) {
         return Ok(RobotSource {
-            robot: preset.robot.clone(),
-            preset: Some(preset),
+            robot: machine.robot.clone(),
+            machine: Some(machine),
         });
     }
     let path = Path::new(name);
-    if !path.exists() {
-        let presets = presets::NAMES.join(", ");
-        let message = format!("--robot: found \"{name}\", expected a file or one of {presets}");
+    if !is_standard(path) && !path.exists() {
+        let names = machines::names().join(", ");
+        let message = format!("--robot: found \"{name}\", expected a file or one of {names}");
         return Err(BadInput::new(message));
     }
     Ok(RobotSource {
-        robot: noticed(read_robot(path)?),
-        preset: None,
+        robot: noticed(standard_input::versioned(path)?),
+        machine: None,
     })
+}
+
+/// Help of an argument that is a machine or a file.
+pub fn robot_help(what: &str) -> String {
+    let names = machines::names().join(", ");
+    format!("{what}: a known machine ({names}) or a robot.json; - is standard input")
 }

@@ -6,10 +6,12 @@ mod audit;
 mod bad_input;
 mod check;
 mod compare;
+mod completions;
 mod diagnose;
 mod effect_arguments;
 mod effects;
 mod evaluate;
+mod examples;
 mod export;
 mod home;
 mod identify;
@@ -17,49 +19,64 @@ mod import;
 mod input;
 mod isolability;
 mod live;
+mod man;
 mod measure;
 mod method;
+mod mistyped;
 mod new;
 mod not_converged;
 mod output;
 mod plan;
 mod precalibrate;
+mod progress;
+mod replace;
 mod report;
+mod report_format;
 mod schemas;
 mod settled;
 mod simulate;
+mod standard_input;
 mod study;
 mod symbols;
 mod table;
 mod tolerances;
 mod verify;
 
-use output::note;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use tautline_session::{ReadError, Session};
 use tautline_workflow::identification::Identification;
 use tautline_workflow::session_file::SessionFileError;
 
 use bad_input::BadInput;
 use check::NotReady;
+use examples::{examples, heading};
 use not_converged::NotConverged;
 use settled::Settled;
 
-const EXIT_CODES: &str = "Exit codes: 0 success, 2 bad input (one line that names file, line and column), \
-    3 identify or evaluate did not converge, 4 adjust settled an earlier attempt and wrote nothing else, \
-    5 a part of check failed, 1 any other failure";
+/// The forms of the command line.
+const USAGE: &str = "tautline [PATH]\n       tautline <COMMAND> [OPTIONS]";
 
-/// Calibrate cable-driven parallel robots.
+const EXIT_CODES: [&str; 6] = [
+    "success",
+    "any other failure",
+    "bad input: one line that names file, line and column",
+    "identify or evaluate did not converge",
+    "adjust settled an earlier attempt and wrote nothing else",
+    "a part of check failed",
+];
+
+/// Calibrate cable-driven parallel robots: identify their pulleys, find what is wrong with them, correct the controller.
+///
+/// Without a command, the workbench opens in a window.
 #[derive(Debug, Parser)]
 #[command(
     name = "tautline",
     version,
-    about,
-    after_help = EXIT_CODES,
-    args_conflicts_with_subcommands = true
+    override_usage = USAGE,
+    after_help = after_help()
 )]
 struct Arguments {
     /// Session, robot.json or dataset folder to open in the workbench
@@ -71,8 +88,27 @@ struct Arguments {
     /// Speed of the simulated robot as a multiple of real time, for programs that measure the window
     #[arg(long, value_name = "TIMES", hide = true)]
     robot_speed: Option<f64>,
+    /// Print errors, questions and results only: no notices, no progress, no confirmation of files written
+    #[arg(short, long, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Option<Command>,
+}
+
+fn after_help() -> String {
+    let mut text = examples(&[
+        (
+            "The workbench; its start page leads through all phases",
+            "tautline",
+        ),
+        ("A simulated run", "tautline simulate --robot mini -o mini"),
+        ("The pulleys of that run", "tautline identify mini"),
+    ]);
+    text.push_str(&heading("\n\nExit status:"));
+    for (code, meaning) in EXIT_CODES.iter().enumerate() {
+        text.push_str(&format!("\n  {code} {meaning}"));
+    }
+    text
 }
 
 #[derive(Debug, Subcommand)]
@@ -119,13 +155,14 @@ enum Command {
     /// Write the default symbol names of a controller, for --symbols
     Symbols(symbols::Arguments),
     /// List the physical effects that can be simulated, identified and diagnosed
+    #[command(after_help = examples(&[("All effects, with the sizes that are typical", "tautline effects")]))]
     Effects,
     /// Write the JSON Schemas of the file formats
-    Schemas {
-        /// Folder to write to
-        #[arg(long, value_name = "DIR")]
-        out: PathBuf,
-    },
+    Schemas(schemas::Arguments),
+    /// Write the completions of a shell: commands, options and their values
+    Completions(completions::Arguments),
+    /// Write the manual pages of all commands
+    Man(man::Arguments),
 }
 
 /// Options for opening the window.
@@ -151,12 +188,28 @@ pub struct Window {
 pub fn run(window: &Window) -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(error) if error.use_stderr() => error.exit(),
+        Err(error) if error.use_stderr() => {
+            let words = std::env::args_os().skip(1);
+            match mistyped::first_word(words, &Arguments::command()) {
+                Some(mistyped) => return finish(Err(mistyped)),
+                None => error.exit(),
+            }
+        }
         Err(help) => {
             output::note_failure(help.print());
             return finish(output::check());
         }
     };
+    if arguments.quiet {
+        output::be_quiet();
+    }
+    if let (Some(path), Some(_)) = (&arguments.path, &arguments.command) {
+        let message = format!(
+            "found {} before a command, expected one of them",
+            path.display()
+        );
+        return finish(Err(BadInput::new(message)));
+    }
     let Some(command) = arguments.command else {
         return finish(open(
             window,
@@ -192,18 +245,19 @@ pub fn run(window: &Window) -> ExitCode {
             effects::run();
             Ok(())
         }
-        Command::Schemas { out } => schemas::run(&out),
+        Command::Schemas(arguments) => schemas::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
+        Command::Man(arguments) => man::run(&arguments, Arguments::command()),
     };
     finish(result.and_then(|()| output::check()))
 }
 
 fn open(window: &Window, options: WindowOptions) -> anyhow::Result<()> {
     if let Some(missing) = options.path.as_deref().filter(|path| !path.exists()) {
-        let message = format!(
-            "{}: neither a command nor an existing file or folder",
-            missing.display()
-        );
-        return Err(BadInput::new(message));
+        return Err(mistyped::error(
+            &missing.to_string_lossy(),
+            &Arguments::command(),
+        ));
     }
     (window.open)(options)
 }
@@ -214,7 +268,7 @@ fn finish(result: anyhow::Result<()>) -> ExitCode {
         return ExitCode::SUCCESS;
     };
     let message = format!("{error:#}");
-    note!("{}", message.replace('\n', " "));
+    output::message(message.replace('\n', " "));
     let file_error = error.downcast_ref::<SessionFileError>();
     let is_bad_file = file_error.is_some_and(SessionFileError::is_bad_input);
     ExitCode::from(
@@ -234,7 +288,57 @@ fn finish(result: anyhow::Result<()>) -> ExitCode {
 
 #[cfg(test)]
 mod tests {
+    use clap::builder::ValueParser;
+
     use super::*;
+
+    /// What numbers with a fraction can be in: units, and dimensionless quantities.
+    const UNITS: [&str; 10] = [
+        "M",
+        "MM",
+        "DEG",
+        "SECONDS",
+        "MS",
+        "HZ",
+        "GIB",
+        "PROBABILITY",
+        "SD",
+        "TIMES",
+    ];
+
+    fn check_arguments(command: &clap::Command) {
+        let number = ValueParser::from(clap::value_parser!(f64)).type_id();
+        for one in command.get_arguments() {
+            let place = format!("{} {}", command.get_name(), one.get_id());
+            let value = one.get_value_names().and_then(|names| names.first());
+            let value = value.map_or("", |value| value.as_str());
+            if one.get_value_parser().type_id() == number {
+                assert!(UNITS.contains(&value), "{place}: {value}");
+            }
+            if one.get_id() == "out" {
+                assert_eq!(one.get_short(), Some('o'), "{place}");
+            }
+            let writes = [
+                "out",
+                "model_out",
+                "report",
+                "csv",
+                "statistics",
+                "recipe_out",
+            ];
+            if writes.iter().any(|name| one.get_id() == *name) && command.get_name() != "plan" {
+                let mut all = command.get_arguments();
+                assert!(all.any(|one| one.get_id() == "replace"), "{place}");
+            }
+        }
+        command.get_subcommands().for_each(check_arguments);
+    }
+
+    #[test]
+    fn numbers_name_their_units_and_files_can_be_replaced() {
+        check_arguments(&Arguments::command());
+        Arguments::command().debug_assert();
+    }
 
     #[test]
     fn the_exit_code_says_what_went_wrong() {

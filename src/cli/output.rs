@@ -1,21 +1,53 @@
 //! Output of results: to a file, written atomically, or to standard output.
 
 use std::borrow::Cow;
-use std::io::{ErrorKind, Write, stdout};
+use std::io::{ErrorKind, IsTerminal, Write, stdout};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Result, anyhow};
 use serde::Serialize;
-use tautline_session::{ReservedFile, VersionedFile};
+use tautline_core::robot::Robot;
+use tautline_session::{ReservedFile, VersionedFile, write_bytes, write_robot};
 use tautline_workflow::wording::{is_obeyed, printable};
 
 /// First error of writing to standard output.
 static FAILURE: OnceLock<std::io::Error> = OnceLock::new();
+/// Whether notices, progress and confirmations are left out.
+static QUIET: AtomicBool = AtomicBool::new(false);
+/// Whether standard output is for a document, which other text would spoil.
+static HAS_DOCUMENT: AtomicBool = AtomicBool::new(false);
 
-/// Prints a line on standard output. An error, such as a full disk, is reported by [`check`].
+/// Leaves out notices, progress and confirmations from now on.
+pub fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether notices, progress and confirmations are left out.
+pub fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Keeps standard output free for a document.
+pub fn expect_document() {
+    HAS_DOCUMENT.store(true, Ordering::Relaxed);
+}
+
+/// Whether a file name stands for standard input or output.
+pub fn is_standard(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// Prints a line on standard output, unless that is for a document. An error, such as a full disk, is reported by [`check`].
 pub fn line(text: &str) {
-    note_failure(writeln!(stdout(), "{}", printable(text)));
+    if !HAS_DOCUMENT.load(Ordering::Relaxed) {
+        print(&printable(text));
+    }
+}
+
+fn print(text: &str) {
+    note_failure(writeln!(stdout(), "{text}"));
 }
 
 /// Notes an error of writing to standard output for [`check`]. A reader that stops reading (`tautline ... | head`) is not an
@@ -38,9 +70,16 @@ pub fn check() -> Result<()> {
     }
 }
 
-/// Prints a line on standard error.
-pub fn notice(text: impl AsRef<str>) {
+/// Prints a line on standard error that is needed whatever the command: an error, a question.
+pub fn message(text: impl AsRef<str>) {
     let _ = writeln!(std::io::stderr(), "{}", printable(text.as_ref()));
+}
+
+/// Prints a line on standard error, unless the command is to be quiet.
+pub fn notice(text: impl AsRef<str>) {
+    if !is_quiet() {
+        message(text);
+    }
 }
 
 /// `println!` through [`line()`].
@@ -50,6 +89,16 @@ macro_rules! say {
     };
 }
 pub(crate) use say;
+
+/// [`say!`] for what has been written, unless the command is to be quiet.
+macro_rules! confirm {
+    ($($text:tt)*) => {
+        if !$crate::output::is_quiet() {
+            $crate::output::line(&format!($($text)*));
+        }
+    };
+}
+pub(crate) use confirm;
 
 /// `eprintln!` through [`notice()`].
 macro_rules! note {
@@ -62,7 +111,7 @@ pub(crate) use note;
 /// `--json`.
 #[derive(Debug, clap::Args)]
 pub struct JsonOutput {
-    /// Write the results as JSON; - is standard output
+    /// Write the results as JSON, over those of an earlier run; - is standard output
     #[arg(id = "json", long, value_name = "FILE")]
     file: Option<PathBuf>,
 }
@@ -70,7 +119,7 @@ pub struct JsonOutput {
 impl JsonOutput {
     /// Whether standard output is for human-readable text, not JSON.
     pub fn is_text(&self) -> bool {
-        self.file.as_deref() != Some(Path::new("-"))
+        !self.file.as_deref().is_some_and(is_standard)
     }
 
     /// Writes a document as JSON if requested, and prints the human-readable form.
@@ -133,11 +182,31 @@ fn pretty<T: Serialize>(value: &T) -> Result<String> {
 /// Writes `value` as JSON to `target`; `-` is standard output.
 pub fn write_json<T: Serialize>(target: &Path, value: &T) -> Result<()> {
     let text = pretty(value)?;
-    if target == Path::new("-") {
-        line(&json_printable(text.trim_end()));
+    if is_standard(target) {
+        print(&json_printable(text.trim_end()));
         return check();
     }
     Ok(tautline_session::write_text(target, &text)?)
+}
+
+/// Writes a model file; `-` is standard output.
+pub fn write_model(target: &Path, robot: &Robot) -> Result<()> {
+    match is_standard(target) {
+        true => write_json(target, &tautline_session::versioned(robot)),
+        false => Ok(write_robot(target, robot)?),
+    }
+}
+
+/// Writes a file of any kind; `-` is standard output, where a terminal gets no control characters.
+pub fn write_file(target: &Path, bytes: &[u8]) -> Result<()> {
+    if !is_standard(target) {
+        return Ok(write_bytes(target, bytes)?);
+    }
+    note_failure(match stdout().is_terminal() {
+        true => stdout().write_all(printable(&String::from_utf8_lossy(bytes)).as_bytes()),
+        false => stdout().write_all(bytes),
+    });
+    check()
 }
 
 /// Equivalent JSON with escapes for the characters that a terminal would interpret; all of them are in strings.

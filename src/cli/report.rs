@@ -1,6 +1,6 @@
 //! `tautline report`.
 
-use crate::output::note;
+use crate::output::{note, write_file};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -11,19 +11,28 @@ use tautline_core::estimation::Control;
 use tautline_workflow::clock;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose};
 use tautline_workflow::identification::identify_session;
-use tautline_workflow::report::{Part, ReportChoice, ReportFormat, ReportInput, write_report};
+use tautline_workflow::report::{Part, ReportChoice, ReportInput, render_report};
 
 use crate::diagnose::diagnose_with_progress;
+use crate::examples::examples;
+use crate::replace::Replace;
+use crate::report_format::report_format;
 use crate::{Window, input};
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("A dataset, with a decision on each pulley, as PDF", "tautline report mini --tolerance 20 -o mini.pdf"),
+    ("Without budget and log, as HTML", "tautline report mini --without budget,log -o mini.html"),
+]))]
 pub struct Arguments {
-    /// Session, robot.json or dataset folder
+    /// Session, robot.json or dataset folder; - is a session on standard input
     #[arg(value_name = "SESSION|DATASET")]
     subject: PathBuf,
-    /// File to write; its name must end with .html or .pdf
-    #[arg(long, value_name = "FILE")]
+    /// File to write; its name must end with .html or .pdf; - is HTML on standard output
+    #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    replace: Replace,
     /// Parts to include, separated by commas; all by default
     #[arg(
         long,
@@ -78,12 +87,7 @@ impl Arguments {
 }
 
 pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
-    if ReportFormat::of(&arguments.out).is_none() {
-        return Err(BadInput::new(format!(
-            "--out: found {}, expected a name that ends with .html or .pdf",
-            arguments.out.display()
-        )));
-    }
+    let format = report_format("--out", &arguments.out)?;
     if let Some(mm) = arguments
         .tolerance
         .filter(|mm| !(mm.is_finite() && *mm > 0.0))
@@ -92,6 +96,7 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
             "--tolerance: found {mm}, expected a positive number of millimetres"
         )));
     }
+    arguments.replace.permit(&[Some(&arguments.out)], None)?;
     let session = input::session(&arguments.subject)?;
     let (fit, diagnosis) = if session.measurements.is_empty() {
         (None, None)
@@ -119,6 +124,5 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
         choice: &arguments.choice(),
         now: clock::now(),
     };
-    write_report(&arguments.out, &input)?;
-    Ok(())
+    write_file(&arguments.out, &render_report(&input, format)?)
 }

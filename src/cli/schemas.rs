@@ -1,6 +1,6 @@
 //! `tautline schemas`.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
@@ -11,7 +11,9 @@ use super::measure::MeasuringDocument;
 use super::output::write_json;
 use super::precalibrate::Precalibration;
 use super::verify::VerificationDocument;
-use crate::output::say;
+use crate::examples::examples;
+use crate::output::confirm;
+use crate::replace::Replace;
 use tautline_import::{ImportDocument, Recipe};
 use tautline_study::{StudyFile, StudyPlan, StudyResult};
 use tautline_workflow::accuracy::Accuracy;
@@ -21,8 +23,20 @@ use tautline_workflow::documents::plan::PlanDocument;
 use tautline_workflow::identification::IdentificationDocument;
 use tautline_workflow::readiness::ReadinessDocument;
 
-pub fn run(out: &Path) -> Result<()> {
-    std::fs::create_dir_all(out).with_context(|| format!("{} cannot be created", out.display()))?;
+#[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("The schemas of all formats", "tautline schemas -o schemas"),
+]))]
+pub struct Arguments {
+    /// Folder to write to
+    #[arg(short, long, value_name = "DIR")]
+    out: PathBuf,
+    #[command(flatten)]
+    replace: Replace,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let out = &arguments.out;
     let mut schemas = tautline_session::schemas();
     schemas.push(tautline_session::versioned_schema::<Recipe>());
     schemas.push(tautline_session::versioned_schema::<ImportDocument>());
@@ -41,10 +55,16 @@ pub fn run(out: &Path) -> Result<()> {
     schemas.push(tautline_session::versioned_schema::<StudyFile>());
     schemas.push(tautline_session::versioned_schema::<StudyPlan>());
     schemas.push(tautline_session::versioned_schema::<StudyResult>());
-    for schema in schemas {
-        let path = out.join(&schema.file_name);
-        write_json(&path, &schema.schema)?;
-        say!("{}", path.display());
+    let schemas = schemas.into_iter();
+    let files: Vec<_> = schemas
+        .map(|schema| (out.join(schema.file_name), schema.schema))
+        .collect();
+    let paths: Vec<_> = files.iter().map(|(path, _)| Some(path.as_path())).collect();
+    arguments.replace.permit(&paths, None)?;
+    std::fs::create_dir_all(out).with_context(|| format!("{} cannot be created", out.display()))?;
+    for (path, schema) in &files {
+        write_json(path, schema)?;
+        confirm!("{}", path.display());
     }
     Ok(())
 }

@@ -18,7 +18,7 @@ use tautline_core::geometry::Pose;
 use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::measurement::Dataset;
 use tautline_core::planning::{PlanOptions, plan as plan_poses};
-use tautline_core::robot::{Robot, presets};
+use tautline_core::robot::Robot;
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate as simulate_readings};
 use tautline_session::VersionedFile;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
@@ -27,6 +27,7 @@ use tautline_workflow::documents::plan::PlanDocument;
 use tautline_workflow::identification::{
     IdentificationRequest, identified, identify as identify_robot,
 };
+use tautline_workflow::machines;
 
 create_exception!(
     _tautline,
@@ -117,14 +118,14 @@ fn detached<T: Send>(
 /// Names of the robots that come with the program.
 #[pyfunction]
 fn presets_names() -> Vec<&'static str> {
-    presets::NAMES.to_vec()
+    machines::names()
 }
 
 /// A robot that comes with the program.
 #[pyfunction]
 fn preset(name: &str) -> PyResult<String> {
-    let found = presets::find(name).ok_or_else(|| {
-        let names = presets::NAMES.join(", ");
+    let found = machines::find(name).ok_or_else(|| {
+        let names = machines::names().join(", ");
         error(format!("found preset \"{name}\", expected one of {names}"))
     })?;
     json(&found.robot)

@@ -68,7 +68,7 @@ pub use session::{
     TrailRecord, TrailSignature, ValueChange, Verification, is_per_cable, name_of_cable,
     parse_session, read_session, without_user, write_session,
 };
-pub use symbols_file::{read_symbols, write_symbols};
+pub use symbols_file::{parse_symbols, read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};
 
 /// The JSON Schemas of all files that are read.

@@ -5,7 +5,7 @@ use std::path::Path;
 use tautline_core::robot::Robot;
 
 use crate::error::{Loaded, ReadError, WriteError};
-use crate::json::{read_versioned, write_versioned};
+use crate::json::{parse_versioned, read_versioned, write_versioned};
 use crate::session::SymbolMapping;
 
 /// Reads the symbols of an ADS controller, and checks that they fit a robot.
@@ -13,9 +13,28 @@ use crate::session::SymbolMapping;
 /// # Errors
 /// If the file cannot be read, or its symbols do not fit this robot.
 pub fn read_symbols(path: &Path, robot: &Robot) -> Result<Loaded<SymbolMapping>, ReadError> {
-    let read = read_versioned::<SymbolMapping>(path)?;
+    fitting(read_versioned(path)?, &path.display().to_string(), robot)
+}
+
+/// Reads symbols from memory, and checks that they fit a robot; `file` is the name for messages.
+///
+/// # Errors
+/// If the bytes are no symbols, or these do not fit this robot.
+pub fn parse_symbols(
+    bytes: &[u8],
+    file: &str,
+    robot: &Robot,
+) -> Result<Loaded<SymbolMapping>, ReadError> {
+    fitting(parse_versioned(bytes, file)?, file, robot)
+}
+
+fn fitting(
+    read: Loaded<SymbolMapping>,
+    file: &str,
+    robot: &Robot,
+) -> Result<Loaded<SymbolMapping>, ReadError> {
     let checked = read.value.check(robot);
-    checked.map_err(|error| ReadError::field(&path.display().to_string(), error))?;
+    checked.map_err(|error| ReadError::field(file, error))?;
     Ok(read)
 }
 

@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 use tautline_core::estimation::Control;
 use tautline_core::geometry::Pose;
 use tautline_core::planning::{PlanError, plan, random_poses};
-use tautline_core::robot::{FrameTransform, Robot, presets};
+use tautline_core::robot::{FrameTransform, Robot};
 use tautline_session::{
     Catalogue, Fingerprint, VersionedFile, read_robot, read_versioned, versioned, write_versioned,
 };
+use tautline_workflow::machines;
 
 use crate::cell::{Cell, options, robot_of};
 use crate::chunk::Part;
@@ -225,14 +226,14 @@ pub fn read_plan(folder: &Path) -> Result<StudyPlan, StudyError> {
 }
 
 fn robot(name: &str, folder: &Path, index: usize) -> Result<Robot, StudyError> {
-    if let Some(preset) = presets::find(name) {
-        return Ok(preset.robot);
+    if let Some(machine) = machines::find(name) {
+        return Ok(machine.robot);
     }
     let path = folder.join(name);
     if !path.exists() {
-        let presets = presets::NAMES.join(", ");
+        let names = machines::names().join(", ");
         return Err(StudyError::Input(format!(
-            "/design/robots/{index}: found \"{name}\", expected a robot.json or one of {presets}"
+            "/design/robots/{index}: found \"{name}\", expected a robot.json or one of {names}"
         )));
     }
     let robot = read_robot(&path)?.value;

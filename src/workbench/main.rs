@@ -22,5 +22,5 @@ fn open(options: WindowOptions) -> anyhow::Result<()> {
         robot_speed: options.robot_speed,
         ..Options::default()
     };
-    shell::run(options).map_err(|error| anyhow!("cannot open a window: {error}"))
+    shell::run(options).map_err(|error| anyhow!("{}", shell::no_window(&error)))
 }

@@ -15,6 +15,7 @@ pub mod fonts;
 pub mod foreign_writes;
 pub mod identification;
 pub mod importing;
+pub mod machines;
 pub mod planning;
 pub mod plot;
 pub mod precalibration;

@@ -52,6 +52,14 @@ impl Template {
         Self::Facade,
     ];
 
+    /// The template with this name in commands.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|template| template.name() == name)
+    }
+
     /// Name in commands.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -2,5 +2,6 @@
 
 mod files;
 mod licences;
+mod packaging;
 mod readme;
 mod safety;

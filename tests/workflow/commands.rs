@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod check;
+mod command_line;
 mod compare;
 mod diagnose;
 mod errors;

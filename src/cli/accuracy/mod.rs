@@ -5,16 +5,20 @@ mod report;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_session::read_check_file;
 
-use crate::BadInput;
+use crate::examples::examples;
 use crate::output::{JsonOutput, note};
+use crate::{BadInput, standard_input};
 pub use report::print;
 use tautline_workflow::accuracy::{accuracy, group, is_partly_oriented, word};
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("Figures of the poses that simulate or verify wrote", "tautline accuracy phases/check.csv"),
+    ("The same from a pipe, for another program", "tautline accuracy - --json - < phases/check.csv"),
+]))]
 pub struct Arguments {
-    /// The check.csv
+    /// The check.csv; - is standard input
     #[arg(value_name = "CHECK.csv")]
     check: PathBuf,
     #[command(flatten)]
@@ -22,7 +26,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let rows = read_check_file(&arguments.check)?;
+    let rows = standard_input::check_rows(&arguments.check)?;
     let file = arguments.check.display();
     let at_file = |error: String| BadInput::new(format!("{file}: {error}"));
     let groups = group(&rows.value).map_err(at_file)?;

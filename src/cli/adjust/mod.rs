@@ -19,16 +19,24 @@ use tautline_workflow::adjusting::{
 };
 use tautline_workflow::controllers::ConnectionSetup;
 
+use crate::examples::examples;
 use crate::live::{Connection, RobotArguments, SessionFile, link_error};
 use crate::measure::require_simulated;
 use crate::method::MethodName;
-use crate::output::{JsonOutput, note, notice, say};
+use crate::output::{self, JsonOutput, note, notice, say};
+use crate::replace::Replace;
 pub use document::AdjustmentDocument;
 use identified::Identified;
 use interrupted::Next;
 use writing::write;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("What would change on the controller", "tautline adjust run.json --controller sim --dry-run"),
+    ("Write the identified values to it", "tautline adjust run.json --controller sim --arm"),
+    ("Restore the values from before", "tautline adjust run.json --controller sim --roll-back --arm"),
+    ("For a controller without a link", "tautline adjust run.json --controller sim --dry-run --structured-text mini.st"),
+]))]
 pub struct Arguments {
     /// Session file
     #[arg(value_name = "SESSION")]
@@ -56,12 +64,14 @@ pub struct Arguments {
     /// Restore the values from before the last adjustment
     #[arg(long, conflicts_with_all = ["method", "dry_run"])]
     roll_back: bool,
-    /// Write the values of the controller and the identified values as a CSV table
+    /// Write the values of the controller and the identified values as a CSV table; - is standard output
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Write the identified values as constants in Structured Text
+    /// Write the identified values as constants in Structured Text; - is standard output
     #[arg(long, value_name = "FILE")]
     structured_text: Option<PathBuf>,
+    #[command(flatten)]
+    replace: Replace,
     #[command(flatten)]
     json: JsonOutput,
 }
@@ -74,6 +84,11 @@ impl Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let choice = arguments.robot_arguments.choice()?;
+    let files = [
+        arguments.csv.as_deref(),
+        arguments.structured_text.as_deref(),
+    ];
+    arguments.replace.permit(&files, Some(&arguments.json))?;
     let mut file = SessionFile::open(&arguments.session, &mut notice)?;
     let place = arguments.session.display().to_string();
     require_simulated(&file.session, &choice, &place)?;
@@ -205,7 +220,7 @@ fn message(arguments: &Arguments, text: &str) {
     if arguments.json.is_text() {
         say!("{text}");
     } else {
-        note!("{text}");
+        output::message(text);
     }
 }
 

@@ -7,11 +7,16 @@ use std::path::PathBuf;
 use anyhow::Result;
 use tautline_workflow::readiness::{CheckOutcome, ReadinessDocument, check};
 
+use crate::examples::examples;
 use crate::output::{JsonOutput, say};
 use crate::{input, isolability};
 pub use not_ready::{EXIT_CODE, NotReady};
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("Whether the readings are complete and plausible", "tautline check mini"),
+    ("And which faults they would reveal", "tautline check mini --explain"),
+]))]
 pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]

@@ -12,28 +12,37 @@ use tautline_session::Method;
 use tautline_workflow::clock;
 use tautline_workflow::comparison::{LEVEL, compare_identifications, identify_to_compare};
 use tautline_workflow::identification::Identification;
-use tautline_workflow::report::{ComparisonInput, ReportChoice, ReportFormat, write_comparison};
+use tautline_workflow::report::{ComparisonInput, ReportChoice, render_comparison};
 
+use crate::examples::examples;
 use crate::input;
-use crate::output::{JsonOutput, note};
+use crate::output::{JsonOutput, note, write_file};
+use crate::replace::Replace;
+use crate::report_format::report_format;
 pub use document::ComparisonDocument;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("Which pulleys differ between two datasets or sessions", "tautline compare mini bad"),
+    ("The same as a report", "tautline compare mini bad --report moved.html"),
+]))]
 pub struct Arguments {
-    /// Session file or dataset folder of the first run
+    /// Session file or dataset folder of the first run; - is a session on standard input
     #[arg(value_name = "SESSION_A")]
     first: PathBuf,
     /// Session file or dataset folder of the second run
     #[arg(value_name = "SESSION_B")]
     second: PathBuf,
     /// Significance level: probability of finding a difference between two runs of an unchanged robot
-    #[arg(long, value_name = "P", default_value_t = LEVEL)]
+    #[arg(long, value_name = "PROBABILITY", default_value_t = LEVEL)]
     level: f64,
     #[command(flatten)]
     json: JsonOutput,
-    /// Write a report of the comparison; its name must end with .html or .pdf
+    /// Write a report of the comparison; its name must end with .html or .pdf; - is HTML on standard output
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    replace: Replace,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -43,19 +52,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "--level: found {level}, expected a probability between 0 and 1"
         )));
     }
-    if let Some(path) = &arguments.report
-        && ReportFormat::of(path).is_none()
-    {
-        return Err(BadInput::new(format!(
-            "--report: found {}, expected a name that ends with .html or .pdf",
-            path.display()
-        )));
-    }
+    let report = arguments.report.as_deref();
+    let format = report.map(|path| report_format("--report", path));
+    let format = format.transpose()?;
+    arguments.replace.permit(&[report], Some(&arguments.json))?;
     let (name_a, first) = identified(&arguments.first)?;
     let (name_b, second) = identified(&arguments.second)?;
     let names = [name_a, name_b];
     let compared = compare_identifications([&first, &second], level).map_err(BadInput::new)?;
-    if let Some(path) = &arguments.report {
+    if let (Some(path), Some(format)) = (report, format) {
         let input = ComparisonInput {
             names: [&names[0], &names[1]],
             fits: [&first, &second],
@@ -63,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             choice: &ReportChoice::default(),
             now: clock::now(),
         };
-        write_comparison(path, &input)?;
+        write_file(path, &render_comparison(&input, format)?)?;
     }
     let document = ComparisonDocument::of(&compared);
     arguments

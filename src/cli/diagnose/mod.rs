@@ -10,33 +10,41 @@ use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::{Control, EstimationError};
 use tautline_core::measurement::Dataset;
-use tautline_session::{Session, write_robot};
+use tautline_session::Session;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
 use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::identification::{
     IdentificationError, extrapolation, identified, identify_session,
 };
 
+use crate::examples::examples;
 use crate::input;
-use crate::output::{JsonOutput, line};
+use crate::output::{JsonOutput, line, write_model};
+use crate::replace::Replace;
 use progress::ProgressLine;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("Whether the model explains the readings, and what it lacks", "tautline diagnose bad"),
+    ("With the statistics, and the model with what was found", "tautline diagnose bad --explain --model-out found.json"),
+]))]
 pub struct Arguments {
-    /// Session file or dataset folder
+    /// Session file or dataset folder; - is a session on standard input
     #[arg(value_name = "SESSION|DATASET")]
     subject: PathBuf,
     /// Probability of a false finding if the model is right; by default that of the session
     #[arg(long, value_name = "PROBABILITY")]
     alpha: Option<f64>,
-    /// Time after which it ends with the best answer so far
+    /// Time after which it ends with the best answer so far (s)
     #[arg(long, value_name = "SECONDS", default_value_t = TIME_LIMIT_S)]
     time_limit: f64,
     #[command(flatten)]
     json: JsonOutput,
-    /// Write the identified robot, with the effects found, as a model file
+    /// Write the identified robot, with the effects found, as a model file; - is standard output
     #[arg(long, value_name = "FILE")]
     model_out: Option<PathBuf>,
+    #[command(flatten)]
+    replace: Replace,
     /// Also print the statistics behind the verdicts
     #[arg(long)]
     explain: bool,
@@ -55,6 +63,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             format!("--time-limit: found {limit_s}, expected a number of seconds above 0");
         return Err(BadInput::new(message));
     }
+    arguments
+        .replace
+        .permit(&[arguments.model_out.as_deref()], Some(&arguments.json))?;
     let session = input::session(&arguments.subject)?;
     let place = arguments.subject.display();
     let alpha = arguments.alpha.unwrap_or(session.settings.diagnosis.alpha);
@@ -95,7 +106,7 @@ pub fn diagnose_with_progress(
 fn deliver(arguments: &Arguments, diagnosed: &Diagnosed) -> Result<()> {
     if let Some(path) = &arguments.model_out {
         let solution = &diagnosed.diagnosis.extended_solution;
-        write_robot(path, &identified(diagnosed.robot(), solution))?;
+        write_model(path, &identified(diagnosed.robot(), solution))?;
     }
     arguments.json.deliver(&diagnosed.document(), || {
         line(&report::text(diagnosed, arguments.explain));

@@ -1,6 +1,6 @@
 //! Progress of a long diagnosis, on one line of the terminal.
 
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -9,18 +9,20 @@ use tautline_core::diagnosis::DiagnosisProgress;
 use tautline_core::estimation::Control;
 use tautline_workflow::documents::diagnosis::stage;
 
+use crate::progress::{is_shown, overwrite};
+
 /// Time after which the line appears, so that a short diagnosis does not show it.
 const QUIET: Duration = Duration::from_secs(1);
 /// Time to wait for the next message once the latest is shown.
 const PATIENCE: Duration = Duration::from_secs(3600);
 
-/// Progress line that exists as long as this value; there is none if standard error is not a terminal.
+/// Progress line that exists as long as this value, if progress is shown at all.
 pub struct ProgressLine(Option<(Sender<DiagnosisProgress>, JoinHandle<()>)>);
 
 impl ProgressLine {
     /// Starts the line, which appears if the diagnosis takes long.
     pub fn start() -> Self {
-        if !std::io::stderr().is_terminal() {
+        if !is_shown() {
             return Self(None);
         }
         let (sender, receiver) = channel();
@@ -68,13 +70,11 @@ fn show(progress: &Receiver<DiagnosisProgress>, out: &mut impl Write, quiet: Dur
         }
         shown = latest;
         if let Some(progress) = latest {
-            let _ = write!(out, "\r\x1b[2K{}", words(&progress));
-            let _ = out.flush();
+            overwrite(out, &words(&progress));
         }
     }
     if shown.is_some() {
-        let _ = write!(out, "\r\x1b[2K");
-        let _ = out.flush();
+        overwrite(out, "");
     }
 }
 

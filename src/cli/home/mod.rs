@@ -14,12 +14,18 @@ use tautline_workflow::precalibration::Calibration;
 use tautline_workflow::wording::count;
 
 use crate::BadInput;
+use crate::examples::examples;
 use crate::live::{Connection, LinkArguments, SessionFile, interrupt, link_error, typed};
 use crate::measure::{refuse_unsettled, require_simulated};
-use crate::output::{JsonOutput, note, notice};
+use crate::output::{JsonOutput, notice};
+use crate::progress::ProgressLine;
 pub use document::HomeDocument;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("Five returns of a simulated robot to its home pose", "tautline home run.json --controller sim --repeats 5 --arm"),
+    ("A pose that was measured by hand; it is asked for", "tautline home cell.json --position-sd 0.1 --orientation-sd 0.02"),
+]))]
 pub struct Arguments {
     /// Session file
     #[arg(value_name = "SESSION")]
@@ -134,6 +140,7 @@ fn returned(
     connection.controller.arm().map_err(link_error)?;
     let mut instrument = connection.home_instrument.take();
     let mut poses = Vec::new();
+    let mut progress = ProgressLine::new();
     for number in 1..=arguments.repeats {
         if !connection.go_home()? {
             return Err(anyhow!(
@@ -144,7 +151,9 @@ fn returned(
             Some(instrument) => seen(instrument.as_mut())?,
             None => asked(arguments, number)?,
         });
-        note!("home, measurement {number} of {}", arguments.repeats);
+        if instrument.is_some() {
+            progress.show(|| format!("home, measurement {number} of {}", arguments.repeats));
+        }
     }
     if *choice == ControllerChoice::Simulated {
         // The controller keeps the home pose it assumes, whatever the session finds.

@@ -9,7 +9,7 @@ use anyhow::Result;
 use tautline_core::estimation::published::PublishedStop;
 use tautline_core::estimation::{Control, Loss};
 use tautline_core::measurement::{Dataset, Truth};
-use tautline_session::{Method, write_bytes, write_robot};
+use tautline_session::Method;
 use tautline_workflow::identification::{
     Identification, IdentificationDocument, IdentificationRequest, PublishedIdentification,
     identify, identify_published, readings_table, solved_method, values_table,
@@ -17,14 +17,22 @@ use tautline_workflow::identification::{
 use tautline_workflow::wording::sampling_sentence;
 
 use crate::effect_arguments::EstimatedEffects;
+use crate::examples::examples;
 use crate::input;
 use crate::method::MethodName;
 use crate::not_converged::NotConverged;
-use crate::output::{JsonOutput, say};
+use crate::output::{JsonOutput, say, write_file, write_model};
+use crate::replace::Replace;
 use crate::tolerances::TolerancesName;
 pub use report::print;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("The pulleys of a dataset", "tautline identify mini"),
+    ("With the scale of every winch, as a model file, too", "tautline identify mini --effect winch_scale --model-out model.json"),
+    ("For another program", "tautline identify mini --json -"),
+    ("Every reading with its residual and its redundancy", "tautline identify mini --statistics readings.csv"),
+]))]
 pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
@@ -36,7 +44,7 @@ pub struct Arguments {
     #[command(flatten)]
     effects: EstimatedEffects,
     /// Use a Huber loss, which downweights residuals beyond this many standard deviations; 1.5 without a number
-    #[arg(long, value_name = "LIMIT", num_args = 0..=1, default_missing_value = "1.5")]
+    #[arg(long, value_name = "SD", num_args = 0..=1, default_missing_value = "1.5")]
     robust: Option<f64>,
     /// Tolerances of the parts: those that robot.json states, those of the catalogue, or none
     #[arg(long, value_enum, default_value_t = TolerancesName::Stated)]
@@ -46,18 +54,27 @@ pub struct Arguments {
     pub repeat: usize,
     #[command(flatten)]
     json: JsonOutput,
-    /// Write every reading with its residual, redundancy, smallest detectable error and the influence of that error (CSV)
+    /// Write every reading with its residual, redundancy, smallest detectable error and the influence of that error (CSV); - is standard output
     #[arg(long, value_name = "FILE")]
     statistics: Option<PathBuf>,
-    /// Write every identified value with its standard deviation, prior and 95 % interval (CSV)
+    /// Write every identified value with its standard deviation, prior and 95 % interval (CSV); - is standard output
     #[arg(long, value_name = "FILE")]
     values: Option<PathBuf>,
-    /// Write the identified robot as a model file
+    /// Write the identified robot as a model file; - is standard output
     #[arg(long, value_name = "FILE")]
     model_out: Option<PathBuf>,
+    #[command(flatten)]
+    replace: Replace,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let files = [
+        &arguments.statistics,
+        &arguments.values,
+        &arguments.model_out,
+    ];
+    let files = files.map(Option::as_deref);
+    arguments.replace.permit(&files, Some(&arguments.json))?;
     let request = request(arguments, input::identifiable_dataset(&arguments.dataset)?)?;
     let (model, document, is_usable) = match arguments.method {
         MethodName::Published => {
@@ -87,10 +104,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             )?;
             let identified = identified.refuse_extrapolation().map_err(BadInput::new)?;
             if let Some(path) = &arguments.statistics {
-                write_bytes(path, readings_table(&identified).csv().as_bytes())?;
+                write_file(path, readings_table(&identified).csv().as_bytes())?;
             }
             if let Some(path) = &arguments.values {
-                write_bytes(path, values_table(&identified).csv().as_bytes())?;
+                write_file(path, values_table(&identified).csv().as_bytes())?;
             }
             let converged = identified.solution.converged();
             let document = IdentificationDocument {
@@ -101,7 +118,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
     };
     if let Some(path) = &arguments.model_out {
-        write_robot(path, &model)?;
+        write_model(path, &model)?;
     }
     arguments.json.deliver(&document, || {
         if let Some(sentence) = sampling_sentence(&request.dataset.measurements) {

@@ -1,8 +1,8 @@
 //! `tautline import`.
 
-mod progress;
 mod report;
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
@@ -10,14 +10,18 @@ use tautline_core::robot::Robot;
 use tautline_import::{
     AngleOrder, Assignment, ImportDocument, ImportError, Imported, MemoryBudget, Recipe, Source,
     align_clocks, channel_names, import, import_corrected, is_robot_description, propose_around,
-    read_recipe, read_robot_description, read_sources, transpose_matrices,
+    read_robot_description, read_sources, transpose_matrices,
 };
-use tautline_session::{Loaded, ReadError, read_robot, write_robot, write_text, write_versioned};
+use tautline_session::{
+    Loaded, ReadError, read_robot, versioned, write_robot, write_text, write_versioned,
+};
 
-use crate::BadInput;
+use crate::examples::examples;
 use crate::input::{self, noticed};
-use crate::output::{JsonOutput, note, say};
-use progress::Progress;
+use crate::output::{JsonOutput, confirm, note, write_json, write_model};
+use crate::progress::ProgressLine;
+use crate::replace::Replace;
+use crate::{BadInput, standard_input};
 
 /// Name of the recipe that is stored beside the poses.
 const RECIPE: &str = "recipe.json";
@@ -25,12 +29,17 @@ const ROBOT: &str = "robot.json";
 const POSES: &str = "poses.csv";
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("What a log holds, and what would become of it", "tautline import log.csv --robot mini --channels"),
+    ("A log and a recording of cameras, to a dataset", "tautline import log.csv capture.csv --robot robot.json -o cell"),
+    ("With the mistakes corrected that the check reports", "tautline import log.csv --robot mini -o cell --apply-suggestions"),
+]))]
 pub struct Arguments {
     /// Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .c3d, .mat, .h5, .npy, .npz, .parquet, .mcap, .bag,
     /// .xlsx; or a robot description: cables and bodies of CASPR, a model of WireX
     #[arg(value_name = "SOURCE", required = true)]
     sources: Vec<PathBuf>,
-    /// Recipe that assigns channels to quantities; without it, one is proposed from names, units and ranges
+    /// Recipe that assigns channels to quantities; - is standard input; without it, one is proposed from names, units and ranges
     #[arg(long, value_name = "FILE")]
     recipe: Option<PathBuf>,
     /// Assigns a channel to a column of poses.csv, as in "rev_{i}=theta(:,{i}) [rad]"; the rest is proposed, or the recipe's
@@ -39,8 +48,7 @@ pub struct Arguments {
     /// Axes of the angles of commanded and measured poses: R = R1 R2 R3, each about an axis of the turned frame, as in zyx
     #[arg(long, value_name = "ORDER")]
     angles: Option<AngleOrder>,
-    /// The robot: a preset or a robot.json; by default the robot.json in the folder
-    #[arg(long, value_name = "PRESET|FILE")]
+    #[arg(long, value_name = "NAME|FILE", help = input::robot_help("Robot, by default the robot.json in the folder"))]
     robot: Option<String>,
     /// Dataset folder to write, or the robot.json if the sources describe a robot
     #[arg(
@@ -53,7 +61,7 @@ pub struct Arguments {
     /// Only list the channels and the proposed recipe
     #[arg(long)]
     channels: bool,
-    /// Write the recipe that was used or proposed
+    /// Write the recipe that was used or proposed; - is standard output
     #[arg(long, value_name = "FILE")]
     recipe_out: Option<PathBuf>,
     /// Apply the suggestions of the data check to the recipe: units, signs, swapped channels, steps, jumps, dead channels
@@ -68,9 +76,8 @@ pub struct Arguments {
     /// Largest memory for decoded content (GiB), as a small file can hold much
     #[arg(long, value_name = "GIB", default_value_t = 2.0)]
     memory_limit: f64,
-    /// Replace existing poses in the folder
-    #[arg(long)]
-    replace: bool,
+    #[command(flatten)]
+    replace: Replace,
     #[command(flatten)]
     json: JsonOutput,
 }
@@ -80,6 +87,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return robot_description(arguments);
     }
     // Checked before a long log is read.
+    let poses = arguments.out.as_ref().map(|folder| folder.join(POSES));
+    let poses = poses.as_deref().filter(|_| !arguments.channels);
+    let recipe_out = arguments.recipe_out.as_deref();
+    arguments
+        .replace
+        .permit(&[poses, recipe_out], Some(&arguments.json))?;
     let robot = robot(arguments)?;
     let budget = budget(arguments)?;
     let mut sources = noticed(read(&arguments.sources, &budget)?);
@@ -121,7 +134,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         (Err(error), Some(_)) => return proposal_failed(arguments, &error, &recipe, &sources),
     };
     if let Some(folder) = &arguments.out {
-        write(arguments, folder, &robot, &poses_csv, &document.recipe)?;
+        write(folder, &robot, &poses_csv, &document.recipe)?;
     }
     deliver(arguments, document, assumptions)
 }
@@ -146,7 +159,7 @@ fn proposal_failed(
 ) -> Result<()> {
     let recipe_out = match &arguments.recipe_out {
         Some(path) => {
-            write_versioned(path, recipe)?;
+            write_json(path, &versioned(recipe))?;
             format!("edit {}", path.display())
         }
         None => "write a recipe with --recipe-out FILE".to_owned(),
@@ -160,9 +173,10 @@ fn proposal_failed(
 
 /// Reads the sources with progress on the terminal; an interrupt ends the program.
 fn read(sources: &[PathBuf], budget: &MemoryBudget) -> Result<Loaded<Vec<Source>>, ReadError> {
-    let progress = Progress::new();
+    let progress = RefCell::new(ProgressLine::new());
     read_sources(sources, budget, &|part| {
-        progress.show(part);
+        let text = || format!("reading: {:.0} %", 100.0 * part);
+        progress.borrow_mut().show(text);
         true
     })
 }
@@ -188,16 +202,10 @@ fn robot_description(arguments: &Arguments) -> Result<()> {
     } else {
         out.clone()
     };
-    if out.exists() && !arguments.replace {
-        let message = format!(
-            "{}: already exists, expected --replace or another name",
-            out.display()
-        );
-        return Err(BadInput::new(message));
-    }
+    arguments.replace.permit(&[Some(&out)], None)?;
     let robot = noticed(read_robot_description(&arguments.sources)?);
-    write_robot(&out, &robot)?;
-    say!(
+    write_model(&out, &robot)?;
+    confirm!(
         "{}: {} with {} cables",
         out.display(),
         robot.name,
@@ -259,7 +267,7 @@ fn recipe(
         .map_err(|message| BadInput::new(format!("--set: {message}")))?;
     match &arguments.recipe {
         Some(path) => {
-            let mut recipe = noticed(read_recipe(path)?);
+            let mut recipe = noticed(standard_input::versioned::<Recipe>(path)?);
             recipe.channels.extend(set);
             Ok((recipe, path.display().to_string(), None))
         }
@@ -270,28 +278,14 @@ fn recipe(
     }
 }
 
-fn write(
-    arguments: &Arguments,
-    folder: &Path,
-    robot: &RobotToUse,
-    poses_csv: &str,
-    recipe: &Recipe,
-) -> Result<()> {
-    let poses = folder.join(POSES);
-    if poses.exists() && !arguments.replace {
-        let message = format!(
-            "{}: already exists, expected --replace or another folder",
-            poses.display()
-        );
-        return Err(BadInput::new(message));
-    }
+fn write(folder: &Path, robot: &RobotToUse, poses_csv: &str, recipe: &Recipe) -> Result<()> {
     std::fs::create_dir_all(folder).map_err(|error| {
         BadInput::new(format!("{}: cannot be created ({error})", folder.display()))
     })?;
     if !robot.is_in_folder {
         write_robot(&folder.join(ROBOT), &robot.robot)?;
     }
-    write_text(&poses, poses_csv)?;
+    write_text(&folder.join(POSES), poses_csv)?;
     write_versioned(&folder.join(RECIPE), recipe)?;
     Ok(())
 }
@@ -306,7 +300,7 @@ fn deliver(
         document.notices.extend(assumptions);
     }
     if let Some(path) = &arguments.recipe_out {
-        write_versioned(path, &document.recipe)?;
+        write_json(path, &versioned(&document.recipe))?;
     }
     for notice in &document.notices {
         note!("{notice}");
@@ -314,7 +308,7 @@ fn deliver(
     arguments.json.deliver(&document, || {
         report::print(&document, arguments.channels);
         if let (Some(folder), false) = (&arguments.out, arguments.channels) {
-            say!(
+            confirm!(
                 "{}: {} poses, and the recipe",
                 folder.join(POSES).display(),
                 document.poses.len()

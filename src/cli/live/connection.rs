@@ -1,6 +1,6 @@
 //! A connected controller and its clock.
 
-use crate::output::note;
+use crate::output::message;
 use std::thread;
 use std::time::Duration;
 
@@ -127,7 +127,7 @@ impl Connection {
     /// Stops the platform.
     pub fn stop(&mut self) {
         if let Err(error) = self.controller.stop() {
-            note!("The stop command failed: {error}");
+            message(format!("The stop command failed: {error}"));
         }
     }
 }

@@ -11,11 +11,9 @@ use crate::output::note;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use tautline_session::{
-    AdsPlace, Connection as ConnectionSettings, OpcUaPlace, Session, read_symbols,
-};
+use tautline_session::{AdsPlace, Connection as ConnectionSettings, OpcUaPlace, Session};
 
-use crate::BadInput;
+use crate::{BadInput, standard_input};
 use tautline_workflow::controllers::ControllerChoice;
 
 /// Arguments that choose a controller and allow it to act.
@@ -27,8 +25,8 @@ pub struct RobotArguments {
     /// Allow moving the robot and changing its parameters
     #[arg(long)]
     pub arm: bool,
-    /// Run a simulated or recorded robot X times faster than real time; by default as fast as it can be computed
-    #[arg(long, value_name = "X")]
+    /// Run a simulated or recorded robot this many times faster than real time; by default as fast as it can be computed
+    #[arg(long, value_name = "TIMES")]
     pub speed: Option<f64>,
     #[command(flatten)]
     pub link: LinkArguments,
@@ -37,11 +35,11 @@ pub struct RobotArguments {
 /// Settings of the link to a real controller.
 #[derive(Debug, clap::Args)]
 pub struct LinkArguments {
-    /// Symbol names of an ads: or opc.tcp: controller, in the format written by `tautline symbols`; stored in the session
+    /// Symbol names of an ads: or opc.tcp: controller, in the format written by `tautline symbols`; - is standard input; stored in the session
     #[arg(long, value_name = "FILE.json")]
     symbols: Option<PathBuf>,
     /// Longest time for an answer of an ads: or opc.tcp: controller (s); stored in the session, at first 1
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "SECONDS")]
     timeout: Option<f64>,
 }
 
@@ -107,7 +105,7 @@ fn take_symbols(session: &mut Session, choice: &ControllerChoice, path: &Path) -
             return Err(no_link("--symbols", choice));
         }
     };
-    let read = read_symbols(path, &session.robot)?;
+    let read = standard_input::symbols(path, &session.robot)?;
     for notice in &read.notices {
         note!("{notice}");
     }

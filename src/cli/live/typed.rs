@@ -1,6 +1,6 @@
 //! Prompts at the terminal.
 
-use crate::output::note;
+use crate::output::message;
 use std::io::{BufRead, IsTerminal, stdin};
 
 use anyhow::Result;
@@ -51,7 +51,7 @@ pub fn numbers<const N: usize>(line: &str) -> Option<[f64; N]> {
 
 /// Asks a question and reads lines from standard input until one is valid; `None` if there is none.
 pub fn answer<T>(question: &str, expected: &str, read: impl Fn(&str) -> Option<T>) -> Option<T> {
-    note!("{question}");
+    message(question);
     for _ in 0..TRIES {
         let mut line = String::new();
         let length = stdin().lock().read_line(&mut line);
@@ -61,7 +61,7 @@ pub fn answer<T>(question: &str, expected: &str, read: impl Fn(&str) -> Option<T
         if let Some(answer) = read(&line) {
             return Some(answer);
         }
-        note!("found \"{}\", expected {expected}", line.trim());
+        message(format!("found \"{}\", expected {expected}", line.trim()));
     }
     None
 }

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use crate::BadInput;
 use anyhow::Result;
-use tautline_core::robot::{Robot, presets};
+use tautline_core::robot::Robot;
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, true_robot};
 use tautline_session::{LogEntry, Phase, Session, Simulator, read_session};
 use tautline_workflow::clock;
 use tautline_workflow::controllers::ControllerChoice;
+use tautline_workflow::machines;
 
 use super::Arguments;
 use crate::input;
@@ -65,12 +66,10 @@ fn another_series(path: &Path, arguments: &Arguments) -> Result<Session> {
     Ok(session)
 }
 
-/// The true robot: the measured one of a preset, otherwise drawn from the priors.
+/// The true robot: the measured one of a known machine, otherwise drawn from the priors.
 fn truth(robot: &Robot, arguments: &Arguments) -> Result<Robot> {
-    let preset = arguments.robot.as_deref().and_then(presets::find);
-    let measured = preset
-        .as_ref()
-        .and_then(|p| p.measured_entry_points_m.clone());
+    let machine = arguments.robot.as_deref().and_then(machines::find);
+    let measured = machine.and_then(|machine| machine.measured_entry_points_m);
     let options = SimulationOptions {
         geometry: measured.map_or(TrueGeometry::Drawn, TrueGeometry::EntryPoints),
         effects: arguments.effects.settings(robot)?,

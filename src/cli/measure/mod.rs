@@ -17,6 +17,7 @@ use tautline_workflow::identification::{Identification, identify_session};
 use tautline_workflow::wording::count;
 
 use crate::effect_arguments::HiddenEffects;
+use crate::examples::examples;
 use crate::input;
 use crate::live::{Connection, RobotArguments, SessionFile, interrupt, link_error, typed};
 use crate::output::{JsonOutput, note, notice};
@@ -24,27 +25,30 @@ pub use document::MeasuringDocument;
 use drive::{Drive, RunEnd};
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("25 poses of a simulated robot", "tautline measure run.json --controller sim --robot mini --arm"),
+    ("An OPC UA controller and the poses of a plan; the session exists", "tautline measure cell.json --controller opc.tcp://plc --plan poses.csv --arm"),
+]))]
 pub struct Arguments {
     /// Session file to create or to continue
     #[arg(value_name = "SESSION")]
     session: PathBuf,
     #[command(flatten)]
     robot_arguments: RobotArguments,
-    /// Robot of a new session: a preset (mini, hall, suspended, planar) or a robot.json
-    #[arg(long, value_name = "PRESET|FILE")]
+    #[arg(long, value_name = "NAME|FILE", help = input::robot_help("Robot of a new session"))]
     robot: Option<String>,
     /// Session whose robot, plan and settings a new session adopts to measure a separate series, after the controller
     /// was restarted
     #[arg(long, value_name = "SESSION", conflicts_with = "robot")]
     series_of: Option<PathBuf>,
-    /// Poses to measure, as a table pose,x_m,y_m,z_m,qw,qx,qy,qz
+    /// Poses to measure, as a table pose,x_m,y_m,z_m,qw,qx,qy,qz; - is standard input
     #[arg(long, value_name = "FILE.csv")]
     plan: Option<PathBuf>,
     /// Number of poses to plan if there is no plan, without the home pose
     #[arg(long, value_name = "N", default_value_t = 25)]
     poses: usize,
     /// Seed of the plan and of a new simulated robot
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
     effects: HiddenEffects,
@@ -93,7 +97,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let place = arguments.session.display();
         note!("{place}: continues with its own simulated robot; --effect is ignored");
     }
-    check(&file, arguments, &choice)?;
+    let robot = arguments.robot.as_deref().filter(|_| !is_new.get());
+    check(&file, robot, &choice)?;
     let link = &arguments.robot_arguments.link;
     link.take(&mut file.session, &choice)?;
     let laser = arguments
@@ -122,12 +127,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     result(&document, &ended, arguments)
 }
 
-/// Rejects a session that this command cannot continue.
-fn check(file: &SessionFile, arguments: &Arguments, choice: &ControllerChoice) -> Result<()> {
+/// Rejects a session that this command cannot continue; one that existed before belongs to `robot`, if that is given.
+fn check(file: &SessionFile, robot: Option<&str>, choice: &ControllerChoice) -> Result<()> {
     let place = file.path.display();
     refuse_unsettled(&file.session, &place.to_string())?;
     require_simulated(&file.session, choice, &place.to_string())?;
-    if let Some(robot) = &arguments.robot {
+    if let Some(robot) = robot {
         let asked = input::robot(robot)?.robot.name;
         let known = &file.session.robot.name;
         if asked != *known {

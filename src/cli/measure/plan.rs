@@ -3,10 +3,10 @@
 use crate::output::note;
 use anyhow::Result;
 use tautline_core::estimation::Control;
-use tautline_session::{PlannedPose, Session, read_plan, read_table_file};
+use tautline_session::{PlannedPose, Session};
 
 use super::Arguments;
-use crate::{BadInput, input};
+use crate::{BadInput, input, standard_input};
 use tautline_workflow::controllers::ControllerChoice;
 use tautline_workflow::planning::choose_poses;
 use tautline_workflow::wording::count;
@@ -21,7 +21,7 @@ pub fn complete(
     choice: &ControllerChoice,
 ) -> Result<()> {
     if let Some(path) = &arguments.plan {
-        let read = read_table_file(path, |reader, file| read_plan(reader, file, &session.robot))?;
+        let read = standard_input::plan(path, &session.robot)?;
         for notice in &read.notices {
             note!("{notice}");
         }

@@ -4,18 +4,25 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::builder::PossibleValuesParser;
-use tautline_session::write_robot;
+use tautline_core::robot::PartTolerances;
+use tautline_workflow::machines::{self, Machine};
 use tautline_workflow::templates::Template;
 
 use crate::BadInput;
-use crate::output::say;
+use crate::examples::examples;
+use crate::output::{confirm, write_model};
+use crate::replace::Replace;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("Eight cables in a frame of 3 m x 2 m x 2 m", "tautline new spatial --width 3 --depth 2 --height 2 -o robot.json"),
+    ("The robot of Jin et al. (2018)", "tautline new mini -o mini.json"),
+]))]
 pub struct Arguments {
-    /// Common machine to start from
-    #[arg(value_name = "TEMPLATE", value_parser = PossibleValuesParser::new(Template::ALL.map(Template::name)))]
-    template: String,
-    /// Width between the pulleys, along x (m)
+    /// Machine to start from
+    #[arg(value_name = "NAME", value_parser = PossibleValuesParser::new(machines::names()))]
+    name: String,
+    /// Width between the pulleys, along x (m); a size other than the usual one
     #[arg(long, value_name = "M")]
     width: Option<f64>,
     /// Depth between the pulleys, along y (m)
@@ -24,26 +31,56 @@ pub struct Arguments {
     /// Height between the pulleys, along z (m); along y for a planar robot
     #[arg(long, value_name = "M")]
     height: Option<f64>,
-    /// The robot.json to write
+    /// The robot.json to write; - is standard output
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
-    /// Replace a file that is there
-    #[arg(long)]
-    replace: bool,
+    #[command(flatten)]
+    replace: Replace,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let known = Template::ALL
-        .into_iter()
-        .find(|template| template.name() == arguments.template);
-    // The parser of the arguments accepts no other name.
-    let template = known.unwrap_or(Template::Spatial);
-    let mut size_m = template.usual_size_m();
+    let out = &arguments.out;
+    arguments.replace.permit(&[Some(out)], None)?;
+    let Machine {
+        mut robot,
+        summary,
+        assumed,
+        ..
+    } = machine(arguments)?;
+    if let Err(error) = robot.check() {
+        return Err(BadInput::new(format!(
+            "a robot of this size is not possible: {error}"
+        )));
+    }
+    robot.tolerances.get_or_insert_with(PartTolerances::typical);
+    write_model(out, &robot)?;
+    confirm!(
+        "{}: {summary}, {} cables; correct what is assumed: {assumed}",
+        out.display(),
+        robot.cable_count()
+    );
+    Ok(())
+}
+
+/// The machine of that name, in the size that was asked for.
+fn machine(arguments: &Arguments) -> Result<Machine> {
+    let name = &arguments.name;
     let given = [
         ("--width", arguments.width),
         ("--depth", arguments.depth),
         ("--height", arguments.height),
     ];
+    let first = given.iter().find(|(_, value)| value.is_some());
+    let Some((option, _)) = first else {
+        let known = machines::find(name);
+        return known.ok_or_else(|| BadInput::new(format!("found no machine \"{name}\"")));
+    };
+    let Some(template) = Template::named(name) else {
+        let names = Template::ALL.map(Template::name).join(", ");
+        let message = format!("{option}: {name} has one size only, expected one of {names}");
+        return Err(BadInput::new(message));
+    };
+    let mut size_m = template.usual_size_m();
     for (side, (name, value)) in size_m.iter_mut().zip(given) {
         let Some(value) = value else { continue };
         if !(0.05..=500.0).contains(&value) {
@@ -52,27 +89,5 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         *side = value;
     }
-    let out = &arguments.out;
-    if out.exists() && !arguments.replace {
-        let message = format!(
-            "{}: already exists, expected --replace or another name",
-            out.display()
-        );
-        return Err(BadInput::new(message));
-    }
-    let robot = template.robot(size_m);
-    if let Err(error) = robot.check() {
-        return Err(BadInput::new(format!(
-            "a robot of this size is not possible: {error}"
-        )));
-    }
-    write_robot(out, &robot)?;
-    let [width, depth, height] = size_m;
-    say!(
-        "{}: {}, {width} m x {depth} m x {height} m, {} cables; everything else in it is typical of this size: correct it",
-        out.display(),
-        template.summary(),
-        robot.cable_count()
-    );
-    Ok(())
+    Ok(machines::sized(template, size_m))
 }

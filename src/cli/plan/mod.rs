@@ -12,16 +12,22 @@ use tautline_core::planning::{Plan, PlanError, PlanOptions, plan};
 use tautline_workflow::planning::HomeGain;
 
 use crate::effect_arguments::EstimatedEffects;
+use crate::examples::examples;
 use crate::input;
-use crate::output::{JsonOutput, say};
+use crate::output::{JsonOutput, confirm, say, write_file};
+use crate::replace::Replace;
 use goal::GoalName;
 use tautline_workflow::documents::isolability::IsolabilityDocument;
 use tautline_workflow::documents::plan::PlanDocument;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("20 poses of the MINI robot, as a table for measure", "tautline plan mini --poses 20 -o poses.csv"),
+    ("Which faults 12 poses reveal, and which look alike", "tautline plan planar --poses 12 --for faults --explain"),
+    ("The most accurate platform in a volume", "tautline plan mini --for accuracy --volume -0.1,0.1,-0.1,0.1,-0.1,0.1"),
+]))]
 pub struct Arguments {
-    /// A preset (mini, hall, suspended, planar) or a robot.json
-    #[arg(value_name = "PRESET|FILE")]
+    #[arg(value_name = "NAME|FILE", help = input::robot_help("Robot"))]
     robot: String,
     /// Number of poses, without the home pose
     #[arg(long, value_name = "N", default_value_t = 25)]
@@ -30,7 +36,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 3000)]
     candidates: usize,
     /// Seed of the random poses
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Goal of the poses: standard deviations of the geometry, detecting and separating faults, both, or the
     /// position of the platform in a volume
@@ -44,14 +50,18 @@ pub struct Arguments {
     explain: bool,
     #[command(flatten)]
     effects: EstimatedEffects,
-    /// Write the poses, in the order of measurement, as a table
-    #[arg(long, value_name = "FILE.csv")]
+    /// Write the poses, in the order of measurement, as a table; - is standard output
+    #[arg(short, long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    replace: Replace,
     #[command(flatten)]
     json: JsonOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let (out, json) = (arguments.out.as_deref(), &arguments.json);
+    arguments.replace.permit(&[out], Some(json))?;
     let robot = input::robot(&arguments.robot)?.robot;
     let effects = arguments.effects.bind(&robot)?;
     let goal = goal::goal(arguments.goal, arguments.volume.as_deref())?;
@@ -66,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         PlanError::Cancelled => e.into(),
         _ => BadInput::new(format!("{}: {e}", arguments.robot)),
     })?;
-    if let Some(path) = &arguments.out {
+    if let Some(path) = out {
         write_poses(path, &planned)?;
     }
     let mut document = PlanDocument::of(&robot, &planned);
@@ -74,13 +84,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let isolability = IsolabilityDocument::of_dataset(&planned.dataset);
         document.isolability = Some(isolability.map_err(BadInput::new)?);
     }
-    arguments.json.deliver(&document, || {
+    json.deliver(&document, || {
         report::print(&document);
         if let Some(sentence) = HomeGain::of(&planned).sentence() {
             say!("{sentence}");
         }
-        if let Some(path) = &arguments.out {
-            say!("the poses are in {}", path.display());
+        if let Some(path) = out {
+            confirm!("the poses are in {}", path.display());
         }
     })
 }
@@ -95,5 +105,5 @@ fn write_poses(path: &Path, plan: &Plan) -> Result<()> {
         numbers.for_each(|number| text.push_str(&format!(",{number}")));
         text.push('\n');
     }
-    Ok(tautline_session::write_text(path, &text)?)
+    write_file(path, text.as_bytes())
 }

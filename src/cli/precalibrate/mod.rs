@@ -6,26 +6,37 @@ mod report;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_session::{PhaseData, read_calibration_tables, write_robot};
+use tautline_session::{PhaseData, read_calibration_tables};
 use tautline_workflow::precalibration::Calibration;
 
 use crate::BadInput;
-use crate::output::{JsonOutput, note};
+use crate::examples::examples;
+use crate::output::{JsonOutput, note, write_model};
+use crate::replace::Replace;
 pub use document::Precalibration;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("Winches, force sensors, home platform and elongation", "tautline precalibrate phases"),
+    ("And the robot with the fitted values", "tautline precalibrate phases --model-out phases-robot.json"),
+]))]
 pub struct Arguments {
     /// Dataset folder
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
     #[command(flatten)]
     json: JsonOutput,
-    /// Write the robot with the fitted values as a model file
+    /// Write the robot with the fitted values as a model file; - is standard output
     #[arg(long, value_name = "FILE")]
     model_out: Option<PathBuf>,
+    #[command(flatten)]
+    replace: Replace,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments
+        .replace
+        .permit(&[arguments.model_out.as_deref()], Some(&arguments.json))?;
     let tables = read_calibration_tables(&arguments.dataset)?;
     let (robot, phases) = &tables.value;
     require_any(arguments, phases)?;
@@ -45,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         for notice in &proposal.left_out {
             note!("{notice}");
         }
-        write_robot(path, &model)?;
+        write_model(path, &model)?;
     }
     arguments
         .json

@@ -13,20 +13,27 @@ use tautline_core::simulation::{
 use tautline_session::{PhaseData, write_dataset, write_robot};
 
 use crate::effect_arguments::HiddenEffects;
+use crate::examples::examples;
 use crate::input::{self, RobotSource};
-use crate::output::say;
+use crate::output::confirm;
+use crate::replace::Replace;
 use crate::tolerances::TolerancesName;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("25 poses of the MINI robot, with pulleys as they were measured", "tautline simulate --robot mini -o mini"),
+    ("The same robot with a winch that pays out 2 % too much cable", "tautline simulate --robot mini --effect winch_scale:cable-3:scale=0.02 -o bad"),
+    ("With the tables of the other phases", "tautline simulate --robot mini --phases -o phases"),
+    ("Five seconds of motion, seen by an external instrument", "tautline simulate --robot mini --motion 5 --tracker -o motion"),
+]))]
 pub struct Arguments {
-    /// A preset (mini, hall, suspended, planar) or a robot.json
-    #[arg(long, value_name = "PRESET|FILE")]
+    #[arg(long, value_name = "NAME|FILE", help = input::robot_help("Robot to simulate"))]
     robot: String,
     /// Number of poses, without the home pose
     #[arg(long, value_name = "N", default_value_t = 25)]
     poses: usize,
     /// Seed of all random numbers
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
     effects: HiddenEffects,
@@ -45,9 +52,16 @@ pub struct Arguments {
     #[arg(long)]
     phases: bool,
     /// Folder to write the dataset to
-    #[arg(long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    replace: Replace,
 }
+
+/// File of the true robot.
+const TRUTH: &str = "truth.json";
+/// Files by which a folder is known to hold a dataset.
+const FILES: [&str; 3] = ["robot.json", "poses.csv", TRUTH];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Truth {
@@ -57,10 +71,13 @@ enum Truth {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let RobotSource { mut robot, preset } = input::robot(&arguments.robot)?;
+    let existing = FILES.map(|name| arguments.out.join(name));
+    let existing = existing.each_ref().map(|file| Some(file.as_path()));
+    arguments.replace.permit(&existing, None)?;
+    let RobotSource { mut robot, machine } = input::robot(&arguments.robot)?;
     arguments.motion.equip(&mut robot);
     arguments.tolerances.state(&mut robot);
-    let measured = preset
+    let measured = machine
         .as_ref()
         .and_then(|p| p.measured_entry_points_m.clone());
     let geometry = match (arguments.truth, measured) {
@@ -97,8 +114,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         false => PhaseData::default(),
     };
     write_dataset(&arguments.out, &run.dataset, &phases)?;
-    write_robot(&arguments.out.join("truth.json"), &run.truth)?;
-    say!(
+    write_robot(&arguments.out.join(TRUTH), &run.truth)?;
+    confirm!(
         "{}: {} {} of {} with {} cables, seed {}; the true robot is in truth.json",
         arguments.out.display(),
         run.dataset.measurements.len(),
@@ -112,10 +129,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         arguments.seed
     );
     if arguments.phases {
-        say!("and the tables of the other phases, for precalibrate and accuracy");
+        confirm!("and the tables of the other phases, for precalibrate and accuracy");
     }
-    if let Some(preset) = preset {
-        say!("assumed, not published: {}", preset.assumed);
+    if let Some(machine) = machine {
+        confirm!("assumed, not published: {}", machine.assumed);
     }
     Ok(())
 }

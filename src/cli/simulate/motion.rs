@@ -19,10 +19,10 @@ pub struct Motion {
     /// Record the robot in smooth motion for this time (s), instead of poses at rest
     #[arg(long, value_name = "SECONDS", conflicts_with_all = ["poses", "phases"])]
     motion: Option<f64>,
-    /// Samples per second of a recording in motion
+    /// Samples per second of a recording in motion (Hz)
     #[arg(long, value_name = "HZ", default_value_t = 100.0, requires = "motion")]
     rate_hz: f64,
-    /// Time in which the correlation of the noise of a recording falls to 1/e; 0: the noise of the samples is independent
+    /// Time in which the correlation of the noise of a recording falls to 1/e (ms); 0: the noise of the samples is independent
     #[arg(long, value_name = "MS", default_value_t = 20.0, requires = "motion")]
     noise_correlation_ms: f64,
     /// Give the robot an external instrument of 1 mm and 1 mrad if it has none

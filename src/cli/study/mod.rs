@@ -1,37 +1,44 @@
 //! `tautline study`.
 
-mod progress;
-
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use anyhow::Result;
 use tautline_core::threads::available;
-use tautline_session::{Loaded, read_versioned_toml};
+use tautline_session::Loaded;
 use tautline_study::plan::PLAN;
-use tautline_study::report::{sentences, write_report};
+use tautline_study::report::{render_report, sentences};
 use tautline_study::run::run as run_chunks;
 use tautline_study::{RESULT, StudyError, StudyFile, StudyPlan, merge, read_plan, read_result};
 use tautline_workflow::clock;
-use tautline_workflow::report::{ReportError, ReportFormat};
 
-use crate::BadInput;
+use crate::examples::examples;
 use crate::live::interrupt;
-use crate::output::{JsonOutput, note, say};
-use crate::table;
-use progress::Progress;
+use crate::output::{JsonOutput, confirm, is_standard, note, say, write_file};
+use crate::progress::ProgressLine;
+use crate::replace::Replace;
+use crate::report_format::report_format;
+use crate::{BadInput, standard_input, table};
 
 #[derive(Debug, clap::Subcommand)]
 pub enum Command {
     /// Read a study file, choose poses, evaluate all cells by their expected covariance, and list the chunks to simulate
+    #[command(after_help = examples(&[
+        ("A study, and the commands that run its chunks", "tautline study plan docs/studies/mini.toml -o mini-study"),
+    ]))]
     Plan {
-        /// Study file (TOML)
+        /// Study file (TOML); - is standard input, with --out
         #[arg(value_name = "STUDY.toml")]
         study: PathBuf,
         /// Folder of the study; by default beside the file, with the same name
-        #[arg(long, value_name = "DIR")]
+        #[arg(short, long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
     /// Simulate all chunks, or one; finished chunks are not repeated
+    #[command(after_help = examples(&[
+        ("All that is not done yet", "tautline study run mini-study"),
+        ("One chunk of seven, on one of several machines", "tautline study run mini-study --chunk 3/7"),
+    ]))]
     Run {
         /// Folder of the study
         #[arg(value_name = "DIR")]
@@ -44,6 +51,9 @@ pub enum Command {
         threads: Option<u16>,
     },
     /// Merge the chunks into the result
+    #[command(after_help = examples(&[
+        ("What the chunks amount to", "tautline study merge mini-study"),
+    ]))]
     Merge {
         /// Folder of the study
         #[arg(value_name = "DIR")]
@@ -52,13 +62,18 @@ pub enum Command {
         json: JsonOutput,
     },
     /// Write the report as HTML or PDF
+    #[command(after_help = examples(&[
+        ("The merged result with its figures", "tautline study report mini-study -o mini-study.pdf"),
+    ]))]
     Report {
         /// Folder of the study
         #[arg(value_name = "DIR")]
         folder: PathBuf,
-        /// File to write; its name must end with .html or .pdf
-        #[arg(long, value_name = "FILE")]
+        /// File to write; its name must end with .html or .pdf; - is HTML on standard output
+        #[arg(short, long, value_name = "FILE")]
         out: PathBuf,
+        #[command(flatten)]
+        replace: Replace,
     },
 }
 
@@ -71,7 +86,38 @@ pub fn run(command: &Command) -> Result<()> {
             threads,
         } => simulate(folder, chunk.as_deref(), *threads),
         Command::Merge { folder, json } => join(folder, json),
-        Command::Report { folder, out } => report(folder, out),
+        Command::Report {
+            folder,
+            out,
+            replace,
+        } => report(folder, out, *replace),
+    }
+}
+
+/// How far a study is, on the terminal.
+struct Progress {
+    what: &'static str,
+    began: Instant,
+    line: ProgressLine,
+}
+
+impl Progress {
+    /// Progress in units of `what`.
+    fn new(what: &'static str) -> Self {
+        Self {
+            what,
+            began: Instant::now(),
+            line: ProgressLine::new(),
+        }
+    }
+
+    /// Shows how many are done.
+    fn show(&mut self, done: u64, all: u64) {
+        let (what, began) = (self.what, self.began);
+        self.line.show(|| {
+            let rate = done as f64 / began.elapsed().as_secs_f64().max(1e-9);
+            format!("{done} of {all} {what}, {rate:.0} per second")
+        });
     }
 }
 
@@ -88,10 +134,18 @@ fn plan(path: &Path, out: Option<&Path>) -> Result<()> {
     let Loaded {
         value: study,
         notices,
-    } = read_versioned_toml::<StudyFile>(path)?;
+    } = standard_input::versioned_toml::<StudyFile>(path)?;
     notices.iter().for_each(|notice| note!("{notice}"));
     let beside = path.with_extension("");
-    let folder = out.unwrap_or(&beside);
+    let folder = match out {
+        Some(folder) => folder,
+        None if is_standard(path) => {
+            return Err(BadInput::new(
+                "--out: not given, expected the folder of the study that comes from standard input",
+            ));
+        }
+        None => &beside,
+    };
     interrupt::listen()?;
     let mut progress = Progress::new("cells");
     let mut observe = |done: usize, all: usize| {
@@ -102,6 +156,7 @@ fn plan(path: &Path, out: Option<&Path>) -> Result<()> {
         .parent()
         .filter(|parent| !parent.as_os_str().is_empty());
     let planned = StudyPlan::new(study, of_file.unwrap_or(Path::new(".")), &mut observe);
+    drop(progress);
     let planned = planned.map_err(|error| match error {
         StudyError::Input(message) => BadInput::new(format!("{}: {message}", path.display())),
         error => correctable(error),
@@ -178,13 +233,12 @@ fn simulate(folder: &Path, chunk: Option<&str>, threads: Option<u16>) -> Result<
         .sum();
     let mut progress = Progress::new("calibrations");
     let ran = run_chunks(&plan, folder, &parts, threads, &mut |done| {
-        // The last calibration is counted once its chunk is written.
-        progress.show(done.min(all.saturating_sub(1)), all);
+        progress.show(done, all);
         interrupt::control()
     });
     let summary = ran.map_err(correctable)?;
-    progress.show(all, all);
-    say!(
+    drop(progress);
+    confirm!(
         "{}: {} chunks done, {} existed",
         folder.display(),
         summary.done,
@@ -208,12 +262,10 @@ fn join(folder: &Path, json: &JsonOutput) -> Result<()> {
     })
 }
 
-fn report(folder: &Path, out: &Path) -> Result<()> {
-    if ReportFormat::of(out).is_none() {
-        return Err(BadInput::new(ReportError::Extension(out.to_path_buf())));
-    }
+fn report(folder: &Path, out: &Path, replace: Replace) -> Result<()> {
+    replace.permit(&[Some(out)], None)?;
+    let format = report_format("--out", out)?;
     let plan = read_plan(folder).map_err(correctable)?;
     let result = read_result(&plan, folder).map_err(correctable)?;
-    write_report(out, &plan, &result, clock::now())?;
-    Ok(())
+    write_file(out, &render_report(&plan, &result, clock::now(), format)?)
 }

@@ -1,6 +1,5 @@
 //! Moving to the targets of a verification.
 
-use crate::output::note;
 use anyhow::{Result, anyhow};
 use tautline_link::Instrument;
 use tautline_link::verifying::{CheckTarget, VerifyingEvent, VerifyingOptions, VerifyingRun};
@@ -9,6 +8,7 @@ use tautline_session::{CheckKind, CheckRow};
 use super::typed::{Target, TypedInstrument};
 use crate::BadInput;
 use crate::live::{Connection, interrupt};
+use crate::progress::ProgressLine;
 use tautline_workflow::wording::sentence;
 
 /// Moves home and then to every target in every cycle.
@@ -40,6 +40,7 @@ pub fn drive(
         return Err(interrupted());
     }
     let mut rows = Vec::new();
+    let mut progress = ProgressLine::new();
     loop {
         if interrupt::requested() {
             connection.stop();
@@ -49,7 +50,10 @@ pub fn drive(
         match run.tick(&mut *connection.controller, instrument.as_mut()) {
             Some(VerifyingEvent::Commanded { done, of }) => {
                 let name = name(&targets, done);
-                note!("target {done} of {of}: {name}");
+                // A question names its target.
+                if !typed {
+                    progress.show(|| format!("target {done} of {of}: {name}"));
+                }
                 target.set(name);
             }
             Some(VerifyingEvent::Attained(row)) => rows.push(row),

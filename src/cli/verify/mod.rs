@@ -9,15 +9,14 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use tautline_link::verifying::{CheckTarget, circle, cube_poses, line};
-use tautline_session::{
-    CheckRow, Outcome, Phase, Session, Stage, Verification, read_check_file, write_bytes,
-    write_check,
-};
+use tautline_session::{CheckRow, Outcome, Phase, Session, Stage, Verification, write_check};
 
 use super::live::{Connection, LinkArguments, SessionFile, interrupt, link_error, typed as typing};
 use super::measure::{refuse_unsettled, require_simulated};
-use crate::BadInput;
-use crate::output::{JsonOutput, note, notice};
+use crate::examples::examples;
+use crate::output::{JsonOutput, note, notice, write_file};
+use crate::replace::Replace;
+use crate::{BadInput, standard_input};
 pub use document::VerificationDocument;
 use tautline_workflow::adjusting::{in_effect, title};
 use tautline_workflow::clock;
@@ -27,6 +26,10 @@ use tautline_workflow::controllers::{ConnectionSetup, ControllerChoice};
 const POINTS: (usize, usize) = (16, 9);
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("The targets of ISO 9283 with a simulated robot, as a table, too", "tautline verify run.json --controller sim --cycles 2 --arm -o check.csv"),
+    ("Figures of positions that were measured before", "tautline verify run.json --check check.csv"),
+]))]
 pub struct Arguments {
     /// Session file
     #[arg(value_name = "SESSION")]
@@ -37,8 +40,8 @@ pub struct Arguments {
     /// Allow the robot to move
     #[arg(long)]
     arm: bool,
-    /// Run a simulated robot X times faster than real time; by default as fast as it can be computed
-    #[arg(long, value_name = "X")]
+    /// Run a simulated robot this many times faster than real time; by default as fast as it can be computed
+    #[arg(long, value_name = "TIMES")]
     speed: Option<f64>,
     #[command(flatten)]
     link: LinkArguments,
@@ -51,12 +54,14 @@ pub struct Arguments {
     /// Number of points of the circle and of the line; by default 16 and 9
     #[arg(long, value_name = "N")]
     points: Option<usize>,
-    /// Use the commanded and measured poses of this check.csv instead of moving the robot
+    /// Use the commanded and measured poses of this check.csv instead of moving the robot; - is standard input
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["controller", "arm"])]
     check: Option<PathBuf>,
-    /// Write commanded and measured poses as a check.csv
-    #[arg(long, value_name = "FILE.csv")]
+    /// Write commanded and measured poses as a check.csv; - is standard output
+    #[arg(short, long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    replace: Replace,
     /// Whether this is before or after the adjustment; by default according to the session's records
     #[arg(long, value_enum)]
     stage: Option<StageName>,
@@ -83,6 +88,8 @@ enum StageName {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     check(arguments)?;
+    let (out, json) = (arguments.out.as_deref(), &arguments.json);
+    arguments.replace.permit(&[out], Some(json))?;
     let choice = choice(arguments)?;
     if choice.is_some() && !arguments.arm {
         let message = "The robot was not moved: add --arm once nobody is near the robot";
@@ -103,17 +110,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(path) => BadInput::new(format!("{}: {error}", path.display())),
         None => anyhow::anyhow!("{error}"),
     })?;
-    if let Some(path) = &arguments.out {
+    if let Some(path) = out {
         let mut bytes = Vec::new();
         write_check(bytes.by_ref(), &rows).context("the table cannot be made")?;
-        write_bytes(path, &bytes)?;
+        write_file(path, &bytes)?;
     }
     let stage = stage(arguments, &file.session);
     keep(&mut file, stage, rows, &source)?;
     let document = VerificationDocument::of(&file.session, stage)?;
-    arguments
-        .json
-        .deliver(&document, || document::print(&document))
+    json.deliver(&document, || document::print(&document))
 }
 
 fn check(arguments: &Arguments) -> Result<()> {
@@ -144,7 +149,7 @@ fn choice(arguments: &Arguments) -> Result<Option<ControllerChoice>> {
 }
 
 fn from_file(path: &std::path::Path) -> Result<Vec<CheckRow>> {
-    let read = read_check_file(path)?;
+    let read = standard_input::check_rows(path)?;
     for notice in &read.notices {
         note!("{notice}");
     }

@@ -15,7 +15,7 @@ pub(crate) type SessionFile = Session<MeasurementTable>;
 impl VersionedFile for SessionFile {
     const FORMAT: &'static str = "tautline-session";
     const VERSION: u32 = 1;
-    const MAX_BYTES: u64 = 1 << 30;
+    const MAX_BYTES: u64 = Session::MAX_BYTES;
 
     fn resolve(document: &mut Map<String, Value>) -> Result<(), FieldError> {
         let mut settings = document.get_mut("settings").into_iter();

@@ -162,6 +162,9 @@ impl<M> Session<M> {
 }
 
 impl Session {
+    /// Largest session file that is read (bytes).
+    pub const MAX_BYTES: u64 = 1 << 30;
+
     /// An empty session of a robot.
     #[must_use]
     pub fn new(name: impl Into<String>, robot: Robot, now: Timestamp) -> Self {

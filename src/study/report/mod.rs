@@ -9,7 +9,7 @@ use std::path::Path;
 
 use tautline_session::Timestamp;
 use tautline_workflow::report::document::{Block, Document, Section};
-use tautline_workflow::report::{ReportError, write_document};
+use tautline_workflow::report::{ReportError, ReportFormat, render, write_document};
 
 use crate::plan::StudyPlan;
 use crate::result::StudyResult;
@@ -30,6 +30,19 @@ pub fn write_report(
     now: Timestamp,
 ) -> Result<(), ReportError> {
     write_document(path, &document(plan, result, now), now)
+}
+
+/// Renders the report as the bytes of a file.
+///
+/// # Errors
+/// If the PDF cannot be created.
+pub fn render_report(
+    plan: &StudyPlan,
+    result: &StudyResult,
+    now: Timestamp,
+    format: ReportFormat,
+) -> Result<Vec<u8>, ReportError> {
+    render(&document(plan, result, now), format, now)
 }
 
 fn document(plan: &StudyPlan, result: &StudyResult, now: Timestamp) -> Document {

@@ -22,7 +22,7 @@ pub(super) fn perform(model: &mut Model, command: CompareCommand) {
     match command {
         CompareCommand::Show => show(model),
         CompareCommand::Ask(side) => {
-            let request = FileRequest::file("Session to compare", &["json"]);
+            let request = FileRequest::file("Session to compare", &["tautline", "json"]);
             pick(model, request, move |path| {
                 CompareCommand::Choose(side, Source::File(path))
             });

@@ -140,7 +140,7 @@ fn ask_save_as(model: &mut Model) {
     ask_save(model, SaveContent::Session, name);
 }
 
-/// "MINI of 2024" as "mini-of-2024.json".
+/// "MINI of 2024" as "mini-of-2024.tautline", which desktops open with this program.
 fn file_name(name: &str) -> String {
     let words = name.split(|c: char| !c.is_alphanumeric());
     let words: Vec<String> = words
@@ -148,9 +148,9 @@ fn file_name(name: &str) -> String {
         .map(str::to_lowercase)
         .collect();
     if words.is_empty() {
-        "session.json".into()
+        "session.tautline".into()
     } else {
-        format!("{}.json", words.join("-"))
+        format!("{}.tautline", words.join("-"))
     }
 }
 
@@ -496,7 +496,7 @@ mod tests {
     #[test]
     fn a_session_suggests_the_name_of_its_file() {
         assert_eq!(file_name("Demo robot"), "demo-robot.json");
-        assert_eq!(file_name("MINI/2024: b"), "mini-2024-b.json");
-        assert_eq!(file_name(" / "), "session.json");
+        assert_eq!(file_name("MINI/2024: b"), "mini-2024-b.tautline");
+        assert_eq!(file_name(" / "), "session.tautline");
     }
 }

@@ -7,6 +7,7 @@ mod file_chooser;
 mod frame;
 mod log;
 mod menu;
+mod no_window;
 mod observed;
 mod palette;
 mod rail;
@@ -18,6 +19,7 @@ mod status;
 mod stop;
 mod top;
 
+pub use no_window::no_window;
 pub use state::State;
 
 use crate::model::command::{CompareCommand, FileCommand};

@@ -96,7 +96,10 @@ pub fn render_report(
 }
 
 /// Renders a document as the bytes of a file.
-fn render(
+///
+/// # Errors
+/// If the PDF cannot be created.
+pub fn render(
     document: &Document,
     format: ReportFormat,
     now: Timestamp,

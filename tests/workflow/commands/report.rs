@@ -43,7 +43,7 @@ fn parts_of_a_report_are_chosen() {
     tautline(&arguments).succeeded();
     let written = |more: &[&str]| {
         let out = folder.join("report.html");
-        tautline(&[&["report", &data, "--out", &out], more].concat()).succeeded();
+        tautline(&[&["report", &data, "--out", &out, "--replace"], more].concat()).succeeded();
         std::fs::read_to_string(&out).expect("the report")
     };
     let text = written(&["--sections", "robot,about", "--title", "Own title"]);

@@ -1,0 +1,60 @@
+//! What packages consist of is there and agrees with itself.
+
+use std::fs;
+use std::path::Path;
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+
+fn text(name: &str) -> String {
+    fs::read_to_string(Path::new(ROOT).join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// The text between two others.
+fn between<'a>(text: &'a str, begin: &str, end: &str) -> &'a str {
+    let (_, after) = text.split_once(begin).expect(begin);
+    after.split_once(end).expect(end).0
+}
+
+#[test]
+fn a_session_has_one_type_with_an_icon_that_the_program_opens() {
+    let desktop = text("packaging/linux/tautline.desktop");
+    let kind = text("packaging/linux/tautline.xml");
+    let about = text("packaging/linux/io.github.tautline.tautline.metainfo.xml");
+    let name = between(&kind, "<mime-type type=\"", "\"");
+    assert!(desktop.contains(&format!("\nMimeType={name};\n")));
+    assert!(about.contains(&format!("<mediatype>{name}</mediatype>")));
+    let icon = text(&format!("packaging/linux/{}.svg", name.replace('/', "-")));
+    assert!(icon.starts_with("<svg"));
+    assert!(desktop.contains("\nExec=tautline %f\n"));
+    assert!(about.contains(">tautline.desktop</launchable>"));
+    // The name that the window suggests for a new session.
+    let suggested = text("src/workbench/commands/file.rs");
+    let ending = between(&kind, "<glob pattern=\"*", "\"");
+    assert!(
+        suggested.contains(&format!("\"session{ending}\"")),
+        "{ending}"
+    );
+    // The type is known by content, too: as the program writes sessions.
+    let session = text("sessions/clean-mini/session.json");
+    let magic = between(&kind, "offset=\"0:64\" value=\"", "\"/>").replace("&quot;", "\"");
+    let compact = magic.replace(": ", ":");
+    assert!(session[..80].contains(&compact), "{compact}");
+}
+
+#[test]
+fn files_of_the_debian_package_are_there() {
+    let manifest: toml::Table = text("src/workbench/Cargo.toml").parse().expect("TOML");
+    let deb = &manifest["package"]["metadata"]["deb"];
+    let assets = deb["assets"].as_array().expect("assets");
+    let mut count = 0;
+    for asset in assets {
+        let source = asset[0].as_str().expect("a path");
+        // The program, and what it writes itself.
+        if !source.contains("target/") {
+            let path = Path::new(ROOT).join("src/workbench").join(source);
+            assert!(path.is_file(), "{source}");
+            count += 1;
+        }
+    }
+    assert!(count > 6, "only {count} files");
+}
