@@ -4,6 +4,7 @@ use super::globals::Globals;
 use super::options::{Options, Termination};
 use super::problem::{Geometry, Poses, Problem};
 use super::solution::Solution;
+use crate::effect::{BoundEffect, Search};
 use crate::geometry::Pose;
 use crate::kinematics::{ForwardKinematics, inverse_kinematics};
 use crate::robot::{Cable, Robot};
@@ -39,17 +40,11 @@ impl<'a> Start<'a> {
     pub(super) fn globals(self, problem: &Problem<'_>) -> Globals {
         let nominal = Globals::nominal(problem);
         match self {
-            Self::Known(known) => {
-                let is_same = known.globals.deviations.len() == nominal.deviations.len();
-                Globals {
-                    effects: nominal.effects,
-                    deviations: match is_same {
-                        true => known.globals.deviations.clone(),
-                        false => nominal.deviations,
-                    },
-                    ..known.globals.clone()
-                }
-            }
+            Self::Known(known) => Globals {
+                effects: nominal.effects,
+                deviations: known_deviations(nominal.deviations, &known.globals.deviations),
+                ..known.globals.clone()
+            },
             Self::Given | Self::Lengths => nominal,
         }
     }
@@ -69,6 +64,27 @@ impl<'a> Start<'a> {
         }
         start_poses(problem, globals, rows, matches!(self, Self::Given))
     }
+}
+
+/// The deviations of a problem with the values that a solution has for the same parts. It may have others: a part whose whole
+/// deviation is a free effect has no deviation besides.
+fn known_deviations(mut deviations: Vec<BoundEffect>, known: &[BoundEffect]) -> Vec<BoundEffect> {
+    for own in &mut deviations {
+        if let Some(same) = known.iter().find(|other| is_same_part(own, other)) {
+            own.values.clone_from(&same.values);
+        }
+    }
+    deviations
+}
+
+/// Whether two deviations are of the same part, and waves of the same phase: a part has two of those.
+fn is_same_part(one: &BoundEffect, other: &BoundEffect) -> bool {
+    let has_same_phase = match one.effect.search() {
+        Search::Wave { phase, .. } => one.values.get(phase) == other.values.get(phase),
+        _ => true,
+    };
+    let is_same_effect = std::ptr::eq(one.effect, other.effect) && one.targeted == other.targeted;
+    is_same_effect && one.cables == other.cables && has_same_phase
 }
 
 /// Whether a solve that started from given poses ended in a local minimum.
@@ -193,4 +209,37 @@ fn stretch(problem: &Problem<'_>, row: usize, index: usize) -> f64 {
         _ => 0.0,
     };
     1.0 + strain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effect::find;
+
+    fn deviation(id: &str, cable: usize, values: &[f64]) -> BoundEffect {
+        BoundEffect {
+            effect: find(id).unwrap(),
+            cables: vec![cable],
+            targeted: true,
+            values: values.to_vec(),
+        }
+    }
+
+    #[test]
+    fn known_deviations_are_those_of_the_same_parts() {
+        let anchor = deviation("platform_anchor", 1, &[0.0; 3]);
+        let scale = deviation("winch_scale", 2, &[0.0]);
+        let [sine, cosine] =
+            [0.0, 1.5].map(|phase| deviation("drum_eccentricity", 0, &[0.0, phase]));
+        let known = [
+            deviation("winch_scale", 2, &[0.01]),
+            deviation("drum_eccentricity", 0, &[0.002, 1.5]),
+            deviation("winch_scale", 3, &[0.02]),
+            deviation("force_bias", 1, &[4.0]),
+        ];
+        let found = known_deviations(vec![anchor, scale, sine, cosine], &known);
+        let values: Vec<&[f64]> = found.iter().map(|own| &own.values[..]).collect();
+        // As many deviations, but of other parts.
+        assert_eq!(values, [&[0.0; 3][..], &[0.01], &[0.0, 0.0], &[0.002, 1.5]]);
+    }
 }
