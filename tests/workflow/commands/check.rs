@@ -151,7 +151,7 @@ fn a_negative_tension_is_said_and_fails_the_check_but_may_be_an_error_of_its_sen
     let folder = Folder::new();
     let run = simulated(&folder);
     change_poses(&run, |head, rows| {
-        set(head, &mut rows[3], "force_2_n", "-400")
+        set(head, &mut rows[3], "force_2_n", "-400");
     });
     let expected = format!(
         "{run}/poses.csv, line 5, column \"force_2_n\": found -400 N, a negative tension of cable-2, expected a positive one"

@@ -118,7 +118,7 @@ fn a_change_by_hand_is_said_and_stays_said() {
     }
     // A command that opens the session says it, too, and saving it again makes nothing right.
     let path = changed(&folder, &file, |json| {
-        json["log"][1]["text"] = json!("Nothing.")
+        json["log"][1]["text"] = json!("Nothing.");
     });
     let back = [
         "adjust",
