@@ -495,7 +495,7 @@ mod tests {
 
     #[test]
     fn a_session_suggests_the_name_of_its_file() {
-        assert_eq!(file_name("Demo robot"), "demo-robot.json");
+        assert_eq!(file_name("Demo robot"), "demo-robot.tautline");
         assert_eq!(file_name("MINI/2024: b"), "mini-2024-b.tautline");
         assert_eq!(file_name(" / "), "session.tautline");
     }
