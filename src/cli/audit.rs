@@ -9,6 +9,7 @@ use tautline_workflow::planning::poses_in_words;
 use tautline_workflow::wording::{count, sentence};
 
 use crate::BadInput;
+use crate::examples::examples;
 use crate::output::{JsonOutput, notice, say};
 use crate::table;
 
@@ -16,6 +17,10 @@ use crate::table;
 const SHOWN: usize = 12;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("Whether anything in a session was changed afterwards", "tautline audit mini.json"),
+    ("Make a key that signs what is saved from now on", "tautline audit --new-key"),
+]))]
 pub struct Arguments {
     /// Session file
     #[arg(value_name = "SESSION", required_unless_present = "new_key")]
