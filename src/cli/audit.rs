@@ -18,8 +18,8 @@ const SHOWN: usize = 12;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
-    ("Whether anything in a session was changed afterwards", "tautline audit mini.json"),
-    ("Make a key that signs what is saved from now on", "tautline audit --new-key"),
+    ("Whether anything in a session was changed afterwards", "tautline audit run.json"),
+    ("The same as JSON", "tautline audit run.json --json -"),
 ]))]
 pub struct Arguments {
     /// Session file
