@@ -17,13 +17,13 @@ fn between<'a>(text: &'a str, begin: &str, end: &str) -> &'a str {
 
 #[test]
 fn a_session_has_one_type_with_an_icon_that_the_program_opens() {
-    let desktop = text("packaging/linux/tautline.desktop");
-    let kind = text("packaging/linux/tautline.xml");
-    let about = text("packaging/linux/io.github.tautline.tautline.metainfo.xml");
+    let desktop = text("assets/linux/tautline.desktop");
+    let kind = text("assets/linux/tautline.xml");
+    let about = text("assets/linux/io.github.tautline.tautline.metainfo.xml");
     let name = between(&kind, "<mime-type type=\"", "\"");
     assert!(desktop.contains(&format!("\nMimeType={name};\n")));
     assert!(about.contains(&format!("<mediatype>{name}</mediatype>")));
-    let icon = text(&format!("packaging/linux/{}.svg", name.replace('/', "-")));
+    let icon = text(&format!("assets/linux/{}.svg", name.replace('/', "-")));
     assert!(icon.starts_with("<svg"));
     assert!(desktop.contains("\nExec=tautline %f\n"));
     assert!(about.contains(">tautline.desktop</launchable>"));
