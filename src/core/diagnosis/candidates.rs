@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 
 use super::priors::{ATYPICAL_SHARE, RELATIVE_SD, SCALE_RATIO};
 use super::relations::{
-    is_same_effect_and_targets, is_same_kind, is_same_period, place, place_parameter,
+    is_same_effect_and_targets, is_same_kind, is_same_place, place_of, place_parameter,
 };
 use super::report::Cause;
 use crate::effect::{Effect, EffectParameter, Scope, Search};
@@ -94,8 +94,8 @@ impl Candidate {
     /// Whether this candidate represents a cause, whatever its values: the same effect and targets, and the same pose
     /// or period.
     pub fn represents(&self, cause: &Cause) -> bool {
-        let is_here = place(cause).is_none_or(|place| place == self.place);
-        is_same_effect_and_targets(&self.cause, cause) && is_here
+        let place = place_of(&cause.instances[0]);
+        is_same_effect_and_targets(&self.cause, cause) && (place.is_nan() || place == self.place)
     }
 
     /// Whether this candidate and another cannot be in one set because they describe the same property of a cable.
@@ -105,12 +105,8 @@ impl Candidate {
             // A single cable may deviate from a value that all cables share.
             let is_more =
                 self.is_common() != other.is_common() && !self.is_family() && !other.is_family();
-            let is_same_place = if self.is_event() {
-                self.place == other.place
-            } else {
-                self.place.is_nan() || is_same_period(self.place, other.place)
-            };
-            return overlap && !is_more && is_same_place;
+            let is_here = is_same_place(self.effect(), self.place, other.place, 0.0);
+            return overlap && !is_more && is_here;
         }
         is_same_kind(self.effect(), other.effect()) && (self.is_family() || other.is_family())
     }

@@ -12,7 +12,7 @@ use super::candidates::{
 use super::conditions::Conditions;
 use super::fit::Fit;
 use super::priors::{EXPECTED_CAUSES, FAMILY_CORRELATION, TARGET_WEIGHTS, TargetShares};
-use super::relations::{is_same_effect_and_targets, is_same_period, place_parameter};
+use super::relations::{is_same_effect_and_targets, is_same_place, place_of};
 use super::report::Cause;
 use crate::effect::{BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_EXTERNAL_POSES, Scope, Search};
 use crate::estimation::{Linearisation, ParameterId};
@@ -114,12 +114,7 @@ struct Builder<'b> {
 impl Builder<'_> {
     fn generator(&mut self, bound: &BoundEffect, parameter: usize) -> usize {
         let bits = |b: &BoundEffect| b.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-        let same = |other: &BoundEffect| {
-            other.effect.id() == bound.effect.id()
-                && other.cables == bound.cables
-                && other.targeted == bound.targeted
-                && bits(other) == bits(bound)
-        };
+        let same = |other: &BoundEffect| other.has_target_of(bound) && bits(other) == bits(bound);
         let known = self.bounds.iter().position(same);
         let index = known.unwrap_or_else(|| {
             self.bounds.push(bound.clone());
@@ -399,13 +394,8 @@ impl Builder<'_> {
     /// Whether the model has a cause on each of its cables already, at the same pose or with the same period.
     fn is_in_model(&self, cause: &Cause, place: f64) -> bool {
         let model = &self.fit.problem.free_effects[..self.fit.model_effects()];
-        let is_at_place = |bound: &BoundEffect| {
-            let own = place_parameter(bound.effect).map(|k| bound.values[k]);
-            match bound.effect.search() {
-                Search::Wave { .. } => own.is_none_or(|own| is_same_period(own, place)),
-                _ => own.is_none_or(|own| own == place),
-            }
-        };
+        let is_at_place =
+            |bound: &BoundEffect| is_same_place(bound.effect, place_of(bound), place, 0.0);
         let alike = |bound: &&BoundEffect| bound.effect.id() == cause.effect().id();
         let known: Vec<_> = model
             .iter()

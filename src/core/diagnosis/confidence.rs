@@ -205,11 +205,11 @@ pub(super) fn state_probabilities(
     let first = findings.len() - posteriors.len();
     for (index, (finding, lost)) in findings.iter_mut().zip(of_errors).enumerate() {
         let own = index.checked_sub(first);
-        let others = || finding.alternatives.iter().map(|other| other.probability);
+        let others = finding.alternatives.iter().map(|other| other.probability);
         // One of the causes is present, or an error that none of them explains.
         let computed = match own {
             Some(own) => posteriors[own].with_replacements - lost,
-            None => finding.probability + others().sum::<f64>(),
+            None => finding.probability + others.sum::<f64>(),
         };
         let of_causes = stated_share(computed);
         let of_errors = (1.0 - computed * of_causes) / (1.0 - computed).max(f64::MIN_POSITIVE);

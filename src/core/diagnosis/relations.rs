@@ -2,7 +2,7 @@
 
 use super::calibration::DISTINCT_PERIODS;
 use super::report::Cause;
-use crate::effect::{Effect, Search};
+use crate::effect::{BoundEffect, Effect, Search};
 
 /// Index of the parameter that places an effect: the pose of an event, or the period of a wave.
 pub(super) fn place_parameter(effect: &Effect) -> Option<usize> {
@@ -16,27 +16,22 @@ pub(super) fn place_parameter(effect: &Effect) -> Option<usize> {
     }
 }
 
-/// Label of the pose of an event, or period of a wave (m).
-pub(super) fn place(cause: &Cause) -> Option<f64> {
-    place_parameter(cause.effect()).map(|k| cause.instances[0].values[k])
+/// Label of the pose of an event, or period of a wave (m); NaN for other effects.
+pub(super) fn place_of(bound: &BoundEffect) -> f64 {
+    place_parameter(bound.effect).map_or(f64::NAN, |k| bound.values[k])
 }
 
-/// Whether two causes with the same effect have the same place: waves about the same period, and steps poses that are at
-/// most `most_steps` apart.
-fn is_same_place(one: &Cause, other: &Cause, most_steps: f64) -> bool {
-    let Some((a, b)) = place(one).zip(place(other)) else {
-        return true;
-    };
-    match one.effect().search() {
-        Search::Wave { .. } => is_same_period(a, b),
-        Search::FromPose(_) => (a - b).abs() <= most_steps,
-        _ => a == b,
+/// Whether two places of an effect are the same: for waves about the same period, for steps poses that are at most
+/// `most_steps` apart. Effects without a place have the same one.
+pub(super) fn is_same_place(effect: &Effect, one: f64, other: f64, most_steps: f64) -> bool {
+    match effect.search() {
+        Search::Wave {
+            period: Some(_), ..
+        } => (one / other).max(other / one) < DISTINCT_PERIODS,
+        Search::FromPose(_) => (one - other).abs() <= most_steps,
+        Search::AtPose(_) => one == other,
+        _ => true,
     }
-}
-
-/// Whether two waves of these periods may be the same.
-pub(super) fn is_same_period(one: f64, other: f64) -> bool {
-    (one / other).max(other / one) < DISTINCT_PERIODS
 }
 
 /// Whether two effects are the same, taking the scale of one winch and the scale of all winches as the same.
@@ -47,16 +42,19 @@ pub(super) fn is_same_kind(one: &Effect, other: &Effect) -> bool {
 
 /// Whether two causes have the same effect and targets, ignoring the pose of an event or the period of a wave.
 pub(super) fn is_same_effect_and_targets(one: &Cause, other: &Cause) -> bool {
-    let targets = |cause: &Cause| -> Vec<(Vec<usize>, bool)> {
-        let instances = cause.instances.iter();
-        instances.map(|b| (b.cables.clone(), b.targeted)).collect()
-    };
-    std::ptr::eq(one.effect(), other.effect()) && targets(one) == targets(other)
+    let mut pairs = one.instances.iter().zip(&other.instances);
+    one.instances.len() == other.instances.len() && pairs.all(|(a, b)| a.has_target_of(b))
+}
+
+/// Whether two causes with the same effect have places at most `most_steps` apart.
+fn is_near(one: &Cause, other: &Cause, most_steps: f64) -> bool {
+    let [a, b] = [one, other].map(|cause| place_of(&cause.instances[0]));
+    is_same_place(one.effect(), a, b, most_steps)
 }
 
 /// Whether two causes have the same effect and targets, events the same pose, and waves about the same period.
 pub(super) fn is_same_cause(one: &Cause, other: &Cause) -> bool {
-    is_same_effect_and_targets(one, other) && is_same_place(one, other, 0.0)
+    is_same_effect_and_targets(one, other) && is_near(one, other, 0.0)
 }
 
 /// Whether two sets consist of the same causes, in any order.
@@ -77,7 +75,7 @@ pub(super) fn covers(one: &Cause, other: &Cause) -> bool {
     }
     let (a, b) = (one.cables(), other.cables());
     let more = a.len() > 1 && !b.is_empty() && b.iter().all(|cable| a.contains(cable));
-    std::ptr::eq(one.effect(), other.effect()) && is_same_place(one, other, 1.0) && (a == b || more)
+    std::ptr::eq(one.effect(), other.effect()) && is_near(one, other, 1.0) && (a == b || more)
 }
 
 /// Whether a cause is the effect of a family on just one of its cables.

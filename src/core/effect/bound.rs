@@ -86,6 +86,14 @@ impl BoundEffect {
         self.effect.scope() == Scope::Robot
     }
 
+    /// Whether another one is the same effect on the same target, whatever its values.
+    #[must_use]
+    pub fn has_target_of(&self, other: &Self) -> bool {
+        std::ptr::eq(self.effect, other.effect)
+            && self.cables == other.cables
+            && self.targeted == other.targeted
+    }
+
     /// Checks that every pose the effect refers to is in `data`.
     ///
     /// # Errors

@@ -21,9 +21,7 @@ impl PartDeviation {
     /// Whether an effect describes the whole deviation of this part, as a cause outside its tolerance does.
     #[must_use]
     pub fn is_covered_by(&self, effect: &BoundEffect) -> bool {
-        effect.effect.id() == self.bound.effect.id()
-            && effect.cables == self.bound.cables
-            && effect.targeted == self.bound.targeted
+        self.bound.has_target_of(effect)
     }
 
     /// The same with the standard deviations multiplied by a factor.

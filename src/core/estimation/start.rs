@@ -83,8 +83,7 @@ fn is_same_part(one: &BoundEffect, other: &BoundEffect) -> bool {
         Search::Wave { phase, .. } => one.values.get(phase) == other.values.get(phase),
         _ => true,
     };
-    let is_same_effect = std::ptr::eq(one.effect, other.effect) && one.targeted == other.targeted;
-    is_same_effect && one.cables == other.cables && has_same_phase
+    one.has_target_of(other) && has_same_phase
 }
 
 /// Whether a solve that started from given poses ended in a local minimum.
