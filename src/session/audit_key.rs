@@ -7,7 +7,6 @@ use std::path::Path;
 use ed25519_dalek::{Signature, Signer, SigningKey, VerifyingKey};
 
 use crate::error::{Place, ReadError, WriteError};
-use crate::fingerprint::{from_hex, to_hex};
 use crate::input_file::open_input;
 
 /// Largest size of a key file.
@@ -33,7 +32,7 @@ impl AuditKey {
             .read_to_end(&mut text);
         read.map_err(|error| ReadError::io(&file, Place::File, &error))?;
         let digits = std::str::from_utf8(&text).unwrap_or_default().trim();
-        let Some(secret) = from_hex(digits) else {
+        let Some(secret) = of_digits(digits) else {
             // The content is a secret, so the message does not show it.
             let message = format!(
                 "found {} bytes, expected a key of 64 hexadecimal digits",
@@ -60,7 +59,7 @@ impl AuditKey {
         #[cfg(unix)]
         std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
         let mut file = options.open(path).map_err(fail)?;
-        writeln!(file, "{}", to_hex(&secret))
+        writeln!(file, "{}", hex::encode(secret))
             .and_then(|()| file.sync_all())
             .map_err(fail)?;
         Ok(Self(SigningKey::from_bytes(&secret)))
@@ -69,19 +68,26 @@ impl AuditKey {
     /// The public key: 64 hexadecimal digits.
     #[must_use]
     pub fn public(&self) -> String {
-        to_hex(self.0.verifying_key().as_bytes())
+        hex::encode(self.0.verifying_key().as_bytes())
     }
 
     /// The signature of a hash: 128 hexadecimal digits.
     pub(crate) fn sign(&self, hash: &str) -> String {
-        to_hex(&self.0.sign(hash.as_bytes()).to_bytes())
+        hex::encode(self.0.sign(hash.as_bytes()).to_bytes())
     }
+}
+
+/// The bytes of exactly so many pairs of hexadecimal digits.
+fn of_digits<const N: usize>(text: &str) -> Option<[u8; N]> {
+    let mut bytes = [0; N];
+    hex::decode_to_slice(text, &mut bytes).ok()?;
+    Some(bytes)
 }
 
 /// Whether a signature is that of a hash by a public key.
 pub(crate) fn is_signed(hash: &str, key: &str, signature: &str) -> bool {
-    let key = from_hex(key).and_then(|key| VerifyingKey::from_bytes(&key).ok());
-    let signature = from_hex(signature).map(|bytes| Signature::from_bytes(&bytes));
+    let key = of_digits(key).and_then(|key| VerifyingKey::from_bytes(&key).ok());
+    let signature = of_digits(signature).map(|bytes| Signature::from_bytes(&bytes));
     let pair = key.zip(signature);
     pair.is_some_and(|(key, signature)| key.verify_strict(hash.as_bytes(), &signature).is_ok())
 }
@@ -115,7 +121,7 @@ mod tests {
 
     #[test]
     fn the_first_test_vector_of_rfc_8032_is_signed_as_published() {
-        let secret = from_hex("9d61b19deffd5a60ba844af492ec2cc44449c5697b326919703bac031cae7f60");
+        let secret = of_digits("9d61b19deffd5a60ba844af492ec2cc44449c5697b326919703bac031cae7f60");
         let key = AuditKey(SigningKey::from_bytes(&secret.expect("hexadecimal")));
         assert_eq!(
             key.public(),

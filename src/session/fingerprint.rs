@@ -108,23 +108,7 @@ fn feed(value: &Value, hash: &mut impl FnMut(&[u8])) {
 pub(crate) fn sha256(value: &Value) -> String {
     let mut hash = Sha256::new();
     feed(value, &mut |bytes| hash.update(bytes));
-    to_hex(&hash.finalize())
-}
-
-/// Bytes as hexadecimal digits.
-pub(crate) fn to_hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// The bytes of exactly so many pairs of hexadecimal digits.
-pub(crate) fn from_hex<const N: usize>(text: &str) -> Option<[u8; N]> {
-    let digits: Option<Vec<u8>> = text.chars().map(|c| Some(c.to_digit(16)? as u8)).collect();
-    let digits = digits.filter(|digits| digits.len() == 2 * N)?;
-    let bytes: Vec<u8> = digits
-        .chunks(2)
-        .map(|pair| 16 * pair[0] + pair[1])
-        .collect();
-    bytes.try_into().ok()
+    hex::encode(hash.finalize())
 }
 
 #[cfg(test)]
@@ -150,11 +134,6 @@ mod tests {
             sha256(&json!("abc")),
             "738cc6a4aeca85404f503c399ed1bf53f0e7e5b104bb428cc3b24df250a46e64"
         );
-        assert_eq!(from_hex::<2>("0aFf"), Some([10, 255]));
-        for text in ["0af", "0aff00", "0agf", "-1+2"] {
-            assert_eq!(from_hex::<2>(text), None, "{text}");
-        }
-        assert_eq!(to_hex(&[10, 255]), "0aff");
     }
 
     #[test]
