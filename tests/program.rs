@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::time::SystemTime;
 
@@ -109,6 +109,18 @@ impl Answer {
     }
 }
 
+impl From<Output> for Answer {
+    fn from(output: Output) -> Self {
+        let [stdout, stderr] =
+            [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).expect("UTF-8"));
+        Self {
+            code: output.status.code(),
+            stdout,
+            stderr,
+        }
+    }
+}
+
 /// Runs the program; nobody can type there.
 ///
 /// # Panics
@@ -118,12 +130,7 @@ pub fn tautline(arguments: &[&str]) -> Answer {
         .args(arguments)
         .stdin(Stdio::null())
         .output();
-    let output = output.expect("the program starts");
-    Answer {
-        code: output.status.code(),
-        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
-        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
-    }
+    output.expect("the program starts").into()
 }
 
 /// Starts the program, whose standard input is `input`.
@@ -156,9 +163,8 @@ pub fn heard(mut child: Child, mut heard: impl FnMut(&str, &mut Child)) -> Answe
     }
     let output = child.wait_with_output().expect("it ends");
     Answer {
-        code: output.status.code(),
-        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
         stderr,
+        ..output.into()
     }
 }
 

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::process::{Command, Stdio};
 
 use tautline_validation::program::program;
+use tautline_workflow::machines;
 
 use super::program::{Answer, Folder, tautline};
 
@@ -18,12 +19,7 @@ fn answer(mut command: Command, input: &[u8]) -> Answer {
     // A command that fails early does not read.
     let _ = stdin.write_all(input);
     drop(stdin);
-    let output = child.wait_with_output().expect("it ends");
-    Answer {
-        code: output.status.code(),
-        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
-        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
-    }
+    child.wait_with_output().expect("it ends").into()
 }
 
 fn reading(arguments: &[&str], input: &str) -> Answer {
@@ -331,15 +327,7 @@ fn every_command_has_a_manual_page_with_examples() {
 #[test]
 fn presets_and_templates_are_one_list() {
     let folder = Folder::new();
-    for name in [
-        "mini",
-        "hall",
-        "suspended",
-        "planar",
-        "spatial",
-        "hangprinter",
-        "facade",
-    ] {
+    for name in machines::names() {
         let answer = tautline(&["new", name, "-o", "-"]).succeeded();
         let symbols = tautline(&["symbols", name]).succeeded();
         assert_eq!(answer.json()["format"], "tautline-robot");

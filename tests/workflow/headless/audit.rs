@@ -22,6 +22,12 @@ fn audit(file: &str, more: &[&str]) -> Answer {
     tautline(&[&["audit", file], more].concat())
 }
 
+/// Restores the values from before the adjustment.
+fn rolled_back(file: &str) -> Answer {
+    let words = ["--controller", "sim", "--arm", "--roll-back"];
+    tautline(&[&["adjust", file], &words[..]].concat()).succeeded()
+}
+
 /// The file with a change by hand.
 fn changed(folder: &Folder, file: &str, change: impl FnOnce(&mut Value)) -> String {
     let text = std::fs::read_to_string(file).expect("a session");
@@ -120,15 +126,7 @@ fn a_change_by_hand_is_said_and_stays_said() {
     let path = changed(&folder, &file, |json| {
         json["log"][1]["text"] = json!("Nothing.");
     });
-    let back = [
-        "adjust",
-        &path,
-        "--controller",
-        "sim",
-        "--arm",
-        "--roll-back",
-    ];
-    let back = tautline(&back).succeeded();
+    let back = rolled_back(&path);
     let said = "the audit trail is broken: step 2 of the log is not as recorded";
     assert!(back.stderr.contains(said), "{}", back.stderr);
     assert_eq!(audit(&path, &[]).code, Some(1));
@@ -154,15 +152,7 @@ fn a_session_without_a_trail_opens_as_before() {
     );
     let document: Value = serde_json::from_str(&none.stdout).expect("JSON");
     assert_eq!(document["verdict"], "none");
-    let back = [
-        "adjust",
-        &path,
-        "--controller",
-        "sim",
-        "--arm",
-        "--roll-back",
-    ];
-    tautline(&back).succeeded();
+    rolled_back(&path);
     let document = audit(&path, &["--json", "-"]).succeeded().json();
     let found: Vec<&Value> = document["entries"]
         .as_array()
@@ -183,13 +173,8 @@ fn at_home(home: &str, words: &[&str]) -> Answer {
         .args(words)
         .env("TAUTLINE_HOME", home)
         .stdin(Stdio::null())
-        .output()
-        .expect("the program starts");
-    Answer {
-        code: output.status.code(),
-        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
-        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
-    }
+        .output();
+    output.expect("the program starts").into()
 }
 
 #[test]
@@ -204,17 +189,9 @@ fn entries_are_signed_with_the_key_of_the_user() {
     let twice = at_home(&home, &["audit", "--new-key"]);
     assert_eq!(twice.code, Some(1), "{}", twice.stderr);
     let file = folder.join("s.json");
-    let words = [
-        "measure",
-        &file,
-        "--robot",
-        "mini",
-        "--poses",
-        "8",
-        "--controller",
-        "sim",
-        "--arm",
-    ];
+    let sim = ["--controller", "sim", "--arm"];
+    let measure = ["measure", &file, "--robot", "mini", "--poses", "8"];
+    let words = [&measure[..], &sim].concat();
     at_home(&home, &words);
     audit(&file, &["--signed-by", key]).succeeded();
     let other = audit(&file, &["--signed-by", &"1".repeat(64)]);
