@@ -139,9 +139,6 @@ pub(super) const SINGULAR: f64 = 1e-12;
 /// Smallest square of a pivot of the scaled information, the share of a column that no others explain, at which the
 /// Cholesky factor has at least half of the digits.
 pub(super) const WELL_DETERMINED: f64 = 1e-8;
-/// Directions of the common parameters with less information than this share of the best determined one count as not
-/// estimated. It is a thousand times the rounding error of the information.
-pub(super) const UNDETERMINED: f64 = 1e-13;
 /// Eigenvalues of a projector are 0 or 1; this threshold tells them apart.
 pub(super) const PROJECTOR_THRESHOLD: f64 = 0.5;
 /// Eigenvalue (variance of a reading in units of its noise, at factor 1) below which a combination cannot be seen.

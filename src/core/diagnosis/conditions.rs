@@ -1,26 +1,27 @@
 //! The readings as condition equations, with poses and latent tensions eliminated.
 //!
-//! With `Q_j` an orthonormal basis of the part of pose `j`'s rows that the pose cannot absorb
-//! ([`super::residual_space`]), the conditions are `y_j = Q_j^T r_j`, their derivatives `Q_j^T A_j`, and their noise
-//! has the covariance `Q_j^T D_j Q_j` with the ratios `D_j` of the readings' variances to those described. A change of
-//! the noise therefore needs no new elimination. Readings that belong to no pose and priors are conditions themselves.
-//! (Mikhail and Ackermann, Observations and Least Squares, 1976, chapter 7.)
+//! With `Q_j` an orthonormal basis of the part of pose `j`'s rows that the pose cannot absorb, the conditions are
+//! `y_j = Q_j^T r_j`, their derivatives `Q_j^T A_j`, and their noise has the covariance `Q_j^T D_j Q_j` with the ratios
+//! `D_j` of the readings' variances to those described. A change of the noise therefore needs no new elimination.
+//! Readings that belong to no pose and priors are conditions themselves. (Mikhail and Ackermann, Observations and Least
+//! Squares, 1976, chapter 7.)
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
+use super::budget::PROJECTOR_THRESHOLD;
 use super::reading_id::ReadingId;
-use super::residual_space::range_basis;
 use crate::estimation::{Linearisation, ParameterId, RowKind};
 
 /// The conditions of one pose, or of one row that belongs to no pose.
 #[derive(Debug, Clone)]
 pub(super) struct Block {
     /// Range of the conditions.
-    pub conditions: std::ops::Range<usize>,
+    pub conditions: Range<usize>,
     /// Range of the rows of the linearisation.
-    rows: std::ops::Range<usize>,
+    rows: Range<usize>,
     /// `Q^T`, one column per row.
     basis: DMatrix<f64>,
     /// Class of each row; `None` for rows that are not readings.
@@ -50,8 +51,8 @@ pub(super) struct Noise<'c> {
 }
 
 impl Conditions {
-    /// The conditions of a linearisation whose first `model_effects` free effects are those of the model.
-    pub fn new(linear: &Linearisation, model_effects: usize) -> Self {
+    /// The conditions of a linearisation. Priors of parameters that do not satisfy `is_estimated` are left out.
+    pub fn new(linear: &Linearisation, is_estimated: impl Fn(&ParameterId) -> bool) -> Self {
         let ids: Vec<_> = linear
             .rows
             .iter()
@@ -75,9 +76,8 @@ impl Conditions {
         }
         let first = linear.poses.last().map_or(0, |pose| pose.rows.end);
         for row in first..linear.rows.len() {
-            // Candidate causes and deviations have priors of their own, so those of their parameters in the fit are left out.
             if let RowKind::Prior(k) = linear.rows[row].kind
-                && !is_fixed(&linear.parameters[k].id, model_effects)
+                && !is_estimated(&linear.parameters[k].id)
             {
                 continue;
             }
@@ -86,12 +86,7 @@ impl Conditions {
         found
     }
 
-    fn push(
-        &mut self,
-        rows: std::ops::Range<usize>,
-        basis: DMatrix<f64>,
-        classes: Vec<Option<usize>>,
-    ) {
+    fn push(&mut self, rows: Range<usize>, basis: DMatrix<f64>, classes: Vec<Option<usize>>) {
         let first = self.count;
         self.count += basis.nrows();
         self.blocks.push(Block {
@@ -210,6 +205,22 @@ impl Noise<'_> {
         }
     }
 
+    /// `L^-1 Q^T D^(1/2)` for each block, an orthonormal basis of the rows of its readings in units of this noise, with the
+    /// ranges of its rows and conditions.
+    pub fn bases(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>, DMatrix<f64>)> {
+        let blocks = self.conditions.blocks.iter().zip(&self.factors);
+        blocks.map(|(block, factor)| {
+            let mut basis = block.basis.clone();
+            if let Some(factor) = factor {
+                for (mut column, class) in basis.column_iter_mut().zip(&block.classes) {
+                    column *= class.map_or(1.0, |k| self.variance[k].sqrt());
+                }
+                basis = factor * basis;
+            }
+            (block.rows.clone(), block.conditions.clone(), basis)
+        })
+    }
+
     /// Whitened conditions of a unit error in the readings of some classes, for each pose: index of the first
     /// condition, and values.
     pub fn unit_errors(&self, classes: &[usize]) -> Vec<(usize, DVector<f64>)> {
@@ -259,7 +270,21 @@ impl Noise<'_> {
     }
 }
 
-/// Whether a parameter is estimated with every set of causes: all but those of causes and deviations.
+/// Orthonormal basis of the range of `C`, transposed; `C C^T` must be a projector.
+fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
+    if c.is_empty() {
+        return DMatrix::zeros(0, c.nrows());
+    }
+    let eigen = SymmetricEigen::new(c.tr_mul(c));
+    let kept: Vec<usize> = (0..eigen.eigenvalues.len())
+        .filter(|k| eigen.eigenvalues[*k] > PROJECTOR_THRESHOLD)
+        .collect();
+    let directions = eigen.eigenvectors.select_columns(&kept);
+    directions.transpose() * c.transpose()
+}
+
+/// Whether a parameter is estimated with every set of causes: all but those of causes and deviations, which have priors of
+/// their own there.
 pub(super) fn is_fixed(id: &ParameterId, model_effects: usize) -> bool {
     match id {
         ParameterId::Effect { effect, .. } => *effect < model_effects,

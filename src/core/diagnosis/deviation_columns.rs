@@ -35,8 +35,9 @@ impl DeviationColumns {
             return Self::none();
         }
         let (linear, columns) = linearised(problem, solution, &deviations);
-        let conditions = Conditions::new(&linear, model_effects);
-        let fixed = columns_of(&linear, |id| is_fixed(id, model_effects));
+        let is_common = |id: &ParameterId| is_fixed(id, model_effects);
+        let conditions = Conditions::new(&linear, is_common);
+        let fixed = columns_of(&linear, is_common);
         let of_conditions = conditions.project_rows(&columns);
         let without = LinearProblem {
             residual: DVector::zeros(conditions.count),

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use super::adequacy::classes;
 use super::budget::{MAX_REPORTED_VARIABLES, MIN_PLOTTED_REDUNDANCY, MIN_VISIBLE_SHARE};
 use super::calibration::EXCESS_LEVEL;
-use super::noise::excess_sd_factors;
+use super::noise::excess_variances;
 use super::priors::{MAX_SMOOTH_FUNCTIONS, READINGS_PER_SMOOTH_FUNCTION};
 use super::reading_id::ReadingId;
 use super::residual_space::{ClassSums, ResidualSpace, RowGroup, Score};
@@ -117,7 +117,8 @@ struct ReweightedResiduals<'a> {
     described: &'a ResidualSpace,
     /// The reweighted residuals, if any weight differs.
     weighted: Option<ResidualSpace>,
-    factors: Vec<f64>,
+    /// Variance of each class over the described one.
+    variances: Vec<f64>,
     ids: Vec<ReadingId>,
     class_of: Vec<Option<usize>>,
     sums: ClassSums,
@@ -127,16 +128,16 @@ struct ReweightedResiduals<'a> {
 impl<'a> ReweightedResiduals<'a> {
     fn new(described: &'a ResidualSpace) -> Self {
         let (ids, class_of) = classes(described, |id| *id);
-        let factors = excess_sd_factors(described, EXCESS_LEVEL);
-        let is_other = factors.iter().any(|factor| *factor != 1.0);
-        let weighted = is_other.then(|| described.rescaled(&factors));
+        let variances = excess_variances(described, EXCESS_LEVEL);
+        let is_other = variances.iter().any(|variance| *variance != 1.0);
+        let weighted = is_other.then(|| described.with_variances(&variances));
         let reweighted = weighted.as_ref().unwrap_or(described);
         Self {
             sums: reweighted.class_sums(&class_of, ids.len()),
             redundancy: reweighted.redundancy(),
             described,
             weighted,
-            factors,
+            variances,
             ids,
             class_of,
         }
@@ -148,7 +149,7 @@ impl<'a> ReweightedResiduals<'a> {
             id: self.ids[class],
             trace: rows.iter().map(|row| self.redundancy[*row]).sum(),
             scaled: scaled.map(|(factor, _)| factor),
-            sd_factor: rows.first().map_or(1.0, |row| self.factors[*row]),
+            variance: self.variances[class],
             weighted: self
                 .weighted
                 .as_ref()
@@ -163,8 +164,8 @@ struct TestedReadings {
     id: ReadingId,
     described: RowGroup,
     weighted: Option<RowGroup>,
-    /// Standard deviation in the weights over the described one.
-    sd_factor: f64,
+    /// Variance in the weights over the described one.
+    variance: f64,
     /// Sum of the redundancies with these weights.
     trace: f64,
     /// Factor of the scaled chi-square distribution of the sum of squared residuals, with these weights.
@@ -203,7 +204,7 @@ impl TestedReadings {
             variable,
             chi2: described.chi2,
             rank: described.rank,
-            noise_factor: rest * self.sd_factor * self.sd_factor,
+            noise_factor: rest * self.variance,
             p_value,
             rows: self.described.rows.clone(),
             values,
@@ -226,7 +227,7 @@ impl TestedReadings {
         let freedom = trace / self.scaled?;
         let factor = left.norm_squared() / trace;
         let p = chi_square_survival(factor * freedom, freedom)?;
-        (self.sd_factor != 1.0 || p < EXCESS_LEVEL).then_some((factor, freedom))
+        (self.variance != 1.0 || p < EXCESS_LEVEL).then_some((factor, freedom))
     }
 }
 

@@ -14,6 +14,7 @@ use super::reduced_problem::ReducedProblem;
 use super::report::Cause;
 use super::search::Search;
 use super::variables::Variables;
+use crate::estimation::ParameterId;
 
 /// A fit with its linear problem.
 pub(super) struct LinearFit<'f, 'a> {
@@ -39,10 +40,11 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         let linear = fit.linearisation();
         let catalogue = Catalogue::new(fit, &linear, include_all);
         let model_effects = fit.model_effects();
-        let conditions = Conditions::new(&linear, model_effects);
+        let is_common = |id: &ParameterId| is_fixed(id, model_effects);
+        let conditions = Conditions::new(&linear, is_common);
         let variables = Variables::new(&fit.problem, &fit.solution, &linear);
         let shapes = shapes(&conditions, &linear, &variables);
-        let fixed = columns_of(&linear, |id| is_fixed(id, model_effects));
+        let fixed = columns_of(&linear, is_common);
         let fixed = conditions.project_rows(&fixed);
         let deviations = fit.deviation_columns().conditions(&linear, &conditions);
         let generators = conditions.project_rows(&catalogue.generators);

@@ -54,8 +54,8 @@ pub(crate) fn noise_statements(
         .collect()
 }
 
-/// Standard deviation of each row over the described one; 1 where it is not significantly larger at level `level`.
-pub(super) fn excess_sd_factors(space: &ResidualSpace, level: f64) -> Vec<f64> {
+/// Variance of each class of readings over the described one; 1 where it is not significantly larger at level `level`.
+pub(super) fn excess_variances(space: &ResidualSpace, level: f64) -> Vec<f64> {
     let mut estimate =
         VarianceEstimate::with_outlying_variances(space, SeparateVariances::new(), level);
     for class in 0..estimate.classes.len() {
@@ -64,7 +64,7 @@ pub(super) fn excess_sd_factors(space: &ResidualSpace, level: f64) -> Vec<f64> {
             estimate.variance[class] = 1.0;
         }
     }
-    estimate.row_factors()
+    estimate.variances_of_classes()
 }
 
 /// Statements on all classes whose variance can be estimated, whatever their significance. The cables in `separate`
@@ -140,7 +140,7 @@ impl VarianceEstimate {
             space: space.clone(),
         };
         if estimate.variance.iter().any(|variance| *variance != 1.0) {
-            estimate.space = space.rescaled(&estimate.row_factors());
+            estimate.space = space.with_variances(&estimate.variances_of_classes());
         }
         for _ in 0..MAX_VARIANCE_STEPS {
             let sums = estimate
@@ -155,7 +155,7 @@ impl VarianceEstimate {
             for (variance, factor) in estimate.variance.iter_mut().zip(&step.factors) {
                 *variance *= factor;
             }
-            estimate.space = space.rescaled(&estimate.row_factors());
+            estimate.space = space.with_variances(&estimate.variances_of_classes());
         }
         estimate
     }
@@ -184,10 +184,14 @@ impl VarianceEstimate {
         Some(self.variance[index])
     }
 
-    /// Standard deviation of each row over the described one.
-    fn row_factors(&self) -> Vec<f64> {
-        let sd = |class: &Option<usize>| class.map_or(1.0, |k| self.variance[k].sqrt());
-        self.of_row.iter().map(sd).collect()
+    /// Variance of each class of readings of the residual space over the described one.
+    fn variances_of_classes(&self) -> Vec<f64> {
+        let of = |id: &ReadingId| {
+            let own = self.variance_of(&(id.quantity, id.cable));
+            let variance = own.or_else(|| self.variance_of(&(id.quantity, None)));
+            variance.unwrap_or(1.0)
+        };
+        self.space.classes().iter().map(of).collect()
     }
 
     /// Statement on one variance, with an uncorrected p-value; `None` if it was not estimated.

@@ -5,24 +5,35 @@
 //!
 //! `M = blockdiag(Q_j Q_j^T) - V V^T`,
 //!
-//! with `Q_j` (`n_j x q_j`) an orthonormal basis of the part of pose `j`'s `n_j` rows that the pose cannot absorb, 1
-//! for rows of no pose, and `V` (`N x rank`) an orthonormal basis of what the common parameters absorb. `M` is
-//! therefore also the covariance of `r`, its diagonal has the redundancies and its trace is the number of degrees of
-//! freedom (Baarda 1968). `M` is never formed, because its size is the number of readings squared.
+//! with the bases `Q_j` (`n_j x q_j`) of the [`Conditions`], 1 for rows of no pose, and `V` (`N x rank`) an orthonormal
+//! basis of what the common parameters absorb. `M` is therefore also the covariance of `r`, its diagonal has the
+//! redundancies and its trace is the number of degrees of freedom (Baarda 1968). `M` is never formed, because its size
+//! is the number of readings squared.
 
-use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
+use std::rc::Rc;
 
-use super::budget::{PROJECTOR_THRESHOLD, UNDETERMINED};
-use super::dense::divide_by_lower;
+use nalgebra::{DMatrix, DVector};
+
+use super::conditions::Conditions;
+use super::projector::Projector;
 use super::reading_id::ReadingId;
 use crate::estimation::{LinearRow, Linearisation};
 
-/// The rows of one pose.
+/// The conditions of a fit, with the derivatives by all of its parameters.
+#[derive(Debug)]
+struct FitConditions {
+    conditions: Conditions,
+    /// One column per parameter.
+    design: DMatrix<f64>,
+    residual: DVector<f64>,
+}
+
+/// The rows of one pose, or one row that belongs to no pose.
 #[derive(Debug, Clone)]
 struct Block {
     rows: std::ops::Range<usize>,
     /// `Q^T`, one column per row.
-    remainder: DMatrix<f64>,
+    basis: DMatrix<f64>,
 }
 
 /// Residuals and their covariance.
@@ -37,6 +48,7 @@ pub(crate) struct ResidualSpace {
     blocks: Vec<Block>,
     /// `V^T`, one column per row.
     fitted: DMatrix<f64>,
+    of: Rc<FitConditions>,
 }
 
 /// Sums over classes of rows.
@@ -63,23 +75,64 @@ impl ClassSums {
 }
 
 impl ResidualSpace {
-    /// The residuals of a linearisation.
+    /// The residuals of a linearisation, in the noise as described.
     pub fn new(linear: &Linearisation) -> Self {
-        let of = |row: &LinearRow| ReadingId::of(row, linear);
-        Self {
-            readings: linear.rows.iter().map(of).collect(),
-            measured: linear.rows.iter().map(|row| row.row).collect(),
-            residual: linear.residual.clone(),
-            blocks: linear
-                .poses
-                .iter()
-                .map(|pose| Block {
-                    rows: pose.rows.clone(),
-                    remainder: range_basis(&pose.remainder),
-                })
-                .collect(),
-            fitted: row_basis(&linear.design.transpose()),
+        let conditions = Conditions::new(linear, |_| true);
+        let residual = DMatrix::from_column_slice(linear.rows.len(), 1, linear.residual.as_slice());
+        let described = vec![1.0; conditions.classes.len()];
+        let of = Rc::new(FitConditions {
+            design: conditions.project_rows(&linear.design),
+            residual: conditions.project_rows(&residual).column(0).into_owned(),
+            conditions,
+        });
+        let reading = |row: &LinearRow| ReadingId::of(row, linear);
+        let readings = linear.rows.iter().map(reading).collect();
+        let measured = linear.rows.iter().map(|row| row.row).collect();
+        Self::in_noise(of, &described, (readings, measured))
+    }
+
+    /// The residuals of the same fit if the readings of each class had another variance, given over the described one in
+    /// the order of [`Self::classes`]: the linearised problem is weighted accordingly and solved again.
+    pub fn with_variances(&self, variance: &[f64]) -> Self {
+        let rows = (self.readings.clone(), self.measured.clone());
+        Self::in_noise(Rc::clone(&self.of), variance, rows)
+    }
+
+    fn in_noise(
+        of: Rc<FitConditions>,
+        variance: &[f64],
+        (readings, measured): (Vec<Option<ReadingId>>, Vec<Option<usize>>),
+    ) -> Self {
+        let noise = of.conditions.noise(variance);
+        let mut design = of.design.clone();
+        noise.whiten(&mut design);
+        let mut residual = DMatrix::from_column_slice(design.nrows(), 1, of.residual.as_slice());
+        noise.whiten(&mut residual);
+        let projector = Projector::new(&design, &residual.column(0).into_owned());
+        let mut space = Self {
+            residual: DVector::zeros(readings.len()),
+            blocks: Vec::with_capacity(of.conditions.blocks.len()),
+            fitted: DMatrix::zeros(projector.rank(), readings.len()),
+            readings,
+            measured,
+            of: Rc::clone(&of),
+        };
+        for (rows, conditions, basis) in noise.bases() {
+            let (first, count) = (conditions.start, conditions.len());
+            let own = projector.residual.rows(first, count);
+            let mut to = space.residual.rows_mut(rows.start, rows.len());
+            to.gemv_tr(1.0, &basis, &own, 0.0);
+            let own = projector.basis().rows(first, count);
+            let mut to = space.fitted.columns_mut(rows.start, rows.len());
+            to.gemm_tr(1.0, &own, &basis, 0.0);
+            space.blocks.push(Block { rows, basis });
         }
+        space
+    }
+
+    /// The classes of readings, each with a variance of its own.
+    pub fn classes(&self) -> &[ReadingId] {
+        &self.of.conditions.classes
     }
 
     /// Number of rows.
@@ -87,16 +140,11 @@ impl ResidualSpace {
         self.residual.len()
     }
 
-    /// Rows that belong to no pose: those of the home pose and the priors.
-    fn loose_rows(&self) -> std::ops::Range<usize> {
-        self.blocks.last().map_or(0, |block| block.rows.end)..self.rows()
-    }
-
     /// Redundancy of each row, the diagonal of `M`: the share of an error that shows in its own residual.
     pub fn redundancy(&self) -> Vec<f64> {
-        let mut redundancy = vec![1.0; self.rows()];
+        let mut redundancy = vec![0.0; self.rows()];
         for block in &self.blocks {
-            for (row, basis) in block.rows.clone().zip(block.remainder.column_iter()) {
+            for (row, basis) in block.rows.clone().zip(block.basis.column_iter()) {
                 redundancy[row] = basis.norm_squared();
             }
         }
@@ -129,7 +177,7 @@ impl ResidualSpace {
     /// Adds `sum_j ||B_ab||^2 - 2 tr(V_a^T B_ab V_b)` with the blocks `B = Q Q^T` of the poses.
     fn add_local_information(&self, class_of: &[Option<usize>], information: &mut DMatrix<f64>) {
         for block in &self.blocks {
-            let alone = block.remainder.transpose() * &block.remainder;
+            let alone = block.basis.tr_mul(&block.basis);
             let fitted = self.fitted.columns(block.rows.start, block.rows.len());
             let common = fitted.transpose() * fitted;
             for (i, a) in block.rows.clone().enumerate() {
@@ -139,11 +187,6 @@ impl ResidualSpace {
                         information[(a, b)] += covariance * (covariance - 2.0 * common[(i, k)]);
                     }
                 }
-            }
-        }
-        for row in self.loose_rows() {
-            if let Some(a) = class_of[row] {
-                information[(a, a)] += 1.0 - 2.0 * self.fitted.column(row).norm_squared();
             }
         }
     }
@@ -176,7 +219,7 @@ impl ResidualSpace {
             if count > 0 {
                 let local = rows[first..first + count].iter();
                 let local: Vec<usize> = local.map(|row| row - block.rows.start).collect();
-                let basis = block.remainder.select_columns(&local);
+                let basis = block.basis.select_columns(&local);
                 parts.push(GroupPart {
                     rows: first..first + count,
                     covariance: basis.tr_mul(&basis),
@@ -189,52 +232,6 @@ impl ResidualSpace {
             fitted: self.fitted.select_columns(&rows),
             rows,
             parts,
-        }
-    }
-
-    /// The residuals and their covariance if the noise of each row were larger by its factor: the linearised problem,
-    /// weighted accordingly and solved again. With `D = diag(factors)`, the basis `Q` of a pose becomes `D Q K^-T` with
-    /// `K K^T = Q^T D^2 Q`, and its residuals and `V` are mapped by `D Q (Q^T D^2 Q)^-1 Q^T`.
-    ///
-    /// # Panics
-    /// If a factor is not a positive number.
-    pub fn rescaled(&self, factors: &[f64]) -> Self {
-        let mut fitted = self.fitted.clone();
-        let mut residual = self.residual.clone();
-        let mut blocks = Vec::with_capacity(self.blocks.len());
-        for block in &self.blocks {
-            let (start, count) = (block.rows.start, block.rows.len());
-            let mut stretched = block.remainder.clone();
-            for (mut column, factor) in stretched.column_iter_mut().zip(&factors[start..]) {
-                column *= *factor;
-            }
-            let weight = Cholesky::new(&stretched * stretched.transpose());
-            let weight = weight.expect("a basis stretched by positive factors is one");
-            let solve = |m: &DMatrix<f64>| weight.l_dirty().solve_lower_triangular(m);
-            let (Some(inner), Some(basis)) = (solve(&block.remainder), solve(&stretched)) else {
-                unreachable!("the factor of a positive definite matrix is regular");
-            };
-            let new = basis.tr_mul(&(&inner * self.residual.rows(start, count)));
-            residual.rows_mut(start, count).copy_from(&new);
-            let new = (self.fitted.columns(start, count) * inner.transpose()) * &basis;
-            fitted.columns_mut(start, count).copy_from(&new);
-            blocks.push(Block {
-                rows: block.rows.clone(),
-                remainder: basis,
-            });
-        }
-        for row in self.loose_rows() {
-            residual[row] /= factors[row];
-            fitted.column_mut(row).unscale_mut(factors[row]);
-        }
-        let fitted = orthonormalised(fitted);
-        residual -= fitted.tr_mul(&(&fitted * &residual));
-        Self {
-            readings: self.readings.clone(),
-            measured: self.measured.clone(),
-            residual,
-            blocks,
-            fitted,
         }
     }
 }
@@ -296,52 +293,4 @@ impl RowGroup {
         projected -= self.fitted.tr_mul(&(&self.fitted * functions));
         projected
     }
-}
-
-/// Orthonormal basis of the range of `C`, transposed; `C C^T` must be a projector.
-pub(super) fn range_basis(c: &DMatrix<f64>) -> DMatrix<f64> {
-    if c.is_empty() {
-        return DMatrix::zeros(0, c.nrows());
-    }
-    let eigen = SymmetricEigen::new(c.tr_mul(c));
-    let kept: Vec<usize> = (0..eigen.eigenvalues.len())
-        .filter(|k| eigen.eigenvalues[*k] > PROJECTOR_THRESHOLD)
-        .collect();
-    let directions = eigen.eigenvectors.select_columns(&kept);
-    directions.transpose() * c.transpose()
-}
-
-/// Orthonormal basis of the row space of a matrix with independent rows.
-fn orthonormalised(mut wide: DMatrix<f64>) -> DMatrix<f64> {
-    match Cholesky::new(&wide * wide.transpose()) {
-        Some(factor) => {
-            divide_by_lower(factor.l_dirty(), &mut wide);
-            wide
-        }
-        None => row_basis(&wide),
-    }
-}
-
-/// Orthonormal basis of the row space of `wide` (`n x N`, one row per parameter), with at most `n` rows.
-fn row_basis(wide: &DMatrix<f64>) -> DMatrix<f64> {
-    if wide.is_empty() {
-        return DMatrix::zeros(0, wide.ncols());
-    }
-    let mut scaled = wide.clone();
-    for mut row in scaled.row_iter_mut() {
-        let norm = row.norm();
-        if norm > 0.0 {
-            row /= norm;
-        }
-    }
-    let eigen = SymmetricEigen::new(&scaled * scaled.transpose());
-    let limit = UNDETERMINED * eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
-    let kept: Vec<usize> = (0..eigen.eigenvalues.len())
-        .filter(|k| eigen.eigenvalues[*k] > limit)
-        .collect();
-    let mut directions = eigen.eigenvectors.select_columns(&kept);
-    for (mut direction, k) in directions.column_iter_mut().zip(&kept) {
-        direction /= eigen.eigenvalues[*k].sqrt();
-    }
-    directions.transpose() * scaled
 }

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::super::discrepancy::smooth_functions;
+use super::super::reading_id::ReadingId;
 use super::*;
 use crate::estimation::{ObservationKind, RowKind};
 
@@ -80,33 +81,41 @@ fn scores_and_signatures_are_those_of_the_dense_projector() {
     assert!((score.score - expected).amax() < 1e-12);
 }
 
-/// Changing the noise is the same as weighting the problem anew: with `D` the diagonal matrix of the factors, `M'` is
-/// the projector on the range of `D M`, and the residuals are `M'` times the old ones divided by `D`.
+/// Changing the noise is the same as weighting the problem anew: with `D` the diagonal matrix of the factors of the standard
+/// deviations, `M'` is the projector on the range of `D M`, and the residuals are `M'` times the old ones divided by `D`.
 #[test]
-fn rescaling_solves_the_weighted_problem() {
+fn other_variances_solve_the_weighted_problem() {
     let run = run_with("planar", 9, 7, &[]);
     let fitted = Fitted::new(&run.dataset);
-    let count = fitted.space.rows();
-    let factors: Vec<f64> = (0..count).map(|row| 1.0 + 0.5 * (row % 4) as f64).collect();
-    let rescaled = fitted.space.rescaled(&factors);
-    let d = DMatrix::from_diagonal(&DVector::from_vec(factors.clone()));
+    let classes = fitted.space.classes();
+    let variances: Vec<f64> = (0..classes.len())
+        .map(|class| (1.0 + 0.5 * (class % 4) as f64).powi(2))
+        .collect();
+    let weighted = fitted.space.with_variances(&variances);
+    let factor = |id: &Option<ReadingId>| {
+        let class = id.and_then(|id| classes.iter().position(|class| *class == id));
+        class.map_or(1.0, |class| variances[class].sqrt())
+    };
+    let factors = DVector::from_iterator(
+        fitted.space.rows(),
+        fitted.space.readings.iter().map(factor),
+    );
+    assert!(factors.iter().any(|f| *f > 2.0) && factors.iter().any(|f| *f == 1.0));
+    let d = DMatrix::from_diagonal(&factors);
     let stretched = &d * dense(&fitted.linear);
     let eigen = (&stretched * stretched.transpose()).symmetric_eigen();
-    let kept: Vec<usize> = (0..count)
+    let kept: Vec<usize> = (0..fitted.space.rows())
         .filter(|k| eigen.eigenvalues[*k] > 1e-6)
         .collect();
     let basis = eigen.eigenvectors.select_columns(&kept);
     let m = &basis * basis.transpose();
-    for (row, redundancy) in rescaled.redundancy().into_iter().enumerate() {
+    for (row, redundancy) in weighted.redundancy().into_iter().enumerate() {
         assert!((redundancy - m[(row, row)]).abs() < 1e-7, "row {row}");
     }
-    let unscaled = fitted
-        .space
-        .residual
-        .component_div(&DVector::from_vec(factors.clone()));
-    assert!((m * unscaled - &rescaled.residual).amax() < 1e-7);
-    let back = rescaled.rescaled(&factors.iter().map(|f| f.recip()).collect::<Vec<_>>());
-    assert!((back.residual - &fitted.space.residual).amax() < 1e-4);
+    let unscaled = fitted.space.residual.component_div(&factors);
+    assert!((m * unscaled - &weighted.residual).amax() < 1e-7);
+    let back = weighted.with_variances(&vec![1.0; variances.len()]);
+    assert!((back.residual - &fitted.space.residual).amax() < 1e-12);
 }
 
 #[test]
