@@ -8,10 +8,8 @@ mod models;
 use std::fmt::Write;
 
 use anyhow::Result;
-use nalgebra::DMatrix;
-use tautline_core::fitting::{
-    CurveFitOptions, CurveProblem, FitStatistics, fit_curve, fit_linear, fit_polynomial,
-};
+use nalgebra::{DMatrix, DVector};
+use tautline_core::fitting::{CurveFitOptions, CurveProblem, FitStatistics, fit_curve, fit_linear};
 
 pub use data::{Problem, read};
 
@@ -34,6 +32,10 @@ pub struct Row {
     pub iterations: usize,
     /// Whether the fit says that it converged.
     pub converged: bool,
+    /// Condition numbers of a linear problem: `k` of its scaled columns, and `(k + k^2 |r| / |A p|) |p| / |p_k|` of the worst
+    /// parameter `p_k`, with the residuals `r`, the predictions `A p` and the parameters `p` of the scaled columns (Bjorck,
+    /// Numerical Methods for Least Squares Problems, section 1.4); 1 for a nonlinear problem.
+    pub conditions: [f64; 2],
 }
 
 /// Linear problems whose model is a polynomial, with its degree.
@@ -51,8 +53,7 @@ const POLYNOMIAL: [(&str, usize); 8] = [
 /// Linear problems with other columns: name and whether there is an intercept.
 const MULTILINEAR: [(&str, bool); 3] = [("NoInt1", false), ("NoInt2", false), ("Longley", true)];
 
-/// Solves every problem: 8 polynomial, Filip once more with its powers rounded to `f64`, 3
-/// multilinear, 27 nonlinear from two starts each.
+/// Solves every problem: 8 polynomial, 3 multilinear, 27 nonlinear from two starts each.
 ///
 /// # Errors
 /// If a data file cannot be read.
@@ -60,15 +61,13 @@ pub fn table() -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for (name, degree) in POLYNOMIAL {
         let problem = read(name)?;
-        let x: Vec<f64> = problem.x.iter().map(|x| x[0]).collect();
-        let fit = fit_polynomial(&x, &problem.y, None, degree);
-        rows.push(linear_row(&problem, &fit));
+        let power = |row: usize, k: usize| problem.x[row][0].powi(k as i32);
+        let powers = DMatrix::from_fn(problem.y.len(), degree + 1, power);
+        rows.push(linear_row(&problem, &powers));
     }
-    rows.push(filip_with_rounded_powers()?);
     for (name, has_intercept) in MULTILINEAR {
         let problem = read(name)?;
-        let fit = fit_linear(&design(&problem, has_intercept), &problem.y, None);
-        rows.push(linear_row(&problem, &fit));
+        rows.push(linear_row(&problem, &design(&problem, has_intercept)));
     }
     for (name, curve) in models::NONLINEAR {
         let problem = read(name)?;
@@ -79,17 +78,6 @@ pub fn table() -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-fn filip_with_rounded_powers() -> Result<Row> {
-    let problem = read("Filip")?;
-    let power = |i: usize, k: usize| problem.x[i][0].powi(k as i32);
-    let design = DMatrix::from_fn(problem.y.len(), problem.parameters.len(), power);
-    let fit = fit_linear(&design, &problem.y, None);
-    Ok(Row {
-        problem: "Filip, rounded powers".to_owned(),
-        ..linear_row(&problem, &fit)
-    })
-}
-
 fn design(problem: &Problem, has_intercept: bool) -> DMatrix<f64> {
     let rows = problem.x.iter().flat_map(|x| {
         let intercept = has_intercept.then_some(1.0);
@@ -98,8 +86,26 @@ fn design(problem: &Problem, has_intercept: bool) -> DMatrix<f64> {
     DMatrix::from_row_iterator(problem.y.len(), problem.parameters.len(), rows)
 }
 
-fn linear_row(problem: &Problem, fit: &FitStatistics) -> Row {
-    row(problem, fit, 15.0)
+fn linear_row(problem: &Problem, design: &DMatrix<f64>) -> Row {
+    let mut scaled = design.clone();
+    let norms: Vec<f64> = scaled.column_iter().map(|c| c.norm()).collect();
+    for (mut column, norm) in scaled.column_iter_mut().zip(&norms) {
+        column /= *norm;
+    }
+    let singular_values = scaled.singular_values();
+    let of_columns = singular_values.max() / singular_values.min();
+    let fit = fit_linear(design, &problem.y, None);
+    let residuals = DVector::from_column_slice(&fit.residuals);
+    let predicted = DVector::from_column_slice(&problem.y) - &residuals;
+    let parameters = fit.parameters.iter().zip(&norms).map(|(p, norm)| p * norm);
+    let parameters = DVector::from_iterator(norms.len(), parameters);
+    let of_worst =
+        of_columns * (1.0 + of_columns * residuals.norm() / predicted.norm()) * parameters.norm()
+            / parameters.abs().min();
+    Row {
+        conditions: [of_columns, of_worst],
+        ..row(problem, &fit, 15.0)
+    }
 }
 
 fn nonlinear_row(problem: &Problem, curve: models::Curve, start: usize) -> Row {
@@ -131,11 +137,17 @@ fn nonlinear_row(problem: &Problem, curve: models::Curve, start: usize) -> Row {
 }
 
 fn row(problem: &Problem, fit: &FitStatistics, certified_digits: f64) -> Row {
+    let largest = problem.y.iter().fold(0.0, |a: f64, y| a.max(y.abs()));
     let worst = |values: &[f64], certified: &[f64]| {
-        let digits = values.iter().zip(certified);
-        digits
-            .map(|(value, certified)| correct_digits(*value, *certified, certified_digits))
-            .fold(certified_digits, f64::min)
+        let digits = values.iter().zip(certified).map(|(value, certified)| {
+            // Where the data are exact, standard deviations of zero are certified, and rounding is relative to the data.
+            let scale = match certified {
+                0.0 => largest,
+                _ => certified.abs(),
+            };
+            correct_digits((value - certified) / scale, certified_digits)
+        });
+        digits.fold(certified_digits, f64::min)
     };
     Row {
         problem: problem.name.clone(),
@@ -146,23 +158,18 @@ fn row(problem: &Problem, fit: &FitStatistics, certified_digits: f64) -> Row {
         residual_sd_digits: worst(&[fit.residual_sd], &[problem.residual_sd]),
         iterations: 0,
         converged: fit.is_full_rank(),
+        conditions: [1.0; 2],
     }
 }
 
-/// `-log10` of the relative error (of the absolute error where zero is certified), at least 0 and at
-/// most the number of digits that NIST certifies.
-fn correct_digits(value: f64, certified: f64, certified_digits: f64) -> f64 {
-    let scale = if certified == 0.0 {
-        1.0
-    } else {
-        certified.abs()
-    };
-    let digits = -((value - certified).abs() / scale).log10();
+/// `-log10` of a relative error, at least 0 and at most the number of digits that NIST certifies.
+fn correct_digits(relative_error: f64, certified_digits: f64) -> f64 {
+    let digits = -relative_error.abs().log10();
     // Not finite values have no correct digit.
     if digits.is_nan() {
         return 0.0;
     }
-    digits.max(0.0).min(certified_digits)
+    digits.clamp(0.0, certified_digits)
 }
 
 /// The table in Markdown.

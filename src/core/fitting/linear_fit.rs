@@ -1,22 +1,20 @@
 //! Weighted linear least squares.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
-use super::double_double::DoubleDouble;
 use super::fit_statistics::FitStatistics;
-use super::pivoted_qr::PivotedQr;
+use super::trust_region::Linearization;
 
 /// Minimises `sum ((y_i - sum_k A_ik p_k) / sd_i)^2`.
 ///
-/// `design` is `A` (one row per observation), `observations` the `y_i`, `sd` their standard
-/// deviations (`None`: all 1). The columns are scaled to length one and triangularised by
-/// Householder reflections with pivoting in doubled precision, so that the result has all the digits
-/// that the `f64` input determines (validated on the NIST StRD linear problems). A column that
-/// depends on others to working precision gets parameter 0, an infinite standard deviation and an entry
-/// in `undetermined`.
+/// `design` is `A` (one row per observation), `observations` the `y_i`, `sd` their standard deviations (`None`: all 1).
+/// The columns are scaled to length one and factorised orthogonally, and the solution is improved once by a fit of its
+/// residuals, so that about as many digits are lost as the condition number of the scaled columns has (Bjorck, *Numerical
+/// Methods for Least Squares Problems*, section 2.9). Parameters that take part in an undetermined combination get
+/// infinite standard deviations and are listed in `undetermined`.
 ///
 /// # Panics
-/// If the numbers of rows, observations and standard deviations differ.
+/// If the numbers of rows, observations and standard deviations differ, or a number is not finite.
 #[must_use]
 pub fn fit_linear(
     design: &DMatrix<f64>,
@@ -24,120 +22,52 @@ pub fn fit_linear(
     sd: Option<&[f64]>,
 ) -> FitStatistics {
     assert_eq!(design.nrows(), observations.len(), "one row each");
-    let columns = (0..design.ncols())
-        .map(|k| design.column(k).iter().map(|v| (*v).into()).collect())
-        .collect();
-    fit_columns(columns, observations, sd)
+    let mut weighted = design.clone();
+    let mut right_hand_side = DVector::from_column_slice(observations);
+    if let Some(sd) = sd {
+        assert_eq!(sd.len(), observations.len(), "one sd each");
+        for (k, sd) in sd.iter().enumerate() {
+            weighted.row_mut(k).unscale_mut(*sd);
+            right_hand_side[k] /= sd;
+        }
+    }
+    let length = |norm: f64| if norm > 0.0 { norm } else { 1.0 };
+    let scale = DVector::from_iterator(
+        weighted.ncols(),
+        weighted.column_iter().map(|column| length(column.norm())),
+    );
+    let factorised = Linearization::new(&weighted, &right_hand_side, &scale);
+    let factorised = factorised.expect("finite numbers");
+    let mut parameters = factorised.step(f64::INFINITY).change;
+    let left = &right_hand_side - &weighted * &parameters;
+    if let Some(of_left) = Linearization::new(&weighted, &left, &scale) {
+        parameters += of_left.step(f64::INFINITY).change;
+    }
+    let square_sum = (&right_hand_side - &weighted * &parameters).norm_squared();
+    let residuals = DVector::from_column_slice(observations) - design * &parameters;
+    FitStatistics::new(
+        parameters.as_slice().to_vec(),
+        residuals.as_slice().to_vec(),
+        square_sum,
+        factorised.cofactor(),
+        factorised.rank(),
+    )
 }
 
-/// Fits `y = p_0 + p_1 x + .. + p_n x^n` with `n = degree`; see [`fit_linear`].
-///
-/// The powers are formed in doubled precision too: their rounding would cost a polynomial of degree ten
-/// far from the origin (NIST Filip) half of its digits.
+/// Fits the line `y = p_0 + p_1 x`; see [`fit_linear`].
 ///
 /// ```
-/// let fit = tautline_core::fitting::fit_polynomial(&[0.0, 1.0, 2.0], &[1.0, 3.0, 5.0], None, 1);
+/// let fit = tautline_core::fitting::fit_line(&[0.0, 1.0, 2.0], &[1.0, 3.0, 5.0], None);
 /// assert!((fit.parameters[0] - 1.0).abs() < 1e-14);
 /// assert!((fit.parameters[1] - 2.0).abs() < 1e-14);
 /// ```
 ///
 /// # Panics
-/// If the numbers of abscissae, observations and standard deviations differ.
+/// If the numbers of abscissae, observations and standard deviations differ, or a number is not finite.
 #[must_use]
-pub fn fit_polynomial(
-    x: &[f64],
-    observations: &[f64],
-    sd: Option<&[f64]>,
-    degree: usize,
-) -> FitStatistics {
-    assert_eq!(x.len(), observations.len(), "one abscissa each");
-    let mut columns = vec![vec![DoubleDouble::ONE; x.len()]];
-    for k in 0..degree {
-        let next = columns[k].iter().zip(x).map(|(p, x)| *p * (*x).into());
-        columns.push(next.collect());
-    }
-    fit_columns(columns, observations, sd)
-}
-
-fn fit_columns(
-    columns: Vec<Vec<DoubleDouble>>,
-    observations: &[f64],
-    sd: Option<&[f64]>,
-) -> FitStatistics {
-    let weights: Vec<DoubleDouble> = match sd {
-        Some(sd) => {
-            assert_eq!(sd.len(), observations.len(), "one sd each");
-            let weight = |sd: &f64| DoubleDouble::ONE / DoubleDouble::from(*sd);
-            sd.iter().map(weight).collect()
-        }
-        None => vec![DoubleDouble::ONE; observations.len()],
-    };
-    let weighted = |column: &[DoubleDouble]| -> Vec<DoubleDouble> {
-        column.iter().zip(&weights).map(|(c, w)| *c * *w).collect()
-    };
-    let right_hand_side: Vec<DoubleDouble> = observations.iter().map(|y| (*y).into()).collect();
-    let (scaled, scale) = scale_columns(columns.iter().map(|c| weighted(c)));
-
-    // The input is rounded to f64, so a smaller remainder carries no information.
-    let tolerance = f64::EPSILON * observations.len().max(columns.len()) as f64;
-    let qr = PivotedQr::new(scaled, weighted(&right_hand_side), tolerance);
-    let mut parameters = vec![DoubleDouble::ZERO; columns.len()];
-    for (value, k) in qr.solve().into_iter().zip(&qr.order) {
-        parameters[*k] = value / scale[*k];
-    }
-
-    let mut residuals = right_hand_side;
-    for (column, parameter) in columns.iter().zip(&parameters) {
-        for (e, a) in residuals.iter_mut().zip(column) {
-            *e = *e - *a * *parameter;
-        }
-    }
-    let weighted_residuals = weighted(&residuals);
-    let square_sum = DoubleDouble::dot(&weighted_residuals, &weighted_residuals).to_f64();
-    let to_f64 = |values: Vec<DoubleDouble>| values.into_iter().map(DoubleDouble::to_f64).collect();
-    FitStatistics::new(
-        to_f64(parameters),
-        to_f64(residuals),
-        square_sum,
-        cofactor(&qr, &scale),
-        qr.rank,
-    )
-}
-
-/// Columns normalised to length one, and their original lengths (1 for a column of zeros).
-fn scale_columns(
-    columns: impl Iterator<Item = Vec<DoubleDouble>>,
-) -> (Vec<Vec<DoubleDouble>>, Vec<DoubleDouble>) {
-    columns
-        .map(|mut column| {
-            let mut length = DoubleDouble::dot(&column, &column).sqrt();
-            if length == DoubleDouble::ZERO {
-                length = DoubleDouble::ONE;
-            }
-            column.iter_mut().for_each(|v| *v = *v / length);
-            (column, length)
-        })
-        .unzip()
-}
-
-/// `R^-1 R^-T` in the order and scale of the parameters; infinite where undetermined.
-fn cofactor(qr: &PivotedQr, scale: &[DoubleDouble]) -> DMatrix<f64> {
-    let count = scale.len();
-    let mut cofactor = DMatrix::zeros(count, count);
-    for k in &qr.order[qr.rank..] {
-        cofactor[(*k, *k)] = f64::INFINITY;
-    }
-    let inverse = qr.inverse();
-    for i in 0..qr.rank {
-        for j in 0..qr.rank {
-            let product = (0..qr.rank).fold(DoubleDouble::ZERO, |sum, k| {
-                sum + inverse[k][i] * inverse[k][j]
-            });
-            let (row, column) = (qr.order[i], qr.order[j]);
-            cofactor[(row, column)] = (product / (scale[row] * scale[column])).to_f64();
-        }
-    }
-    cofactor
+pub fn fit_line(x: &[f64], observations: &[f64], sd: Option<&[f64]>) -> FitStatistics {
+    let design = DMatrix::from_fn(x.len(), 2, |row, k| if k == 0 { 1.0 } else { x[row] });
+    fit_linear(&design, observations, sd)
 }
 
 #[cfg(test)]
@@ -157,15 +87,23 @@ mod tests {
     fn dependent_columns_are_reported() {
         let design = DMatrix::from_row_slice(4, 2, &[1.0, 3.0, 2.0, 6.0, 3.0, 9.0, 4.0, 12.0]);
         let fit = fit_linear(&design, &[1.0, 2.0, 3.0, 4.5], None);
-        assert_eq!((fit.rank, fit.dof, fit.undetermined.len()), (1, 3, 1));
-        assert!(fit.standard_deviations[fit.undetermined[0]].is_infinite());
+        assert_eq!((fit.rank, fit.dof), (1, 3));
+        // Only the sum of the first and three times the second matters.
+        assert_eq!(fit.undetermined, [0, 1]);
+        assert!(fit.standard_deviations.iter().all(|sd| sd.is_infinite()));
         assert!(!fit.is_full_rank());
     }
 
     #[test]
     fn without_redundancy_there_is_no_standard_deviation() {
-        let fit = fit_polynomial(&[0.0, 1.0], &[1.0, 3.0], None, 1);
-        assert_eq!(fit.parameters, [1.0, 2.0]);
+        let fit = fit_line(&[0.0, 1.0], &[1.0, 3.0], None);
+        let expected = [1.0, 2.0];
+        assert!(
+            fit.parameters
+                .iter()
+                .zip(expected)
+                .all(|(p, e)| (p - e).abs() < 1e-15)
+        );
         assert_eq!(fit.dof, 0);
         assert!(fit.standard_deviations[0].is_nan() && fit.residual_sd.is_nan());
     }

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::calibration_error::{CalibrationError, check_pairs};
-use crate::fitting::{CurveFitOptions, CurveProblem, FitStatistics, fit_curve, fit_polynomial};
+use crate::fitting::{CurveFitOptions, CurveProblem, FitStatistics, fit_curve, fit_line};
 use crate::robot::DistanceCurve;
 
 impl DistanceCurve {
@@ -73,7 +73,7 @@ pub fn fit_distance_curve(pairs: &[DistancePair]) -> Result<DistanceCurveFit, Ca
     let inverse: Vec<f64> = distances.iter().map(|d| 1.0 / d).collect();
     // Errors of 1/d grow with 1/d^2.
     let inverse_sd: Vec<f64> = inverse.iter().map(|i| i * i).collect();
-    let line = fit_polynomial(&voltages, &inverse, Some(&inverse_sd), 1);
+    let line = fit_line(&voltages, &inverse, Some(&inverse_sd));
     let mut different = voltages.clone();
     different.sort_by(f64::total_cmp);
     different.dedup();

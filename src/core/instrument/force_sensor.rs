@@ -1,7 +1,7 @@
 //! Force sensor calibration: gain and bias from known weights.
 
 use super::calibration_error::{CalibrationError, check_pairs};
-use crate::fitting::fit_polynomial;
+use crate::fitting::fit_line;
 
 /// Largest residual of an acceptable force sensor, as a load (N): Jin et al. 2018, section 3.2.
 pub const FORCE_RESIDUAL_LIMIT_N: f64 = 1.0;
@@ -54,7 +54,7 @@ pub fn calibrate_force_sensor(
     check_pairs(values, "gain and bias", 3)?;
     let loads: Vec<f64> = pairs.iter().map(|p| p.load_n).collect();
     let readings: Vec<f64> = pairs.iter().map(|p| p.reading_n).collect();
-    let fit = fit_polynomial(&loads, &readings, None, 1);
+    let fit = fit_line(&loads, &readings, None);
     if !fit.is_full_rank() {
         let message = "all readings have the same load: hang different weights";
         return Err(CalibrationError::Degenerate(message.to_owned()));
