@@ -2,6 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use tautline_core::robot::STANDARD_GRAVITY_M_S2;
+
 /// Dimension of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
@@ -29,9 +31,6 @@ pub struct Unit {
     /// Its zero point in the base unit.
     pub offset: f64,
 }
-
-/// Standard gravity (m/s^2), by which kilograms on a load cell become newtons.
-const GRAVITY: f64 = 9.806_65;
 
 /// Spellings, in lower case where case does not matter, and what they mean.
 const UNITS: &[(&[&str], Dimension, f64)] = &[
@@ -102,12 +101,16 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["n", "newton", "newtons"], Dimension::Force, 1.0),
     (&["kn"], Dimension::Force, 1e3),
     (&["mn"], Dimension::Force, 1e-3),
-    (&["kg", "kgf", "kp"], Dimension::Force, GRAVITY),
-    (&["g"], Dimension::Force, GRAVITY * 1e-3),
+    (
+        &["kg", "kgf", "kp"],
+        Dimension::Force,
+        STANDARD_GRAVITY_M_S2,
+    ),
+    (&["g"], Dimension::Force, STANDARD_GRAVITY_M_S2 * 1e-3),
     (
         &["lbf", "lb", "lbs"],
         Dimension::Force,
-        GRAVITY * 0.453_592_37,
+        STANDARD_GRAVITY_M_S2 * 0.453_592_37,
     ),
     (
         &["s", "sec", "secs", "second", "seconds"],

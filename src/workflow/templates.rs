@@ -3,11 +3,9 @@
 use tautline_core::geometry::Coordinate;
 use tautline_core::robot::{
     Cable, CableMaterial, ForceSensor, FrameTransform, Home, Laser, Limits, PartTolerances,
-    PerAxis, Platform, Pulley, Robot, TargetPlane, TensionLimits, Tracker, Winch, WorkspaceLimits,
+    PerAxis, Platform, Pulley, Robot, STANDARD_GRAVITY_M_S2, TargetPlane, TensionLimits, Tracker,
+    Winch, WorkspaceLimits,
 };
-
-/// Standard gravity (m/s^2).
-const GRAVITY: f64 = 9.80665;
 
 /// A common machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -122,8 +120,12 @@ impl Template {
         };
         let size = size_m.into_iter().fold(0.0, f64::max);
         let mass_kg = tidy(4.0 * size);
+        let weight_n = mass_kg * STANDARD_GRAVITY_M_S2;
+        let platform = Platform {
+            free: parts.free.clone(),
+            ..Platform::spatial(Some(mass_kg))
+        };
         let mut robot = Robot {
-            name: self.title().to_owned(),
             home: Some(Home {
                 position_m: millimetres(parts.home_m),
                 orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
@@ -131,20 +133,10 @@ impl Template {
                 orientation_sd_rad: 1e-3,
                 covariance: None,
             }),
-            gravity_m_s2: [0.0, 0.0, -GRAVITY],
-            platform: Platform {
-                free: parts.free.clone(),
-                ..Platform::spatial(Some(mass_kg))
-            },
-            limits: Some(limits(&parts, mass_kg * GRAVITY)),
+            limits: Some(limits(&parts, weight_n)),
             laser: Some(downward(parts.bottom_m, size)),
-            inclinometer: None,
-            tracker: None,
-            cables: cables(&parts, size, mass_kg * GRAVITY),
-            home_platform: None,
             tolerances: Some(PartTolerances::typical()),
-            deviations: Vec::new(),
-            effects: Vec::new(),
+            ..Robot::new(self.title(), platform, cables(&parts, size, weight_n))
         };
         match self {
             Self::Planar => lay_in_plane(&mut robot, size_m),
@@ -331,12 +323,8 @@ fn cables(parts: &Parts, size: f64, weight_n: f64) -> Vec<Cable> {
     let cable = |(k, (entry, axis, anchor)): (usize, &Placed)| Cable {
         name: format!("cable-{}", k + 1),
         pulley: Pulley {
-            entry_point_m: millimetres(*entry),
             entry_point_sd_m: PerAxis::known(tidy(Pulley::typical_sd_m(size))),
-            swivel_axis: *axis,
-            swivel_zero: None,
-            swivel_sd_rad: None,
-            radius_m: tidy(0.012 + 0.003 * size),
+            ..Pulley::new(millimetres(*entry), *axis, tidy(0.012 + 0.003 * size))
         },
         platform_anchor_m: millimetres(*anchor),
         winch,
@@ -362,7 +350,7 @@ fn downward(bottom_m: f64, size: f64) -> Laser {
 
 /// In a vertical plane y points up, and coordinates normal to the plane are known.
 fn lay_in_plane(robot: &mut Robot, [_, _, height]: [f64; 3]) {
-    robot.gravity_m_s2 = [0.0, -GRAVITY, 0.0];
+    robot.gravity_m_s2 = [0.0, -STANDARD_GRAVITY_M_S2, 0.0];
     if let Some(laser) = &mut robot.laser {
         laser.origin_m = [0.0, laser.origin_m[2], 0.0];
         laser.direction = [0.0, -1.0, 0.0];

@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::geometry::{Coordinate, Pose, Twist, Vec3};
-use crate::robot::{Cable, CableMaterial, PerAxis, Platform, Pulley, Robot, Winch};
+use crate::robot::{Cable, CableMaterial, Platform, Pulley, Robot, Winch};
 
 /// Kind of platform.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,14 +34,7 @@ pub(crate) fn direction(rng: &mut ChaCha8Rng) -> Vec3 {
 pub(crate) fn cable(name: &str, entry: Vec3, axis: Vec3, radius_m: f64, anchor: Vec3) -> Cable {
     Cable {
         name: name.into(),
-        pulley: Pulley {
-            entry_point_m: entry.into(),
-            entry_point_sd_m: PerAxis::default(),
-            swivel_axis: axis.into(),
-            swivel_zero: None,
-            swivel_sd_rad: None,
-            radius_m,
-        },
+        pulley: Pulley::new(entry.into(), axis.into(), radius_m),
         platform_anchor_m: anchor.into(),
         winch: Winch {
             drum_diameter_m: 0.04,
@@ -56,27 +49,12 @@ pub(crate) fn cable(name: &str, entry: Vec3, axis: Vec3, radius_m: f64, anchor: 
 }
 
 pub(crate) fn robot(free: &[Coordinate], cables: Vec<Cable>) -> Robot {
-    Robot {
-        name: "sample".into(),
-        home: None,
-        gravity_m_s2: [0.0, 0.0, -9.80665],
-        platform: Platform {
-            free: free.to_vec(),
-            mass_kg: Some(2.5),
-            center_of_mass_m: [0.005, -0.003, 0.01],
-            inertia_kg_m2: None,
-            wrench_sd: None,
-        },
-        laser: None,
-        inclinometer: None,
-        tracker: None,
-        cables,
-        limits: None,
-        home_platform: None,
-        tolerances: None,
-        deviations: Vec::new(),
-        effects: Vec::new(),
-    }
+    let platform = Platform {
+        free: free.to_vec(),
+        center_of_mass_m: [0.005, -0.003, 0.01],
+        ..Platform::spatial(Some(2.5))
+    };
+    Robot::new("sample", platform, cables)
 }
 
 const CORNERS: [[f64; 3]; 8] = [

@@ -92,8 +92,12 @@ pub struct Robot {
     pub deviations: Vec<EffectSetting>,
 }
 
+/// Standard gravity (m/s^2).
+pub const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
+
+/// Standard gravity along -z of the base frame.
 fn standard_gravity() -> [f64; 3] {
-    [0.0, 0.0, -9.80665]
+    [0.0, 0.0, -STANDARD_GRAVITY_M_S2]
 }
 
 /// Home pose and its uncertainty.
@@ -277,6 +281,20 @@ pub struct Pulley {
 }
 
 impl Pulley {
+    /// A pulley that swivels about an axis, without a sensor of the swivel angle. Its entry point has no stated standard
+    /// deviation.
+    #[must_use]
+    pub fn new(entry_point_m: [f64; 3], swivel_axis: [f64; 3], radius_m: f64) -> Self {
+        Self {
+            entry_point_m,
+            entry_point_sd_m: PerAxis::default(),
+            swivel_axis,
+            swivel_zero: None,
+            swivel_sd_rad: None,
+            radius_m,
+        }
+    }
+
     /// Typical standard deviation of a coordinate of an entry point that is known from the drawing of a frame of this size (m).
     #[must_use]
     pub fn typical_sd_m(frame_m: f64) -> f64 {
@@ -426,6 +444,27 @@ impl Winch {
 }
 
 impl Robot {
+    /// A robot in standard gravity along -z that has nothing but a platform and cables: no home pose, no instruments besides
+    /// those of the cables, no limits, no tolerances, no effects.
+    #[must_use]
+    pub fn new(name: impl Into<String>, platform: Platform, cables: Vec<Cable>) -> Self {
+        Self {
+            name: name.into(),
+            home: None,
+            gravity_m_s2: standard_gravity(),
+            platform,
+            limits: None,
+            laser: None,
+            inclinometer: None,
+            tracker: None,
+            cables,
+            home_platform: None,
+            tolerances: None,
+            deviations: Vec::new(),
+            effects: Vec::new(),
+        }
+    }
+
     /// Everything by which the model deviates from the description: the effects, then the deviations of parts.
     pub fn effects_and_deviations(&self) -> impl Iterator<Item = &EffectSetting> {
         self.effects.iter().chain(&self.deviations)

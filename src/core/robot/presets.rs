@@ -6,7 +6,7 @@
 
 use super::{
     Cable, CableMaterial, ForceSensor, FrameTransform, Home, Laser, Limits, PerAxis, Platform,
-    Pulley, Robot, TargetPlane, TensionLimits, Winch, WorkspaceLimits,
+    Pulley, Robot, STANDARD_GRAVITY_M_S2, TargetPlane, TensionLimits, Winch, WorkspaceLimits,
 };
 use crate::geometry::{Coordinate, Pose};
 use crate::simulation::{TensionRange, Workspace};
@@ -107,12 +107,8 @@ impl CableKind {
         Cable {
             name: format!("cable-{}", index + 1),
             pulley: Pulley {
-                entry_point_m: entry,
                 entry_point_sd_m: self.entry_point_sd_m,
-                swivel_axis: axis,
-                swivel_zero: None,
-                swivel_sd_rad: None,
-                radius_m: self.radius_m,
+                ..Pulley::new(entry, axis, self.radius_m)
             },
             platform_anchor_m: anchor,
             winch: self.winch,
@@ -141,19 +137,9 @@ fn downward_laser(origin_z_m: f64, sd_m: f64, offset_m: f64, offset_sd_m: f64) -
 
 fn robot(name: &str, home: Home, platform: Platform, laser: Laser, cables: Vec<Cable>) -> Robot {
     Robot {
-        name: name.to_owned(),
         home: Some(home),
-        gravity_m_s2: [0.0, 0.0, -9.80665],
-        platform,
-        limits: None,
         laser: Some(laser),
-        inclinometer: None,
-        tracker: None,
-        cables,
-        home_platform: None,
-        tolerances: None,
-        deviations: Vec::new(),
-        effects: Vec::new(),
+        ..Robot::new(name, platform, cables)
     }
 }
 
@@ -375,7 +361,7 @@ fn planar() -> Preset {
         },
         cables,
     );
-    robot.gravity_m_s2 = [0.0, -9.80665, 0.0];
+    robot.gravity_m_s2 = [0.0, -STANDARD_GRAVITY_M_S2, 0.0];
     Preset {
         name: "planar",
         summary: "four cables in a vertical plane, 3 m x 2 m",

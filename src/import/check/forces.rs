@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use tautline_core::kinematics::{applied_wrench, structure_matrix};
-use tautline_core::robot::Robot;
+use tautline_core::robot::{Robot, STANDARD_GRAVITY_M_S2};
 
 use super::expected::Expected;
 use super::{Change, FEWEST, Readings, Suggestion};
@@ -14,9 +14,9 @@ use crate::recipe::{Kind, Quantity};
 /// Factors from other units to newtons.
 const UNITS: [(f64, &str); 4] = [
     (1e3, "kilonewtons"),
-    (9.806_65, "kilograms"),
+    (STANDARD_GRAVITY_M_S2, "kilograms"),
     (1e-3, "millinewtons"),
-    (1.0 / 9.806_65, "newtons multiplied by g"),
+    (1.0 / STANDARD_GRAVITY_M_S2, "newtons multiplied by g"),
 ];
 /// Smallest share of its stated mass that a platform may have: no guess is further off.
 const LIGHTEST: f64 = 0.02;

@@ -25,14 +25,7 @@ pub(super) fn cable_of(
 ) -> Cable {
     Cable {
         name: name.unwrap_or_else(|| format!("cable-{number}")),
-        pulley: Pulley {
-            entry_point_m: guide.entry_point_m,
-            entry_point_sd_m: PerAxis::default(),
-            swivel_axis: guide.swivel_axis,
-            swivel_zero: None,
-            swivel_sd_rad: None,
-            radius_m: guide.radius_m,
-        },
+        pulley: Pulley::new(guide.entry_point_m, guide.swivel_axis, guide.radius_m),
         platform_anchor_m,
         winch: Winch {
             drum_diameter_m: std::f64::consts::FRAC_1_PI,
@@ -69,19 +62,10 @@ pub(super) fn robot_of(
     mut notices: Vec<String>,
 ) -> Result<Loaded<Robot>, ReadError> {
     let mut robot = Robot {
-        name: name_of(file),
         home: description.home,
-        gravity_m_s2: [0.0, 0.0, -9.806_65],
-        platform: description.platform,
         limits: description.limits,
-        laser: None,
-        inclinometer: None,
-        tracker: None,
-        cables: description.cables,
-        home_platform: None,
         tolerances: Some(PartTolerances::typical()),
-        deviations: Vec::new(),
-        effects: Vec::new(),
+        ..Robot::new(name_of(file), description.platform, description.cables)
     };
     let sd_m = Pulley::typical_sd_m(robot.frame_size_m().unwrap_or_default());
     let sd_m = (1e4 * sd_m).round() / 1e4;

@@ -1,43 +1,24 @@
 use super::*;
 use crate::geometry::{Coordinate, Pose};
-use crate::robot::{CableMaterial, PerAxis, Pulley, Winch};
+use crate::robot::{CableMaterial, Pulley, Winch};
 
 fn robot() -> Robot {
     let corners = [[-2.0, -1.5, 2.0], [2.0, -1.5, 2.0], [0.0, 1.5, 2.0]];
-    Robot {
-        name: "three".into(),
-        home: None,
-        gravity_m_s2: [0.0, 0.0, -9.80665],
-        platform: Platform {
-            free: vec![Coordinate::X, Coordinate::Y, Coordinate::Z],
-            mass_kg: None,
-            center_of_mass_m: [0.0; 3],
-            inertia_kg_m2: None,
-            wrench_sd: None,
-        },
-        laser: None,
-        inclinometer: None,
-        tracker: None,
-        cables: corners.iter().enumerate().map(cable).collect(),
-        limits: None,
-        home_platform: None,
-        tolerances: None,
-        deviations: Vec::new(),
-        effects: Vec::new(),
-    }
+    let platform = Platform {
+        free: vec![Coordinate::X, Coordinate::Y, Coordinate::Z],
+        ..Platform::spatial(None)
+    };
+    Robot::new(
+        "three",
+        platform,
+        corners.iter().enumerate().map(cable).collect(),
+    )
 }
 
 fn cable((index, entry_point_m): (usize, &[f64; 3])) -> Cable {
     Cable {
         name: format!("cable-{}", index + 1),
-        pulley: Pulley {
-            entry_point_m: *entry_point_m,
-            entry_point_sd_m: PerAxis::default(),
-            swivel_axis: [0.0, 0.0, -1.0],
-            swivel_zero: None,
-            swivel_sd_rad: None,
-            radius_m: 0.05,
-        },
+        pulley: Pulley::new(*entry_point_m, [0.0, 0.0, -1.0], 0.05),
         platform_anchor_m: [0.0; 3],
         winch: Winch {
             drum_diameter_m: 0.1,

@@ -341,20 +341,10 @@ impl CableTable {
             let mut cable = empty_cable(name);
             put(&mut cable, row, None).map(|()| cable)
         });
+        let cables = cables.collect::<Result<_, _>>()?;
         checked(Robot {
-            name: name.to_owned(),
-            home: None,
-            gravity_m_s2: [0.0, 0.0, -9.80665],
-            platform: Platform::spatial(None),
-            limits: None,
-            laser: None,
-            inclinometer: None,
-            tracker: None,
-            cables: cables.collect::<Result<_, _>>()?,
-            home_platform: None,
             tolerances: Some(PartTolerances::typical()),
-            deviations: Vec::new(),
-            effects: Vec::new(),
+            ..Robot::new(name, Platform::spatial(None), cables)
         })
     }
 }
@@ -407,14 +397,7 @@ fn checked(robot: Robot) -> Result<Robot, String> {
 fn empty_cable(name: &str) -> Cable {
     Cable {
         name: name.to_owned(),
-        pulley: Pulley {
-            entry_point_m: [f64::NAN; 3],
-            entry_point_sd_m: PerAxis::default(),
-            swivel_axis: [f64::NAN; 3],
-            swivel_zero: None,
-            swivel_sd_rad: None,
-            radius_m: f64::NAN,
-        },
+        pulley: Pulley::new([f64::NAN; 3], [f64::NAN; 3], f64::NAN),
         platform_anchor_m: [f64::NAN; 3],
         winch: Winch {
             drum_diameter_m: f64::NAN,
