@@ -34,6 +34,7 @@ pub mod effect;
 pub mod estimation;
 pub mod fitting;
 pub mod geometry;
+pub mod history;
 pub mod instrument;
 pub mod kinematics;
 pub mod measurement;

@@ -1,15 +1,13 @@
 //! Displacements of pulleys and target plane, and the rigid motion common to all of them (the datum).
 
-use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, Matrix3};
 
 use super::estimate::{Estimate, Estimates};
 use super::least_squares::Difference;
+use super::rigid_motion::RigidMotion;
 use super::{CommonMotion, Displacement, ScalarDifference, Test};
 use crate::estimation::ParameterId;
 use crate::geometry::Vec3;
-
-/// Eigenvalues below this fraction of the largest belong to motions that leave all known coordinates unchanged.
-const NULL_EIGENVALUE: f64 = 1e-9;
 
 /// A part fixed to the frame that may have been displaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,13 +51,12 @@ impl Datum {
             estimates.covariance_of(&coordinates[i], &coordinates[k])
         });
         let differences = DVector::from_iterator(count, coordinates.iter().map(change));
-        let middle = middle(first);
-        let open = open_directions(runs, middle, &known);
-        let by_all = rows(count, coordinates.iter().map(|id| moves(first, middle, id)));
+        let motion = RigidMotion::new(first.robot());
+        let open = motion.open_directions(&runs.each_ref().map(|run| run.run), &known);
         Some(Self {
             difference: Difference::new(differences, covariance.clone())?,
             covariance,
-            by_motion: by_all * &open,
+            by_motion: motion.of_coordinates(&coordinates) * &open,
             open,
             coordinates,
             cables,
@@ -238,81 +235,4 @@ fn stated(run: &Estimate<'_>, id: &ParameterId) -> f64 {
         }
         _ => run.robot().laser.map_or(0.0, |l| l.target_plane.offset_m),
     }
-}
-
-/// Centroid of the entry points as described (m).
-fn middle(run: &Estimate<'_>) -> Vec3 {
-    let cables = &run.robot().cables;
-    let sum = (cables.iter()).fold(Vec3::zeros(), |sum, cable| {
-        sum + Vec3::from(cable.pulley.entry_point_m)
-    });
-    sum / cables.len() as f64
-}
-
-/// Derivative of a coordinate by `[t; w]`: its direction, and the moment of that direction about the centroid.
-fn moves(run: &Estimate<'_>, middle: Vec3, id: &ParameterId) -> [f64; 6] {
-    let along = |point: Vec3, direction: Vec3| {
-        // direction . (t + w x (point - middle))
-        let turn = (point - middle).cross(&direction);
-        [
-            direction.x,
-            direction.y,
-            direction.z,
-            turn.x,
-            turn.y,
-            turn.z,
-        ]
-    };
-    match (id, run.robot().laser) {
-        (ParameterId::EntryPoint { cable, axis }, _) => {
-            let entry = run.robot().cables[*cable].pulley.entry_point_m;
-            along(entry.into(), Vec3::ith(*axis, 1.0))
-        }
-        (_, Some(laser)) => {
-            let normal = Vec3::from(laser.target_plane.normal);
-            // The plane's offset is observed near the home position, so that is the point whose motion counts.
-            let home = run.robot().home.map_or(middle, |home| home.pose().position);
-            let foot = home + normal * (laser.target_plane.offset_m - normal.dot(&home));
-            along(foot, normal)
-        }
-        _ => [0.0; 6],
-    }
-}
-
-fn rows(count: usize, rows: impl Iterator<Item = [f64; 6]>) -> DMatrix<f64> {
-    DMatrix::from_row_iterator(count, 6, rows.flatten())
-}
-
-/// Orthonormal basis of the motions `[t; w]` that change no coordinate known exactly in both runs (6 x k).
-fn open_directions(runs: &[Estimate<'_>; 2], middle: Vec3, known: &[ParameterId]) -> DMatrix<f64> {
-    let mut still: Vec<[f64; 6]> = known.iter().map(|id| moves(&runs[0], middle, id)).collect();
-    let homes = runs
-        .each_ref()
-        .map(|run| run.run.problem.home_row().and(run.robot().home));
-    if let [Some(first), Some(second)] = homes {
-        let unit = |k: usize| std::array::from_fn(|i| f64::from(u8::from(i == k)));
-        if first.position_sd_m == 0.0 && second.position_sd_m == 0.0 {
-            let lever = first.pose().position - middle;
-            still.extend([0, 1, 2].map(|axis| {
-                let direction = Vec3::ith(axis, 1.0);
-                let turn = lever.cross(&direction);
-                let [x, y, z]: [f64; 3] = direction.into();
-                [x, y, z, turn.x, turn.y, turn.z]
-            }));
-        }
-        if first.orientation_sd_rad == 0.0 && second.orientation_sd_rad == 0.0 {
-            still.extend([3, 4, 5].map(unit));
-        }
-    }
-    let still = rows(still.len(), still.into_iter());
-    let eigen = SymmetricEigen::new(still.tr_mul(&still));
-    let largest = eigen.eigenvalues.max().max(f64::MIN_POSITIVE);
-    let open: Vec<_> = (0..6)
-        .filter(|k| eigen.eigenvalues[*k] <= NULL_EIGENVALUE * largest)
-        .map(|k| eigen.eigenvectors.column(k).into_owned())
-        .collect();
-    if open.is_empty() {
-        return DMatrix::zeros(6, 0);
-    }
-    DMatrix::from_columns(&open)
 }

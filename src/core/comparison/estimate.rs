@@ -86,7 +86,7 @@ impl<'a> Estimates<'a> {
 }
 
 /// Identity of a deviation's parameter across runs: the deviation, and the index of the parameter.
-type DeviationKey = (&'static str, Vec<usize>, Vec<u64>, usize);
+pub(crate) type DeviationKey = (&'static str, Vec<usize>, Vec<u64>, usize);
 
 /// Normal equations of both runs: the information, and its product with the estimates.
 struct JointSystem {
@@ -107,27 +107,12 @@ impl JointSystem {
 
     /// Adds a run and returns the indices of its parameters. `None` if its data do not determine them.
     fn add(&mut self, run: &Identified<'_>) -> Option<Vec<usize>> {
-        let solution = run.solution;
-        solution.covariance.as_ref()?;
-        let estimated = solution.parameters.iter().map(|p| value_and_centre(run, p));
-        let (values, centres): (Vec<f64>, Vec<f64>) = estimated.unzip();
-        let mut information = solution.information.clone();
-        let mut moment = &information * DVector::from_vec(values);
+        run.solution.covariance.as_ref()?;
         let before = self.moment.len();
         let indices = self.indices(run);
-        for (k, parameter) in solution.parameters.iter().enumerate() {
-            // The prior of a deviation is in the system already if the run before has it, too.
-            let fraction = match &parameter.id {
-                ParameterId::Deviation { .. } if indices[k] < before => 1.0,
-                id if is_shared(id) => REMOVED_PRIOR,
-                _ => 0.0,
-            };
-            if let Some(sd) = parameter.prior_sd {
-                let weight = fraction * sd.powi(-2);
-                information[(k, k)] -= weight;
-                moment[k] -= weight * centres[k];
-            }
-        }
+        // The prior of a deviation is in the system already if the run before has it, too.
+        let is_known = |k: usize| indices[k] < before;
+        let (information, moment) = data_information(run, is_known);
         for (k, row) in indices.iter().enumerate() {
             self.moment[*row] += moment[k];
             for (l, column) in indices.iter().enumerate() {
@@ -158,8 +143,34 @@ impl JointSystem {
     }
 }
 
+/// Information of a run on its parameters without the priors of the robot, and its product with the estimates. The prior of a
+/// deviation is removed where `is_known` says so, by the index of the parameter.
+pub(crate) fn data_information(
+    run: &Identified<'_>,
+    is_known: impl Fn(usize) -> bool,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let parameters = &run.solution.parameters;
+    let estimated = parameters.iter().map(|p| value_and_centre(run, p));
+    let (values, centres): (Vec<f64>, Vec<f64>) = estimated.unzip();
+    let mut information = run.solution.information.clone();
+    let mut moment = &information * DVector::from_vec(values);
+    for (k, parameter) in parameters.iter().enumerate() {
+        let fraction = match &parameter.id {
+            ParameterId::Deviation { .. } if is_known(k) => 1.0,
+            id if is_shared(id) => REMOVED_PRIOR,
+            _ => 0.0,
+        };
+        if let Some(sd) = parameter.prior_sd {
+            let weight = fraction * sd.powi(-2);
+            information[(k, k)] -= weight;
+            moment[k] -= weight * centres[k];
+        }
+    }
+    (information, moment)
+}
+
 /// `None` for a parameter that is no deviation.
-fn deviation_key(run: &Identified<'_>, id: &ParameterId) -> Option<DeviationKey> {
+pub(crate) fn deviation_key(run: &Identified<'_>, id: &ParameterId) -> Option<DeviationKey> {
     let ParameterId::Deviation {
         deviation,
         parameter,

@@ -30,6 +30,7 @@ mod datum;
 mod differences;
 mod estimate;
 mod least_squares;
+mod rigid_motion;
 #[cfg(test)]
 mod tests;
 
@@ -43,6 +44,8 @@ use crate::geometry::{Coordinate, Vec3};
 use datum::{Datum, FramePart};
 use differences::{effects, home};
 use estimate::Estimates;
+pub(crate) use estimate::{DeviationKey, data_information, deviation_key};
+pub(crate) use rigid_motion::RigidMotion;
 
 /// An identification problem with its solution.
 #[derive(Debug, Clone, Copy)]
