@@ -8,6 +8,7 @@ pub mod harness;
 pub mod hidden;
 pub mod isolability;
 pub mod live_readings;
+pub mod lives;
 pub mod many_poses;
 pub mod motion;
 pub mod nist;

@@ -13,6 +13,7 @@ mod effects;
 mod evaluate;
 mod examples;
 mod export;
+mod history;
 mod home;
 mod identify;
 mod import;
@@ -135,6 +136,8 @@ enum Command {
     Export(export::Arguments),
     /// Compare two runs: which pulleys moved, which differences are noise
     Compare(compare::Arguments),
+    /// Follow one robot over all its sessions: what moved or drifts, and when to calibrate again
+    History(history::Arguments),
     /// Compute the accuracy figures of ISO 9283 from a check.csv
     Accuracy(accuracy::Arguments),
     /// Measure the home pose, once or several times, and use the mean
@@ -232,6 +235,7 @@ pub fn run(window: &Window) -> ExitCode {
         Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::History(arguments) => history::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Home(arguments) => home::run(&arguments),
         Command::Precalibrate(arguments) => precalibrate::run(&arguments),

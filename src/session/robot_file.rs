@@ -5,9 +5,10 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 use tautline_core::robot::{FieldError, Robot};
 
-use crate::error::{Loaded, ReadError, WriteError};
-use crate::json::{VersionedFile, parse_versioned, read_versioned, write_versioned};
+use crate::error::{Loaded, Place, ReadError, WriteError};
+use crate::json::{VersionedFile, parse_versioned, read_limited, read_versioned, write_versioned};
 use crate::sensors::resolve_in_robot;
+use crate::session::Timestamp;
 
 impl VersionedFile for Robot {
     const FORMAT: &'static str = "tautline-robot";
@@ -15,10 +16,17 @@ impl VersionedFile for Robot {
     const MAX_BYTES: u64 = 16 << 20;
 
     fn resolve(document: &mut Map<String, Value>) -> Result<(), FieldError> {
+        // It is about the readings, not about the robot: see `read_measured_at`.
+        document.remove(MEASURED_AT);
         resolve_in_robot(document)
     }
 
     fn amend_schema(schema: &mut Value) {
+        schema["properties"][MEASURED_AT] = json!({
+            "type": ["string", "null"],
+            "format": "date-time",
+            "description": "When the poses of the dataset were read."
+        });
         if let Some(laser) = schema.pointer_mut("/$defs/Laser") {
             laser["properties"]["sensor"] = json!({
                 "type": "string",
@@ -33,6 +41,34 @@ impl VersionedFile for Robot {
 
     fn check(&self) -> Result<(), FieldError> {
         Self::check(self)
+    }
+}
+
+/// Key of the time when the poses of a dataset were read.
+const MEASURED_AT: &str = "measured_at";
+
+/// When the poses beside a `robot.json` were read, if it says so.
+///
+/// # Errors
+/// If the file cannot be read or the time is none.
+pub(crate) fn read_measured_at(path: &Path) -> Result<Option<Timestamp>, ReadError> {
+    let file = path.display().to_string();
+    let bytes = read_limited(path, &file, Robot::MAX_BYTES)?;
+    let document: Value =
+        serde_json::from_slice(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes))
+            .unwrap_or_default();
+    match &document[MEASURED_AT] {
+        Value::Null => Ok(None),
+        Value::String(text) if let Ok(time) = text.parse::<jiff::Timestamp>() => {
+            Ok(Some(Timestamp::from_unix_seconds(time.as_second())))
+        }
+        other => Err(ReadError::new(
+            &file,
+            Place::Pointer(format!("/{MEASURED_AT}")),
+            format!(
+                "found {other}, expected a time as in RFC 3339, such as \"2026-03-12T09:30:00Z\""
+            ),
+        )),
     }
 }
 

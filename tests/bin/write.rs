@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use tautline_validation::motion::{Late, RECORDING};
 use tautline_validation::{
-    adjusted, hangprinter, isolability, live_readings, many_poses, motion, nist, screenshots,
-    sessions, study_speed, table1, tolerances, truth, which_sensor, window, your_data,
+    adjusted, hangprinter, isolability, live_readings, lives, many_poses, motion, nist,
+    screenshots, sessions, study_speed, table1, tolerances, truth, which_sensor, window, your_data,
 };
 
 /// Presets of the truth study.
@@ -22,10 +22,12 @@ const FIRST_SEED: u64 = 1000;
 /// First seed of the machines whose parts are a little off, and the most faults that are hidden in one.
 const TOLERANCES_SEED: u64 = 40_000;
 const MOST_FAULTS: usize = 4;
+/// Seed of the first life.
+const LIVES_SEED: u64 = 37_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data";
 
@@ -56,6 +58,7 @@ fn main() -> Result<()> {
         Some("isolability") => println!("{}", isolability_table()?),
         Some("motion") => println!("{}", motion_table(&arguments[1..])?),
         Some("tolerances") => println!("{}", tolerances_table(argument)?),
+        Some("lives") => println!("{}", lives_table(argument)?),
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
         Some("workbench") => workbench(argument)?,
         Some("hidden") => hidden::command(&arguments[1..])?,
@@ -101,6 +104,11 @@ fn motion_table(numbers: &[String]) -> Result<String> {
 }
 
 /// Diagnoses so many machines of each kind, whose every part is a little off, and as many exact ones.
+fn lives_table(lives: Option<&str>) -> Result<String> {
+    let lives = lives.map_or(Ok(300), str::parse)?;
+    Ok(lives::markdown(&lives::study(lives, LIVES_SEED)?))
+}
+
 fn tolerances_table(machines: Option<&str>) -> Result<String> {
     let machines = machines.map_or(Ok(60), str::parse)?;
     let rows = tolerances::study(machines, MOST_FAULTS, TOLERANCES_SEED)?;

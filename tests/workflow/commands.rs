@@ -6,6 +6,7 @@ mod command_line;
 mod compare;
 mod diagnose;
 mod errors;
+mod history;
 mod identify;
 mod import;
 mod plan;

@@ -29,8 +29,8 @@ pub struct Forecast {
     pub due_days: Option<f64>,
 }
 
-/// Forecasts when a pulley is out of tolerance with a probability of 5 %: by the drifts found, with the uncertainty of their rates
-/// and of the values of the last session, and by jumps as often as before.
+/// Forecasts when a pulley is out of tolerance with a probability of 5 %: by drifts, found or merely possible, with the uncertainty of
+/// their rates and of the values of the last session, and by jumps as often as before.
 ///
 /// Jumps have the rate `(1 + n) / (1 / r + T)` with the `n` jumps of `T` years and `r` of them expected per year: the posterior mean
 /// for a Poisson process with an exponential prior. Their sizes have the prior of the search.

@@ -108,6 +108,8 @@ pub struct Drift {
     pub rate: DVector<f64>,
     /// Covariance of the rate.
     pub covariance: DMatrix<f64>,
+    /// Whether the sessions speak for it. A drift that they can neither show nor rule out remains possible.
+    pub is_evident: bool,
 }
 
 /// The life of a robot.
@@ -121,10 +123,20 @@ pub struct History {
     pub axes: Vec<Vec<usize>>,
     /// State of each part in each session, `states[part][session]`.
     pub states: Vec<Vec<SmoothedState>>,
+    /// Information of all sessions on a jump of each part after each session but the last, given the other changes,
+    /// `information[part][session]`: a jump `u` has the noncentrality `u^T I u`.
+    pub information: Vec<Vec<DMatrix<f64>>>,
     /// Jumps with their probabilities, the earliest first.
     pub jumps: Vec<Jump>,
-    /// Drifts with their probabilities.
+    /// A drift of each part with its probability, evident or not.
     pub drifts: Vec<Drift>,
+}
+
+impl History {
+    /// The drifts for which the sessions speak.
+    pub fn evident_drifts(&self) -> impl Iterator<Item = &Drift> {
+        self.drifts.iter().filter(|drift| drift.is_evident)
+    }
 }
 
 /// Errors of [`smooth`].

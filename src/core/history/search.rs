@@ -17,6 +17,8 @@ const DRIFTING: f64 = 0.1;
 const DRIFT_PER_DAY: f64 = 0.0025;
 /// Prior standard deviations of a size, over the typical one.
 pub(super) const SCALES: [f64; 6] = [0.06, 0.125, 0.25, 0.5, 1.0, 2.0];
+/// Log odds that the sessions must add to those of the prior for a change to be listed: what they do not speak for is none.
+const LISTED_GAIN: f64 = 1.0;
 /// Gain of the log evidence below which the search does not go on.
 const SMALL_GAIN: f64 = 1e-6;
 /// Most steps of the search.
@@ -221,6 +223,12 @@ impl<'a> Search<'a> {
             };
             states.push((0..sessions).map(at).collect());
         }
+        let information = (0..state.parts.len()).map(|part| {
+            let after = 0..sessions - 1;
+            after
+                .map(|after| self.jump_information(part, after))
+                .collect()
+        });
         let first = self.timeline.times[0];
         let days = self.timeline.times.iter().map(|time| time - first);
         let (jumps, drifts) = self.changes();
@@ -231,9 +239,22 @@ impl<'a> Search<'a> {
                 .map(|part| state.axes_of(part))
                 .collect(),
             states,
+            information: information.collect(),
             jumps,
             drifts,
         }
+    }
+
+    /// Information on a jump, given the state and the other changes of the best set.
+    fn jump_information(&self, part: usize, after: usize) -> DMatrix<f64> {
+        let course = Course::JumpAfter(after);
+        let own = Change { part, course };
+        let numbers = self.state.numbers_of(part);
+        let mut members = self.set.members.iter();
+        let place = members.position(|member| member.change == own);
+        let fewer = place.and_then(|place| self.set.without(self.timeline, place));
+        let set = fewer.as_ref().unwrap_or(&self.set);
+        set.conditional(self.timeline, course, &numbers).1
     }
 
     /// Jumps and drifts that are listed. A jump of the best set whose session is open is stated for the range of sessions in
@@ -258,9 +279,10 @@ impl<'a> Search<'a> {
             let Some(own) = places(&change) else {
                 continue;
             };
-            // What is as probable as before is no finding.
-            let prior = 1.0 / (1.0 + (-self.candidates[own].1).exp());
-            if left[own] < LISTED.max(prior) {
+            let log_odds = (left[own] / (1.0 - left[own]).max(f64::MIN_POSITIVE)).ln();
+            let is_evident =
+                left[own] >= LISTED && log_odds >= self.candidates[own].1 + LISTED_GAIN;
+            if !is_evident && change.course != Course::Drift {
                 continue;
             }
             let (size, covariance) = self.size_of(change);
@@ -270,6 +292,7 @@ impl<'a> Search<'a> {
                     probability: left[own].min(1.0),
                     rate: size,
                     covariance,
+                    is_evident,
                 }),
                 Course::JumpAfter(after) => {
                     let (between, probability) = self.range_of(change.part, after, &mut left);

@@ -63,7 +63,7 @@ impl Life {
         let measured = |(k, truth): (usize, &Robot)| {
             let options = SimulationOptions {
                 geometry: TrueGeometry::Nominal,
-                workspace: Some(preset.workspace.clone()),
+                workspace: Some(preset.workspace),
                 tension: Some(preset.tension),
                 ..SimulationOptions::new(poses, seed + k as u64)
             };
@@ -112,8 +112,11 @@ fn certain_jumps(history: &History) -> Vec<(usize, [usize; 2])> {
 fn nothing_is_found_in_a_quiet_life() {
     for (name, seed) in [("mini", 100), ("hall", 200), ("planar", 300)] {
         let history = Life::quiet(name, 6).history(25, seed);
-        assert!(history.jumps.is_empty(), "{name}: {:?}", history.jumps);
-        assert!(history.drifts.is_empty(), "{name}: {:?}", history.drifts);
+        let jumps = history.jumps.iter().map(|jump| jump.probability);
+        let drifts = history.evident_drifts().map(|drift| drift.probability);
+        // What is possible may be listed, but nothing is more probable than not.
+        let largest = jumps.chain(drifts).fold(0.0, f64::max);
+        assert!(largest < 0.5, "{name}: {history:?}");
     }
 }
 
@@ -132,7 +135,7 @@ fn a_moved_pulley_is_found_and_dated() {
     let chi2 = off.dot(&jump.covariance.clone().cholesky().unwrap().solve(&off));
     // The probability of a larger value is 1e-3.
     assert!(chi2 < 16.3, "{chi2}");
-    assert!(history.drifts.is_empty(), "{:?}", history.drifts);
+    assert_eq!(history.evident_drifts().count(), 0, "{:?}", history.drifts);
 }
 
 #[test]
@@ -140,7 +143,7 @@ fn a_drift_is_no_jump() {
     let rate = [6e-5, 0.0, -6e-5];
     let history = Life::quiet("mini", 10).drift(5, rate).history(25, 500);
     assert_eq!(certain_jumps(&history), [], "{:?}", history.jumps);
-    let [drift] = history.drifts.as_slice() else {
+    let [drift] = history.evident_drifts().collect::<Vec<_>>()[..] else {
         panic!("{:?}", history.drifts);
     };
     assert!(drift.part == 5 && drift.probability > CERTAIN, "{drift:?}");

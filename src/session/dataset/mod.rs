@@ -12,7 +12,8 @@ use crate::error::{Loaded, Place, ReadError, WriteError};
 use crate::input_file::open_input;
 use crate::phases::{self, PhaseData};
 use crate::poses::{PoseLines, read_poses_and_lines, write_poses};
-use crate::robot_file::{read_robot, write_robot};
+use crate::robot_file::{read_measured_at, read_robot, write_robot};
+use crate::session::Timestamp;
 
 /// Names of the files of a dataset folder.
 pub(crate) const ROBOT: &str = "robot.json";
@@ -32,6 +33,8 @@ pub struct DatasetFolder {
     pub lines: PoseLines,
     /// The optional tables; empty if the file is absent.
     pub phases: PhaseData,
+    /// When the poses were read, if `robot.json` says so.
+    pub measured_at: Option<Timestamp>,
     /// Notices for the operator, one sentence each.
     pub notices: Vec<String>,
 }
@@ -61,6 +64,7 @@ pub fn read_dataset(folder: &Path) -> Result<DatasetFolder, ReadError> {
         },
         lines,
         phases,
+        measured_at: read_measured_at(&folder.join(ROBOT))?,
         notices,
     })
 }

@@ -139,6 +139,7 @@ fn import_folder(folder: &Path, file: &str) -> Result<Loaded<Import>, ReadError>
             },
             lines: PoseLines::default(),
             phases,
+            measured_at: None,
             notices: loaded.notices,
         }
     };

@@ -217,6 +217,14 @@ impl Session {
         let mut session = Self::new(name, folder.dataset.robot, now);
         session.measurements = folder.dataset.measurements;
         session.phases = folder.phases;
+        if let Some(time) = folder.measured_at {
+            session.created = session.created.min(time);
+            session.log.push(LogEntry {
+                time,
+                phase: Phase::Poses,
+                text: format!("{} poses were read.", session.measurements.len()),
+            });
+        }
         session
     }
 

@@ -1,0 +1,200 @@
+//! Machine-readable form of a history: a public format.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use tautline_core::history::Part;
+use tautline_session::{Timestamp, VersionedFile};
+
+use super::{RobotHistory, RobotRecord, days_after};
+
+/// Probability of being out of tolerance at the date of the next calibration.
+const OUT_OF_TOLERANCE: f64 = 0.05;
+
+/// The life of one robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct HistoryDocument {
+    /// The sessions in the order of time.
+    pub sessions: Vec<HistorySession>,
+    /// What moved or changed between two sessions.
+    pub changes: Vec<ChangeDocument>,
+    /// What drifts steadily.
+    pub drift: Vec<DriftDocument>,
+    /// When the next calibration is due; null without dates.
+    pub next_calibration: Option<NextCalibration>,
+}
+
+/// A session of a record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct HistorySession {
+    /// Name of its file or folder.
+    pub path: String,
+    /// When its poses were read; null if unknown.
+    pub time: Option<Timestamp>,
+    /// Entry points with all sessions taken into account (m), cable by cable; null for coordinates that are known exactly.
+    pub entry_points_m: Vec<[Option<f64>; 3]>,
+    /// Their standard deviations (m).
+    pub entry_points_sd_m: Vec<[Option<f64>; 3]>,
+}
+
+/// A part that moved or changed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ChangeDocument {
+    /// Names of its cables; empty for the target plane and effects of the whole robot.
+    pub targets: Vec<String>,
+    /// Effect that appeared, ended or changed; null for a moved pulley or target plane.
+    pub effect: Option<String>,
+    /// Parameter of the effect.
+    pub parameter: Option<String>,
+    /// Indices of sessions: it happened after the first and not after the second.
+    pub between: [usize; 2],
+    /// Posterior probability.
+    pub probability: f64,
+    /// Displacement along x, y, z (m), of the target plane its one number; null for an effect.
+    pub displacement_m: Option<Vec<f64>>,
+    /// Standard deviations of the displacement (m).
+    pub sd_m: Option<Vec<f64>>,
+    /// Change of the effect's parameter (SI unit); null for a displacement.
+    pub change: Option<f64>,
+    /// Its standard deviation.
+    pub change_sd: Option<f64>,
+}
+
+/// A part that drifts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DriftDocument {
+    /// Names of its cables; empty for the target plane and effects of the whole robot.
+    pub targets: Vec<String>,
+    /// Effect whose parameter drifts; null for a pulley or target plane.
+    pub effect: Option<String>,
+    /// Posterior probability.
+    pub probability: f64,
+    /// Rate along x, y, z (m per day); of an effect that of its parameter (SI unit per day).
+    pub rate_m_per_day: Vec<f64>,
+    /// Standard deviations of the rate.
+    pub sd: Vec<f64>,
+}
+
+/// When the next calibration is due.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct NextCalibration {
+    /// Date; null if it is not due within ten years.
+    pub time: Option<Timestamp>,
+    /// Probability that a pulley is out of tolerance then.
+    pub probability_out_of_tolerance: f64,
+    /// Largest tolerable displacement of a pulley from its value in the last session (m).
+    pub tolerance_m: f64,
+}
+
+impl VersionedFile for HistoryDocument {
+    const FORMAT: &'static str = "tautline-history";
+    const VERSION: u32 = 1;
+    const MAX_BYTES: u64 = 64 << 20;
+}
+
+impl HistoryDocument {
+    /// The document of a record.
+    #[must_use]
+    pub fn of(record: &RobotRecord, found: &RobotHistory) -> Self {
+        let history = &found.history;
+        let Some(first) = record.sessions.first() else {
+            return Self {
+                sessions: Vec::new(),
+                changes: Vec::new(),
+                drift: Vec::new(),
+                next_calibration: None,
+            };
+        };
+        let cables = &first.identification.dataset.robot.cables;
+        let targets = |part: usize| match &history.parts[part] {
+            Part::Pulley(cable) => vec![cables[*cable].name.clone()],
+            Part::TargetPlane => Vec::new(),
+            Part::Effect { targets, .. } => targets.clone(),
+        };
+        let effect = |part: usize| match &history.parts[part] {
+            Part::Effect {
+                effect, parameter, ..
+            } => (Some(effect.clone()), Some(parameter.clone())),
+            Part::Pulley(_) | Part::TargetPlane => (None, None),
+        };
+        // Coordinates that are known exactly do not change.
+        let spatial = |part: usize, values: Vec<f64>| {
+            let mut all = vec![0.0; 3];
+            match history.axes[part].as_slice() {
+                [] => values,
+                axes => {
+                    axes.iter()
+                        .zip(values)
+                        .for_each(|(axis, value)| all[*axis] = value);
+                    all
+                }
+            }
+        };
+        let sds = |covariance: &nalgebra::DMatrix<f64>| -> Vec<f64> {
+            covariance
+                .diagonal()
+                .iter()
+                .map(|v| v.max(0.0).sqrt())
+                .collect()
+        };
+        let changes = history.jumps.iter().map(|jump| {
+            let (effect, parameter) = effect(jump.part);
+            let is_effect = effect.is_some();
+            let size = spatial(jump.part, jump.size.as_slice().to_vec());
+            let sd = spatial(jump.part, sds(&jump.covariance));
+            ChangeDocument {
+                targets: targets(jump.part),
+                effect,
+                parameter,
+                between: jump.between,
+                probability: jump.probability,
+                change: is_effect.then(|| size[0]),
+                change_sd: is_effect.then(|| sd[0]),
+                displacement_m: (!is_effect).then_some(size),
+                sd_m: (!is_effect).then_some(sd),
+            }
+        });
+        let dated = history.evident_drifts().filter(|_| found.is_dated);
+        let drift = dated.map(|drift| DriftDocument {
+            targets: targets(drift.part),
+            effect: effect(drift.part).0,
+            probability: drift.probability,
+            rate_m_per_day: spatial(drift.part, drift.rate.as_slice().to_vec()),
+            sd: spatial(drift.part, sds(&drift.covariance)),
+        });
+        let last = record.sessions.last().and_then(|session| session.time);
+        let next_calibration = found
+            .forecast
+            .zip(last)
+            .map(|(forecast, last)| NextCalibration {
+                time: forecast.due_days.map(|days| days_after(last, days)),
+                probability_out_of_tolerance: OUT_OF_TOLERANCE.max(forecast.at_once),
+                tolerance_m: forecast.tolerance_m,
+            });
+        let sessions = record.sessions.iter().enumerate().map(|(index, session)| {
+            let mut values = vec![[None; 3]; cables.len()];
+            let mut of_sd = values.clone();
+            for (part, of) in history.parts.iter().enumerate() {
+                if let Part::Pulley(cable) = of {
+                    let state = &history.states[part][index];
+                    for (k, axis) in history.axes[part].iter().enumerate() {
+                        values[*cable][*axis] = Some(state.value[k]);
+                        of_sd[*cable][*axis] = Some(state.covariance[(k, k)].max(0.0).sqrt());
+                    }
+                }
+            }
+            let name = session.path.file_name();
+            HistorySession {
+                path: name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+                time: session.time,
+                entry_points_m: values,
+                entry_points_sd_m: of_sd,
+            }
+        });
+        Self {
+            sessions: sessions.collect(),
+            changes: changes.collect(),
+            drift: drift.collect(),
+            next_calibration,
+        }
+    }
+}

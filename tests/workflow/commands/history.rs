@@ -1,0 +1,138 @@
+//! history: one robot over several sessions, with a pulley that moved between two of them.
+
+use serde_json::{Value, json};
+use tautline_core::robot::{Robot, presets};
+use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
+use tautline_session::{PhaseData, write_dataset};
+
+use super::program::{Folder, assert_number, assert_valid, tautline};
+
+/// Writes a run of the robot as it truly is, described by the drawing, with the date of its poses if there is one.
+fn write_run(folder: &Folder, name: &str, truth: &Robot, seed: u64, date: Option<&str>) -> String {
+    let preset = presets::find("mini").expect("a preset");
+    let options = SimulationOptions {
+        geometry: TrueGeometry::Nominal,
+        workspace: Some(preset.workspace),
+        tension: Some(preset.tension),
+        ..SimulationOptions::new(25, seed)
+    };
+    let mut dataset = simulate(truth, &options).expect("a run").dataset;
+    dataset.robot = preset.robot;
+    let path = folder.join(name);
+    write_dataset(path.as_ref(), &dataset, &PhaseData::default()).expect("written");
+    if let Some(date) = date {
+        set_date(&path, &json!(date));
+    }
+    path
+}
+
+fn set_date(run: &str, date: &Value) {
+    let path = format!("{run}/robot.json");
+    let text = std::fs::read_to_string(&path).expect("a robot");
+    let mut robot: Value = serde_json::from_str(&text).expect("JSON");
+    robot["measured_at"] = date.clone();
+    std::fs::write(&path, robot.to_string()).expect("written");
+}
+
+/// Five sessions: names in another order than dates, and a pulley that moved between the third and the fourth.
+fn record(folder: &Folder, dates: [Option<&str>; 5]) -> String {
+    let robot = presets::find("mini").expect("a preset").robot;
+    let mut moved = robot.clone();
+    moved.cables[4].pulley.entry_point_m[1] -= 0.01;
+    let names = ["e", "d", "c", "b", "a"];
+    for (k, (name, date)) in names.into_iter().zip(dates).enumerate() {
+        let truth = if k < 3 { &robot } else { &moved };
+        write_run(folder, &format!("life/{name}"), truth, 10 + k as u64, date);
+    }
+    folder.join("life")
+}
+
+const DATES: [Option<&str>; 5] = [
+    Some("2026-01-05T08:00:00Z"),
+    Some("2026-02-05T08:00:00+01:00"),
+    Some("2026-03-05T08:00:00Z"),
+    Some("2026-04-05T08:00:00.25Z"),
+    Some("2026-05-05T08:00:00Z"),
+];
+
+#[test]
+fn a_pulley_that_moved_is_named_and_dated() {
+    let folder = Folder::new();
+    let life = record(&folder, DATES);
+    let found = tautline(&["history", &life, "--json", "-"])
+        .succeeded()
+        .json();
+    assert_valid(&found);
+    assert_eq!(found["format"], "tautline-history");
+    let paths = found["sessions"].as_array().expect("sessions");
+    let paths: Vec<_> = paths.iter().filter_map(|s| s["path"].as_str()).collect();
+    assert_eq!(paths, ["e", "d", "c", "b", "a"]);
+    assert_eq!(found["sessions"][1]["time"], "2026-02-05T07:00:00Z");
+    let changes = found["changes"].as_array().expect("changes");
+    let certain: Vec<_> = changes
+        .iter()
+        .filter(|c| c["probability"].as_f64() > Some(0.95))
+        .collect();
+    assert_eq!(certain.len(), 1, "{changes:?}");
+    assert_eq!(certain[0]["targets"], json!(["cable-5"]));
+    assert_eq!(certain[0]["between"], json!([2, 3]));
+    assert_eq!(certain[0]["effect"], Value::Null);
+    assert_number(certain[0], "/displacement_m/1", -0.01, 0.005);
+    assert_number(
+        &found,
+        "/next_calibration/probability_out_of_tolerance",
+        0.05,
+        1e-12,
+    );
+
+    let readable = tautline(&["history", &life]).succeeded().stdout;
+    for sentence in [
+        "5 sessions of mini",
+        "Between c and b the pulley of cable-5 moved, almost certainly",
+        "Calibrate again by 2026-",
+    ] {
+        assert!(readable.contains(sentence), "{sentence}: {readable}");
+    }
+}
+
+#[test]
+fn without_dates_the_order_is_that_of_the_names() {
+    let folder = Folder::new();
+    let mut dates = DATES;
+    dates[1] = None;
+    let life = record(&folder, dates);
+    std::fs::write(folder.join("life/notes.txt"), "cable 5 was changed").expect("written");
+    let found = tautline(&["history", &life, "--json", "-"]).succeeded();
+    for notice in [
+        "notes.txt: neither a session nor a dataset folder",
+        "no date when the poses were read: d",
+    ] {
+        assert!(found.stderr.contains(notice), "{notice}: {}", found.stderr);
+    }
+    let found = found.json();
+    assert_eq!(found["sessions"][0]["path"], "a");
+    assert_eq!(found["next_calibration"], Value::Null);
+    assert_eq!(found["drift"], json!([]));
+}
+
+#[test]
+fn what_has_no_common_history_is_refused() {
+    let folder = Folder::new();
+    let life = record(&folder, DATES);
+    set_date(&folder.join("life/c"), &json!("in March"));
+    tautline(&["history", &life]).refused(&[
+        "robot.json",
+        "/measured_at",
+        "found \"in March\"",
+        "RFC 3339",
+    ]);
+    set_date(&folder.join("life/c"), &Value::Null);
+    let out = folder.join("life/other");
+    tautline(&["simulate", "--robot", "planar", "--out", &out]).succeeded();
+    tautline(&["history", &life]).refused(&["is of another robot", "life"]);
+    let lone = folder.join("lone");
+    std::fs::create_dir(&lone).expect("a folder");
+    tautline(&["history", &lone]).refused(&["lone", "found 0 sessions, expected at least two"]);
+    tautline(&["history", &folder.join("nothing")]).refused(&["nothing"]);
+    tautline(&["history", &life, "--tolerance", "0"]).refused(&["--tolerance", "found 0"]);
+}
