@@ -6,6 +6,7 @@
 
 mod alignment;
 mod check;
+mod commands;
 mod coverage;
 mod cutting;
 mod document;
