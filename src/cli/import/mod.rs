@@ -1,5 +1,7 @@
 //! `tautline import`.
 
+#[cfg(test)]
+mod gallery;
 mod report;
 
 use std::cell::RefCell;
