@@ -1,6 +1,7 @@
 //! `--effect`: effects to hide in simulated data or to estimate in an identification.
 
 use crate::BadInput;
+use crate::output::note;
 use anyhow::Result;
 use tautline_core::effect::{BoundEffect, EffectRequest, EffectSetting};
 use tautline_core::measurement::Measurements;
@@ -43,11 +44,11 @@ impl HiddenEffects {
             let bad = |error: String| BadInput::new(format!("--effect {one}: {error}"));
             let setting = parse(&one).map_err(bad)?;
             let bound = BoundEffect::from_setting(&setting, robot);
-            settings.push(
-                bound
-                    .map_err(|error| bad(error.to_string()))?
-                    .setting(robot),
-            );
+            let bound = bound.map_err(|error| bad(error.to_string()))?;
+            for question in unusual_sizes(&bound) {
+                note!("--effect {one}: {question}");
+            }
+            settings.push(bound.setting(robot));
         }
         Ok(settings)
     }
@@ -93,6 +94,37 @@ impl EstimatedEffects {
         }
         Ok(bound)
     }
+}
+
+/// Factor of the largest typical size above which a value is questioned.
+const UNUSUAL: f64 = 10.0;
+
+/// Questions about values far beyond typical sizes, such as percent where a ratio is expected.
+fn unusual_sizes(bound: &BoundEffect) -> impl Iterator<Item = String> {
+    let parameters = bound.effect.parameters().iter().zip(&bound.values);
+    parameters.filter_map(|(parameter, value)| {
+        let typical = parameter.typical;
+        let is_unusual = !parameter.discrete
+            && typical[1] > 0.0
+            && (value - parameter.neutral).abs() > UNUSUAL * typical[1];
+        let unit = match parameter.unit {
+            "1" => String::new(),
+            unit => format!(" {unit}"),
+        };
+        let is_percent = parameter.unit == "1";
+        is_unusual.then(|| {
+            let name = parameter.name;
+            let as_percent = if is_percent {
+                format!(", which is {} %; 1 % is {name}=0.01", 100.0 * value)
+            } else {
+                String::new()
+            };
+            format!(
+                "found {name}={value}{as_percent}: typical sizes are {} to {}{unit}",
+                typical[0], typical[1]
+            )
+        })
+    })
 }
 
 /// Splits an argument into effects: a comma starts another effect unless a parameter `NAME=NUMBER` follows it.
@@ -154,6 +186,23 @@ mod tests {
     struct Hidden {
         #[command(flatten)]
         effects: HiddenEffects,
+    }
+
+    #[test]
+    fn sizes_far_from_typical_ones_are_questioned() {
+        let robot = presets::find("mini").expect("a preset").robot;
+        let questions = |text: &str| -> Vec<String> {
+            let setting = parse(text).expect("a setting");
+            let bound = BoundEffect::from_setting(&setting, &robot).expect("an effect");
+            unusual_sizes(&bound).collect()
+        };
+        assert_eq!(
+            questions("winch_scale:cable-3:scale=2"),
+            ["found scale=2, which is 200 %; 1 % is scale=0.01: typical sizes are 0.001 to 0.03"]
+        );
+        assert!(questions("winch_scale:cable-3:scale=0.02").is_empty());
+        assert_eq!(questions("laser_bias:bias=40").len(), 1);
+        assert!(questions("cable_slip:cable-3:pose=900,length=0.01").is_empty());
     }
 
     fn freed(arguments: &[&str]) -> Result<Vec<EffectSetting>> {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tautline_core::robot::Robot;
 
 use crate::cutting::Times;
-use crate::orientation::transpose_matrices;
+use crate::orientation::arrange_per_cable;
 use crate::proposal::propose;
 use crate::recipe::{Recipe, is_series, resolve};
 use crate::source::Source;
@@ -34,7 +34,7 @@ impl Draft {
     /// proposed from names, units and ranges.
     #[must_use]
     pub fn new(mut sources: Vec<Source>, known: Option<Recipe>, robot: &Robot) -> Self {
-        transpose_matrices(&mut sources, robot.cable_count());
+        arrange_per_cable(&mut sources, robot.cable_count());
         let mut draft = Self {
             sources: Arc::new(sources),
             recipe: Recipe::default(),
@@ -63,7 +63,7 @@ impl Draft {
 
     /// Adds sources and proposes entries for their channels.
     pub fn add(&mut self, mut more: Vec<Source>, robot: &Robot) {
-        transpose_matrices(&mut more, robot.cable_count());
+        arrange_per_cable(&mut more, robot.cable_count());
         let sources = Arc::make_mut(&mut self.sources);
         sources.extend(more);
         make_names_unique(sources);

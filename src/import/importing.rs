@@ -7,6 +7,7 @@ use tautline_core::robot::Robot;
 use tautline_session::{Place, ReadError, escape_formula, read_poses};
 
 use crate::check::{Change, Readings, Suggestion, check};
+use crate::commands::complete_commands;
 use crate::coverage::{unused, without_channel};
 use crate::cutting::{CutPose, Times, cut, number_of};
 use crate::document::{ImportDocument, PoseReport, Reading, SourceReport};
@@ -18,6 +19,8 @@ use crate::turning::turn_angles;
 
 /// Maximum number of suggestions applied.
 const MOST_CHANGES: usize = 64;
+/// Memory (bytes) for poses that are cut only to compare frames; longer recordings are left to the check.
+const FRAME_MEMORY: u64 = 256 << 20;
 /// Fewest rows per jump of a clock that was set.
 const JUMPS: usize = 20;
 
@@ -48,22 +51,16 @@ pub fn import(
     let mapping = resolve(sources, recipe, recipe_file, robot.cable_count())?;
     let mut notices = notices(sources, &mapping, robot);
     let (mut poses, _memory) = cut(&mapping, recipe, (robot, budget), file, &mut notices)?;
-    check_storage(&mapping, file)?;
     turn_angles(&mut poses, recipe, &mut notices);
+    complete_commands(&mut poses, robot, &mut notices);
     drop_empty(&mut poses, &mut notices);
     let labels = labels(&poses, recipe, &mut notices);
     apply_steps(&mut poses, &labels, recipe);
     let recipe = &place(&mut poses, recipe, robot, &mut notices)
         .map_err(|message| ReadError::new(file, Place::File, message))?;
     let columns = columns(&mapping, &poses, recipe);
-    let suggestions = suggestions(
-        &mapping,
-        &poses,
-        (&labels, &columns),
-        recipe,
-        robot,
-        &mut notices,
-    );
+    let readings = readings(&poses, &labels, &columns, recipe);
+    let suggestions = suggestions(&mapping, &readings, recipe, robot, &mut notices);
     let poses_csv = table(&poses, &labels, &columns, recipe);
     let read = read_poses(poses_csv.as_bytes(), &format!("{file} as poses.csv"), robot);
     let document = ImportDocument {
@@ -96,16 +93,6 @@ pub fn import(
             poses: document.poses.into(),
         }),
     }
-}
-
-/// Fails if stored values could not be read back.
-fn check_storage(mapping: &Mapping<'_>, file: &str) -> Result<(), ReadError> {
-    let channels = mapping.series.iter().flat_map(|series| &series.channels);
-    if channels.clone().all(|channel| channel.values.is_intact()) {
-        return Ok(());
-    }
-    let message = "the temporary file of a long recording cannot be read back, expected enough disk space and no other program that changes it";
-    Err(ReadError::new(file, Place::File, message))
 }
 
 /// Imports, applies the suggestions of the check, and repeats until there are no new ones. Those that follow from the mass of the
@@ -146,15 +133,29 @@ pub fn import_corrected(
     }
 }
 
-/// Suggestions from the check of the data, and for clock jumps that are not closed.
-fn suggestions(
-    mapping: &Mapping<'_>,
-    poses: &[CutPose],
-    (labels, columns): (&[i64], &[Quantity]),
-    recipe: &Recipe,
-    robot: &Robot,
-    notices: &mut Vec<String>,
-) -> Vec<Suggestion> {
+/// A sentence if the measured poses of a proposed recipe are in another frame than the robot's, which the readings suffice to find.
+pub(crate) fn in_other_frame(sources: &[Source], recipe: &Recipe, robot: &Robot) -> Option<String> {
+    let mapping = resolve(sources, recipe, "recipe", robot.cable_count()).ok()?;
+    let notices = &mut Vec::new();
+    let budget = MemoryBudget::new(FRAME_MEMORY);
+    let (mut poses, _memory) = cut(&mapping, recipe, (robot, &budget), "", notices).ok()?;
+    turn_angles(&mut poses, recipe, notices);
+    complete_commands(&mut poses, robot, notices);
+    drop_empty(&mut poses, notices);
+    let labels = labels(&poses, recipe, notices);
+    let columns = columns(&mapping, &poses, recipe);
+    let found = check(&readings(&poses, &labels, &columns, recipe), robot);
+    let other = found
+        .into_iter()
+        .find(|suggestion| suggestion.change == Change::AlignInstrument)?;
+    let mut aligned = recipe.clone();
+    other.apply(&mut aligned);
+    place(&mut poses, &aligned, robot, notices).ok()?;
+    Some(other.sentence)
+}
+
+/// The readings of the columns that are not left empty.
+fn readings(poses: &[CutPose], labels: &[i64], columns: &[Quantity], recipe: &Recipe) -> Readings {
     let is_empty = |quantity: &Quantity| {
         recipe
             .left_empty
@@ -172,13 +173,23 @@ fn suggestions(
             })
             .collect()
     };
-    let readings = Readings {
+    Readings {
         labels: labels.to_vec(),
         columns: quantities
             .map(|quantity| (*quantity, values(quantity)))
             .collect(),
-    };
-    let mut found = check(&readings, robot);
+    }
+}
+
+/// Suggestions from the check of the data, and for clock jumps that are not closed.
+fn suggestions(
+    mapping: &Mapping<'_>,
+    readings: &Readings,
+    recipe: &Recipe,
+    robot: &Robot,
+    notices: &mut Vec<String>,
+) -> Vec<Suggestion> {
+    let mut found = check(readings, robot);
     for (k, series) in mapping.series.iter().enumerate() {
         let times = Times::of(mapping, k, recipe);
         let is_closed = recipe
@@ -414,7 +425,12 @@ fn columns(mapping: &Mapping<'_>, poses: &[CutPose], recipe: &Recipe) -> Vec<Qua
             quantity.kind,
             Kind::Time | Kind::Marker | Kind::CommandedAngle | Kind::TrackedAngle
         );
-        !quantity.is_text() && !is_source
+        // Commanded poses that lack a coordinate are not used.
+        let is_left_out = quantity.kind == Kind::Commanded
+            && poses
+                .iter()
+                .all(|pose| !pose.readings.contains_key(quantity));
+        !quantity.is_text() && !is_source && !is_left_out
     });
     let empty = recipe
         .left_empty

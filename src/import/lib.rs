@@ -4,8 +4,10 @@
 //! assigns channels to quantities of the robot, with unit, factor, offset and sign. **Cutting** turns rows into poses: every
 //! row, rows of one label, or standstills. Notices report what was not understood; nothing is dropped silently.
 
+mod actuators;
 mod alignment;
 mod check;
+mod commands;
 mod coverage;
 mod cutting;
 mod document;
@@ -41,7 +43,7 @@ pub use formats::{is_robot_description, read_source};
 pub use importing::{ImportError, Imported, found, import, import_corrected};
 pub use memory::{MemoryBudget, OverBudget};
 pub use naming::pattern_of;
-pub use orientation::transpose_matrices;
+pub use orientation::arrange_per_cable;
 pub use outline::outline;
 pub use proposal::{propose, propose_around};
 pub use recipe::{

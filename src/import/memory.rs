@@ -75,12 +75,17 @@ impl MemoryBudget {
             .map_err(|_| OverBudget { limit: self.limit })
     }
 
-    /// Takes bytes until the result is dropped.
-    pub(crate) fn lease(&self, bytes: u64) -> Result<Lease, OverBudget> {
-        let mut lease = Lease {
+    /// A lease of nothing yet.
+    pub(crate) fn nothing(&self) -> Lease {
+        Lease {
             budget: self.clone(),
             bytes: 0,
-        };
+        }
+    }
+
+    /// Takes bytes until the result is dropped.
+    pub(crate) fn lease(&self, bytes: u64) -> Result<Lease, OverBudget> {
+        let mut lease = self.nothing();
         lease.take(bytes)?;
         Ok(lease)
     }
@@ -114,10 +119,7 @@ impl Lease {
 
     /// A lease of the same budget, of nothing yet.
     pub fn another(&self) -> Self {
-        Self {
-            budget: self.budget.clone(),
-            bytes: 0,
-        }
+        self.budget.nothing()
     }
 
     /// Takes over what another lease of the same budget holds.

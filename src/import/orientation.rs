@@ -2,8 +2,16 @@
 
 use std::collections::BTreeSet;
 
+use crate::actuators::spread_actuators;
 use crate::source::{Channel, Format, Series, Source};
 use crate::values::Values;
+
+/// Gives each cable channels of its own where a file has them in rows: matrices, and logs with one row per actuator. Notices of
+/// the files name what was turned.
+pub fn arrange_per_cable(sources: &mut [Source], cables: usize) {
+    transpose_matrices(sources, cables);
+    spread_actuators(sources, cables);
+}
 
 /// A matrix in a series, of which each column is a channel.
 struct Matrix {
@@ -17,7 +25,7 @@ struct Matrix {
 
 /// Transposes the matrices that have one row per channel: as many rows as the robot has cables and more columns than rows,
 /// or as many columns as other arrays of the file have samples. A notice of the file names each.
-pub fn transpose_matrices(sources: &mut [Source], cables: usize) {
+pub(crate) fn transpose_matrices(sources: &mut [Source], cables: usize) {
     for source in sources {
         let matrices = matrices(source);
         let turned = turned(source, &matrices, cables);

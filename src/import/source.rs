@@ -33,6 +33,12 @@ pub enum Format {
     Mcap,
     /// Bag of ROS 1.
     RosBag,
+    /// TDMS of LabVIEW and DIAdem.
+    Tdms,
+    /// ASAM MDF 4.
+    Mdf,
+    /// Text file of LabVIEW (`.lvm`).
+    LabView,
     /// Excel workbook.
     Excel,
 }
@@ -54,6 +60,9 @@ impl Format {
             Self::Parquet => "Parquet file",
             Self::Mcap => "MCAP recording",
             Self::RosBag => "ROS 1 bag",
+            Self::Tdms => "TDMS file",
+            Self::Mdf => "MDF 4 file",
+            Self::LabView => "LabVIEW text",
             Self::Excel => "Excel workbook",
         }
     }

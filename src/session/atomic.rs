@@ -15,8 +15,6 @@ const PREFIX: &str = ".tautline-";
 const LETTERS: usize = 6;
 /// Age from which a temporary file belongs to a killed program, as no write takes that long.
 const STALE: Duration = Duration::from_secs(24 * 60 * 60);
-/// Folder for large temporary files on Unix, where /tmp is often in memory.
-const LARGE_FILES: &str = "/var/tmp";
 /// Block of zeros for reserving space.
 static BLOCK: [u8; 1 << 16] = [0; 1 << 16];
 
@@ -43,18 +41,6 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
 /// If the file cannot be written.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     write_atomically(path, |out| out.write_all(bytes))
-}
-
-/// A file without a name for data that do not fit into memory; the system deletes it when the program ends.
-///
-/// # Errors
-/// If it cannot be created.
-pub fn temporary_file() -> std::io::Result<fs::File> {
-    let large = Path::new(LARGE_FILES);
-    match large.is_dir() && std::env::var_os("TMPDIR").is_none() {
-        true => tempfile::tempfile_in(large).or_else(|_| tempfile::tempfile()),
-        false => tempfile::tempfile(),
-    }
 }
 
 fn replace(

@@ -26,7 +26,7 @@ mod session;
 mod symbols_file;
 mod table;
 
-pub use atomic::{ReservedFile, link_target, reserve, temporary_file, write_bytes, write_text};
+pub use atomic::{ReservedFile, link_target, reserve, write_bytes, write_text};
 pub use audit_key::AuditKey;
 pub use damaged::read_damaged;
 pub use dataset::{

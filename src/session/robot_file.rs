@@ -14,6 +14,7 @@ impl VersionedFile for Robot {
     const FORMAT: &'static str = "tautline-robot";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 16 << 20;
+    const KEYS_ARE_CHECKED: bool = true;
 
     fn resolve(document: &mut Map<String, Value>) -> Result<(), FieldError> {
         // It is about the readings, not about the robot: see `read_measured_at`.

@@ -83,21 +83,30 @@ fn one_coordinate_of_three_may_be_unknown() {
 }
 
 #[test]
-fn unknown_keys_are_noticed() {
+fn unknown_keys_of_a_robot_are_refused_with_the_nearest() {
+    let refused = |key: &str, place: &str| {
+        let mut robot = minimal();
+        robot.pointer_mut(place).expect("an object")[key] = json!(0.05);
+        let refused = parse_robot(robot.to_string().as_bytes(), "r.json");
+        refused.expect_err("an unknown key").to_string()
+    };
+    assert_eq!(
+        refused("radius", "/cables/0/pulley"),
+        "r.json, /cables/0/pulley/radius: unknown key, did you mean \"radius_m\"?"
+    );
+    assert_eq!(
+        refused("maker", ""),
+        "r.json, /maker: unknown key, expected one of the format (tautline schemas --out DIR writes it)"
+    );
+    assert_eq!(
+        refused("radius_m", ""),
+        "r.json, /radius_m: unknown here, expected elsewhere in this file"
+    );
     let mut robot = minimal();
-    robot["colour"] = json!("red");
-    robot["cables"][0]["pulley"]["maker"] = json!({"name": "x"});
+    robot["$schema"] = json!("tautline-robot-1.schema.json");
     assert!(validator("tautline-robot").is_valid(&robot));
     let loaded = parse_robot(robot.to_string().as_bytes(), "r.json").expect("a robot");
-    let mut notices = loaded.notices;
-    notices.sort();
-    assert_eq!(
-        notices,
-        [
-            "r.json, /cables/0/pulley/maker: unknown key, ignored",
-            "r.json, /colour: unknown key, ignored"
-        ]
-    );
+    assert_eq!(loaded.notices, [""; 0]);
 }
 
 #[test]

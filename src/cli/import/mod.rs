@@ -1,5 +1,7 @@
 //! `tautline import`.
 
+#[cfg(test)]
+mod gallery;
 mod report;
 
 use std::cell::RefCell;
@@ -9,8 +11,8 @@ use anyhow::Result;
 use tautline_core::robot::Robot;
 use tautline_import::{
     AngleOrder, Assignment, ImportDocument, ImportError, Imported, MemoryBudget, Recipe, Source,
-    align_clocks, channel_names, import, import_corrected, is_robot_description, propose_around,
-    read_robot_description, read_sources, transpose_matrices,
+    align_clocks, arrange_per_cable, channel_names, import, import_corrected, is_robot_description,
+    propose_around, read_robot_description, read_sources,
 };
 use tautline_session::{
     Loaded, ReadError, read_robot, versioned, write_robot, write_text, write_versioned,
@@ -36,7 +38,7 @@ const POSES: &str = "poses.csv";
 ]))]
 pub struct Arguments {
     /// Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .c3d, .mat, .h5, .npy, .npz, .parquet, .mcap, .bag,
-    /// .xlsx; or a robot description: cables and bodies of CASPR, a model of WireX
+    /// .lvm, .tdms, .mf4, .xlsx; or a robot description: cables and bodies of CASPR, a model of WireX
     #[arg(value_name = "SOURCE", required = true)]
     sources: Vec<PathBuf>,
     /// Recipe that assigns channels to quantities; - is standard input; without it, one is proposed from names, units and ranges
@@ -96,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let robot = robot(arguments)?;
     let budget = budget(arguments)?;
     let mut sources = noticed(read(&arguments.sources, &budget)?);
-    transpose_matrices(&mut sources, robot.robot.cable_count());
+    arrange_per_cable(&mut sources, robot.robot.cable_count());
     let (mut recipe, name, assumptions) = recipe(arguments, &sources, &robot.robot)?;
     if let Some(order) = arguments.angles {
         recipe.order_angles(order);

@@ -25,6 +25,9 @@ pub struct MeasuringDocument {
     pub missing: Vec<i64>,
     /// Whether the measured poses determine the robot.
     pub enough: bool,
+    /// What they lack, in a sentence; null if they determine it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lacking: Option<String>,
     /// Largest standard deviation of a coordinate of an entry point that results from the readings (m); null without
     /// --stop-at.
     pub largest_sd_m: Option<f64>,
@@ -50,7 +53,7 @@ impl VersionedFile for MeasuringDocument {
 
 impl MeasuringDocument {
     /// The document of a run and its session.
-    pub fn of(session: &Session, ended: &RunOutcome, enough: bool) -> Self {
+    pub fn of(session: &Session, ended: &RunOutcome, lacking: Option<String>) -> Self {
         let measured = session.measurements.labels.clone();
         let planned = session.plan.iter().map(|pose| pose.label);
         let skipped = ended.skipped.iter();
@@ -71,7 +74,8 @@ impl MeasuringDocument {
                 .collect(),
             missing: planned.filter(|label| !measured.contains(label)).collect(),
             measured,
-            enough,
+            enough: lacking.is_none(),
+            lacking,
             largest_sd_m: ended.largest_sd_m,
             foreign_writes: ended.foreign_writes.clone(),
         }

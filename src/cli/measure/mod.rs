@@ -119,8 +119,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     connection.controller.arm().map_err(link_error)?;
     let drive = Drive::new(&file.session, &setup, stop_at_m, arguments.retries);
     let ended = drive.run(&mut file, &mut connection)?;
-    let enough = is_enough(&file.session);
-    let document = MeasuringDocument::of(&file.session, &ended, enough);
+    let lacking = lacking(&file.session);
+    let document = MeasuringDocument::of(&file.session, &ended, lacking);
     arguments
         .json
         .deliver(&document, || document::print(&document, &arguments.session))?;
@@ -164,13 +164,35 @@ pub fn refuse_unsettled(session: &Session, place: &str) -> Result<()> {
     }
 }
 
-/// Whether the poses measured so far determine the robot: even without the drawing, which counts as one reading
-/// per parameter, there are more readings than unknowns, and they leave nothing undetermined.
-fn is_enough(session: &Session) -> bool {
+/// What the poses measured so far lack to determine the robot; `None` if they do: even without the drawing, which counts as
+/// one reading per parameter, there are more readings than unknowns, and they leave nothing undetermined.
+fn lacking(session: &Session) -> Option<String> {
     let quiet = &mut |_: &_| tautline_core::estimation::Control::Continue;
-    identify_session(session, quiet).is_ok_and(|Identification { solution, open, .. }| {
-        let parameters = solution.parameters.len() as f64;
-        solution.converged() && open.is_empty() && solution.degrees_of_freedom > parameters
+    let Identification { solution, open, .. } = match identify_session(session, quiet) {
+        Ok(identified) => identified,
+        Err(error) => return Some(format!("the robot cannot be identified: {error}")),
+    };
+    if let Some(defect) = open.first() {
+        return Some(format!(
+            "they leave open: {}",
+            defect.sentence.trim_end_matches('.')
+        ));
+    }
+    if !solution.converged() {
+        return Some("the identification does not converge with them".to_owned());
+    }
+    let parameters = solution.parameters.len() as f64;
+    let redundant = solution.degrees_of_freedom;
+    let poses = session.measurements.labels.len().max(1) as f64;
+    // All parameters have a prior, so that each pose adds its share of the redundancy.
+    let more = (poses * (parameters + 1.0 - redundant) / redundant.max(1.0))
+        .ceil()
+        .min(1e3);
+    (redundant <= parameters).then(|| {
+        format!(
+            "they give {redundant:.0} more readings than unknowns, expected more than the {parameters:.0} parameters that the \
+             drawing states: measure about {more:.0} poses more"
+        )
     })
 }
 
@@ -197,10 +219,12 @@ fn result(
             "{} {place} has {on_disk}; the same command continues",
             ensure_full_stop(why)
         ))),
-        RunEnd::Finished | RunEnd::GoodEnough if document.enough => Ok(()),
-        RunEnd::Finished | RunEnd::GoodEnough => Err(anyhow!(
-            "{place} has {on_disk}: not enough to identify the robot, measure more"
-        )),
+        RunEnd::Finished | RunEnd::GoodEnough => match &document.lacking {
+            None => Ok(()),
+            Some(lacking) => Err(anyhow!(
+                "{place} has {on_disk}, not enough to identify the robot: {lacking}"
+            )),
+        },
     }
 }
 

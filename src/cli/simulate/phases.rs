@@ -3,7 +3,7 @@
 use tautline_core::geometry::Pose;
 use tautline_core::robot::{PerAxis, Tracker};
 use tautline_core::simulation::{
-    Simulated, SimulationError, SimulationOptions, phase_tables, simulate,
+    Simulated, SimulationError, SimulationOptions, approaches, phase_tables, simulate,
 };
 use tautline_session::{
     CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomeReading, PhaseData, WinchPair,
@@ -62,7 +62,7 @@ pub fn tables(
     Ok(data)
 }
 
-/// Some poses of the run, approached repeatedly and measured by an external instrument.
+/// Some poses of the run, approached repeatedly and measured by an external instrument in all coordinates.
 fn check(run: &Simulated, options: &SimulationOptions) -> Result<Vec<CheckRow>, SimulationError> {
     let measured = &run.dataset.measurements;
     let away = measured
@@ -71,33 +71,28 @@ fn check(run: &Simulated, options: &SimulationOptions) -> Result<Vec<CheckRow>, 
         .zip(&measured.labels)
         .filter(|(_, label)| **label != 0);
     let targets: Vec<Pose> = away.filter_map(|(pose, _)| *pose).take(TARGETS).collect();
-    let mut robot = run.dataset.robot.clone();
-    robot.tracker = Some(TRACKER);
-    let commanded: Vec<Pose> = (0..CYCLES).flat_map(|_| targets.clone()).collect();
-    let options = SimulationOptions {
-        seed: options.seed,
-        ..options.clone().commanding(commanded)
+    let robot = &run.dataset.robot;
+    let once = options.clone().commanding(targets.clone());
+    let at_targets = simulate(robot, &once)?.dataset.measurements;
+    let first = at_targets.len() - targets.len();
+    let attained = &at_targets.truth.poses[first..];
+    let seed = options.seed.wrapping_add(2);
+    let measured = approaches(robot, (attained, CYCLES), &TRACKER, seed, options.noise);
+    let pose = |pose: &Pose| CheckPose {
+        position_m: pose.position.into(),
+        orientation_wxyz: Some(pose.orientation_wxyz()),
     };
-    let read = simulate(&robot, &options)?.dataset.measurements;
-    let first = read.len() - CYCLES * targets.len();
-    let pose = |position_m, orientation_wxyz| CheckPose {
-        position_m,
-        orientation_wxyz: Some(orientation_wxyz),
-    };
-    let row = |k: usize| {
-        let target = &targets[k % targets.len()];
+    let row = |(k, measured): (usize, &Pose)| {
+        let target = k % targets.len();
         CheckRow {
             kind: CheckKind::Pose,
-            target: format!("P{}", k % targets.len() + 1),
+            target: format!("P{}", target + 1),
             cycle: (k / targets.len()) as i64 + 1,
             sample: 0,
             time_s: None,
-            commanded: pose(target.position.into(), target.orientation_wxyz()),
-            attained: pose(
-                read.tracked_position_m[first + k],
-                read.tracked_orientation_wxyz[first + k],
-            ),
+            commanded: pose(&targets[target]),
+            attained: pose(measured),
         }
     };
-    Ok((0..CYCLES * targets.len()).map(row).collect())
+    Ok(measured.iter().enumerate().map(row).collect())
 }

@@ -17,7 +17,7 @@ pub(crate) use holding_tensions::holding_tensions_after_home;
 pub use holding_tensions::{Epoch, ambient_temperature_c};
 #[cfg(test)]
 pub(crate) use machines::run_of_machine;
-pub use phase_tables::{PhaseTables, phase_tables};
+pub use phase_tables::{PhaseTables, approaches, phase_tables};
 pub use quasi_static_robot::{QuasiStaticRobot, RestState};
 pub(crate) use readings::{PlannedRow, planned_readings};
 pub use recording::{Recording, record};

@@ -4,10 +4,11 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::readings::normal;
+use super::virtual_robot::perturbed;
 use crate::cable::ElongationTriple;
-use crate::geometry::{Pose, Vec3};
+use crate::geometry::{Pose, Twist, Vec3};
 use crate::instrument::{ForcePair, WinchPair};
-use crate::robot::{FrameTransform, HomePlatform, HomeSensor, Plane, Robot};
+use crate::robot::{FrameTransform, HomePlatform, HomeSensor, Plane, Robot, Tracker};
 
 /// Drum revolutions at which a winch is read, in each direction.
 const WINCH_TURNS: [f64; 7] = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
@@ -17,6 +18,8 @@ const WINCH_SD_M: f64 = 2e-5;
 const LOADS_N: [f64; 6] = [5.0, 10.0, 20.0, 40.0, 60.0, 80.0];
 /// Standard deviation of an elongation (m).
 const ELONGATION_SD_M: f64 = 5e-6;
+/// Standard deviation of a position that is approached again (m): a controller returns to the same lengths.
+const REPEATED_SD_M: f64 = 5e-5;
 /// Number of readings of each sensor of the home platform.
 const HOME_REPEATS: usize = 5;
 
@@ -109,6 +112,34 @@ pub fn phase_tables(robot: &Robot, truth: &Robot, seed: u64, noise: bool) -> Pha
     tables
 }
 
+/// Poses that an external instrument measures where a platform is brought to each of these true poses again and again: the
+/// targets in order, `cycles` times. Without `noise` each is attained and measured exactly.
+#[must_use]
+pub fn approaches(
+    robot: &Robot,
+    (targets, cycles): (&[Pose], usize),
+    instrument: &Tracker,
+    seed: u64,
+    noise: bool,
+) -> Vec<Pose> {
+    if !noise {
+        return (0..cycles).flat_map(|_| targets.iter().copied()).collect();
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let sd_m = instrument.position_sd_m.each();
+    let sd_rad = instrument.orientation_sd_rad.unwrap_or(0.0);
+    let mut measured = Vec::with_capacity(cycles * targets.len());
+    for target in (0..cycles).flat_map(|_| targets) {
+        let attained = perturbed(robot, target, REPEATED_SD_M, &mut rng);
+        let error = Twist::from_fn(|k, _| match sd_m.get(k) {
+            Some(sd) => normal(&mut rng, *sd),
+            None => normal(&mut rng, sd_rad),
+        });
+        measured.push(attained.perturbed(&error));
+    }
+    measured
+}
+
 /// Sum of a parameter over the settings of an effect that apply to a cable.
 fn effect_on(robot: &Robot, cable: &str, effect: &str, parameter: &str) -> f64 {
     let settings = robot.effects_and_deviations().filter(|setting| {
@@ -184,7 +215,7 @@ mod tests {
     use super::*;
     use crate::effect::EffectSetting;
     use crate::instrument::{calibrate_force_sensor, calibrate_winch, locate_platform};
-    use crate::robot::presets;
+    use crate::robot::{PerAxis, presets};
 
     fn truth() -> Robot {
         let mut robot = presets::find("mini").expect("a preset").robot;
@@ -246,5 +277,28 @@ mod tests {
             locate_platform(&platform, &distances, &[1e-4; 6], &Pose::identity()).expect("a pose");
         let truth = robot.home.expect("a home").pose();
         assert!(fix.platform_in_base.difference(&truth).norm() < 1e-10);
+    }
+
+    #[test]
+    fn a_pose_that_is_approached_again_is_where_it_was() {
+        let robot = presets::find("planar").expect("a preset").robot;
+        let targets = [
+            Pose::identity(),
+            Pose::from_parts([0.1, 0.2, 0.0], [1.0, 0.0, 0.0, 0.0]),
+        ];
+        let instrument = Tracker {
+            position_sd_m: PerAxis::Same(5e-5),
+            orientation_sd_rad: Some(1e-4),
+        };
+        let measured = approaches(&robot, (&targets, 50), &instrument, 3, true);
+        assert_eq!(measured.len(), 100);
+        let off = measured.iter().zip(targets.iter().cycle());
+        let squares = off.map(|(pose, target)| (pose.position - target.position).norm_squared());
+        // Two directions of the approach and three of the instrument.
+        let expected = (2.0 * REPEATED_SD_M.powi(2) + 3.0 * 5e-5_f64.powi(2)).sqrt();
+        let rms = (squares.sum::<f64>() / 100.0).sqrt();
+        assert!((rms / expected - 1.0).abs() < 0.2, "{rms} {expected}");
+        let exact = approaches(&robot, (&targets, 2), &instrument, 3, false);
+        assert_eq!(exact, [targets, targets].concat());
     }
 }

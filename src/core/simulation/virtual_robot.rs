@@ -314,7 +314,11 @@ fn visit_poses(
 pub(super) fn displaced(robot: &Robot, target: &Pose, rng: &mut ChaCha8Rng) -> Pose {
     let cables = robot.cables.iter();
     let sds = cables.flat_map(|c| c.pulley.entry_point_sd_m.each());
-    let sd = sds.flatten().fold(0.0, f64::max);
+    perturbed(robot, target, sds.flatten().fold(0.0, f64::max), rng)
+}
+
+/// A pose displaced in the free coordinates by a standard deviation (m), and turned by what that is at the anchors.
+pub(super) fn perturbed(robot: &Robot, target: &Pose, sd: f64, rng: &mut ChaCha8Rng) -> Pose {
     let arms = robot
         .cables
         .iter()

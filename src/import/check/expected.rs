@@ -7,6 +7,7 @@ use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::robot::Robot;
 
 use super::{Readings, lengths};
+use crate::external::other_frame;
 use crate::recipe::{Kind, Quantity};
 
 /// Expected readings by column, and the poses at which they are computed.
@@ -21,26 +22,24 @@ pub(super) struct Expected {
 impl Expected {
     pub fn of(readings: &Readings, robot: &Robot) -> Self {
         let commanded = poses(readings, robot, Kind::Commanded);
-        // Without commanded poses the measured ones are used; the instrument is then not compared with itself.
         let suffice =
             |poses: &[Option<Pose>]| poses.iter().flatten().count() * 2 >= readings.labels.len();
-        let by_command = suffice(&commanded);
-        let mut poses = match by_command {
-            true => commanded,
-            false => poses(readings, robot, Kind::Tracked),
+        let (poses, source) = if suffice(&commanded) {
+            (commanded, PoseSource::Commanded)
+        } else {
+            let measured = poses(readings, robot, Kind::Tracked);
+            match from_lengths(readings, robot, suffice(&measured)) {
+                Some(computed) => (computed, PoseSource::Lengths),
+                None => (measured, PoseSource::Measured),
+            }
         };
-        let computed = (!suffice(&poses)).then(|| lengths::poses(readings, robot));
-        let from_lengths = computed
-            .flatten()
-            .map(|computed| poses = computed)
-            .is_some();
         let mut expected = Self {
             columns: BTreeMap::new(),
             poses,
-            from_lengths,
+            from_lengths: source == PoseSource::Lengths,
         };
         expected.cables(robot);
-        expected.instruments(robot, by_command);
+        expected.instruments(robot, source);
         expected
     }
 
@@ -84,7 +83,7 @@ impl Expected {
         }
     }
 
-    fn instruments(&mut self, robot: &Robot, by_command: bool) {
+    fn instruments(&mut self, robot: &Robot, source: PoseSource) {
         for row in 0..self.poses.len() {
             let Some(pose) = self.poses[row] else {
                 continue;
@@ -109,13 +108,37 @@ impl Expected {
             {
                 self.set(Kind::Inclination, index, row, angle);
             }
-            if by_command {
+            // An instrument is not compared with itself.
+            if source != PoseSource::Measured {
                 for index in 0..3 {
                     self.set(Kind::Tracked, index, row, pose.position[index]);
                 }
             }
         }
     }
+}
+
+/// Where the poses come from at which readings are expected.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum PoseSource {
+    Commanded,
+    Measured,
+    Lengths,
+}
+
+/// Poses that the lengths of the cables have, where measured poses do not serve: there are none, or they are in another frame.
+fn from_lengths(
+    readings: &Readings,
+    robot: &Robot,
+    is_measured: bool,
+) -> Option<Vec<Option<Pose>>> {
+    let computed = lengths::poses(readings, robot);
+    if !is_measured {
+        return computed;
+    }
+    let computed = computed.or_else(|| lengths::poses_as_read(readings, robot))?;
+    let pairs = readings.measured_with(&computed)?;
+    other_frame(&pairs, robot.frame_size_m()?).map(|_| computed)
 }
 
 /// Poses from a group of columns. The home pose needs no command.

@@ -32,6 +32,14 @@ struct Assumption {
 }
 
 impl Assumption {
+    /// No channel is wrong.
+    fn none(cables: usize) -> Self {
+        Self {
+            channels: (0..cables).collect(),
+            factors: vec![1.0; cables],
+        }
+    }
+
     fn scaled(&self, cables: impl Iterator<Item = usize>, factor: f64) -> Self {
         let mut changed = self.clone();
         cables.for_each(|cable| changed.factors[cable] *= factor);
@@ -73,14 +81,9 @@ struct Lengths<'a> {
 /// there are no more cables than coordinates.
 pub(super) fn poses(readings: &Readings, robot: &Robot) -> Option<Vec<Option<Pose>>> {
     let lengths = Lengths::of(readings, robot)?;
-    let rows = readings.labels.len();
-    let some = |count: usize| (0..rows).step_by(rows.div_ceil(count).max(1));
-    let compared: Vec<usize> = some(COMPARED).collect();
+    let compared: Vec<usize> = some_rows(readings, COMPARED).collect();
     let cables = robot.cable_count();
-    let mut best = Assumption {
-        channels: (0..cables).collect(),
-        factors: vec![1.0; cables],
-    };
+    let mut best = Assumption::none(cables);
     let mut evidence = lengths.log_evidence(&best, &compared)?;
     for _ in 0..cables {
         let more = best.with_one_more(lengths.kind);
@@ -97,11 +100,18 @@ pub(super) fn poses(readings: &Readings, robot: &Robot) -> Option<Vec<Option<Pos
     if !lengths.fit(&best, &compared) {
         return None;
     }
-    let mut poses = vec![None; rows];
-    for row in some(ROWS) {
-        poses[row] = lengths.solve(&best, row).map(|(pose, _)| pose);
-    }
-    Some(poses)
+    Some(lengths.all(&best, readings))
+}
+
+/// Poses that the lengths have if no channel is wrong, which only redundant cables would show.
+pub(super) fn poses_as_read(readings: &Readings, robot: &Robot) -> Option<Vec<Option<Pose>>> {
+    let lengths = Lengths::of(readings, robot)?;
+    Some(lengths.all(&Assumption::none(robot.cable_count()), readings))
+}
+
+fn some_rows(readings: &Readings, count: usize) -> impl Iterator<Item = usize> {
+    let rows = readings.labels.len();
+    (0..rows).step_by(rows.div_ceil(count).max(1))
 }
 
 impl<'a> Lengths<'a> {
@@ -111,9 +121,6 @@ impl<'a> Lengths<'a> {
             .find(|kind| readings.of(*kind).len() == robot.cable_count())?;
         let columns: Vec<&[f64]> = readings.of(kind).into_iter().map(|(_, v)| v).collect();
         let coordinates = robot.platform.freedom().count();
-        if columns.len() <= coordinates {
-            return None;
-        }
         let home = robot
             .home
             .and_then(|home| inverse_kinematics(robot, &home.pose()).ok());
@@ -150,13 +157,20 @@ impl<'a> Lengths<'a> {
         (0..self.columns.len()).map(length).collect()
     }
 
-    /// Pose and sum of the squared residuals of a row; `None` without redundant readings.
+    /// Poses of at most [`ROWS`] rows.
+    fn all(&self, assumed: &Assumption, readings: &Readings) -> Vec<Option<Pose>> {
+        let mut poses = vec![None; readings.labels.len()];
+        for row in some_rows(readings, ROWS) {
+            poses[row] = self.solve(assumed, row).map(|(pose, _)| pose);
+        }
+        poses
+    }
+
+    /// Pose, sum of the squared residuals and number of redundant readings of a row.
     fn solve(&self, assumed: &Assumption, row: usize) -> Option<(Pose, [f64; 2])> {
         let lengths = self.row(assumed, row);
         let known = lengths.iter().filter(|length| length.is_finite()).count();
-        let redundant = known
-            .checked_sub(self.coordinates)
-            .filter(|more| *more > 0)?;
+        let redundant = known.checked_sub(self.coordinates)?;
         let found = self.solver.solve(&lengths, self.solver.centre());
         let squares = found.residual_rms_m.powi(2) * known as f64;
         squares

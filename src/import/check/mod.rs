@@ -88,6 +88,19 @@ impl Readings {
         }
     }
 
+    /// Measured positions (m) with the poses of these rows, where both are known.
+    fn measured_with(&self, poses: &[Option<Pose>]) -> Option<Vec<(Vec3, Pose)>> {
+        let kind = Kind::Tracked;
+        let column = |index: usize| self.columns.get(&Quantity { kind, index });
+        let (x, y, z) = (column(0)?, column(1)?, column(2)?);
+        let at = |(row, pose): (usize, &Option<Pose>)| {
+            let position = Vec3::new(x[row], y[row], z[row]);
+            let is_there = position.iter().all(|v| v.is_finite());
+            pose.filter(|_| is_there).map(|pose| (position, pose))
+        };
+        Some(poses.iter().enumerate().filter_map(at).collect())
+    }
+
     /// All columns of one kind with their quantities.
     fn of(&self, kind: Kind) -> Vec<(Quantity, &[f64])> {
         let found = self
@@ -282,21 +295,14 @@ fn frame(readings: &Readings, expected: &Expected, robot: &Robot, found: &mut Ve
     {
         return;
     }
-    let column = |index: usize| {
-        let kind = Kind::Tracked;
-        let values = readings.columns.get(&Quantity { kind, index })?;
-        // Without commanded poses the measured ones serve as expected values.
-        expected.column(Quantity { kind, index }).map(|_| values)
-    };
-    let (Some(x), Some(y), Some(z)) = (column(0), column(1), column(2)) else {
+    let (kind, index) = (Kind::Tracked, 0);
+    // Measured poses that serve as expected ones are in the frame of the robot.
+    if expected.column(Quantity { kind, index }).is_none() {
+        return;
+    }
+    let Some(positions) = readings.measured_with(&expected.poses) else {
         return;
     };
-    let at = |(row, pose): (usize, &Option<Pose>)| {
-        let position = Vec3::new(x[row], y[row], z[row]);
-        let is_there = position.iter().all(|v| v.is_finite());
-        pose.filter(|_| is_there).map(|pose| (position, pose))
-    };
-    let positions: Vec<(Vec3, Pose)> = expected.poses.iter().enumerate().filter_map(at).collect();
     if let Some(sentence) = other_frame(&positions, robot_m) {
         found.push(Suggestion::new(sentence, Change::AlignInstrument));
     }

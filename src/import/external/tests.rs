@@ -196,7 +196,15 @@ fn poses_in_another_frame_are_recognised_and_brought_over() {
         log.series[0].channels.push(channel(name, values));
     }
     let sources = [log];
-    let (recipe, _) = propose(&sources, &robot);
+    let (mut recipe, assumed) = propose(&sources, &robot);
+    assert!(recipe.instrument.is_some());
+    let is_told = |sentence: &&String| {
+        sentence.contains("the frame of the instrument is found from the poses")
+    };
+    assert_eq!(assumed.iter().filter(is_told).count(), 1, "{assumed:?}");
+    let aligned = followed(&sources, &recipe, &robot);
+    assert!(aligned.document.suggestions.is_empty());
+    recipe.instrument = None;
     let as_it_is = followed(&sources, &recipe, &robot);
     let suggestions = &as_it_is.document.suggestions;
     assert_eq!(suggestions.len(), 1, "{suggestions:?}");
@@ -215,6 +223,56 @@ fn poses_in_another_frame_are_recognised_and_brought_over() {
             .tracked_position_at(row)
             .expect("a position");
         assert!((position - pose.position).norm() < 1e-9);
+    }
+}
+
+/// Without commanded poses the lengths of the cables tell where the platform was, also those of six cables, which are not redundant.
+#[test]
+fn the_frame_of_an_instrument_is_found_from_the_lengths() {
+    let seen = instrument_of_robot();
+    for cables in [8, 6] {
+        let (mut robot, poses) = (robot(), poses(20));
+        // Six that hold the platform in all directions.
+        let kept = [0, 1, 3, 4, 6, 7, 2, 5];
+        robot.cables = kept[..cables]
+            .iter()
+            .map(|k| robot.cables[*k].clone())
+            .collect();
+        for is_other in [true, false] {
+            let mut log = table(&robot, &poses, false);
+            for index in 0..7 {
+                let value = |pose: &Pose| {
+                    let position = match is_other {
+                        true => seen.transform(&pose.position),
+                        false => pose.position,
+                    };
+                    let orientation = match is_other {
+                        true => seen.orientation * pose.orientation,
+                        false => pose.orientation,
+                    };
+                    let pose = Pose {
+                        position,
+                        orientation,
+                    };
+                    let turned = pose.orientation_wxyz();
+                    pose.position.iter().chain(&turned).copied().nth(index)
+                };
+                let values = poses.iter().map(|pose| value(pose).expect("seven numbers"));
+                let kind = Kind::Tracked;
+                let name = Quantity { kind, index }.column();
+                log.series[0].channels.push(channel(&name, values));
+            }
+            let sources = [log];
+            let (recipe, _) = propose(&sources, &robot);
+            assert_eq!(recipe.instrument.is_some(), is_other, "{cables} cables");
+            let imported = followed(&sources, &recipe, &robot);
+            assert!(imported.document.suggestions.is_empty());
+            for (row, pose) in poses.iter().enumerate() {
+                let position = imported.measurements.tracked_position_at(row);
+                let off = (position.expect("a position") - pose.position).norm();
+                assert!(off < 1e-6, "{cables} cables, row {row}: {off}");
+            }
+        }
     }
 }
 

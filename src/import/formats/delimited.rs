@@ -1,15 +1,14 @@
 //! Tables as text, with any separator, in any encoding.
 
-use std::io::Read;
-
 use tautline_session::ReadError;
 
 use super::{encoding_notice, stem};
+use crate::input::Input;
 use crate::source::{Format, Source};
 use crate::table::{Columns, Layout, SAMPLE, no_numbers};
 use crate::text::{Cells, Lines};
 
-pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, ReadError> {
+pub(super) fn read(head: &[u8], input: Input<'_>, file: &str) -> Result<Source, ReadError> {
     let mut lines = Lines::new(head, input, file);
     let sample: Vec<(u64, String)> = lines.look_ahead(SAMPLE)?.iter().cloned().collect();
     let texts: Vec<(u64, &str)> = sample
@@ -24,7 +23,7 @@ pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, 
     let split: Vec<(u64, &Cells)> = split.iter().map(|(line, cells)| (*line, cells)).collect();
     let layout = Layout::of(&split).ok_or_else(|| no_numbers(file))?;
     layout.check(file)?;
-    let mut columns = Columns::new(file, &layout, &split);
+    let mut columns = Columns::new(file, &layout, &split, lines.budget());
     let mut cells = Cells::default();
     while let Some((line, text)) = lines.next_line()? {
         if line >= layout.first_data_line {

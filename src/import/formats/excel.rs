@@ -100,7 +100,7 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
         } else {
             format!("{} {name}", stem(file))
         };
-        match read_rows(&place, &title, &rows, &mut source.notices) {
+        match read_rows(&place, &title, &rows, budget, &mut source.notices) {
             Ok(series) => source.series.push(series),
             // A sheet of notes beside the readings is no reason to refuse them.
             Err(error) => {

@@ -95,7 +95,7 @@ fn read_file(
         left: bytes.saturating_mul(MAX_RATIO),
         budget,
         objects: 0,
-        storage: Storage::default(),
+        storage: Storage::within(budget),
         series: Vec::new(),
         notices: Vec::new(),
     };
@@ -635,7 +635,7 @@ impl Reader<'_> {
                 Filled::Numbers(values) => series.channels.push(Channel {
                     name,
                     unit,
-                    values: self.storage.finish(values),
+                    values: values.finish(),
                 }),
                 Filled::Texts(texts) => match texts.finish(&name) {
                     Ok(texts) => series.texts.push(texts),

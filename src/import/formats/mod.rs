@@ -11,7 +11,9 @@ mod hdf5;
 mod hdf5;
 #[cfg(feature = "hdf5")]
 mod hdf5_elements;
+mod labview;
 mod matlab;
+mod mdf;
 mod motive;
 mod nexus;
 mod numpy;
@@ -19,6 +21,7 @@ mod parquet;
 #[cfg(feature = "ros")]
 mod ros;
 mod scope;
+mod tdms;
 
 use std::fs::File;
 use std::io::{Read, Seek};
@@ -110,6 +113,9 @@ fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
         Format::RosBag => refuse(
             "is a bag of ROS 1, which this build cannot read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>)",
         ),
+        Format::Tdms => tdms::read(input, &file),
+        Format::Mdf => mdf::read(input, &file),
+        Format::LabView => labview::read(&head, input, &file),
         Format::Excel => excel::read(input, &file),
     }
 }
@@ -179,6 +185,10 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
             return Refused("is an encrypted Parquet file, expected one that is not");
         }
         [0x89, b'M', b'C', b'A', b'P', ..] => return Readable(Format::Mcap),
+        _ if head.starts_with(tdms::BEGIN) => return Readable(Format::Tdms),
+        _ if mdf::BEGIN.iter().any(|begin| head.starts_with(begin)) => {
+            return Readable(Format::Mdf);
+        }
         _ if head.starts_with(b"#ROSBAG V2.0\n") => return Readable(Format::RosBag),
         _ if head.starts_with(b"#ROSBAG") || head.starts_with(b"#ROSRECORD") => {
             return Refused(
@@ -221,10 +231,14 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
         _ if text.starts_with('{') => {
             Refused("is a JSON file, expected readings; robots and sessions need no import")
         }
+        "rosbag2_bagfile_information" => Refused(
+            "describes a recording of ROS 2, expected the recording beside it (.mcap; of a .db3: mcap convert <db3> <mcap>)",
+        ),
         "Format" if first.starts_with("Format Version") => Readable(Format::Motive),
         "Name" if text.contains("SampleTime") || text.contains("SymbolName") => {
             Readable(Format::TwinCatScope)
         }
+        _ if labview::is_title(first) => Readable(Format::LabView),
         _ if nexus::is_title(first) => Readable(Format::Nexus),
         _ => Readable(Format::Table),
     }

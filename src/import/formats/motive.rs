@@ -1,11 +1,10 @@
 //! CSV export of OptiTrack Motive, versions 1.2 and later.
 
 use std::collections::HashMap;
-use std::io::Read;
-
 use tautline_session::{Place, ReadError, quoted};
 
 use super::{encoding_notice, stem};
+use crate::input::Input;
 use crate::source::{Channel, Format, Series, Source};
 use crate::text::{Cells, Decimal, Lines, Separator, is_gap, parse_number};
 use crate::values::{Table, Values};
@@ -14,7 +13,7 @@ use crate::values::{Table, Values};
 const HEADER_LINES: usize = 20;
 const COMMA: Separator = Separator::Character(',');
 
-pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, ReadError> {
+pub(super) fn read(head: &[u8], input: Input<'_>, file: &str) -> Result<Source, ReadError> {
     let mut lines = Lines::new(head, input, file);
     let mut settings = HashMap::new();
     let mut rows: Vec<Vec<String>> = Vec::new();
@@ -128,7 +127,7 @@ fn data(
 ) -> Result<Values, ReadError> {
     let file = lines.file();
     let mut cells = Cells::default();
-    let mut table = Table::new(channels.len());
+    let mut table = Table::new(channels.len(), lines.budget());
     let mut times = Vec::new();
     let mut frames = Frames::default();
     while let Some((line, text)) = lines.next_line()? {

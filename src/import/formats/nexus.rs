@@ -1,11 +1,10 @@
 //! Text export of Vicon Nexus: sections, each with its title alone on a line.
 
-use std::io::Read;
-
 use tautline_session::{Place, ReadError, quoted};
 
 use super::motive::Frames;
 use super::{encoding_notice, stem};
+use crate::input::Input;
 use crate::source::{Channel, Format, Series, Source};
 use crate::text::{Cells, Lines, Separator, is_gap, parse_number};
 use crate::units::bare;
@@ -27,7 +26,7 @@ pub(super) fn is_title(line: &str) -> bool {
     TITLES.contains(&line)
 }
 
-pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, ReadError> {
+pub(super) fn read(head: &[u8], input: Input<'_>, file: &str) -> Result<Source, ReadError> {
     let mut lines = Lines::new(head, input, file);
     let mut source = Source {
         file: file.into(),
@@ -122,7 +121,7 @@ fn section(
     let mut channels = headings(&names, &axes, &units);
     let mut frames = Frames::default();
     let mut at = Vec::new();
-    let mut table = Table::new(channels.len());
+    let mut table = Table::new(channels.len(), lines.budget());
     let mut cells = Cells::default();
     while let Some((line, text)) = lines.next_line()? {
         cells.split(text, separator);

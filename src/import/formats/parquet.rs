@@ -57,7 +57,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let reader = SerializedFileReader::new(input.file().map_err(io)?).map_err(damaged)?;
     let mut notices = Vec::new();
     let mut columns = columns(&reader, input.budget(), file, &mut notices);
-    let mut storage = Storage::default();
+    let mut storage = Storage::within(input.budget());
     let mut rows = 0;
     for number in 0..reader.num_row_groups() {
         let group = reader.get_row_group(number).map_err(damaged)?;
@@ -104,7 +104,7 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
             Filled::Numbers(values, _) => series.channels.push(Channel {
                 name,
                 unit,
-                values: storage.finish(values),
+                values: values.finish(),
             }),
             Filled::Texts(texts) => match texts.finish(&name) {
                 Ok(texts) => series.texts.push(texts),

@@ -4,11 +4,10 @@
 //! for each channel in every second cell; the data, a pair of cells (sample or time, value) for each channel. Channels
 //! of slower rate have fewer rows. A line of empty cells and `EOF` close the file.
 
-use std::io::Read;
-
 use tautline_session::{Place, ReadError, quoted};
 
 use super::{encoding_notice, stem};
+use crate::input::Input;
 use crate::source::{Channel, Format, Series, Source};
 use crate::text::{Cells, Decimal, Lines, Separator, is_gap, parse_number, parse_timestamp};
 use crate::units::split_heading;
@@ -32,7 +31,7 @@ struct Pairs<V> {
     values: V,
 }
 
-pub(super) fn read(head: &[u8], input: impl Read, file: &str) -> Result<Source, ReadError> {
+pub(super) fn read(head: &[u8], input: Input<'_>, file: &str) -> Result<Source, ReadError> {
     let mut lines = Lines::new(head, input, file);
     let separator = separator(lines.look_ahead(1)?.front().map_or("", |(_, line)| line));
     let header = header(&mut lines, separator)?;
@@ -134,7 +133,7 @@ fn data(
         at: Filling::default(),
         values: Filling::default(),
     };
-    let mut storage = Storage::default();
+    let mut storage = Storage::within(lines.budget());
     let mut channels: Vec<Pairs<Filling>> = header.names.iter().map(filling).collect();
     let mut cells = Cells::default();
     let mut ended = false;
@@ -207,8 +206,8 @@ fn data(
         ));
     }
     let filled = channels.into_iter().map(|pairs| Pairs {
-        at: storage.finish(pairs.at),
-        values: storage.finish(pairs.values),
+        at: pairs.at.finish(),
+        values: pairs.values.finish(),
     });
     Ok(filled.collect())
 }

@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use tautline_core::robot::Robot;
 
 use crate::cutting::{is_recording, sampled_at_rest, sampled_in_motion};
+use crate::importing::in_other_frame;
 use crate::naming::words::{
     ANGLES, GROUP, HOT, LABEL, LASER, NO_CLOCK, OTHER, PER_CABLE, RANGE, TEMPERATURE, TIME, TRAVEL,
 };
@@ -41,6 +42,7 @@ pub fn propose_around(
     let mut proposal = Proposal {
         robot,
         given: known.iter().map(|known| known.quantity.clone()).collect(),
+        miscounted: Vec::new(),
         recipe: Recipe::default(),
         known,
         notices: Vec::new(),
@@ -58,6 +60,7 @@ pub fn propose_around(
         proposal.singles(series, format);
     }
     proposal.by_motion(sources);
+    proposal.tell_miscounted();
     let names_repeat = |name: &str| {
         let all = sources.iter().flat_map(|source| &source.series);
         all.filter(|series| series.channel(name).is_some() || series.text(name).is_some())
@@ -76,6 +79,7 @@ pub fn propose_around(
     proposal.recipe.channels.append(&mut proposal.known);
     proposal.cutting(sources);
     proposal.home(sources);
+    proposal.instrument(sources);
     (proposal.recipe, proposal.notices)
 }
 
@@ -233,6 +237,8 @@ struct Proposal<'a> {
     known: Vec<Assignment>,
     /// Columns that already have a channel.
     given: BTreeSet<String>,
+    /// Families of another number than that of the cables: series, channels, and a sentence if nothing else uses them.
+    miscounted: Vec<(String, Vec<String>, String)>,
     notices: Vec<String>,
 }
 
@@ -302,13 +308,16 @@ impl Proposal<'_> {
             if family.count == cables {
                 candidates.push((recognised, family));
             } else if family.count + 1 >= cables || family.count > 2 {
-                self.notices.push(format!(
+                let sentence = format!(
                     "{}: {} channels {} could be the {} of cables, but the robot has {cables} cables: not used",
                     series.name,
                     family.count,
                     family.pattern,
                     kind_name(recognised.kind)
-                ));
+                );
+                let members = channels.iter().map(|channel| channel.name.clone());
+                self.miscounted
+                    .push((series.name.clone(), members.collect(), sentence));
             }
         }
         candidates.sort_by_key(|(recognised, _)| (recognised.kind, -recognised.score));
@@ -338,6 +347,21 @@ impl Proposal<'_> {
                 ..Assignment::new(family.pattern, column)
             };
             self.add(assignment);
+        }
+    }
+
+    /// States which families have another number than that of the cables and no other use.
+    fn tell_miscounted(&mut self) {
+        for (series, members, sentence) in std::mem::take(&mut self.miscounted) {
+            let mut uses = self.recipe.channels.iter().chain(&self.known);
+            let is_used = uses.any(|entry| {
+                let is_here = entry.series.as_ref().is_none_or(|of| *of == series);
+                let mut members = members.iter();
+                is_here && members.any(|name| entry.channel == *name || entry.is_pattern_of(name))
+            });
+            if !is_used {
+                self.notices.push(sentence);
+            }
         }
     }
 
@@ -469,7 +493,9 @@ impl Proposal<'_> {
                 () if is_any(&words, LABEL) => "pose",
                 () => continue,
             };
-            self.single(series, &text.name, column, None);
+            if self.is_open(series, &text.name, column) {
+                self.single(series, &text.name, column, None);
+            }
         }
         let names = series.channels.iter().map(|channel| channel.name.as_str());
         let several: BTreeSet<String> = families(names)
@@ -479,7 +505,9 @@ impl Proposal<'_> {
             .collect();
         for channel in &series.channels {
             let is_one = !several.contains(&channel.name);
-            if let Some(column) = self.single_column(series, channel, is_one) {
+            if let Some(column) = self.single_column(series, channel, is_one)
+                && self.is_open(series, &channel.name, column)
+            {
                 let unit = self.single_unit(channel, column);
                 self.single(series, &channel.name, column, unit);
             }
@@ -546,24 +574,24 @@ impl Proposal<'_> {
         }
     }
 
-    fn single(&mut self, series: &Series, name: &str, column: &str, unit: Option<&str>) {
-        if self.is_known(name)
-            || self.is_given(column)
-            || self
-                .recipe
-                .channels
-                .iter()
-                .any(|known| known.channel == name && known.series.as_ref() == Some(&series.name))
-        {
-            // The clock of a second series is its own.
-            if column != "time_s"
-                || self.recipe.channels.iter().any(|known| {
-                    known.quantity == "time_s" && known.series.as_ref() == Some(&series.name)
-                })
-            {
-                return;
+    /// Whether a channel has no use yet, and the column no channel.
+    fn is_open(&self, series: &Series, name: &str, column: &str) -> bool {
+        let mut here = self.recipe.channels.iter();
+        let mut here_is = |is_meant: &dyn Fn(&Assignment) -> bool| {
+            here.any(|known| known.series.as_ref() == Some(&series.name) && is_meant(known))
+        };
+        match column {
+            // Every series has its own clock.
+            "time_s" => !here_is(&|known| known.quantity == "time_s"),
+            _ => {
+                !self.is_known(name)
+                    && !self.is_given(column)
+                    && !here_is(&|known| known.channel == name)
             }
         }
+    }
+
+    fn single(&mut self, series: &Series, name: &str, column: &str, unit: Option<&str>) {
         self.add(Assignment {
             series: Some(series.name.clone()),
             unit: unit.map(Into::into),
@@ -896,6 +924,19 @@ impl Proposal<'_> {
         } else {
             Cutting::Rows
         };
+    }
+
+    /// Whether the frame of an external instrument has to be found.
+    fn instrument(&mut self, sources: &[Source]) {
+        if !self.is_given("meas_x_m") {
+            return;
+        }
+        if let Some(sentence) = in_other_frame(sources, &self.recipe, self.robot) {
+            self.notices.push(format!(
+                "{sentence}: the frame of the instrument is found from the poses"
+            ));
+            self.recipe.instrument = Some(Box::default());
+        }
     }
 
     /// Whether the first pose is the home pose, and whether encoders count from there.

@@ -79,7 +79,7 @@ pub(super) fn robot_of(
     notices.push(format!(
         "{file}: does not state winches, noise and tolerances of the pulleys: a motor revolution is assumed to wind 1 m of cable, a length to have a standard deviation of {} mm, entry points one of {} mm, and all other parts to have typical tolerances; correct robot.json",
         1e3 * LENGTH_SD_M,
-        1e3 * sd_m
+        (1e4 * sd_m).round() / 10.0
     ));
     VersionedFile::check(&robot)
         .map_err(|error| ReadError::new(file, Place::Pointer(error.pointer), error.message))?;

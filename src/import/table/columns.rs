@@ -3,6 +3,7 @@
 use tautline_session::{Place, ReadError, quoted};
 
 use super::layout::Layout;
+use crate::memory::MemoryBudget;
 use crate::source::{Channel, FillingTexts, Series};
 use crate::text::{Cells, Decimal, is_gap, parse_number, parse_timestamp};
 use crate::values::{Filling, Storage};
@@ -38,7 +39,12 @@ enum Filled {
 
 impl Columns {
     /// Columns of a layout; what each holds is found out from a sample of rows.
-    pub fn new(file: &str, layout: &Layout, sample: &[(u64, &Cells)]) -> Self {
+    pub fn new(
+        file: &str,
+        layout: &Layout,
+        sample: &[(u64, &Cells)],
+        budget: &MemoryBudget,
+    ) -> Self {
         let data = || {
             sample
                 .iter()
@@ -58,7 +64,7 @@ impl Columns {
             broken: None,
             last_line: 0,
             decimals: [None; 2],
-            storage: Storage::default(),
+            storage: Storage::within(budget),
         }
     }
 
@@ -152,12 +158,12 @@ impl Columns {
                 Filled::Numbers(values) => series.channels.push(Channel {
                     name,
                     unit,
-                    values: self.storage.finish(values),
+                    values: values.finish(),
                 }),
                 Filled::Times(values) => series.channels.push(Channel {
                     name,
                     unit: Some("s".into()),
-                    values: self.storage.finish(values),
+                    values: values.finish(),
                 }),
                 Filled::Texts(texts) => match texts.finish(&name) {
                     Ok(texts) => series.texts.push(texts),

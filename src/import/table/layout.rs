@@ -88,7 +88,7 @@ impl Layout {
         let preamble = &before[..header - usize::from(has_header)];
         let others: Vec<&&(u64, &Cells)> = preamble
             .iter()
-            .filter(|(_, cells)| is_data(cells) && cells.len() > 1)
+            .filter(|(_, cells)| is_data(cells) && cells.len() > 1 && !is_setting(cells))
             .collect();
         let joined = |cells: &Cells| cells.iter().collect::<Vec<_>>().join(" ").trim().to_owned();
         let mut headings: Vec<(String, Option<String>)> = (0..width)
@@ -103,7 +103,7 @@ impl Layout {
         if !has_header {
             name_points(&mut headings, rows[first].1);
         }
-        make_unique(&mut headings);
+        make_unique(headings.iter_mut().map(|(name, _)| name));
         Some(Self {
             headings,
             has_header,
@@ -179,6 +179,12 @@ fn is_data(cells: &Cells) -> bool {
     readings > 0 && readings * 2 >= filled
 }
 
+/// Whether a row is a setting of the recorder, a key and its value: `Abtastrate;1000`, perhaps with a unit.
+fn is_setting(cells: &Cells) -> bool {
+    let filled = cells.iter().filter(|cell| !is_gap(cell)).count();
+    !is_gap(cells.get(0)) && !is_reading(cells.get(0)) && filled <= 3
+}
+
 /// Whether a header row begins with a comment sign.
 fn is_commented(cells: &Cells, width: usize) -> bool {
     matches!(cells.get(0), "#" | "%") && cells.len() == width + 1
@@ -209,9 +215,9 @@ fn name_points(headings: &mut [(String, Option<String>)], row: &Cells) {
 }
 
 /// Numbers unnamed columns and repeated names.
-fn make_unique(headings: &mut [(String, Option<String>)]) {
+pub(crate) fn make_unique<'a>(names: impl Iterator<Item = &'a mut String>) {
     let mut seen: HashMap<String, usize> = HashMap::new();
-    for (k, (name, _)) in headings.iter_mut().enumerate() {
+    for (k, name) in names.enumerate() {
         if name.is_empty() {
             *name = format!("column {}", k + 1);
         }

@@ -5,10 +5,11 @@ mod layout;
 
 use tautline_session::{Place, ReadError};
 
+use crate::memory::MemoryBudget;
 use crate::source::Series;
 use crate::text::Cells;
 pub(crate) use columns::Columns;
-pub(crate) use layout::Layout;
+pub(crate) use layout::{Layout, make_unique};
 
 /// Number of rows from which a layout is recognised.
 pub(crate) const SAMPLE: usize = 200;
@@ -21,6 +22,7 @@ pub(crate) fn read_rows(
     file: &str,
     name: &str,
     rows: &[(u64, Cells)],
+    budget: &MemoryBudget,
     notices: &mut Vec<String>,
 ) -> Result<Series, ReadError> {
     let sample: Vec<(u64, &Cells)> = rows
@@ -30,7 +32,7 @@ pub(crate) fn read_rows(
         .collect();
     let layout = Layout::of(&sample).ok_or_else(|| no_numbers(file))?;
     layout.check(file)?;
-    let mut columns = Columns::new(file, &layout, &sample);
+    let mut columns = Columns::new(file, &layout, &sample, budget);
     notices.extend(layout.notices(file));
     for (line, cells) in rows
         .iter()

@@ -10,6 +10,8 @@ use std::io::{BufRead, BufReader, Read};
 
 use tautline_session::{Place, ReadError};
 
+use crate::input::Input;
+use crate::memory::MemoryBudget;
 pub(crate) use cells::{Cells, Separator};
 pub(crate) use decoding::{Encoding, decoded};
 pub(crate) use number::{Decimal, is_gap, parse_number};
@@ -22,6 +24,7 @@ const MAX_LINE: u64 = 4 << 20;
 pub(crate) struct Lines<'a> {
     reader: Box<dyn BufRead + 'a>,
     file: &'a str,
+    budget: MemoryBudget,
     encoding: Encoding,
     ahead: VecDeque<(u64, String)>,
     raw: Vec<u8>,
@@ -30,8 +33,13 @@ pub(crate) struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// Reads lines of `reader`, whose beginning is `head`; `file` is the name for messages.
-    pub fn new(head: &[u8], reader: impl Read + 'a, file: &'a str) -> Self {
+    /// Reads lines of `input`, whose beginning is `head`; `file` is the name for messages.
+    pub fn new(head: &[u8], input: Input<'a>, file: &'a str) -> Self {
+        let budget = input.budget().clone();
+        Self::within(budget, head, input, file)
+    }
+
+    fn within(budget: MemoryBudget, head: &[u8], reader: impl Read + 'a, file: &'a str) -> Self {
         let encoding = Encoding::of(head);
         let bytes = encoding.skip_mark(reader);
         let reader: Box<dyn BufRead> = match encoding {
@@ -44,6 +52,7 @@ impl<'a> Lines<'a> {
         Self {
             reader,
             file,
+            budget,
             encoding,
             ahead: VecDeque::new(),
             raw: Vec::new(),
@@ -55,6 +64,11 @@ impl<'a> Lines<'a> {
     /// Name of the file, for messages.
     pub fn file(&self) -> &'a str {
         self.file
+    }
+
+    /// The memory for what the lines hold.
+    pub fn budget(&self) -> &MemoryBudget {
+        &self.budget
     }
 
     /// How the text is encoded, in words.

@@ -1,7 +1,7 @@
 use super::*;
 
 fn lines(bytes: &[u8]) -> (Vec<String>, Option<&'static str>) {
-    let mut lines = Lines::new(bytes, bytes, "x.txt");
+    let mut lines = Lines::within(MemoryBudget::default(), bytes, bytes, "x.txt");
     let mut all = Vec::new();
     while let Some((number, line)) = lines.next_line().expect("lines") {
         assert_eq!(number, all.len() as u64 + 1);
@@ -48,7 +48,7 @@ fn a_pair_of_surrogates_across_two_blocks() {
 #[test]
 fn a_line_without_end_is_refused() {
     let bytes = vec![b'a'; MAX_LINE as usize + 1];
-    let mut lines = Lines::new(&bytes, &bytes[..], "x.txt");
+    let mut lines = Lines::within(MemoryBudget::default(), &bytes, &bytes[..], "x.txt");
     let error = lines.next_line().expect_err("too long").to_string();
     assert_eq!(
         error,
@@ -59,7 +59,7 @@ fn a_line_without_end_is_refused() {
 #[test]
 fn lines_that_were_looked_at_are_read() {
     let bytes = b"a\nb\nc";
-    let mut lines = Lines::new(bytes, &bytes[..], "x");
+    let mut lines = Lines::within(MemoryBudget::default(), bytes, &bytes[..], "x");
     assert_eq!(lines.look_ahead(2).expect("lines").len(), 2);
     assert_eq!(lines.look_ahead(9).expect("lines").len(), 3);
     assert_eq!(lines.next_line().expect("a line"), Some((1, "a")));

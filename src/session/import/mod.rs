@@ -235,7 +235,7 @@ fn recognise(names: &[String]) -> Option<TableKind> {
         .collect();
     let is_commanded = |column: &Column| matches!(column, Column::Component(Group::Commanded, _));
     let per_cable = columns.iter().any(|c| matches!(c, Column::Cable(..)));
-    if per_cable || names.iter().any(|name| name == LABEL) {
+    if per_cable || names.iter().any(|name| name.eq_ignore_ascii_case(LABEL)) {
         let is_plan = !columns.is_empty() && columns.iter().all(is_commanded);
         return Some(if is_plan {
             TableKind::Plan

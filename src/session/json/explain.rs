@@ -1,19 +1,27 @@
 //! Conversion of JSON values to types, with errors in terms of the format rather than of Rust.
 
-use serde::de::DeserializeOwned;
+use std::collections::BTreeSet;
+
 use serde_json::{Map, Value};
 use serde_path_to_error::{Path, Segment, Track};
 
+use super::{VersionedFile, versioned_schema};
 use crate::error::{Loaded, Place, ReadError, quoted, shown_pointer};
 
 /// Largest number of unknown keys that are listed; more are only counted.
 const MAX_NOTICES: usize = 20;
 
-/// Builds the type; unknown keys become notices.
-pub(super) fn deserialize<T: DeserializeOwned>(
-    document: Map<String, Value>,
+/// Key that names the schema of a file for editors.
+const SCHEMA: &str = "$schema";
+/// Similarity from which a key is suggested, as for the options of commands.
+const SIMILAR: f64 = 0.8;
+
+/// Builds the type; unknown keys become notices, or the first is an error where keys are checked.
+pub(super) fn deserialize<T: VersionedFile>(
+    mut document: Map<String, Value>,
     file: &str,
 ) -> Result<Loaded<T>, ReadError> {
+    document.remove(SCHEMA);
     let mut unknown = Vec::new();
     let mut note = |path: serde_ignored::Path<'_>| unknown.push(pointer_of_ignored(&path));
     let mut track = Track::new();
@@ -23,6 +31,11 @@ pub(super) fn deserialize<T: DeserializeOwned>(
         T::deserialize(serde_ignored::Deserializer::new(tracked, &mut note))
     };
     match result {
+        Ok(_) if T::KEYS_ARE_CHECKED && !unknown.is_empty() => {
+            let pointer = unknown.swap_remove(0);
+            let message = unknown_key::<T>(&pointer);
+            Err(ReadError::new(file, Place::Pointer(pointer), message))
+        }
         Ok(value) => Ok(Loaded {
             value,
             notices: notices(&unknown, file),
@@ -32,6 +45,38 @@ pub(super) fn deserialize<T: DeserializeOwned>(
             let message = message(&error.to_string(), document.pointer(&pointer));
             Err(ReadError::new(file, Place::Pointer(pointer), message))
         }
+    }
+}
+
+/// The error about an unknown key, with the nearest key of the format.
+fn unknown_key<T: VersionedFile>(pointer: &str) -> String {
+    let key = pointer.rsplit('/').next().unwrap_or_default();
+    let mut keys = BTreeSet::new();
+    keys_of(&versioned_schema::<T>().schema, &mut keys);
+    let likeness = |known: &String| strsim::jaro_winkler(key, known);
+    let nearest = keys
+        .iter()
+        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
+        .filter(|known| likeness(known) >= SIMILAR);
+    match nearest {
+        Some(known) if known == key => "unknown here, expected elsewhere in this file".to_owned(),
+        Some(known) => format!("unknown key, did you mean {}?", quoted(known)),
+        None => "unknown key, expected one of the format (tautline schemas --out DIR writes it)"
+            .to_owned(),
+    }
+}
+
+/// Names of all properties in a schema.
+fn keys_of(schema: &Value, keys: &mut BTreeSet<String>) {
+    match schema {
+        Value::Object(members) => {
+            if let Some(Value::Object(properties)) = members.get("properties") {
+                keys.extend(properties.keys().cloned());
+            }
+            members.values().for_each(|member| keys_of(member, keys));
+        }
+        Value::Array(items) => items.iter().for_each(|item| keys_of(item, keys)),
+        _ => {}
     }
 }
 

@@ -33,6 +33,8 @@ pub trait VersionedFile: Serialize + DeserializeOwned + JsonSchema {
     /// Largest file that is read (bytes).
     const MAX_BYTES: u64;
 
+    /// Whether an unknown key is an error: people write the file, and a mistyped key would be ignored.
+    const KEYS_ARE_CHECKED: bool = false;
     /// Migrations from older versions to the present one.
     const MIGRATIONS: &'static [Migration] = &[];
 

@@ -111,15 +111,16 @@ impl Column {
         (Self::Laser, "laser_m"),
     ];
 
-    /// The column with this name, if known.
+    /// The column with this name in any case, if known.
     pub fn parse(name: &str) -> Option<Self> {
+        let name = name.to_lowercase();
         let single = Self::SINGLE.iter().find(|(_, known)| *known == name);
         single.map(|(column, _)| *column).or_else(|| {
             let component = |group: Group| {
                 let k = group.names().iter().position(|known| *known == name)?;
                 Some(Self::Component(group, k))
             };
-            let cable = |quantity: PerCable| Some(Self::Cable(quantity, quantity.parse(name)?));
+            let cable = |quantity: PerCable| Some(Self::Cable(quantity, quantity.parse(&name)?));
             Group::ALL
                 .into_iter()
                 .find_map(component)

@@ -229,6 +229,10 @@ pub(super) fn unused_readings(m: &Measurements, robot: &Robot) -> Vec<String> {
     readings
         .into_iter()
         .filter(|(measured, explained, ..)| *measured && !explained)
-        .map(|(_, _, what, lacks)| format!("{what} are not used, the robot has no {lacks}"))
+        .map(|(_, _, what, lacks)| {
+            format!(
+                "{what} are kept, but identification does not use them, as the robot has no {lacks}"
+            )
+        })
         .collect()
 }

@@ -151,7 +151,7 @@ impl<R: BufRead> Table<R> {
 
     /// Index of the column called `name`.
     pub fn find(&self, name: &str) -> Option<usize> {
-        self.header.by_name.get(name).copied()
+        self.header.by_name.get(&name.to_lowercase()).copied()
     }
 
     /// Index of a required column.
@@ -178,7 +178,7 @@ impl<R: BufRead> Table<R> {
     pub fn unknown_columns(&self, known: &[&str]) -> Vec<String> {
         self.names()
             .iter()
-            .filter(|name| !known.contains(&name.as_str()))
+            .filter(|name| !known.contains(&name.to_lowercase().as_str()))
             .map(|name| self.unknown_column(name, "ignored"))
             .collect()
     }
@@ -204,7 +204,8 @@ impl Header {
                 let message = format!("found no name for column {}, expected one", k + 1);
                 return Err(ReadError::new(file, Place::Line(line), message));
             }
-            if by_name.insert(name.clone(), k).is_some() {
+            // Spreadsheets and people write the same name in several ways.
+            if by_name.insert(name.to_lowercase(), k).is_some() {
                 let message = "found in the header row again, expected once";
                 return Err(ReadError::new(file, place(), message));
             }

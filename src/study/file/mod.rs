@@ -186,6 +186,7 @@ impl VersionedFile for StudyFile {
     const FORMAT: &'static str = "tautline-study";
     const VERSION: u32 = 1;
     const MAX_BYTES: u64 = 4 << 20;
+    const KEYS_ARE_CHECKED: bool = true;
 
     fn check(&self) -> Result<(), FieldError> {
         check::study(self)
@@ -197,6 +198,16 @@ mod tests {
     use tautline_session::parse_versioned_toml;
 
     use super::*;
+
+    #[test]
+    fn a_mistyped_key_is_answered_with_the_nearest() {
+        let text = "format = \"tautline-study\"\nversion = 1\nname = \"a\"\n[design]\nrobots = [\"mini\"]\npose = [25]\n";
+        let refused = parse_versioned_toml::<StudyFile>(text.as_bytes(), "a.toml");
+        assert_eq!(
+            refused.expect_err("an unknown key").to_string(),
+            "a.toml, /design/pose: unknown key, did you mean \"poses\"?"
+        );
+    }
 
     fn read(rest: &str) -> Result<StudyFile, String> {
         let text = format!("format = \"tautline-study\"\nversion = 1\nname = \"s\"\n{rest}");

@@ -2,7 +2,7 @@
 
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Cable;
-use tautline_import::{Kind, Quantity};
+use tautline_import::{Kind, Mistake, Quantity, TableCheck, check_table};
 use tautline_session::PoseLines;
 
 use crate::wording::count;
@@ -52,12 +52,14 @@ impl ReadingFault {
 /// All faults of this kind, by the rules of the check, the gravest first.
 #[must_use]
 pub fn reading_faults(dataset: &Dataset) -> Vec<ReadingFault> {
+    let data = &dataset.measurements;
     let mut faults: Vec<ReadingFault> = no_lengths(dataset).into_iter().collect();
     if faults.is_empty() {
         faults.extend(few_rows(dataset));
     }
     faults.extend(turned_at_home(dataset));
     faults.extend(pushing_cables(dataset));
+    faults.extend(in_other_frame(dataset, &check_table(data, &dataset.robot)));
     faults
 }
 
@@ -167,4 +169,25 @@ pub(super) fn pushing_cables(dataset: &Dataset) -> Vec<ReadingFault> {
     };
     let cables = dataset.robot.cables.iter().enumerate();
     cables.filter_map(fault).collect()
+}
+
+/// Measured poses that are in another frame than the robot's: the effect of its frame is far smaller.
+pub(super) fn in_other_frame(dataset: &Dataset, found: &TableCheck) -> Option<ReadingFault> {
+    let mut suggestions = found.suggestions.iter();
+    let other = suggestions.find(|one| one.mistake == Mistake::OtherFrame)?;
+    let data = &dataset.measurements;
+    let row = (0..data.len()).find(|row| data.tracked_position_at(*row).is_some())?;
+    Some(ReadingFault {
+        row,
+        column: Quantity {
+            kind: Kind::Tracked,
+            index: 0,
+        }
+        .column(),
+        message: format!(
+            "{}, expected poses in the frame of the robot: import with \"instrument\": {{}} in the recipe, or --apply-suggestions",
+            other.sentence
+        ),
+        prevents_identification: false,
+    })
 }

@@ -11,10 +11,12 @@ use serde::{Deserialize, Serialize};
 use tautline_core::effect::measurements_as_modelled;
 use tautline_core::estimation::{Control, Options, Problem, Solution, rank_defects, solve};
 use tautline_core::measurement::Dataset;
+use tautline_import::check_table;
 use tautline_session::{PoseLines, VersionedFile};
 
 use crate::documents::isolability::{IsolabilityDocument, IsolabilityTable, SEEN, percent};
 use crate::wording::{count, list, sentence};
+use faults::in_other_frame;
 pub use faults::{ReadingFault, reading_faults};
 use readings::{complete, plausible};
 
@@ -97,14 +99,21 @@ impl CheckItem {
 /// Checks a dataset with its raw measurements; `table` is the one that they were read from.
 #[must_use]
 pub fn check(dataset: &Dataset, table: Option<&PoseLines>) -> ReadinessDocument {
-    let mut checks = check_readings(dataset, table);
+    let found = check_table(&dataset.measurements, &dataset.robot);
+    let said = |fault: &ReadingFault| fault.sentence(dataset, table);
+    let mut checks = vec![complete(dataset, &said), plausible(dataset, &found, &said)];
     let is_spoilt = checks.iter().any(|c| c.outcome == CheckOutcome::Fail);
-    let fitted = if is_spoilt {
+    let in_other_frame = in_other_frame(dataset, &found);
+    let fitted = if is_spoilt || in_other_frame.is_some() {
         Fitted::Not("the readings cannot be used".to_owned())
     } else {
         fitted(dataset)
     };
-    checks.push(geometry(&fitted));
+    checks.push(match &in_other_frame {
+        Some(fault) => CheckItem::new("geometry", CheckOutcome::Fail, said(fault))
+            .with("Import the readings again, so that the frame of the instrument is found."),
+        None => geometry(&fitted),
+    });
     let isolability = match &fitted {
         Fitted::At(..) => IsolabilityDocument::of_dataset(dataset).ok(),
         Fitted::Not(_) => None,
@@ -127,7 +136,8 @@ pub fn check(dataset: &Dataset, table: Option<&PoseLines>) -> ReadinessDocument 
 #[must_use]
 pub fn check_readings(dataset: &Dataset, table: Option<&PoseLines>) -> Vec<CheckItem> {
     let said = |fault: &ReadingFault| fault.sentence(dataset, table);
-    vec![complete(dataset, &said), plausible(dataset, &said)]
+    let found = check_table(&dataset.measurements, &dataset.robot);
+    vec![complete(dataset, &said), plausible(dataset, &found, &said)]
 }
 
 /// A first fit, which shows what the readings determine.

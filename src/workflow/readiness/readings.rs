@@ -1,7 +1,7 @@
 //! Checks that readings are complete and plausible, without a fit.
 
 use tautline_core::measurement::{Dataset, Grid};
-use tautline_import::{Kind, Mistake, Quantity, TableCheck, check_table};
+use tautline_import::{Kind, Mistake, Quantity, TableCheck};
 
 use super::faults::{self, ReadingFault};
 use super::{CheckItem, CheckOutcome, PLAUSIBLE};
@@ -110,11 +110,14 @@ pub(super) fn complete(dataset: &Dataset, said: &dyn Fn(&ReadingFault) -> String
 }
 
 /// `said` says a fault with its place.
-pub(super) fn plausible(dataset: &Dataset, said: &dyn Fn(&ReadingFault) -> String) -> CheckItem {
+pub(super) fn plausible(
+    dataset: &Dataset,
+    found: &TableCheck,
+    said: &dyn Fn(&ReadingFault) -> String,
+) -> CheckItem {
     let item = |outcome, sentence: String| CheckItem::new(PLAUSIBLE, outcome, sentence);
     let mut problems: Vec<String> = Vec::new();
-    let found = check_table(&dataset.measurements, &dataset.robot);
-    problems.extend(implausible_lengths(dataset, &found));
+    problems.extend(implausible_lengths(dataset, found));
     problems.extend(faults::turned_at_home(dataset).iter().map(said));
     problems.extend(faults::pushing_cables(dataset).iter().map(said));
     problems.extend(implausible_distances(dataset));

@@ -1,7 +1,9 @@
 //! Checks of simulated runs, good and spoilt.
 
 use super::*;
-use tautline_core::robot::presets;
+use nalgebra::{UnitQuaternion, Vector3};
+use tautline_core::geometry::Pose;
+use tautline_core::robot::{PerAxis, Tracker, presets};
 use tautline_core::simulation::{SimulationOptions, simulate};
 
 fn measured() -> Dataset {
@@ -31,6 +33,43 @@ fn a_good_run_is_ready() {
         found.checks
     );
     assert!(found.isolability.is_some());
+}
+
+#[test]
+fn poses_in_the_frame_of_a_camera_determine_no_geometry() {
+    let preset = presets::find("mini").expect("a preset");
+    let mut robot = preset.robot;
+    robot.tracker = Some(Tracker {
+        position_sd_m: PerAxis::Same(1e-3),
+        orientation_sd_rad: Some(1e-3),
+    });
+    let run = simulate(&robot, &SimulationOptions::new(25, 3));
+    let mut dataset = run.expect("simulated").dataset;
+    dataset.measurements.commanded = vec![None; dataset.measurements.len()];
+    assert_eq!(geometry_of(&dataset).outcome, CheckOutcome::Pass);
+    let turned = UnitQuaternion::from_euler_angles(0.2, 0.1, 1.3);
+    for position in &mut dataset.measurements.tracked_position_m {
+        *position = (turned * Vector3::from(*position) + Vector3::new(0.4, -2.0, 1.1)).into();
+    }
+    for wxyz in &mut dataset.measurements.tracked_orientation_wxyz {
+        *wxyz = Pose {
+            orientation: turned * Pose::from_parts([0.0; 3], *wxyz).orientation,
+            ..Pose::identity()
+        }
+        .orientation_wxyz();
+    }
+    let found = geometry_of(&dataset);
+    assert_eq!(found.outcome, CheckOutcome::Fail);
+    assert!(
+        found
+            .sentence
+            .starts_with("Pose 0, meas_x_m: the measured poses are in another frame"),
+        "{found:?}"
+    );
+}
+
+fn geometry_of(dataset: &Dataset) -> CheckItem {
+    check(dataset, None).checks.remove(2)
 }
 
 #[test]

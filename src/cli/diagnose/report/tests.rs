@@ -132,3 +132,17 @@ fn the_numbers_are_explained_on_demand() {
     ];
     assert_parts(&text, &parts);
 }
+
+/// A frame or a unit that is wrong looks like noise of hundreds of newtons.
+#[test]
+fn noise_beyond_any_sensor_is_no_reason_to_correct_the_description() {
+    let dataset = dataset();
+    let mut diagnosed = diagnosed(&dataset, &[Verdict::Named]);
+    diagnosed.diagnosis.noise[0].ratio = 2016.0;
+    let text = text(&diagnosed, false);
+    assert!(
+        text.contains("times the stated noise (1.8 to 2.5): no sensor is so much worse than its data sheet, so leave laser.sd_m as it is"),
+        "{text}"
+    );
+    assert!(!text.contains("correct laser.sd_m"));
+}

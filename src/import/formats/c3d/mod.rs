@@ -13,6 +13,7 @@ use tautline_session::{Place, ReadError, quoted};
 use self::parameters::Parameters;
 use self::processor::Processor;
 use crate::input::Input;
+use crate::memory::MemoryBudget;
 use crate::source::{Channel, Format, Series, Source};
 use crate::units::bare;
 use crate::values::{Filling, Storage, Values};
@@ -71,9 +72,10 @@ pub(super) fn read(mut input: Input<'_>, file: &str, name: &str) -> Result<Sourc
     }
     let frames = Frames::of(processor, &header, &parameters, size).map_err(refuse)?;
     input.seek(SeekFrom::Start(frames.at)).map_err(failed)?;
+    let budget = input.budget();
     let mut input = BufReader::new(input);
     let series = frames
-        .read(&mut input, &parameters, name, &mut notices)
+        .read(&mut input, budget, (&parameters, name), &mut notices)
         .map_err(failed)?;
     notices.extend(left_out(&header, &parameters));
     let notices = notices.iter().map(|notice| format!("{file}: {notice}"));
@@ -233,12 +235,12 @@ impl Frames {
     fn read(
         &self,
         input: &mut impl Read,
-        parameters: &Parameters,
-        name: &str,
+        budget: &MemoryBudget,
+        (parameters, name): (&Parameters, &str),
         notices: &mut Vec<String>,
     ) -> std::io::Result<Vec<Series>> {
         let analog = Analog::of(parameters, self.channels);
-        let mut storage = Storage::default();
+        let mut storage = Storage::within(budget);
         let mut points = fillings(3 * self.points);
         let mut channels = fillings(self.channels);
         let mut frame = vec![0; self.bytes()];
@@ -259,7 +261,7 @@ impl Frames {
             |title: &str, headings: Vec<Channel>, fillings: Vec<Filling>, samples: usize| {
                 let mut channels = headings;
                 for (channel, filling) in channels.iter_mut().zip(fillings) {
-                    channel.values = storage.finish(filling);
+                    channel.values = filling.finish();
                 }
                 let rows = count as usize * samples;
                 Series {

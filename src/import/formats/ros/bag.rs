@@ -32,7 +32,11 @@ pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let size = input.file().and_then(|file| file.metadata());
     let mut bag = Bag {
         size: size.map_err(failed)?.len(),
-        ..Bag::default()
+        recording: Recording::within(input.budget()),
+        types: Vec::new(),
+        index_at: 0,
+        is_encrypted: false,
+        damaged_chunks: 0,
     };
     let mut input = BufReader::new(input);
     let mut begin = [0; BEGIN.len()];
@@ -68,7 +72,6 @@ pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
 }
 
 /// State of reading.
-#[derive(Default)]
 struct Bag {
     recording: Recording,
     /// Names and checksums of the message types.

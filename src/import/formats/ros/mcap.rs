@@ -24,7 +24,10 @@ pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
         .with_validate_chunk_crcs(true)
         .with_record_length_limit(longest_record(bytes.len()) as usize);
     let mut reader = LinearReader::new_with_options(options);
-    let mut records = Records::default();
+    let mut records = Records {
+        schemas: HashMap::new(),
+        recording: Recording::within(input.budget()),
+    };
     let mut damaged_chunks = 0_usize;
     let end = loop {
         // The third-party reader may panic on a damaged file.
@@ -68,7 +71,6 @@ pub fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
 }
 
 /// State of reading, with the message types.
-#[derive(Default)]
 struct Records {
     schemas: HashMap<u16, Schema>,
     recording: Recording,

@@ -16,6 +16,7 @@ use tautline_session::{Place, ReadError, quoted};
 use self::definitions::{Definitions, Kind};
 use self::layout::Layout;
 use self::wire::Wire;
+use crate::memory::MemoryBudget;
 use crate::source::{Channel, FillingTexts, Format, Series, Source};
 use crate::values::{Filling, Storage};
 
@@ -36,7 +37,6 @@ fn longest_record(bytes: u64) -> u64 {
 }
 
 /// State of reading.
-#[derive(Default)]
 struct Recording {
     connections: HashMap<u32, Kept>,
     topics: Vec<Topic>,
@@ -108,6 +108,16 @@ struct Texts {
 }
 
 impl Recording {
+    /// Nothing yet; values take their memory of a budget.
+    fn within(budget: &MemoryBudget) -> Self {
+        Self {
+            connections: HashMap::new(),
+            topics: Vec::new(),
+            storage: Storage::within(budget),
+            notices: Vec::new(),
+        }
+    }
+
     /// Registers a connection; each chunk may repeat the connections of its messages.
     fn connect(
         &mut self,
@@ -218,7 +228,7 @@ impl Recording {
                 let channels = numbers.map(|(column, values)| Channel {
                     name: column.name.clone(),
                     unit: column.is_time.then(|| "s".to_owned()),
-                    values: self.storage.finish(values),
+                    values: values.finish(),
                 });
                 let mut kept = Vec::new();
                 for (text, texts) in texts.iter().zip(rows.texts) {
@@ -235,7 +245,7 @@ impl Recording {
                 let one = Series {
                     name: rows.name,
                     rows: rows.count,
-                    time_s: Some(self.storage.finish(rows.time_s)),
+                    time_s: Some(rows.time_s.finish()),
                     channels: channels.collect(),
                     texts: kept,
                 };

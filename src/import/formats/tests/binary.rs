@@ -213,7 +213,7 @@ fn matlab_struct_arrays_are_tables() {
         (Some("rad"), 12.0)
     );
     assert_eq!(source.notices, [""; 0]);
-    crate::transpose_matrices(std::slice::from_mut(&mut source), 4);
+    crate::arrange_per_cable(std::slice::from_mut(&mut source), 4);
     let with_time = source
         .series
         .iter()

@@ -18,7 +18,7 @@ fn damaged_files_are_read_or_refused_in_one_sentence() {
     for entry in std::fs::read_dir(folder).expect("seeds") {
         let path = entry.expect("a seed").path();
         let whole = std::fs::read(&path).expect("a file");
-        for _ in 0..300 {
+        for _ in 0..500 {
             let mut bytes = whole.clone();
             for _ in 0..=random(4) {
                 let at = random(bytes.len());

@@ -5,6 +5,7 @@ mod c3d;
 mod damaged;
 #[cfg(feature = "hdf5")]
 mod hdf5;
+mod laboratory;
 #[cfg(feature = "hdf5")]
 mod memory;
 #[cfg(feature = "ros")]

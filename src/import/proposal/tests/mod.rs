@@ -1,5 +1,7 @@
 //! The names of channels that others use: what is proposed for them, and that nothing is proposed wrongly.
 
+mod random_logs;
+
 use std::f64::consts::TAU;
 
 use tautline_core::measurement::Measurements;

@@ -10,6 +10,8 @@ use crate::wording::{count, odds, ratio, readings, sentence};
 
 /// Factor of the tolerances below which parts are called exact.
 const EXACT: f64 = 0.1;
+/// Ratio to the stated noise above which another mistake is likelier than a poor sensor.
+const LARGEST_NOISE_RATIO: f64 = 10.0;
 
 /// Root mean square of the residuals over that of noise alone; `None` if nothing is redundant.
 #[must_use]
@@ -140,10 +142,18 @@ impl Diagnosed {
         let [from, to] = noise.interval.map(|ratio| significant(ratio, 2));
         let ratio = significant(noise.ratio, 2);
         let only = if noise.ratio < 1.0 { "only " } else { "" };
-        format!(
-            "{readings} have {only}{ratio} times the stated noise ({from} to {to}): correct {} in robot.json.",
-            noise_key(noise.quantity)
-        )
+        let key = noise_key(noise.quantity);
+        let advice = if noise.ratio > LARGEST_NOISE_RATIO {
+            format!(
+                "no sensor is so much worse than its data sheet, so leave {key} as it is, and look for a wrong unit, sign, channel or \
+                 frame with `tautline check`"
+            )
+        } else if !self.diagnosis.extended_solution.converged() {
+            format!("the fit did not converge, so leave {key} as it is")
+        } else {
+            format!("correct {key} in robot.json")
+        };
+        format!("{readings} have {only}{ratio} times the stated noise ({from} to {to}): {advice}.")
     }
 
     /// A dependence that remains with the extended model, in a sentence.
