@@ -126,10 +126,23 @@ impl From<Output> for Answer {
 /// # Panics
 /// If it cannot be started.
 pub fn tautline(arguments: &[&str]) -> Answer {
-    let output = Command::new(program())
-        .args(arguments)
-        .stdin(Stdio::null())
-        .output();
+    run(&mut command(arguments))
+}
+
+/// The program with arguments, to be run in an environment of its own.
+#[must_use]
+pub fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(program());
+    command.args(arguments);
+    command
+}
+
+/// Runs a command; nobody can type there.
+///
+/// # Panics
+/// If it cannot be started.
+pub fn run(command: &mut Command) -> Answer {
+    let output = command.stdin(Stdio::null()).output();
     output.expect("the program starts").into()
 }
 
@@ -139,8 +152,16 @@ pub fn tautline(arguments: &[&str]) -> Answer {
 /// If it cannot be started.
 #[must_use]
 pub fn start(arguments: &[&str], input: Stdio) -> Child {
-    Command::new(program())
-        .args(arguments)
+    spawn(&mut command(arguments), input)
+}
+
+/// Starts a command, whose standard input is `input`.
+///
+/// # Panics
+/// If it cannot be started.
+#[must_use]
+pub fn spawn(command: &mut Command, input: Stdio) -> Child {
+    command
         .stdin(input)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

@@ -4,6 +4,7 @@ mod accuracy;
 mod adjust;
 mod audit;
 mod bad_input;
+mod certificate;
 mod check;
 mod compare;
 mod completions;
@@ -152,6 +153,8 @@ enum Command {
     Verify(verify::Arguments),
     /// Check that nothing was changed that a session recorded: readings, adjustments, operators, log
     Audit(audit::Arguments),
+    /// Show the certificate with which this computer connects to OPC UA servers, and export it for their trust lists
+    Certificate(certificate::Arguments),
     /// Studies of many simulated calibrations: which sensor, how many poses, what accuracy
     #[command(subcommand)]
     Study(study::Command),
@@ -243,6 +246,7 @@ pub fn run(window: &Window) -> ExitCode {
         Command::Adjust(arguments) => adjust::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Audit(arguments) => audit::run(&arguments),
+        Command::Certificate(arguments) => certificate::run(&arguments),
         Command::Study(command) => study::run(&command),
         Command::Symbols(arguments) => symbols::run(&arguments),
         Command::Effects => {

@@ -30,6 +30,15 @@ pub struct ControllerState {
     pub armed: bool,
 }
 
+/// Protection of the messages between this computer and a controller.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum LinkProtection {
+    /// Everybody on the network can read and change them.
+    Open,
+    /// They are protected; in words.
+    Protected(String),
+}
+
 /// All readings of one instant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
@@ -59,6 +68,11 @@ pub struct Sample {
 pub trait Controller: Send {
     /// Name shown to the operator.
     fn identity(&self) -> String;
+
+    /// Protection of the present connection; `None` without one over a network.
+    fn protection(&self) -> Option<LinkProtection> {
+        None
+    }
 
     /// Connects if not connected. The controller is then disarmed.
     ///

@@ -1,5 +1,40 @@
 //! Errors of controllers and instruments.
 
+use std::fmt;
+
+use tautline_session::CertificateFingerprint;
+
+/// A server whose certificate the operator has not trusted.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct UntrustedServer {
+    /// Its address, without path and options.
+    pub server: String,
+    /// SHA-256 of its certificate.
+    pub fingerprint: CertificateFingerprint,
+    /// SHA-256 of the certificate that is trusted for it, if it is another one.
+    pub known: Option<CertificateFingerprint>,
+}
+
+impl fmt::Display for UntrustedServer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            server,
+            fingerprint,
+            known,
+        } = self;
+        match known {
+            None => write!(
+                f,
+                "the certificate of {server} is not trusted yet: compare its SHA-256 fingerprint {fingerprint} with the one at the server"
+            ),
+            Some(known) => write!(
+                f,
+                "the certificate of {server} has changed: found the SHA-256 fingerprint {fingerprint}, expected {known}. Unless a new one was made at the server, somebody else answers in its place"
+            ),
+        }
+    }
+}
+
 /// An error of a controller or instrument, as one sentence for the operator.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LinkError {
@@ -20,6 +55,9 @@ pub enum LinkError {
     /// The controller cannot do it at present.
     #[error("the controller refused: {0}")]
     Refused(String),
+    /// The certificate of the controller's server is unknown, or another than the one that is trusted.
+    #[error("{0}")]
+    Untrusted(Box<UntrustedServer>),
     /// The controller reports a fault.
     #[error("the controller reports a fault: {0}")]
     Fault(String),

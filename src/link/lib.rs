@@ -26,8 +26,8 @@ mod timed_socket;
 pub mod verifying;
 
 pub use clock::{Clock, ManualClock, SystemClock};
-pub use controller::{Activity, Controller, ControllerState, Instrument, Sample};
-pub use error::LinkError;
+pub use controller::{Activity, Controller, ControllerState, Instrument, LinkProtection, Sample};
+pub use error::{LinkError, UntrustedServer};
 pub use guarded::{GuardedController, LastState};
 pub use laser::LaserSource;
 pub use limits::Limits;

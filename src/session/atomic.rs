@@ -43,6 +43,28 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     write_atomically(path, |out| out.write_all(bytes))
 }
 
+/// Writes a file that only its owner can read, completely or not at all, if there is none yet; the folder is created if
+/// necessary.
+///
+/// # Errors
+/// If there is such a file or it cannot be written.
+pub(crate) fn create_private(path: &Path, content: &[u8]) -> Result<(), WriteError> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let create = || {
+        fs::create_dir_all(folder)?;
+        // Temporary files are readable by their owner only.
+        let mut file = tempfile::Builder::new()
+            .prefix(PREFIX)
+            .tempfile_in(folder)?;
+        file.write_all(content)?;
+        file.as_file().sync_all()?;
+        file.persist_noclobber(path).map_err(|error| error.error)
+    };
+    create()
+        .map(drop)
+        .map_err(|error| WriteError::io(path, error))
+}
+
 fn replace(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,

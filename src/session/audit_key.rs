@@ -1,11 +1,11 @@
 //! The key with which a user signs audit trails: Ed25519, in a file that only its owner can read.
 
-use std::fs::File;
-use std::io::{Error, Read, Write};
+use std::io::{Error, Read};
 use std::path::Path;
 
 use ed25519_dalek::{Signature, Signer, SigningKey, VerifyingKey};
 
+use crate::atomic::create_private;
 use crate::error::{Place, ReadError, WriteError};
 use crate::input_file::open_input;
 
@@ -51,17 +51,7 @@ impl AuditKey {
         let fail = |error| WriteError::io(path, error);
         let mut secret = [0; 32];
         getrandom::fill(&mut secret).map_err(|error| fail(Error::other(error.to_string())))?;
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(fail)?;
-        }
-        let mut options = File::options();
-        options.write(true).create_new(true);
-        #[cfg(unix)]
-        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-        let mut file = options.open(path).map_err(fail)?;
-        writeln!(file, "{}", hex::encode(secret))
-            .and_then(|()| file.sync_all())
-            .map_err(fail)?;
+        create_private(path, format!("{}\n", hex::encode(secret)).as_bytes())?;
         Ok(Self(SigningKey::from_bytes(&secret)))
     }
 

@@ -57,6 +57,18 @@ impl Folders {
         self.config.join("audit.key")
     }
 
+    /// The certificate for OPC UA with its private key.
+    #[must_use]
+    pub fn opcua_key(&self) -> PathBuf {
+        self.config.join("opcua.pem")
+    }
+
+    /// The list of trusted OPC UA servers.
+    #[must_use]
+    pub fn trusted_servers(&self) -> PathBuf {
+        self.config.join("trusted-servers.json")
+    }
+
     /// The recovery folder; see [`RecoveryWriter`](crate::RecoveryWriter).
     #[must_use]
     pub fn recovery(&self) -> PathBuf {

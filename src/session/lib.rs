@@ -14,6 +14,7 @@ mod folders;
 mod import;
 mod input_file;
 mod json;
+mod opcua_key;
 mod phases;
 mod plan_table;
 mod plots;
@@ -25,6 +26,7 @@ mod sensors;
 mod session;
 mod symbols_file;
 mod table;
+mod trusted_servers;
 
 pub use atomic::{ReservedFile, link_target, reserve, write_bytes, write_text};
 pub use audit_key::AuditKey;
@@ -42,6 +44,7 @@ pub use json::{
     Migration, Schema, VersionedFile, parse_versioned, parse_versioned_toml, read_versioned,
     read_versioned_toml, schema_for, versioned, versioned_schema, write_versioned,
 };
+pub use opcua_key::OpcUaKey;
 pub use phases::{
     CheckKind, CheckPose, CheckRow, ElongationPoint, ForcePair, HomePose, HomeReading, PhaseData,
     WinchPair, read_check, read_elongation, read_force, read_home, read_winch, write_check,
@@ -61,15 +64,16 @@ pub use session::{
     Acceptance, Adjustment, AdsPlace, AuditTrail, Connection, ControllerKind, DiagnosisSettings,
     ForeignWrite, IdentificationSettings, LaserParity, LaserPort, LaserSettings, LaserUnit,
     LineLaserSettings, LogEntry, MeasuredPose, MeasuringWarning, Method, NamedValue, NotATimestamp,
-    OpcUaPlace, Outcome, Phase, PlannedPose, RecordingPlace, ResultDocument, ResultRecord,
-    RunValues, Session, Settings, Simulator, Stage, StoppedVerification, SymbolCommand, SymbolList,
-    SymbolMapping, SymbolNames, SymbolParameter, SymbolPose, SymbolReadings, SymbolRotation,
-    SymbolStatus, SymbolValue, Timestamp, TrailAuthor, TrailEntry, TrailFault, TrailPart,
-    TrailRecord, TrailSignature, ValueChange, Verification, is_per_cable, name_of_cable,
-    parse_session, read_session, without_user, write_session,
+    OpcUaPlace, OpcUaPolicy, OpcUaSecurity, Outcome, Phase, PlannedPose, RecordingPlace,
+    ResultDocument, ResultRecord, RunValues, Session, Settings, Simulator, Stage,
+    StoppedVerification, SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolParameter,
+    SymbolPose, SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue, Timestamp, TrailAuthor,
+    TrailEntry, TrailFault, TrailPart, TrailRecord, TrailSignature, ValueChange, Verification,
+    is_per_cable, name_of_cable, parse_session, read_session, without_user, write_session,
 };
 pub use symbols_file::{parse_symbols, read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};
+pub use trusted_servers::{CertificateFingerprint, NotAFingerprint, TrustedServers};
 
 /// The JSON Schemas of all files that are read.
 #[must_use]

@@ -2,11 +2,13 @@
 //! of asyncua in a process of its own, or one that misbehaves. None shares code with the link.
 
 mod host;
+mod keys;
 mod plant;
 mod server;
 pub mod symbols;
 pub mod unruly;
 
 pub use host::Host;
+pub use keys::TestKeys;
 pub use plant::Plant;
-pub use server::{Protocol, Server};
+pub use server::{PASSWORD, Protocol, Server, USER};

@@ -2,9 +2,15 @@
 
 Orders and what clients write are the same lines of JSON as those of server.py. asyncua has the messages, sessions and
 nodes; added here are counts of requests, status codes for single nodes, and connections that end amid a request.
+
+An argument of JSON makes it a server with security: the policies by their names in asyncua, the user with the password, the
+lifetime of keys, and what is wrong with its certificate, which the package cryptography makes.
 """
 
 import asyncio
+import datetime
+import hashlib
+import ipaddress
 import json
 import logging
 import math
@@ -18,8 +24,14 @@ sys.stdout = sys.stderr
 logging.disable(logging.CRITICAL)
 
 from asyncua import Server, ua  # noqa: E402
+from asyncua.common.connection import SecureConnection  # noqa: E402
+from asyncua.crypto.permission_rules import User, UserRole  # noqa: E402
+from asyncua.crypto.validator import CertificateValidator, CertificateValidatorOptions  # noqa: E402
 from asyncua.server.uaprocessor import UaProcessor  # noqa: E402
 from asyncua.ua.ua_binary import nodeid_from_binary, struct_from_binary  # noqa: E402
+from cryptography import x509  # noqa: E402
+from cryptography.hazmat.primitives import hashes, serialization  # noqa: E402
+from cryptography.hazmat.primitives.asymmetric import rsa  # noqa: E402
 
 NAMESPACE = 4
 LATE_S = 3.0
@@ -118,22 +130,87 @@ plain = UaProcessor.process_message
 UaProcessor.process_message = process_message
 
 
+open_channel = SecureConnection.open
+
+
+def open_for(lifetime_ms):
+    """Channels are opened for a time of the server's choice."""
+
+    def opened(self, params, server):
+        params.RequestedLifetime = lifetime_ms
+        return open_channel(self, params, server)
+
+    SecureConnection.open = opened
+
+
 def listed(value):
     values = value if isinstance(value, list) else [value]
     return [None if isinstance(v, float) and not math.isfinite(v) else v for v in values]
 
 
+def certificate(wishes):
+    """A key and a certificate of our own; wishes say what is wrong with it."""
+    key = rsa.generate_private_key(public_exponent=65537, key_size=wishes.get("bits", 2048))
+    name = x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, "tests")])
+    begins = datetime.datetime(2020, 1, 1, tzinfo=datetime.timezone.utc)
+    year = wishes.get("until", 2100)
+    host = ipaddress.ip_address(wishes.get("host", "127.0.0.1"))
+    names = [x509.UniformResourceIdentifier("urn:tests"), x509.DNSName("plc"), x509.IPAddress(host)]
+    signs = wishes.get("signs", True)
+    usage = x509.KeyUsage(signs, signs, True, True, False, False, False, False, False)
+    purpose = x509.ObjectIdentifier("1.3.6.1.5.5.7.3." + wishes.get("purpose", "1"))
+    made = (
+        x509.CertificateBuilder(name, name, key.public_key(), x509.random_serial_number())
+        .not_valid_before(begins)
+        .not_valid_after(begins.replace(year=year))
+        .add_extension(x509.SubjectAlternativeName(names), critical=False)
+        .add_extension(usage, critical=True)
+        .add_extension(x509.ExtendedKeyUsage([purpose]), critical=False)
+        .sign(key, hashes.SHA256())
+    )
+    return key, made
+
+
+class OneUser:
+    """Knows one user."""
+
+    def __init__(self, name, password):
+        self.known = (name, password)
+
+    def get_user(self, iserver, username=None, password=None, certificate=None):
+        return User(role=UserRole.User, name=username) if (username, password) == self.known else None
+
+
 class Rig:
     """The server and its orders."""
 
-    def __init__(self):
-        self.server = Server()
+    def __init__(self, security):
+        self.security = security
+        user = security.get("user")
+        self.server = Server(user_manager=OneUser(*user) if user else None)
         self.kinds = {}
+        self.fingerprint = None
+
+    async def secure(self):
+        key, made = certificate(self.security.get("certificate", {}))
+        self.server.iserver.certificate, self.server.iserver.private_key = made, key
+        der = made.public_bytes(serialization.Encoding.DER)
+        self.fingerprint = hashlib.sha256(der).hexdigest()
+        await self.server.set_application_uri("urn:tests")
+        options = CertificateValidatorOptions.EXT_VALIDATION | CertificateValidatorOptions.PEER_CLIENT
+        self.server.set_certificate_validator(CertificateValidator(options).validate)
+        if "lifetime_ms" in self.security:
+            open_for(self.security["lifetime_ms"])
+        if "user" in self.security:
+            self.server.set_identity_tokens([ua.UserNameIdentityToken])
 
     async def start(self):
         await self.server.init()
         self.server.set_endpoint("opc.tcp://127.0.0.1:0")
-        self.server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
+        names = self.security.get("policies", ["NoSecurity"])
+        self.server.set_security_policy([ua.SecurityPolicyType[name] for name in names])
+        if self.security:
+            await self.secure()
         for k in range(2, NAMESPACE + 1):
             await self.server.register_namespace(f"urn:tests:{k}")
         self.space = self.server.iserver.aspace
@@ -219,8 +296,9 @@ class Rig:
 
 
 async def main():
-    rig = Rig()
-    tell({"port": await rig.start()})
+    rig = Rig(json.loads(sys.argv[1]) if len(sys.argv) > 1 else {})
+    port = await rig.start()
+    tell({"port": port, "fingerprint": rig.fingerprint})
     loop = asyncio.get_running_loop()
 
     def listen():

@@ -13,11 +13,12 @@ use serde_json::{Value, json};
 use tautline_core::robot::Robot;
 use tautline_link::SystemClock;
 use tautline_link::ads::{AdsAddress, AdsOptions};
-use tautline_link::opcua::{self, OpcUaAddress, OpcUaOptions};
+use tautline_link::opcua::{self, Credentials, OpcUaAddress, OpcUaOptions, OpcUaServer};
 use tautline_link::symbols::SymbolController;
-use tautline_session::SymbolMapping;
+use tautline_session::{CertificateFingerprint, SymbolMapping};
 
 use super::host::{Host, Orders, Written, ads_client};
+use super::keys::TestKeys;
 
 /// How long an order may take before a test fails.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -27,9 +28,16 @@ const PATIENCE: Duration = Duration::from_secs(60);
 pub enum Protocol {
     /// pyads' test server.
     Ads,
-    /// asyncua's server.
+    /// asyncua's server, without security.
     OpcUa,
+    /// asyncua's server, which signs and encrypts and knows one user.
+    OpcUaEncrypted,
 }
+
+/// The user that an encrypted server knows.
+pub const USER: &str = "anna";
+/// The password of the user.
+pub const PASSWORD: &str = "Gr\u{fc}\u{df}e & 1";
 
 /// The namespace of the nodes of a server that speaks OPC UA, as their names have it.
 const NAMESPACE: &str = "ns=4;s=";
@@ -40,7 +48,7 @@ impl Protocol {
     pub fn name_of(self, symbol: &str) -> String {
         match self {
             Self::Ads => symbol.to_owned(),
-            Self::OpcUa => format!("{NAMESPACE}{symbol}"),
+            Self::OpcUa | Self::OpcUaEncrypted => format!("{NAMESPACE}{symbol}"),
         }
     }
 
@@ -57,8 +65,15 @@ impl Protocol {
     fn script(self) -> &'static str {
         match self {
             Self::Ads => "tests/ads/server.py",
-            Self::OpcUa => "tests/ads/opcua_server.py",
+            Self::OpcUa | Self::OpcUaEncrypted => "tests/ads/opcua_server.py",
         }
+    }
+
+    /// The security of the server, as its script reads it.
+    fn security(self) -> Option<Value> {
+        (self == Self::OpcUaEncrypted).then(
+            || json!({"policies": ["Basic256Sha256_SignAndEncrypt"], "user": [USER, PASSWORD]}),
+        )
     }
 }
 
@@ -79,6 +94,8 @@ pub struct Server {
     process: Child,
     orders: Orders,
     port: u16,
+    /// SHA-256 of its certificate, if it has one.
+    pub fingerprint: Option<CertificateFingerprint>,
     next: AtomicU64,
     done: Mutex<Receiver<Value>>,
     /// What clients wrote.
@@ -92,6 +109,15 @@ impl Server {
     /// If its Python environment is missing.
     #[must_use]
     pub fn start(protocol: Protocol) -> Self {
+        Self::with_security(protocol, protocol.security().as_ref())
+    }
+
+    /// Starts a server whose security is that of its script; see there.
+    ///
+    /// # Panics
+    /// If its Python environment is missing.
+    #[must_use]
+    pub fn with_security(protocol: Protocol, security: Option<&Value>) -> Self {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let python = root.join("target/python/bin/python");
         assert!(
@@ -100,6 +126,7 @@ impl Server {
         );
         let mut process = Command::new(python)
             .arg(root.join(protocol.script()))
+            .args(security.map(Value::to_string))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
@@ -108,12 +135,13 @@ impl Server {
         let output = process.stdout.take().expect("a pipe");
         let (done, wrote, port) = (channel(), channel(), channel());
         std::thread::spawn(move || listen(BufReader::new(output), &done.0, &wrote.0, &port.0));
-        let port = port.1.recv_timeout(PATIENCE).expect("the server's port");
+        let begun = port.1.recv_timeout(PATIENCE).expect("the server's port");
         Self {
             protocol,
             process,
             orders: orders_to(orders),
-            port,
+            port: begun.0,
+            fingerprint: begun.1,
             next: AtomicU64::new(1),
             done: Mutex::new(done.1),
             wrote: Mutex::new(Some(wrote.1)),
@@ -138,7 +166,20 @@ impl Server {
             host: "127.0.0.1".to_owned(),
             port: self.port,
             path: String::new(),
+            security: None,
+            policy: None,
+            user: (self.protocol == Protocol::OpcUaEncrypted).then(|| USER.to_owned()),
         }
+    }
+
+    /// What a client brings along that trusts this server and knows its user.
+    #[must_use]
+    pub fn credentials(&self) -> Credentials {
+        let keys = match self.fingerprint {
+            Some(fingerprint) => TestKeys::trusting(&self.url().origin(), fingerprint),
+            None => TestKeys::default(),
+        };
+        keys.with_password(PASSWORD)
     }
 
     /// Gives an order, waits until it is carried out, and returns the number of requests of each kind so far.
@@ -177,7 +218,7 @@ impl Host for Server {
     fn choice(&self) -> String {
         match self.protocol {
             Protocol::Ads => format!("ads:{}", self.address()),
-            Protocol::OpcUa => self.url().to_string(),
+            Protocol::OpcUa | Protocol::OpcUaEncrypted => self.url().to_string(),
         }
     }
 
@@ -190,13 +231,17 @@ impl Host for Server {
         let mapping = self.protocol.mapping(mapping);
         match self.protocol {
             Protocol::Ads => ads_client(self.address(), (&mapping, robot), options),
-            Protocol::OpcUa => {
+            Protocol::OpcUa | Protocol::OpcUaEncrypted => {
                 let clock = Arc::new(SystemClock::start());
-                let options = OpcUaOptions {
-                    timeout_s: options.timeout_s,
-                    acknowledge_s: options.acknowledge_s,
+                let server = OpcUaServer {
+                    address: self.url(),
+                    options: OpcUaOptions {
+                        timeout_s: options.timeout_s,
+                        acknowledge_s: options.acknowledge_s,
+                    },
+                    credentials: self.credentials(),
                 };
-                let made = opcua::controller(self.url(), &mapping, robot, options, clock);
+                let made = opcua::controller(server, &mapping, robot, clock);
                 made.expect("a mapping that fits")
             }
         }
@@ -223,7 +268,15 @@ impl Drop for Server {
     }
 }
 
-fn listen(output: impl BufRead, done: &Sender<Value>, wrote: &Sender<Written>, port: &Sender<u16>) {
+/// Port and certificate of a server that has begun.
+type Begun = (u16, Option<CertificateFingerprint>);
+
+fn listen(
+    output: impl BufRead,
+    done: &Sender<Value>,
+    wrote: &Sender<Written>,
+    begun: &Sender<Begun>,
+) {
     for line in output.lines() {
         let Ok(line) = line else { return };
         let told: Value = serde_json::from_str(&line).expect("JSON from the server");
@@ -237,7 +290,9 @@ fn listen(output: impl BufRead, done: &Sender<Value>, wrote: &Sender<Written>, p
             let values = values.unwrap_or_default().iter().map(number).collect();
             let _ = wrote.send((name.to_owned(), values));
         } else if let Some(found) = told["port"].as_u64() {
-            let _ = port.send(u16::try_from(found).expect("a port"));
+            let fingerprint = told["fingerprint"].as_str();
+            let fingerprint = fingerprint.map(|text| text.parse().expect("a fingerprint"));
+            let _ = begun.send((u16::try_from(found).expect("a port"), fingerprint));
         } else {
             let _ = done.send(told);
         }

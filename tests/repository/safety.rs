@@ -17,7 +17,7 @@ fn tests(folder: &Path, names: &mut HashSet<String>) {
             let marked = text.split("#[test]").skip(1);
             let marked = marked.filter_map(|rest| rest.split_once("fn ")?.1.split_once('('));
             names.extend(marked.map(|(name, _)| name.to_owned()));
-            let listed = text.split("over_both! {").skip(1);
+            let listed = text.split("over_all! {").skip(1);
             let listed = listed.filter_map(|rest| rest.split_once('}'));
             for (list, _) in listed {
                 names.extend(list.split(',').map(|name| name.trim().to_owned()));

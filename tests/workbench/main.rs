@@ -21,6 +21,7 @@ mod measuring;
 mod modeling;
 mod motion;
 mod next_step;
+mod opcua;
 mod plots;
 mod precalibration;
 mod primary;

@@ -8,6 +8,7 @@ use anyhow::{Result, anyhow};
 use tautline_link::laser::ManualLaser;
 use tautline_link::{Activity, Clock, Controller, Instrument, LinkError};
 
+use super::credentials::with_credentials;
 use crate::BadInput;
 use tautline_workflow::controllers::{ConnectionSetup, OpenError, SimulationClock};
 
@@ -57,6 +58,7 @@ impl Connection {
             Some(speed) => Pace::Faster(speed),
             None => Pace::Computed,
         };
+        let setup = &with_credentials(setup)?;
         let opened = setup.open(speed.unwrap_or(1.0));
         let opened = opened.map_err(|error| match error {
             OpenError::Read(error) => error.into(),
@@ -142,6 +144,10 @@ impl Drop for Connection {
 pub fn link_error(error: LinkError) -> anyhow::Error {
     match error {
         LinkError::Setup(text) => BadInput::new(text),
+        LinkError::Untrusted(server) => {
+            let fingerprint = server.fingerprint;
+            anyhow!("{server}. To trust it, add --trust-server {fingerprint}")
+        }
         other => anyhow!("{other}"),
     }
 }

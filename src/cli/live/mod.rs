@@ -1,6 +1,7 @@
 //! Common parts of the commands that work with a robot: session file, connection, interrupt.
 
 mod connection;
+mod credentials;
 pub mod interrupt;
 pub mod typed;
 
@@ -11,15 +12,17 @@ use crate::output::note;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use tautline_session::{AdsPlace, Connection as ConnectionSettings, OpcUaPlace, Session};
+use tautline_session::{
+    AdsPlace, CertificateFingerprint, Connection as ConnectionSettings, Folders, Session,
+};
 
 use crate::{BadInput, standard_input};
-use tautline_workflow::controllers::ControllerChoice;
+use tautline_workflow::controllers::{ControllerChoice, UserKeys};
 
 /// Arguments that choose a controller and allow it to act.
 #[derive(Debug, clap::Args)]
 pub struct RobotArguments {
-    /// sim (the session's simulated robot), replay:DIR (a recorded dataset), ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT]
+    /// sim (the session's simulated robot), replay:DIR (a recorded dataset), ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT][?security=..&policy=..&user=NAME]
     #[arg(long, value_name = "CONTROLLER")]
     pub controller: String,
     /// Allow moving the robot and changing its parameters
@@ -41,6 +44,9 @@ pub struct LinkArguments {
     /// Longest time for an answer of an ads: or opc.tcp: controller (s); stored in the session, at first 1
     #[arg(long, value_name = "SECONDS")]
     timeout: Option<f64>,
+    /// Trust the certificate with this SHA-256 fingerprint for the opc.tcp: controller from now on; compare it at the server
+    #[arg(long, value_name = "FINGERPRINT")]
+    trust_server: Option<String>,
 }
 
 impl LinkArguments {
@@ -52,6 +58,9 @@ impl LinkArguments {
         }
         if let Some(path) = &self.symbols {
             take_symbols(session, choice, path)?;
+        }
+        if let Some(fingerprint) = &self.trust_server {
+            trust(choice, fingerprint)?;
         }
         Ok(session.connection != before)
     }
@@ -81,12 +90,9 @@ fn take_timeout(
             place.check()
         }
         ControllerChoice::OpcUa(address) => {
-            let place = settings.opcua.get_or_insert_with(|| OpcUaPlace {
-                host: address.host.clone(),
-                port: address.port,
-                path: address.path.clone(),
-                timeout_s,
-            });
+            let place = settings
+                .opcua
+                .get_or_insert_with(|| address.place(timeout_s));
             place.timeout_s = timeout_s;
             place.check()
         }
@@ -95,6 +101,21 @@ fn take_timeout(
         }
     };
     checked.map_err(|error| BadInput::new(format!("--timeout: {}", error.message)))
+}
+
+/// Trusts the certificate of the controller's server.
+fn trust(choice: &ControllerChoice, fingerprint: &str) -> Result<()> {
+    let ControllerChoice::OpcUa(address) = choice else {
+        return Err(BadInput::new(format!(
+            "--trust-server: found the controller {choice}, expected opc.tcp://HOST[:PORT]"
+        )));
+    };
+    let fingerprint = fingerprint.parse::<CertificateFingerprint>();
+    let fingerprint =
+        fingerprint.map_err(|error| BadInput::new(format!("--trust-server: {error}")))?;
+    let keys = UserKeys::of(Folders::of_user()?);
+    keys.trust(&address.origin(), fingerprint)
+        .map_err(link_error)
 }
 
 fn take_symbols(session: &mut Session, choice: &ControllerChoice, path: &Path) -> Result<()> {

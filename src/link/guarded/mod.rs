@@ -16,7 +16,7 @@ use std::cell::Cell;
 
 use tautline_core::geometry::Pose;
 
-use crate::controller::{Activity, Controller, ControllerState, Sample};
+use crate::controller::{Activity, Controller, ControllerState, LinkProtection, Sample};
 use crate::error::LinkError;
 use crate::laser::LaserSource;
 use crate::limits::Limits;
@@ -193,6 +193,10 @@ impl<C: Controller + ?Sized> GuardedController<C> {
 impl<C: Controller + ?Sized> Controller for GuardedController<C> {
     fn identity(&self) -> String {
         self.inner.identity()
+    }
+
+    fn protection(&self) -> Option<LinkProtection> {
+        self.inner.protection()
     }
 
     /// Connects the controller and the external laser, both or neither.

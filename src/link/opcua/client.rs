@@ -3,24 +3,16 @@
 //! After a [`RequestError::Lost`] the client must be dropped.
 
 use opcua_types::{
-    ActivateSessionRequest, ActivateSessionResponse, AnonymousIdentityToken,
-    ApplicationDescription, ApplicationType, AttributeId, CloseSessionRequest,
-    CloseSessionResponse, CreateSessionRequest, CreateSessionResponse, DataValue, ExtensionObject,
-    MessageSecurityMode, NodeId, ReadRequest, ReadResponse, ReadValueId, StatusCode, SubStatusCode,
-    TimestampsToReturn, UAString, UserTokenType, Variant, WriteRequest, WriteResponse, WriteValue,
+    AttributeId, CloseSessionRequest, CloseSessionResponse, DataValue, NodeId, ReadRequest,
+    ReadResponse, ReadValueId, StatusCode, SubStatusCode, TimestampsToReturn, Variant,
+    WriteRequest, WriteResponse, WriteValue,
 };
 
-use super::address::OpcUaAddress;
-use super::options::OpcUaOptions;
 use super::wire::{Answer, Wire, explain};
 use crate::error::LinkError;
-use crate::timed_socket::{SocketError, addresses_of, timeout_of};
 
 /// Largest number of nodes per request; controllers allow some hundreds.
 const NODES: usize = 256;
-/// Time for which the server keeps an idle session (ms).
-const SESSION_MS: f64 = 300_000.0;
-const NAME: &str = "Tautline";
 
 /// Errors of a request.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,91 +25,27 @@ pub(super) enum RequestError {
 
 /// A session.
 pub(super) struct OpcUaClient {
-    wire: Wire,
+    pub wire: Wire,
     timeout_s: f64,
     /// The present request, for the message if it is not answered.
     request: String,
-    token: NodeId,
+    pub token: NodeId,
     is_lost: bool,
 }
 
 impl OpcUaClient {
-    /// Connects and creates an anonymous session.
-    pub fn open(address: &OpcUaAddress, options: OpcUaOptions) -> Result<Self, LinkError> {
-        let timeout = timeout_of(options.timeout_s)?;
-        let url = address.to_string();
-        let mut last = None;
-        for place in addresses_of(&address.host, address.port)? {
-            match Wire::connect(place, &url, timeout) {
-                Ok(wire) => {
-                    let mut client = Self {
-                        wire,
-                        timeout_s: options.timeout_s,
-                        request: "for a session".to_owned(),
-                        token: NodeId::null(),
-                        is_lost: false,
-                    };
-                    client.begin(&url)?;
-                    return Ok(client);
-                }
-                Err(SocketError::Invalid(what)) => {
-                    last = Some(LinkError::Disconnected(format!(
-                        "the server at {place} does not speak OPC UA ({what})"
-                    )));
-                }
-                Err(SocketError::Io(error)) => {
-                    let text = format!("{place} cannot be reached ({error})");
-                    last = Some(LinkError::Disconnected(text));
-                }
-                Err(broken) => {
-                    let request = ("for a connection", options.timeout_s);
-                    last = Some(broken.into_error(request, ""));
-                }
-            }
+    /// A client without a session.
+    pub fn new(wire: Wire, timeout_s: f64) -> Self {
+        Self {
+            wire,
+            timeout_s,
+            request: "for a session".to_owned(),
+            token: NodeId::null(),
+            is_lost: false,
         }
-        let none = || LinkError::Disconnected(format!("{url} has no address"));
-        Err(last.unwrap_or_else(none))
     }
 
-    fn begin(&mut self, url: &str) -> Result<(), LinkError> {
-        let to_error = |error| match error {
-            RequestError::Lost(error) => error,
-            RequestError::Refused(status) => LinkError::Refused(explain(status)),
-        };
-        let application = ApplicationDescription {
-            application_uri: UAString::from("urn:tautline"),
-            product_uri: UAString::from("urn:tautline"),
-            application_name: NAME.into(),
-            application_type: ApplicationType::Client,
-            ..Default::default()
-        };
-        let request = CreateSessionRequest {
-            request_header: self.wire.header(&NodeId::null()),
-            client_description: application,
-            endpoint_url: UAString::from(url),
-            session_name: UAString::from(NAME),
-            requested_session_timeout: SESSION_MS,
-            ..Default::default()
-        };
-        let created: CreateSessionResponse = self.ask(&request).map_err(to_error)?;
-        self.token = created.authentication_token.clone();
-        let policy_id = anonymous(&created).ok_or_else(|| {
-            let text = "it does not take clients without encryption and without a user: allow the security policy None with anonymous users";
-            LinkError::Refused(text.to_owned())
-        })?;
-        let request = ActivateSessionRequest {
-            request_header: self.wire.header(&self.token),
-            user_identity_token: ExtensionObject::from_message(AnonymousIdentityToken {
-                policy_id,
-            }),
-            ..Default::default()
-        };
-        self.ask::<ActivateSessionResponse>(&request)
-            .map(drop)
-            .map_err(to_error)
-    }
-
-    fn ask<A: Answer>(
+    pub fn ask<A: Answer>(
         &mut self,
         request: &(impl opcua_types::BinaryEncodable + opcua_types::MessageInfo),
     ) -> Result<A, RequestError> {
@@ -223,15 +151,4 @@ impl Drop for OpcUaClient {
             self.wire.close();
         }
     }
-}
-
-/// Token policy for anonymous users on a channel without security.
-fn anonymous(created: &CreateSessionResponse) -> Option<UAString> {
-    let endpoints = created.server_endpoints.as_deref().unwrap_or_default();
-    let open = endpoints
-        .iter()
-        .filter(|endpoint| endpoint.security_mode == MessageSecurityMode::None);
-    let mut policies = open.flat_map(|e| e.user_identity_tokens.iter().flatten());
-    let found = policies.find(|policy| policy.token_type == UserTokenType::Anonymous);
-    found.map(|policy| policy.policy_id.clone())
 }

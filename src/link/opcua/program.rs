@@ -2,11 +2,12 @@
 
 use opcua_types::{NodeId, StatusCode, VariableId, Variant};
 
-use super::address::OpcUaAddress;
+use super::OpcUaServer;
 use super::client::{OpcUaClient, RequestError};
-use super::options::OpcUaOptions;
+use super::opening;
 use super::values::{Shape, types_of};
 use super::wire::explain;
+use crate::controller::LinkProtection;
 use crate::error::LinkError;
 use crate::symbols::{
     Failure, RequiredSymbol, Slot, SymbolAccess, SymbolFound, SymbolServer, SymbolValues, each_once,
@@ -34,20 +35,14 @@ fn refused(status: StatusCode, what: &str) -> Failure {
     Failure::refused(format!("{what}: {}", explain(status)))
 }
 
-/// A server to connect to.
-pub(super) struct OpcUaServer {
-    pub address: OpcUaAddress,
-    pub options: OpcUaOptions,
-}
-
 impl SymbolServer for OpcUaServer {
     fn place(&self) -> String {
-        self.address.to_string()
+        self.address.url()
     }
 
     fn connect(&self) -> Result<Box<dyn SymbolAccess>, LinkError> {
         let mut program = Program {
-            client: OpcUaClient::open(&self.address, self.options)?,
+            client: opening::open(self)?,
             nodes: Vec::new(),
         };
         match program.problem().map_err(Failure::into_error)? {
@@ -120,6 +115,13 @@ impl SymbolAccess for Program {
             });
         }
         Ok(all)
+    }
+
+    fn protection(&self) -> LinkProtection {
+        match self.client.wire.protection() {
+            Some(protection) => LinkProtection::Protected(protection.in_words()),
+            None => LinkProtection::Open,
+        }
     }
 
     fn problem(&mut self) -> Result<Option<String>, Failure> {

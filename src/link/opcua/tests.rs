@@ -4,10 +4,16 @@ use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-use opcua_types::{ReadRequest, ReadResponse, StatusCode};
+use opcua_types::{
+    BinaryDecodable, BinaryEncodable, ContextOwned, OpenSecureChannelRequest, ReadRequest,
+    ReadResponse, StatusCode,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use tautline_session::{OpcUaPolicy, OpcUaSecurity};
 
+use super::protection::Protection;
+use super::testing::{self, certificate_of};
 use super::wire::Wire;
 use crate::timed_socket::SocketError;
 
@@ -102,7 +108,7 @@ fn asked(
         let _ = socket.read_to_end(&mut Vec::new());
     });
     let timeout = Duration::from_millis(timeout_ms);
-    let told = Wire::connect(place, "opc.tcp://127.0.0.1", timeout)
+    let told = Wire::connect(place, "opc.tcp://127.0.0.1", timeout, &mut None)
         .and_then(|mut wire| wire.exchange::<ReadResponse>(&ReadRequest::default()));
     server.join().expect("a server");
     told
@@ -216,5 +222,136 @@ fn damaged_answers_are_errors_or_values() {
         // Whatever becomes of it, it is over at once and nothing panics.
         let told = asked(vec![greeting(), opened(), damaged], false, 20_000);
         assert!(!matches!(told, Err(SocketError::Late)), "{told:?}");
+    }
+}
+
+/// What a server with protection does wrong.
+#[derive(Clone, Copy, PartialEq)]
+enum Wrong {
+    Nothing,
+    /// It answers the opening without protection.
+    OpenedBare,
+    /// It answers the request without protection.
+    AnsweredBare,
+    /// It sends the number of a chunk again.
+    Repeated,
+    /// It leaves a number out.
+    Skipped,
+    /// It names other keys.
+    OtherKeys,
+}
+
+/// A message as it came.
+fn taken(socket: &mut TcpStream) -> Vec<u8> {
+    let mut message = vec![0; 8];
+    socket.read_exact(&mut message).expect("a message");
+    let length = u32::from_le_bytes(message[4..].try_into().expect("a length"));
+    message.resize(length as usize, 0);
+    socket.read_exact(&mut message[8..]).expect("a message");
+    message
+}
+
+/// Where the encrypted part of a message for opening a channel begins.
+fn sealed_at(message: &[u8]) -> usize {
+    let mut at = 12;
+    for _ in 0..3 {
+        let length = message[at..at + 4].try_into().expect("a length");
+        at += 4 + u32::from_le_bytes(length) as usize;
+    }
+    at
+}
+
+/// Serves one opening and one read.
+fn serve_protected(mut socket: TcpStream, wrong: Wrong) {
+    let policy = OpcUaPolicy::Basic256Sha256;
+    let client = certificate_of(&testing::client());
+    let security = OpcUaSecurity::SignAndEncrypt;
+    let mut protection = Protection::new(security, policy, testing::server(), client);
+    taken(&mut socket);
+    socket.write_all(&greeting()).expect("sent");
+    let opening = taken(&mut socket);
+    if wrong == Wrong::OpenedBare {
+        let _ = socket.write_all(&opened());
+        return;
+    }
+    let content = protection
+        .open_opening(&opening, sealed_at(&opening))
+        .expect("content");
+    // Numbers and the identifier of the type come before the request.
+    let context = ContextOwned::default();
+    let request = OpenSecureChannelRequest::decode(&mut &content[12..], &context.context());
+    let nonce = protection.new_nonce();
+    let request = request.expect("a request");
+    protection.derive(&request.client_nonce).expect("keys");
+    let mut head = CHANNEL.to_le_bytes().to_vec();
+    for part in protection.opening_head() {
+        head.extend(part.encode_to_vec(&context.context()));
+    }
+    let mut content = [1_u32, 1].map(u32::to_le_bytes).concat();
+    content.extend_from_slice(&[1, 0, 0xC1, 1]); // node 449
+    content.extend(self::head(0));
+    for number in [0, CHANNEL, 5, 0, 0, 3_600_000] {
+        content.extend_from_slice(&number.to_le_bytes());
+    }
+    content.extend(nonce.encode_to_vec(&context.context()));
+    let answer = protection.seal_opening(*b"OPNF", &head, &content);
+    socket.write_all(&answer.expect("sealed")).expect("sent");
+    let asked = taken(&mut socket);
+    protection.open(&asked, 16).expect("a request");
+    let (token, number) = match wrong {
+        Wrong::Repeated => (5, 1),
+        Wrong::Skipped => (5, 3),
+        Wrong::OtherKeys => (6, 2),
+        _ => (5, 2_u32),
+    };
+    let plain = read(2);
+    let answer = match wrong {
+        Wrong::AnsweredBare => plain,
+        _ => {
+            let head = [CHANNEL, token].map(u32::to_le_bytes).concat();
+            let content = [&number.to_le_bytes(), &plain[20..]].concat();
+            protection.seal(*b"MSGF", &head, &content).expect("sealed")
+        }
+    };
+    let _ = socket.write_all(&answer);
+    let _ = socket.read_to_end(&mut Vec::new());
+}
+
+#[test]
+fn only_protected_answers_in_their_turn_are_believed() {
+    for (wrong, why) in [
+        (Wrong::Nothing, None),
+        (Wrong::OpenedBare, Some("by the policy that was asked for")),
+        (Wrong::AnsweredBare, Some("cannot be decrypted")),
+        (Wrong::Repeated, Some("out of its turn")),
+        (Wrong::Skipped, Some("out of its turn")),
+        (Wrong::OtherKeys, Some("with other keys")),
+    ] {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let place = listener.local_addr().expect("an address");
+        let server = std::thread::spawn(move || {
+            let (socket, _) = listener.accept().expect("a client");
+            serve_protected(socket, wrong);
+        });
+        let mut protection = Some(Protection::new(
+            OpcUaSecurity::SignAndEncrypt,
+            OpcUaPolicy::Basic256Sha256,
+            testing::client(),
+            certificate_of(&testing::server()),
+        ));
+        let timeout = Duration::from_secs(20);
+        let told = Wire::connect(place, "opc.tcp://127.0.0.1", timeout, &mut protection)
+            .and_then(|mut wire| wire.exchange::<ReadResponse>(&ReadRequest::default()));
+        match (why, told) {
+            (None, told) => {
+                let values = told.expect("an answer").expect("values").results;
+                assert_eq!(values.map(|values| values.len()), Some(1));
+            }
+            (Some(why), Err(SocketError::Invalid(told))) => {
+                assert!(told.contains(why), "{told} lacks {why}");
+            }
+            (Some(why), told) => panic!("{why}: {told:?}"),
+        }
+        server.join().expect("a server");
     }
 }

@@ -1,7 +1,8 @@
 //! Messages of OPC UA over TCP: one request at a time, with its response before a deadline.
 //!
 //! The messages are encoded by `async-opcua-types`; their transport is implemented here, so that every length is
-//! compared with its limit first and the deadline applies to whole exchanges. The security policy is None.
+//! compared with its limit first and the deadline applies to whole exchanges. Messages are protected by [`Protection`]; without
+//! one the security policy is None.
 
 use std::io::Cursor;
 use std::net::SocketAddr;
@@ -14,12 +15,17 @@ use opcua_types::{
     ServiceFault, StatusCode, UAString,
 };
 
+use super::protection::{OVERHEAD, Protection};
 use crate::timed_socket::{SocketError, TimedSocket};
 
 /// Length of the header of every message (bytes): kind, continuation flag, length.
-const HEADER: usize = 8;
-/// Length of channel, token, chunk number and request number (bytes).
-const CHUNK: usize = 16;
+pub(super) const HEADER: usize = 8;
+/// Length of channel and token (bytes).
+const TOKEN: usize = 8;
+/// Length of chunk number and request number (bytes).
+const NUMBERS: usize = 8;
+/// Chunk numbers begin anew above the first of these, below the second.
+const WRAPS: [u32; 2] = [u32::MAX - 1024, 1024];
 /// Largest accepted chunk (bytes).
 const LARGEST_CHUNK: usize = 1 << 16;
 /// Largest accepted response (bytes), all chunks together.
@@ -48,6 +54,7 @@ macro_rules! answers {
 }
 answers! {
     OpenSecureChannelResponse OpenSecureChannelResponse_Encoding_DefaultBinary,
+    GetEndpointsResponse GetEndpointsResponse_Encoding_DefaultBinary,
     CreateSessionResponse CreateSessionResponse_Encoding_DefaultBinary,
     ActivateSessionResponse ActivateSessionResponse_Encoding_DefaultBinary,
     CloseSessionResponse CloseSessionResponse_Encoding_DefaultBinary,
@@ -55,9 +62,10 @@ answers! {
     WriteResponse WriteResponse_Encoding_DefaultBinary
 }
 
-/// A connection with a secure channel of the policy None.
+/// A connection with a channel.
 pub(super) struct Wire {
     socket: TimedSocket,
+    protection: Option<Protection>,
     timeout: Duration,
     context: ContextOwned,
     channel: u32,
@@ -66,15 +74,23 @@ pub(super) struct Wire {
     /// Number of the last chunk and of the last request.
     chunk: u32,
     request: u32,
+    /// Number of the last chunk of the server.
+    received: Option<u32>,
     /// Largest chunk that the server accepts (bytes).
     largest: usize,
 }
 
 impl Wire {
-    /// Connects and opens a channel.
-    pub fn connect(place: SocketAddr, url: &str, timeout: Duration) -> Result<Self, SocketError> {
+    /// Connects and opens a channel, of the policy None without a protection, which is taken once there is a connection.
+    pub fn connect(
+        place: SocketAddr,
+        url: &str,
+        timeout: Duration,
+        protection: &mut Option<Protection>,
+    ) -> Result<Self, SocketError> {
         let mut wire = Self {
             socket: TimedSocket::connect(place, timeout)?,
+            protection: protection.take(),
             timeout,
             context: ContextOwned::default(),
             channel: 0,
@@ -82,6 +98,7 @@ impl Wire {
             renew_at: Instant::now(),
             chunk: 0,
             request: 0,
+            received: None,
             largest: SMALLEST_BUFFER,
         };
         wire.greet(url)?;
@@ -104,12 +121,12 @@ impl Wire {
         }
         hello.extend(UAString::from(url).encode_to_vec(&self.context.context()));
         self.socket.send(&message(*b"HELF", &hello), until)?;
-        let (kind, content) = self.receive(until)?;
+        let answer = self.receive(until)?;
         // Version, receive and send buffer, and two limits.
-        if kind != *b"ACKF" || content.len() != 20 {
+        if kind_of(&answer) != *b"ACKF" || answer.len() != HEADER + 20 {
             return Err(SocketError::Invalid("its greeting is invalid".to_owned()));
         }
-        let buffer = usize::try_from(word(&content[4..8])).unwrap_or(usize::MAX);
+        let buffer = usize::try_from(word(&answer[12..16])).unwrap_or(usize::MAX);
         self.largest = buffer.clamp(SMALLEST_BUFFER, LARGEST_CHUNK);
         Ok(())
     }
@@ -117,28 +134,43 @@ impl Wire {
     /// Opens or renews the channel.
     fn open(&mut self, request_type: SecurityTokenRequestType) -> Result<(), SocketError> {
         let until = Instant::now() + self.timeout;
+        let (security_mode, client_nonce, opening) = match &mut self.protection {
+            Some(protection) => (
+                protection.mode(),
+                protection.new_nonce(),
+                protection.opening_head(),
+            ),
+            None => (MessageSecurityMode::None, ByteString::null(), unprotected()),
+        };
         let request = OpenSecureChannelRequest {
             request_header: self.header(&NodeId::null()),
             request_type,
-            security_mode: MessageSecurityMode::None,
-            client_nonce: ByteString::null(),
+            security_mode,
+            client_nonce,
             requested_lifetime: LIFETIME_MS,
             ..Default::default()
         };
-        let mut content = self.channel.to_le_bytes().to_vec();
-        content.extend(UAString::from(NO_SECURITY).encode_to_vec(&self.context.context()));
-        content.extend_from_slice(&[0xFF; 8]); // neither a certificate nor the print of one
-        content.extend(self.numbers());
-        content.extend(self.body(&request));
-        self.socket.send(&message(*b"OPNF", &content), until)?;
-        let (kind, content) = self.receive(until)?;
-        if kind != *b"OPNF" {
+        let mut head = self.channel.to_le_bytes().to_vec();
+        for part in opening {
+            head.extend(part.encode_to_vec(&self.context.context()));
+        }
+        let content = [self.numbers(), self.body(&request)].concat();
+        let sealed = match &self.protection {
+            Some(protection) => protection.seal_opening(*b"OPNF", &head, &content)?,
+            None => message(*b"OPNF", &[head, content].concat()),
+        };
+        self.socket.send(&sealed, until)?;
+        let answer = self.receive(until)?;
+        if kind_of(&answer) != *b"OPNF" {
             return Err(SocketError::Invalid(
                 "it did not answer the request to open a channel".to_owned(),
             ));
         }
-        let body = self.opened(&content)?;
-        let answer: OpenSecureChannelResponse = self.decode(body)?.map_err(refused)?;
+        let body = self.opened(&answer)?;
+        let answer: OpenSecureChannelResponse = self.decode(&body)?.map_err(refused)?;
+        if let Some(protection) = &mut self.protection {
+            protection.derive(&answer.server_nonce)?;
+        }
         let token = answer.security_token;
         (self.channel, self.token) = (token.channel_id, token.token_id);
         // Renewal well before expiry; a server may set a lifetime so short that nothing else could be sent.
@@ -148,20 +180,26 @@ impl Wire {
     }
 
     /// The body of the response to opening a channel.
-    fn opened<'c>(&self, content: &'c [u8]) -> Result<&'c [u8], SocketError> {
+    fn opened(&mut self, answer: &[u8]) -> Result<Vec<u8>, SocketError> {
         let short =
             || SocketError::Invalid("the answer to opening a channel is cut off".to_owned());
-        let (_, mut rest) = content.split_at_checked(4).ok_or_else(short)?;
+        let (_, mut rest) = answer.split_at_checked(HEADER + 4).ok_or_else(short)?;
         // The policy and two certificates, each preceded by its length, which is -1 if absent.
-        for _ in 0..3 {
+        let mut head = [&[][..]; 3];
+        for part in &mut head {
             let (length, left) = rest.split_at_checked(4).ok_or_else(short)?;
             let length = i32::from_le_bytes(length.try_into().map_err(|_| short())?);
             let length = usize::try_from(length).unwrap_or(0);
-            (_, rest) = left.split_at_checked(length).ok_or_else(short)?;
+            (*part, rest) = left.split_at_checked(length).ok_or_else(short)?;
         }
-        let (numbers, body) = rest.split_at_checked(8).ok_or_else(short)?;
-        self.check_number(&numbers[4..])?;
-        Ok(body)
+        let content = match &self.protection {
+            Some(protection) => {
+                protection.check_opening_head(head)?;
+                protection.open_opening(answer, answer.len() - rest.len())?
+            }
+            None => rest.to_vec(),
+        };
+        Ok(self.body_of(&content).ok_or_else(short)??.to_vec())
     }
 
     /// The header of the next request.
@@ -190,6 +228,11 @@ impl Wire {
         self.decode(&answer)
     }
 
+    /// The protection of the channel; `None` under the policy None.
+    pub fn protection(&self) -> Option<&Protection> {
+        self.protection.as_ref()
+    }
+
     /// Ends the connection; notifies the server without waiting for it.
     pub fn close(&mut self) {
         let request = CloseSecureChannelRequest {
@@ -197,9 +240,8 @@ impl Wire {
         };
         let body = self.body(&request);
         self.request = self.request.wrapping_add(1);
-        let content = [self.chunk_head(), body].concat();
         let until = Instant::now() + Duration::from_millis(200);
-        let _ = self.socket.send(&message(*b"CLOF", &content), until);
+        let _ = self.send_chunk(*b"CLOF", &body, until);
     }
 
     fn body(&self, request: &(impl BinaryEncodable + MessageInfo)) -> Vec<u8> {
@@ -220,20 +262,30 @@ impl Wire {
         [self.chunk.to_le_bytes(), self.request.to_le_bytes()].concat()
     }
 
-    fn chunk_head(&mut self) -> Vec<u8> {
-        let channel = [self.channel.to_le_bytes(), self.token.to_le_bytes()].concat();
-        [channel, self.next_chunk()].concat()
+    /// Sends a part of a request, protected.
+    fn send_chunk(
+        &mut self,
+        kind: [u8; 4],
+        part: &[u8],
+        until: Instant,
+    ) -> Result<(), SocketError> {
+        let head = [self.channel.to_le_bytes(), self.token.to_le_bytes()].concat();
+        let content = [&self.next_chunk(), part].concat();
+        let sealed = match &self.protection {
+            Some(protection) => protection.seal(kind, &head, &content)?,
+            None => message(kind, &[head, content].concat()),
+        };
+        self.socket.send(&sealed, until)
     }
 
     /// Sends a request in chunks that the server accepts.
     fn send(&mut self, body: &[u8], until: Instant) -> Result<(), SocketError> {
         self.request = self.request.wrapping_add(1);
-        let parts: Vec<&[u8]> = body.chunks(self.largest - HEADER - CHUNK).collect();
+        let room = self.largest - HEADER - TOKEN - NUMBERS - OVERHEAD;
+        let parts: Vec<&[u8]> = body.chunks(room).collect();
         for (k, part) in parts.iter().enumerate() {
             let more = if k + 1 == parts.len() { b'F' } else { b'C' };
-            let content = [&self.chunk_head(), *part].concat();
-            self.socket
-                .send(&message([b'M', b'S', b'G', more], &content), until)?;
+            self.send_chunk([b'M', b'S', b'G', more], part, until)?;
         }
         Ok(())
     }
@@ -242,22 +294,15 @@ impl Wire {
     fn answer(&mut self, until: Instant) -> Result<Vec<u8>, SocketError> {
         let mut body = Vec::new();
         loop {
-            let (kind, content) = self.receive(until)?;
-            let [b'M', b'S', b'G', more @ (b'F' | b'C')] = kind else {
-                return Err(SocketError::Invalid(match kind {
+            let chunk = self.receive(until)?;
+            let [b'M', b'S', b'G', more @ (b'F' | b'C')] = kind_of(&chunk) else {
+                return Err(SocketError::Invalid(match kind_of(&chunk) {
                     [b'M', b'S', b'G', b'A'] => "it aborted an answer".to_owned(),
                     _ => "a message of an unexpected kind".to_owned(),
                 }));
             };
-            let (head, part) = content.split_at_checked(CHUNK).ok_or_else(|| {
-                SocketError::Invalid("a chunk shorter than its header".to_owned())
-            })?;
-            if word(&head[..4]) != self.channel {
-                return Err(SocketError::Invalid(
-                    "a chunk of another channel".to_owned(),
-                ));
-            }
-            self.check_number(&head[12..])?;
+            let content = self.content_of(&chunk)?;
+            let part = self.body_of(&content).ok_or_else(short_chunk)??;
             if body.len() + part.len() > LONGEST {
                 return Err(SocketError::Invalid(format!(
                     "an answer of more than {LONGEST} bytes"
@@ -270,6 +315,43 @@ impl Wire {
         }
     }
 
+    /// Numbers and body of a chunk, without its protection.
+    fn content_of(&self, chunk: &[u8]) -> Result<Vec<u8>, SocketError> {
+        let (head, content) = chunk
+            .split_at_checked(HEADER + TOKEN)
+            .ok_or_else(short_chunk)?;
+        if word(&head[HEADER..HEADER + 4]) != self.channel {
+            return Err(SocketError::Invalid(
+                "a chunk of another channel".to_owned(),
+            ));
+        }
+        let Some(protection) = &self.protection else {
+            return Ok(content.to_vec());
+        };
+        match word(&head[HEADER + 4..]) == self.token {
+            true => protection.open(chunk, HEADER + TOKEN),
+            false => Err(SocketError::Invalid("a chunk with other keys".to_owned())),
+        }
+    }
+
+    /// What follows the numbers of a chunk, which must be those of the present request and, where nobody can change them, of
+    /// the next chunk: a repeated one is refused. `None` if it is too short for them.
+    fn body_of<'c>(&mut self, content: &'c [u8]) -> Option<Result<&'c [u8], SocketError>> {
+        let (numbers, body) = content.split_at_checked(NUMBERS)?;
+        let number = word(&numbers[..4]);
+        let [last, begin] = WRAPS;
+        let follows = |before: u32| match before {
+            before if before > last && number < begin => true,
+            before => before.checked_add(1) == Some(number),
+        };
+        if self.protection.is_some() && !self.received.is_none_or(follows) {
+            let text = "a message out of its turn";
+            return Some(Err(SocketError::Invalid(text.to_owned())));
+        }
+        self.received = Some(number);
+        Some(self.check_number(&numbers[4..]).map(|()| body))
+    }
+
     fn check_number(&self, number: &[u8]) -> Result<(), SocketError> {
         match word(number) == self.request {
             true => Ok(()),
@@ -279,12 +361,11 @@ impl Wire {
         }
     }
 
-    /// The next message: its kind, and the data after the length.
-    fn receive(&mut self, until: Instant) -> Result<([u8; 4], Vec<u8>), SocketError> {
+    /// The next message, with its header.
+    fn receive(&mut self, until: Instant) -> Result<Vec<u8>, SocketError> {
         let mut header = [0; HEADER];
         self.socket.fill(&mut header, until)?;
-        let [a, b, c, d, length @ ..] = header;
-        let length = u32::from_le_bytes(length);
+        let length = word(&header[4..]);
         let size = usize::try_from(length).ok();
         let size = size.filter(|size| (HEADER..=LARGEST_CHUNK).contains(size));
         let size = size.ok_or_else(|| {
@@ -292,11 +373,12 @@ impl Wire {
                 "a message of {length} bytes, expected {HEADER} to {LARGEST_CHUNK}"
             ))
         })?;
-        let mut content = vec![0; size - HEADER];
-        self.socket.fill(&mut content, until)?;
-        match [a, b, c] {
-            [b'E', b'R', b'R'] => Err(self.ended(&content)),
-            _ => Ok(([a, b, c, d], content)),
+        let mut message = vec![0; size];
+        message[..HEADER].copy_from_slice(&header);
+        self.socket.fill(&mut message[HEADER..], until)?;
+        match message.starts_with(b"ERR") {
+            true => Err(self.ended(&message[HEADER..])),
+            false => Ok(message),
         }
     }
 
@@ -351,6 +433,24 @@ fn refused(status: StatusCode) -> SocketError {
 pub(super) fn explain(status: StatusCode) -> String {
     let meaning = status.sub_code().description().trim().trim_end_matches('.');
     format!("{meaning} (OPC UA {})", status.sub_code())
+}
+
+/// Policy None, without certificates.
+fn unprotected() -> [ByteString; 3] {
+    let policy = ByteString::from(NO_SECURITY.as_bytes());
+    [policy, ByteString::null(), ByteString::null()]
+}
+
+fn short_chunk() -> SocketError {
+    SocketError::Invalid("a chunk shorter than its header".to_owned())
+}
+
+/// Kind and continuation flag of a message.
+fn kind_of(message: &[u8]) -> [u8; 4] {
+    let [a, b, c, d, ..] = *message else {
+        return [0; 4];
+    };
+    [a, b, c, d]
 }
 
 fn message(kind: [u8; 4], content: &[u8]) -> Vec<u8> {

@@ -1,6 +1,7 @@
 //! Interface of protocols: connections to a symbol server, for looking up, reading and writing symbols.
 
 use super::layout::{RequiredSymbol, Slot};
+use crate::controller::LinkProtection;
 use crate::error::LinkError;
 
 /// A symbol of a mapping, and the controller's answer about it.
@@ -171,6 +172,11 @@ pub(crate) trait SymbolServer: Send {
 pub(crate) trait SymbolAccess: Send {
     /// Looks up symbols, which are then known by their index. They can be read and written only if all are good.
     fn look_up(&mut self, wanted: &[RequiredSymbol]) -> Result<Vec<SymbolFound>, LinkError>;
+
+    /// Protection of the messages.
+    fn protection(&self) -> LinkProtection {
+        LinkProtection::Open
+    }
 
     /// Reason why the program does not run, if it does not.
     fn problem(&mut self) -> Result<Option<String>, Failure>;

@@ -1,9 +1,13 @@
 //! The connection dialog: its settings, its files, and looking symbols up.
 
+use std::sync::Arc;
+
+use tautline_link::opcua::{Credentials, Password};
+use tautline_link::{LinkError, UntrustedServer};
 use tautline_session::{
     Connection, LaserSettings, LastConnection, SymbolMapping, read_versioned, write_versioned,
 };
-use tautline_workflow::controllers::check_symbols;
+use tautline_workflow::controllers::{PASSWORD, UserKeys, check_symbols};
 
 use super::file_dialog::pick;
 use super::file_tasks::{ask_save, write};
@@ -11,7 +15,7 @@ use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{CHECKING, RobotCommand, Setup, SetupOutcome};
 use crate::model::dialogs::SaveContent;
 use crate::model::edit::Edit;
-use crate::model::messages::Severity;
+use crate::model::messages::{Severity, full_sentence};
 use crate::model::{ConnectionRequest, Model, UiRequest};
 
 fn start(model: &mut Model, title: &str, work: impl FnOnce() -> SetupOutcome + Send + 'static) {
@@ -26,6 +30,8 @@ pub(super) fn perform(model: &mut Model, setup: Setup) {
     match setup {
         Setup::Open => ask(model, ConnectionRequest::Open),
         Setup::Close => ask(model, ConnectionRequest::Close),
+        Setup::UsePassword(password) => model.link.password = password,
+        Setup::Trust(server) => trust(model, &server),
         Setup::Save(settings) => save(model, settings),
         Setup::PickRecording => pick(model, FileRequest::folder("Recording"), |folder| {
             RobotCommand::Setup(Setup::Recording(folder))
@@ -75,6 +81,28 @@ fn save(model: &mut Model, settings: Box<(Connection, LaserSettings)>) {
     }
 }
 
+/// What the user brings along to a server that asks who it is. A typed password comes before that of the environment.
+pub(super) fn credentials(model: &Model) -> Credentials {
+    let typed = model.link.password.clone();
+    let given = || std::env::var(PASSWORD).ok().map(Password::new);
+    Credentials {
+        keys: Arc::new(UserKeys::of(model.folders.clone())),
+        password: typed.or_else(given),
+    }
+}
+
+/// Trusts the certificate that the operator has compared.
+fn trust(model: &mut Model, server: &UntrustedServer) {
+    let keys = UserKeys::of(model.folders.clone());
+    match keys.trust(&server.server, server.fingerprint) {
+        Ok(()) => {
+            let text = format!("Trusted the certificate of {}.", server.server);
+            model.messages.info(text);
+        }
+        Err(error) => refuse(model, full_sentence(&error.to_string())),
+    }
+}
+
 fn check(model: &mut Model, connection: Connection) {
     let Some(open) = &model.open else {
         return;
@@ -84,9 +112,13 @@ fn check(model: &mut Model, connection: Connection) {
         return;
     }
     let robot = open.session().robot.clone();
+    let credentials = credentials(model);
     start(model, CHECKING, move || {
-        let checked = check_symbols(&connection, &robot);
-        SetupOutcome::Checked(checked.map_err(|error| error.to_string()))
+        let checked = check_symbols(&connection, &robot, credentials);
+        match checked {
+            Err(LinkError::Untrusted(server)) => SetupOutcome::Untrusted(server),
+            checked => SetupOutcome::Checked(checked.map_err(|error| error.to_string())),
+        }
     });
 }
 
@@ -99,6 +131,7 @@ fn refuse(model: &mut Model, text: String) {
 pub(super) fn receive(model: &mut Model, outcome: SetupOutcome) {
     match outcome {
         SetupOutcome::Checked(checked) => ask(model, ConnectionRequest::ShowChecked(checked)),
+        SetupOutcome::Untrusted(server) => ask(model, ConnectionRequest::AskTrust(server)),
         SetupOutcome::Imported(Ok(mapping)) => {
             let Some(open) = &model.open else {
                 return;

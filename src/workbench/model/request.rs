@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use tautline_core::diagnosis::Quantity;
 use tautline_core::measurement::Variable;
+use tautline_link::UntrustedServer;
 use tautline_link::symbols::SymbolCheck;
 use tautline_session::SymbolMapping;
 
@@ -43,6 +44,8 @@ pub enum ConnectionRequest {
     Connected,
     /// Shows why something was refused.
     Refuse(String),
+    /// Asks whether the certificate of a server is trusted.
+    AskTrust(Box<UntrustedServer>),
     /// Fills in the folder of a recording.
     SetFolder(PathBuf),
     /// Shows the symbols as the controller describes them.

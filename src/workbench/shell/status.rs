@@ -2,7 +2,7 @@
 
 use egui::{Align, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons;
-use tautline_link::Activity;
+use tautline_link::{Activity, LinkProtection};
 
 use super::state::State;
 use crate::model::command::{RobotCommand, Setup, ViewCommand};
@@ -88,6 +88,7 @@ fn chip(ui: &mut Ui, state: &mut State, (words, colour): (&str, egui::Color32)) 
         let identity = RichText::new(&state.model.link.identity).small();
         ui.add(egui::Label::new(identity).truncate());
         ui.label(icon.size(16.0).color(colour));
+        protection(ui, state);
         return;
     }
     let text = RichText::new(words).small().color(colour);
@@ -97,6 +98,26 @@ fn chip(ui: &mut Ui, state: &mut State, (words, colour): (&str, egui::Color32)) 
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
     if response.on_hover_text("Connect…").clicked() {
         state.outbox.send(RobotCommand::Setup(Setup::Open));
+    }
+}
+
+/// Whether others on the network can read and change the messages of the connection.
+fn protection(ui: &mut Ui, state: &State) {
+    let palette = theme::of(ui);
+    let lock = |ui: &mut Ui, icon: egui_material_icons::MaterialIcon, colour, text: &str| {
+        let lock = icon.rich_text().size(16.0).color(colour);
+        ui.label(lock).on_hover_text(text);
+    };
+    match &state.model.link.protection {
+        None => {}
+        Some(LinkProtection::Protected(text)) => lock(ui, icons::ICON_LOCK, palette.muted, text),
+        Some(LinkProtection::Open) => {
+            let text =
+                "Everybody on the network can read and change the messages of this connection";
+            let words = RichText::new("not encrypted").small();
+            ui.label(words.color(palette.warning));
+            lock(ui, icons::ICON_LOCK_OPEN, palette.warning, text);
+        }
     }
 }
 

@@ -60,11 +60,7 @@ impl ControllerChoice {
                 net_id: place.net_id,
                 ams_port: place.ams_port,
             }),
-            (ControllerKind::OpcUa, _, _, Some(place)) => Self::OpcUa(OpcUaAddress {
-                host: place.host.clone(),
-                port: place.port,
-                path: place.path.clone(),
-            }),
+            (ControllerKind::OpcUa, _, _, Some(place)) => Self::OpcUa(place.into()),
             _ => Self::Simulated,
         }
     }
@@ -122,6 +118,7 @@ mod tests {
             "ads:192.168.0.5/5.24.120.30.1.1",
             "ads:robot.local:48897/5.24.120.30.1.1:852",
             "opc.tcp://192.168.0.5:4840",
+            "opc.tcp://plc:4840?security=SignAndEncrypt&user=anna",
         ] {
             let choice: ControllerChoice = text.parse().expect(text);
             assert_eq!(choice.to_string(), text);

@@ -9,6 +9,7 @@ mod opened;
 mod setup;
 mod stored;
 mod symbols;
+mod user_keys;
 
 pub use choice::{ControllerChoice, ControllerChoiceError};
 pub use clock::SimulationClock;
@@ -16,3 +17,4 @@ pub use opened::{OpenError, Opened};
 pub use setup::{ConnectionSetup, Kind};
 pub use stored::{beside, held_values, is_held_values};
 pub use symbols::check_symbols;
+pub use user_keys::{PASSWORD, UserKeys};

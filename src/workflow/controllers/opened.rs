@@ -72,10 +72,10 @@ impl ConnectionSetup {
                 let ads = ads::controller(address.clone(), mapping, robot, *options, clock)?;
                 (Box::new(ads) as Box<dyn Controller>, None, None)
             }
-            Source::OpcUa(address, mapping, options) => {
+            Source::OpcUa(server, mapping) => {
                 let clock = Arc::new(SystemClock::start());
                 let robot = self.robot();
-                let opcua = opcua::controller(address.clone(), mapping, robot, *options, clock)?;
+                let opcua = opcua::controller((**server).clone(), mapping, robot, clock)?;
                 (Box::new(opcua) as Box<dyn Controller>, None, None)
             }
         };

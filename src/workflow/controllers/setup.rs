@@ -6,7 +6,7 @@ use tautline_core::effect::{EffectSetting, find};
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{TensionRange, Workspace, draw_deviations};
 use tautline_link::ads::{AdsAddress, AdsOptions};
-use tautline_link::opcua::{OpcUaAddress, OpcUaOptions};
+use tautline_link::opcua::{Credentials, OpcUaAddress, OpcUaOptions, OpcUaServer};
 use tautline_link::simulated::SimulatedSetup;
 use tautline_link::{LastState, Limits};
 use tautline_session::{Connection, ControllerKind, LaserSettings, Session, SymbolMapping};
@@ -68,7 +68,7 @@ pub(super) enum Source {
     Simulated(Box<SimulatedSetup>),
     Replay(PathBuf),
     Ads(AdsAddress, Box<SymbolMapping>, AdsOptions),
-    OpcUa(OpcUaAddress, Box<SymbolMapping>, OpcUaOptions),
+    OpcUa(Box<OpcUaServer>, Box<SymbolMapping>),
 }
 
 /// Symbols and options for ADS from settings; without symbols, those of the sample program.
@@ -83,15 +83,24 @@ pub(super) fn ads_parts(connection: &Connection, robot: &Robot) -> (SymbolMappin
     )
 }
 
-/// Symbols and options for OPC UA from settings.
-pub(super) fn opcua_parts(connection: &Connection, robot: &Robot) -> (SymbolMapping, OpcUaOptions) {
+/// Server and symbols for OPC UA from settings.
+pub(super) fn opcua_parts(
+    address: &OpcUaAddress,
+    connection: &Connection,
+    robot: &Robot,
+) -> (OpcUaServer, SymbolMapping) {
     let own = connection.nodes.clone();
     let mut options = OpcUaOptions::default();
     let place = connection.opcua.as_ref();
     options.timeout_s = place.map_or(options.timeout_s, |place| place.timeout_s);
-    (
-        own.unwrap_or_else(|| SymbolMapping::default_nodes_for(robot)),
+    let server = OpcUaServer {
+        address: address.clone(),
         options,
+        credentials: Credentials::default(),
+    };
+    (
+        server,
+        own.unwrap_or_else(|| SymbolMapping::default_nodes_for(robot)),
     )
 }
 
@@ -99,7 +108,7 @@ impl Source {
     /// Symbols of a real controller.
     fn mapping(&self) -> Option<&SymbolMapping> {
         match self {
-            Self::Ads(_, mapping, _) | Self::OpcUa(_, mapping, _) => Some(mapping),
+            Self::Ads(_, mapping, _) | Self::OpcUa(_, mapping) => Some(mapping),
             Self::Simulated(_) | Self::Replay(_) => None,
         }
     }
@@ -140,8 +149,8 @@ impl ConnectionSetup {
                 (Kind::Real, source)
             }
             ControllerChoice::OpcUa(address) => {
-                let (mapping, options) = opcua_parts(&session.connection, &session.robot);
-                let source = Source::OpcUa(address.clone(), Box::new(mapping), options);
+                let (server, mapping) = opcua_parts(address, &session.connection, &session.robot);
+                let source = Source::OpcUa(Box::new(server), Box::new(mapping));
                 (Kind::Real, source)
             }
         };
@@ -153,6 +162,30 @@ impl ConnectionSetup {
             limits,
             laser: session.laser_source.clone(),
             home_measurements: session.phases.home_poses.len(),
+        }
+    }
+
+    /// The same with what a client brings along to a server that asks who it is.
+    #[must_use]
+    pub fn with_credentials(mut self, credentials: Credentials) -> Self {
+        if let Source::OpcUa(server, _) = &mut self.source {
+            server.credentials = credentials;
+        }
+        self
+    }
+
+    /// Whether the controller may ask who connects.
+    #[must_use]
+    pub fn asks_who_connects(&self) -> bool {
+        matches!(self.source, Source::OpcUa(..))
+    }
+
+    /// The user at the server, whose password it needs.
+    #[must_use]
+    pub fn user(&self) -> Option<&str> {
+        match &self.source {
+            Source::OpcUa(server, _) => server.address.user.as_deref(),
+            _ => None,
         }
     }
 
@@ -173,7 +206,7 @@ impl ConnectionSetup {
     pub fn late_s(&self) -> f64 {
         LATE * match &self.source {
             Source::Ads(_, _, options) => options.timeout_s,
-            Source::OpcUa(_, _, options) => options.timeout_s,
+            Source::OpcUa(server, _) => server.options.timeout_s,
             Source::Simulated(_) | Source::Replay(_) => 0.0,
         }
     }

@@ -1,6 +1,7 @@
 //! Checks the symbols of a controller.
 
 use tautline_core::robot::Robot;
+use tautline_link::opcua::{Credentials, OpcUaServer};
 use tautline_link::symbols::SymbolCheck;
 use tautline_link::{LinkError, ads, opcua};
 use tautline_session::Connection;
@@ -15,6 +16,7 @@ use super::setup::{ads_parts, opcua_parts};
 pub fn check_symbols(
     connection: &Connection,
     robot: &Robot,
+    credentials: Credentials,
 ) -> Result<Vec<SymbolCheck>, LinkError> {
     match ControllerChoice::of_connection(connection) {
         ControllerChoice::Ads(address) => {
@@ -22,8 +24,12 @@ pub fn check_symbols(
             ads::check_symbols(address, &mapping, robot, options)
         }
         ControllerChoice::OpcUa(address) => {
-            let (mapping, options) = opcua_parts(connection, robot);
-            opcua::check_symbols(address, &mapping, robot, options)
+            let (server, mapping) = opcua_parts(&address, connection, robot);
+            let server = OpcUaServer {
+                credentials,
+                ..server
+            };
+            opcua::check_symbols(&server, &mapping, robot)
         }
         choice => Err(LinkError::Setup(format!("{choice} has no symbols"))),
     }

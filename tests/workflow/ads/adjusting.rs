@@ -278,7 +278,7 @@ fn a_write_arrives_after_the_reconnection() {
     assert_eq!(held(&plant), new);
 }
 
-super::over_both! {
+super::over_all! {
     the_connection_breaks_while_all_values_are_written_at_once,
     old_values_are_restored_if_one_cannot_be_written,
 }

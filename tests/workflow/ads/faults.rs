@@ -230,7 +230,7 @@ fn a_program_that_stops_is_reported() {
     assert!(matches!(client.state().activity, Activity::Fault(_)));
 }
 
-super::over_both! {
+super::over_all! {
     a_slow_server_is_waited_for,
     a_late_answer_is_never_matched_with_another_request,
     a_connection_lost_while_reading_is_reported_and_reopened,

@@ -2,7 +2,7 @@
 //! their own, with the simulated robot behind them.
 
 /// Tests of functions that take the protocol, over each of them.
-macro_rules! over_both {
+macro_rules! over_all {
     ($($name:ident),+ $(,)?) => {
         mod over_ads {
             $(#[test]
@@ -16,13 +16,20 @@ macro_rules! over_both {
                 super::$name(tautline_validation::ads::Protocol::OpcUa);
             })+
         }
+        mod over_opcua_encrypted {
+            $(#[test]
+            fn $name() {
+                super::$name(tautline_validation::ads::Protocol::OpcUaEncrypted);
+            })+
+        }
     };
 }
-use over_both;
+use over_all;
 
 mod adjusting;
 mod calibrating;
 mod faults;
+mod opcua_security;
 mod page;
 mod program;
 mod setting_up;

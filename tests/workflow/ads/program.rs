@@ -3,18 +3,18 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::Path;
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 
 use serde_json::{Value, json};
 use tautline_core::robot::presets;
 use tautline_link::parameters::parameters_of;
 use tautline_link::simulated::SimulatedTracker;
 use tautline_link::{Controller, Instrument};
-use tautline_session::{Outcome, Session, read_session, write_symbols};
-use tautline_validation::program::{self, Folder, heard, tautline};
+use tautline_session::{Folders, Outcome, Session, TrustedServers, read_session, write_symbols};
+use tautline_validation::program::{self, Answer, Folder, heard, tautline};
 
 use tautline_validation::ads::symbols::{Style, global, mapping};
-use tautline_validation::ads::{Host, Plant, Protocol};
+use tautline_validation::ads::{Host, PASSWORD, Plant, Protocol};
 
 fn controller(plant: &Plant) -> String {
     plant.server.choice()
@@ -40,15 +40,42 @@ fn drawn() -> BTreeMap<String, f64> {
     parameters.map(|p| (p.name, p.value)).collect()
 }
 
-/// Starts the program, to type there.
-fn start(words: &[&str]) -> Child {
-    program::start(words, Stdio::piped())
+/// A user with files and a password of his own, who trusts the server of a plant.
+struct User(Folder);
+
+impl User {
+    fn of(plant: &Plant) -> Self {
+        let user = Self(Folder::new());
+        if let Some(fingerprint) = plant.server.fingerprint {
+            let mut servers = TrustedServers::default();
+            servers.trust(&plant.server.url().origin(), fingerprint);
+            let path = Folders::below(user.0.path()).trusted_servers();
+            servers.write(&path).expect("written");
+        }
+        user
+    }
+
+    fn command(&self, words: &[&str]) -> Command {
+        let mut command = program::command(words);
+        command.env("TAUTLINE_HOME", self.0.path());
+        command.env("TAUTLINE_PASSWORD", PASSWORD);
+        command
+    }
+
+    fn run(&self, words: &[&str]) -> Answer {
+        program::run(&mut self.command(words))
+    }
+
+    /// Starts the program, to type there.
+    fn start(&self, words: &[&str]) -> Child {
+        program::spawn(&mut self.command(words), Stdio::piped())
+    }
 }
 
 /// Verifies, and types what a tracker measures where the program asks for it; largest AP (m).
-fn verified(words: &[&str], stage: &str, tracker: &mut SimulatedTracker) -> f64 {
+fn verified(user: &User, words: &[&str], stage: &str, tracker: &mut SimulatedTracker) -> f64 {
     let mut typed = 0;
-    let answer = heard(start(words), |line, child| {
+    let answer = heard(user.start(words), |line, child| {
         if line.ends_with("x y z [mm]?") {
             let [x, y, z] = tracker
                 .measure()
@@ -70,6 +97,7 @@ fn verified(words: &[&str], stage: &str, tracker: &mut SimulatedTracker) -> f64 
 fn a_robot_is_measured_verified_adjusted_and_verified_again(protocol: Protocol) {
     let mut plant = Plant::fast(protocol, Style::Arrays);
     let mut tracker = plant.tracker();
+    let user = User::of(&plant);
     let folder = Folder::new();
     let file = folder.join("s.json");
     let controller = controller(&plant);
@@ -81,7 +109,7 @@ fn a_robot_is_measured_verified_adjusted_and_verified_again(protocol: Protocol) 
         "--json",
         "-",
     ];
-    let measured = tautline(&[&["measure", "--robot", "mini"], real.as_slice()].concat());
+    let measured = user.run(&[&["measure", "--robot", "mini"], real.as_slice()].concat());
     let measured = measured.succeeded().json();
     assert_eq!(measured["measured"].as_array().map(Vec::len), Some(26));
     assert_eq!(measured["enough"], true);
@@ -92,8 +120,9 @@ fn a_robot_is_measured_verified_adjusted_and_verified_again(protocol: Protocol) 
         real.as_slice(),
     ]
     .concat();
-    let before = verified(&verify, "before", &mut tracker);
-    let adjusted = tautline(&[&["adjust"], real.as_slice()].concat())
+    let before = verified(&user, &verify, "before", &mut tracker);
+    let adjusted = user
+        .run(&[&["adjust"], real.as_slice()].concat())
         .succeeded()
         .json();
     assert_eq!(
@@ -108,10 +137,11 @@ fn a_robot_is_measured_verified_adjusted_and_verified_again(protocol: Protocol) 
         let now = row["name"].as_str().and_then(|name| held.get(name));
         assert_eq!(now.copied(), row["identified"].as_f64(), "{}", row["name"]);
     }
-    let after = verified(&verify, "after", &mut tracker);
+    let after = verified(&user, &verify, "after", &mut tracker);
     println!("largest AP {:.3} -> {:.3} mm", 1e3 * before, 1e3 * after);
     assert!(before > 1e-3 && after < 0.5 * before, "{before} {after}");
-    let again = tautline(&[&["adjust"], real.as_slice()].concat())
+    let again = user
+        .run(&[&["adjust"], real.as_slice()].concat())
         .succeeded()
         .json();
     assert_eq!(again["outcome"], "nothing_to_write");
@@ -128,6 +158,7 @@ fn on_disk(told: &str) -> Vec<i64> {
 
 fn the_controller_dies_while_measuring(protocol: Protocol) {
     let plant = Plant::fast(protocol, Style::Arrays);
+    let user = User::of(&plant);
     let folder = Folder::new();
     let file = folder.join("s.json");
     let controller = controller(&plant);
@@ -142,7 +173,7 @@ fn the_controller_dies_while_measuring(protocol: Protocol) {
         &controller,
         "--arm",
     ];
-    let first = heard(start(&words), |line, _| {
+    let first = heard(user.start(&words), |line, _| {
         if line.starts_with("pose") && line.contains("(5 of 13)") {
             plant.server.order(json!({"restart": 0.5}));
         }
@@ -157,7 +188,7 @@ fn the_controller_dies_while_measuring(protocol: Protocol) {
     let mut told = on_disk(&first.stderr);
     assert_eq!(told.len(), 5);
     assert_eq!(session(&file).measurements.labels, told);
-    let second = tautline(&words).succeeded();
+    let second = user.run(&words).succeeded();
     told.extend(on_disk(&second.stderr));
     assert_eq!(session(&file).measurements.labels, told);
     let labels: BTreeSet<i64> = told.iter().copied().collect();
@@ -183,7 +214,7 @@ fn a_killed_adjustment_is_settled_by_the_next_command() {
         std::fs::copy(&measured, &file).expect("copied");
         let adjust = [&["adjust", file.as_str()], real.as_slice()].concat();
         let before = plant.server.count("write");
-        let mut child = start(&adjust);
+        let mut child = program::start(&adjust, Stdio::piped());
         let mut is_over = || child.try_wait().expect("a state").is_some();
         while !is_over() && plant.server.count("write") < before + writes {}
         child.kill().expect("it can be killed");
@@ -285,7 +316,7 @@ fn symbols_read_from_a_file_are_stored_in_the_session() {
     assert_eq!(foreseen.succeeded().json()["outcome"], "not_written");
 }
 
-super::over_both! {
+super::over_all! {
     a_robot_is_measured_verified_adjusted_and_verified_again,
     the_controller_dies_while_measuring,
 }

@@ -59,7 +59,7 @@ fn an_array_of_the_wrong_length_is_named(protocol: Protocol) {
 fn a_stopped_program_is_reported_at_connection(protocol: Protocol) {
     let (number, state) = match protocol {
         Protocol::Ads => (6, "Stop"),
-        Protocol::OpcUa => (3, "Suspended"),
+        Protocol::OpcUa | Protocol::OpcUaEncrypted => (3, "Suspended"),
     };
     let told = refused(protocol, json!({ "state": number }));
     assert!(
@@ -234,7 +234,7 @@ fn a_withdrawn_release_disarms(protocol: Protocol) {
     assert!(client.state().armed);
 }
 
-super::over_both! {
+super::over_all! {
     an_array_of_the_wrong_length_is_named,
     numbers_of_every_type_are_read,
     nothing_is_written_before_arming,

@@ -1,9 +1,7 @@
 //! The audit trail: what moved and what was written is in it, and a change of the file afterwards is said.
 
-use std::process::{Command, Stdio};
-
 use serde_json::{Value, json};
-use tautline_validation::program::program;
+use tautline_validation::program::{command, run};
 
 use super::session;
 use crate::commands::program::{Answer, Folder, assert_valid, tautline};
@@ -169,12 +167,7 @@ fn a_session_without_a_trail_opens_as_before() {
 
 /// Runs the program with a folder of its own for the user's files.
 fn at_home(home: &str, words: &[&str]) -> Answer {
-    let output = Command::new(program())
-        .args(words)
-        .env("TAUTLINE_HOME", home)
-        .stdin(Stdio::null())
-        .output();
-    output.expect("the program starts").into()
+    run(command(words).env("TAUTLINE_HOME", home))
 }
 
 #[test]

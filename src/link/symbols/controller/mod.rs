@@ -16,7 +16,7 @@ use super::layout::{CommandSlots, Layout, Slot};
 use super::pose::numbers_of;
 use super::sample::{Status, sample_of, status_of};
 use crate::clock::Clock;
-use crate::controller::{Activity, Controller, ControllerState, Sample};
+use crate::controller::{Activity, Controller, ControllerState, LinkProtection, Sample};
 use crate::error::LinkError;
 use crate::parameters::{ParameterInfo, check_finite};
 
@@ -251,6 +251,10 @@ fn command_of(layout: &Layout) -> Result<&CommandSlots, Failure> {
 impl Controller for SymbolController {
     fn identity(&self) -> String {
         self.name.clone()
+    }
+
+    fn protection(&self) -> Option<LinkProtection> {
+        self.program.as_ref().map(|program| program.protection())
     }
 
     fn connect(&mut self) -> Result<(), LinkError> {

@@ -10,7 +10,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub(super) use check::check;
-pub use place::{AdsPlace, ControllerKind, OpcUaPlace, RecordingPlace, without_user};
+pub use place::{
+    AdsPlace, ControllerKind, OpcUaPlace, OpcUaPolicy, OpcUaSecurity, RecordingPlace, without_user,
+};
 
 /// Settings of the connection to the robot's controller.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,6 +1,7 @@
 //! Kind of controller and its address.
 
 use std::borrow::Cow;
+use std::fmt;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -105,6 +106,68 @@ impl AdsPlace {
     }
 }
 
+/// Protection of the messages of OPC UA.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+pub enum OpcUaSecurity {
+    /// Everybody on the network can read and change them.
+    None,
+    /// They can be read, but not changed unnoticed.
+    Sign,
+    /// They can be neither read nor changed.
+    SignAndEncrypt,
+}
+
+impl OpcUaSecurity {
+    /// All of them, the best last.
+    pub const ALL: [Self; 3] = [Self::None, Self::Sign, Self::SignAndEncrypt];
+}
+
+impl fmt::Display for OpcUaSecurity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::None => "None",
+            Self::Sign => "Sign",
+            Self::SignAndEncrypt => "SignAndEncrypt",
+        })
+    }
+}
+
+/// Algorithms for the protection of the messages of OPC UA, under the names of the standard.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+pub enum OpcUaPolicy {
+    /// AES with 128 bits.
+    #[serde(rename = "Aes128_Sha256_RsaOaep")]
+    Aes128Sha256RsaOaep,
+    /// AES with 256 bits; the most common one.
+    Basic256Sha256,
+    /// AES with 256 bits and the newer signatures of RSA.
+    #[serde(rename = "Aes256_Sha256_RsaPss")]
+    Aes256Sha256RsaPss,
+}
+
+impl OpcUaPolicy {
+    /// All of them, the best last.
+    pub const ALL: [Self; 3] = [
+        Self::Aes128Sha256RsaOaep,
+        Self::Basic256Sha256,
+        Self::Aes256Sha256RsaPss,
+    ];
+}
+
+impl fmt::Display for OpcUaPolicy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Aes128Sha256RsaOaep => "Aes128_Sha256_RsaOaep",
+            Self::Basic256Sha256 => "Basic256Sha256",
+            Self::Aes256Sha256RsaPss => "Aes256_Sha256_RsaPss",
+        })
+    }
+}
+
 /// Address of an OPC UA controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -117,6 +180,15 @@ pub struct OpcUaPlace {
     /// Path of the address with its leading slash; empty for most controllers.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub path: String,
+    /// Protection of messages; absent for the best that the server offers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub security: Option<OpcUaSecurity>,
+    /// Algorithms of the protection; absent for the best that the server offers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub policy: Option<OpcUaPolicy>,
+    /// Name of the user at the server; absent for an anonymous one. The password is never stored.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub user: Option<String>,
     /// Timeout for connecting and for responses (s), 0.05 to 60.
     #[serde(default = "super::one")]
     pub timeout_s: f64,
@@ -140,6 +212,20 @@ impl OpcUaPlace {
             let message = format!("found {path:?}, expected nothing or a path such as /UA/Server");
             return fail("/path", message);
         }
+        if self.security == Some(OpcUaSecurity::None)
+            && let Some(policy) = self.policy
+        {
+            let message = format!("found {policy} without security, expected no policy");
+            return fail("/policy", message);
+        }
+        if let Some(user) = &self.user
+            && (user.is_empty() || user.contains(char::is_control))
+        {
+            return fail(
+                "/user",
+                format!("found {user:?}, expected the name of a user"),
+            );
+        }
         timeout(self.timeout_s)
     }
 }
@@ -156,9 +242,10 @@ fn host(host: &str) -> Result<(), FieldError> {
     }
 }
 
-/// An address for messages: without the user and the password that may stand before `@`.
+/// An address for messages: without the user and the password that may stand before `@`, and without options.
 #[must_use]
 pub fn without_user(address: &str) -> Cow<'_, str> {
+    let address = address.split_once('?').map_or(address, |(place, _)| place);
     let Some((user, rest)) = address.rsplit_once('@') else {
         return address.into();
     };

@@ -5,7 +5,7 @@ mod files;
 mod plan;
 mod run;
 
-use tautline_link::ParameterInfo;
+use tautline_link::{ParameterInfo, UntrustedServer};
 use tautline_session::{NamedValue, Phase as LogPhase};
 
 use crate::commands::setup;
@@ -86,7 +86,7 @@ fn connect(model: &mut Model, arms: bool) {
     }
     let identified = open.fit().map_or(&[][..], |fit| &fit.model.effects);
     let session = open.session();
-    let rig = ConnectionSetup::of(session, identified);
+    let rig = ConnectionSetup::of(session, identified).with_credentials(setup::credentials(model));
     if let (Kind::Recording, Some(recording)) = (rig.kind, &session.connection.recording) {
         model.link.set_speed(recording.speed);
     }
@@ -100,6 +100,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
     match event {
         DriverEvent::Connected {
             identity,
+            protection,
             parameters,
             rig,
             session_id,
@@ -110,6 +111,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
             model.request(UiRequest::Connection(ConnectionRequest::Connected));
             model.messages.info(format!("Connected: {identity}."));
             model.link.identity = identity;
+            model.link.protection = protection;
             let is_own = rig.kind == Kind::OfSession;
             let arms = std::mem::take(&mut model.link.arms_when_connected) && is_own;
             model.link.connected = Some(Connected { session_id, rig });
@@ -124,6 +126,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
         DriverEvent::Lost(why) => lost(model, &why),
         DriverEvent::Regained(parameters) => regained(model, parameters),
         DriverEvent::Refused(text) => refused(model, &text),
+        DriverEvent::Untrusted(server) => untrusted(model, server),
         DriverEvent::Parameters(parameters) => {
             model.link.take_parameters(parameters);
             model.messages.info("Read the values of the controller.");
@@ -165,6 +168,15 @@ fn refused(model: &mut Model, text: &str) {
     if std::mem::take(&mut model.link.connecting) {
         let refuse = ConnectionRequest::Refuse(text.clone());
         model.request(UiRequest::Connection(refuse));
+    }
+    model.messages.failure(Cause::Connection, text);
+}
+
+/// Asks whether the server is trusted, in the connection dialog.
+fn untrusted(model: &mut Model, server: Box<UntrustedServer>) {
+    let text = full_sentence(&server.to_string());
+    if std::mem::take(&mut model.link.connecting) {
+        model.request(UiRequest::Connection(ConnectionRequest::AskTrust(server)));
     }
     model.messages.failure(Cause::Connection, text);
 }

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use tautline_link::UntrustedServer;
+use tautline_link::opcua::Password;
 use tautline_link::symbols::SymbolCheck;
 use tautline_session::{Connection, LaserSettings, SymbolMapping};
 
@@ -13,6 +15,10 @@ pub const CHECKING: &str = "Checking symbols";
 pub enum Setup {
     Open,
     Close,
+    /// Takes the password of the user at the controller.
+    UsePassword(Option<Password>),
+    /// Trusts the certificate of a server.
+    Trust(Box<UntrustedServer>),
     /// Stores the settings in the session, and for the next one in the preferences.
     Save(Box<(Connection, LaserSettings)>),
     /// Asks for the folder of a recording.
@@ -34,6 +40,8 @@ pub enum Setup {
 pub enum SetupOutcome {
     /// The symbols as the controller describes them, or one sentence.
     Checked(Result<Vec<SymbolCheck>, String>),
+    /// The symbols could not be looked up because the certificate of the server is not trusted.
+    Untrusted(Box<UntrustedServer>),
     /// Names of symbols were read, or one sentence.
     Imported(Result<Box<SymbolMapping>, String>),
 }

@@ -8,7 +8,7 @@ use tautline_core::robot::Robot;
 use tautline_link::adjusting::{Adjustment, ControllerValues};
 use tautline_link::measuring::{Rates, Warning};
 use tautline_link::verifying::CheckTarget;
-use tautline_link::{ControllerState, ParameterInfo, Sample};
+use tautline_link::{ControllerState, LinkProtection, ParameterInfo, Sample, UntrustedServer};
 use tautline_session::{CheckPose, CheckRow, MeasuredPose, Stage};
 
 use tautline_workflow::adjusting::Purpose;
@@ -85,6 +85,7 @@ pub struct Surprise {
 pub enum DriverEvent {
     Connected {
         identity: String,
+        protection: Option<LinkProtection>,
         parameters: Vec<ParameterInfo>,
         /// What it is made of.
         rig: Box<ConnectionSetup>,
@@ -135,6 +136,8 @@ pub enum DriverEvent {
     },
     /// Something that was asked for was not done; why.
     Refused(String),
+    /// There is no connection because the certificate of the server is not trusted.
+    Untrusted(Box<UntrustedServer>),
 }
 
 /// What a run does at this moment.

@@ -19,8 +19,9 @@ use std::thread::{self, JoinHandle};
 
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
+use tautline_link::opcua::Password;
 use tautline_link::verifying::CheckTarget;
-use tautline_link::{Activity, ControllerState, ParameterInfo};
+use tautline_link::{Activity, ControllerState, LinkProtection, ParameterInfo};
 use tautline_session::Stage;
 
 use self::publisher::StatusPublisher;
@@ -67,6 +68,10 @@ pub struct Link {
     speed: f64,
     pub connected: Option<Connected>,
     pub identity: String,
+    /// Protection of the messages of the connection.
+    pub protection: Option<LinkProtection>,
+    /// Password of the user at the controller, as typed; it is kept nowhere else.
+    pub password: Option<Password>,
     pub parameters: Vec<ParameterInfo>,
     pub parameters_version: u64,
     /// The measuring run, also after its end.
@@ -110,6 +115,8 @@ impl Link {
             },
             connected: None,
             identity: String::new(),
+            protection: None,
+            password: None,
             parameters: Vec::new(),
             parameters_version: 0,
             run: None,

@@ -121,8 +121,10 @@ impl Worker {
     }
 
     fn refuse(&mut self, error: &LinkError) {
-        self.publisher
-            .report(DriverEvent::Refused(error.to_string()));
+        self.publisher.report(match error {
+            LinkError::Untrusted(server) => DriverEvent::Untrusted(server.clone()),
+            error => DriverEvent::Refused(error.to_string()),
+        });
         if error.is_disconnection() {
             self.lose(error.to_string());
         }
@@ -294,10 +296,12 @@ impl Worker {
         let parameters = read_parameters(&mut connection.controller)?;
         connection.subscribe();
         let identity = connection.controller.identity();
+        let protection = connection.controller.protection();
         self.publisher.begin_scope(connection.rig.robot());
         self.connection = Some(connection);
         self.publisher.report(DriverEvent::Connected {
             identity,
+            protection,
             parameters,
             rig,
             session_id,

@@ -1,10 +1,11 @@
 //! What is typed into the connection dialog, and the settings that it makes.
 
 use tautline_core::robot::{FieldError, Robot};
-use tautline_link::opcua::OpcUaAddress;
+use tautline_link::UntrustedServer;
+use tautline_link::opcua::{OpcUaAddress, Password};
 use tautline_session::{
-    AdsPlace, Connection, ControllerKind, LaserSettings, LastConnection, OpcUaPlace,
-    RecordingPlace, Session, SymbolMapping,
+    AdsPlace, Connection, ControllerKind, LaserSettings, LastConnection, OpcUaPlace, OpcUaPolicy,
+    OpcUaSecurity, RecordingPlace, Session, SymbolMapping,
 };
 
 use super::laser::LaserDraft;
@@ -53,10 +54,17 @@ pub struct Draft {
     pub timeout: String,
     /// Address of an OPC UA controller.
     pub url: String,
+    pub security: Option<OpcUaSecurity>,
+    pub policy: Option<OpcUaPolicy>,
+    pub user: String,
+    /// Password of the user, which no settings have.
+    pub password: String,
     pub url_timeout: String,
     ads: Names,
     nodes: Names,
     pub laser: LaserDraft,
+    /// The server that is not trusted, and whether it is connected once it is.
+    pub untrusted: Option<(Box<UntrustedServer>, bool)>,
     /// Why connecting failed last.
     pub refused: Option<String>,
     /// Whether the window closes once there is a connection.
@@ -97,10 +105,18 @@ impl Draft {
             ),
             timeout: number(place.as_ref().map(|place| place.timeout_s)),
             url: opcua.as_ref().map_or_else(String::new, url_of),
+            security: opcua.as_ref().and_then(|place| place.security),
+            policy: opcua.as_ref().and_then(|place| place.policy),
+            user: opcua
+                .as_ref()
+                .and_then(|place| place.user.clone())
+                .unwrap_or_default(),
+            password: String::new(),
             url_timeout: number(opcua.as_ref().map(|place| place.timeout_s)),
             ads: names(&connection.ads, ControllerKind::Ads),
             nodes: names(&connection.nodes, ControllerKind::OpcUa),
             laser: LaserDraft::of(&session.laser_source, &reached.laser),
+            untrusted: None,
             refused: None,
             connects: false,
         }
@@ -192,30 +208,41 @@ impl Draft {
         Some(place)
     }
 
+    /// The password, if one was typed.
+    #[must_use]
+    pub fn password(&self) -> Option<Password> {
+        (!self.password.is_empty()).then(|| Password::new(self.password.clone()))
+    }
+
     fn opcua(&self, problems: &mut Problems) -> Option<OpcUaPlace> {
         let address = self.url.trim().parse::<OpcUaAddress>();
         let address = problems.take(Field::Url, address.map_err(|error| error.to_string()));
         let timeout_s = problems.take(Field::UrlTimeout, parse_number(&self.url_timeout));
-        let address = address?;
+        let place = address?.place(timeout_s?);
+        let user = self.user.trim();
+        // What an address says comes before the other fields, so that one that was copied from elsewhere holds.
         let place = OpcUaPlace {
-            host: address.host,
-            port: address.port,
-            path: address.path,
-            timeout_s: timeout_s?,
+            security: place.security.or(self.security),
+            policy: place.policy.or(self.policy),
+            user: place
+                .user
+                .or_else(|| (!user.is_empty()).then(|| user.to_owned())),
+            ..place
         };
-        let fields = [("/host", Field::Url), ("/timeout_s", Field::UrlTimeout)];
+        let fields = [
+            ("/host", Field::Url),
+            ("/policy", Field::Policy),
+            ("/user", Field::User),
+            ("/timeout_s", Field::UrlTimeout),
+        ];
         checked(place.check(), &fields, problems)?;
         Some(place)
     }
 }
 
+/// The address alone; the rest has fields of its own.
 fn url_of(place: &OpcUaPlace) -> String {
-    let address = OpcUaAddress {
-        host: place.host.clone(),
-        port: place.port,
-        path: place.path.clone(),
-    };
-    address.to_string()
+    OpcUaAddress::from(place).url()
 }
 
 fn checked(
@@ -295,6 +322,9 @@ mod tests {
                 host: "plc".into(),
                 port: 4841,
                 path: "/UA".into(),
+                security: Some(OpcUaSecurity::SignAndEncrypt),
+                policy: Some(OpcUaPolicy::Basic256Sha256),
+                user: Some("anna".into()),
                 timeout_s: 0.5,
             }),
             nodes: Some(SymbolMapping::default_nodes_for(&session.robot)),

@@ -11,14 +11,17 @@ mod test_line;
 
 use egui::{Grid, ScrollArea, Ui};
 use egui_material_icons::icons;
-use tautline_session::{Connection, ControllerKind, LaserSettings};
+use tautline_session::{Connection, ControllerKind, LaserSettings, OpcUaPolicy, OpcUaSecurity};
+use tautline_workflow::controllers::PASSWORD;
+use tautline_workflow::wording::sentence;
 
 use self::draft::Present;
-use self::field::line;
+use self::field::{line, secret};
 use self::names::default_names;
 use self::problems::{Field, Part, Problems};
 use self::symbols::SymbolRows;
 use crate::model::command::{CHECKING, Outbox, RobotCommand, Setup};
+use crate::model::messages::full_sentence;
 use crate::model::{ConnectionRequest, Model};
 use crate::theme::{self, GRID};
 use crate::widgets::{
@@ -50,6 +53,16 @@ pub fn apply(dialog: &mut Option<Box<Draft>>, request: ConnectionRequest, model:
         (ConnectionRequest::Connected, _) => drop(dialog.take_if(|draft| draft.connects)),
         (ConnectionRequest::Refuse(text), Some(draft)) => {
             draft.refused = Some(text);
+            draft.connects = false;
+        }
+        (ConnectionRequest::AskTrust(server), draft) => {
+            let connects = draft.as_ref().is_none_or(|draft| draft.connects);
+            // Whoever connected without the dialog is asked in it.
+            let draft = dialog.get_or_insert_with(|| {
+                let last = &model.preferences.last_connection;
+                Box::new(Draft::of(open.session(), open.id(), last))
+            });
+            draft.untrusted = Some((server, connects));
             draft.connects = false;
         }
         (ConnectionRequest::SetFolder(folder), Some(draft)) => {
@@ -207,30 +220,76 @@ fn controller(
             );
         }
         ControllerKind::OpcUa => {
-            grid("opcua").show(ui, |ui| {
-                for (name, hint, text, field) in [
-                    (
-                        "Address",
-                        "opc.tcp://192.168.0.5:4840",
-                        &mut draft.url,
-                        Field::Url,
-                    ),
-                    (
-                        "Timeout (s)",
-                        "1",
-                        &mut draft.url_timeout,
-                        Field::UrlTimeout,
-                    ),
-                ] {
-                    line(ui, (name, hint), text, problems.of(field));
-                }
-            });
-            wrapped(
-                ui,
-                "The connection is anonymous, neither encrypted nor signed: docs/OPC-UA.md says what the controller has to allow. Nothing moves and nothing is written before it is armed.",
-            );
+            opcua(ui, draft, problems);
         }
     }
+}
+
+fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems) {
+    let rows = Grid::new("opcua")
+        .num_columns(2)
+        .spacing([3.0 * GRID, 1.5 * GRID]);
+    rows.show(ui, |ui| {
+        let hint = "opc.tcp://192.168.0.5:4840";
+        let problem = problems.of(Field::Url);
+        line(ui, ("Address", hint), &mut draft.url, problem);
+        chosen(
+            ui,
+            "Security",
+            (&mut draft.security, &OpcUaSecurity::ALL),
+            None,
+        );
+        let problem = problems.of(Field::Policy);
+        chosen(
+            ui,
+            "Policy",
+            (&mut draft.policy, &OpcUaPolicy::ALL),
+            problem,
+        );
+        let problem = problems.of(Field::User);
+        line(ui, ("User", "anonymous"), &mut draft.user, problem);
+        let hint = format!("that of {PASSWORD}");
+        secret(ui, ("Password", &hint), &mut draft.password);
+        let problem = problems.of(Field::UrlTimeout);
+        line(ui, ("Timeout (s)", "1"), &mut draft.url_timeout, problem);
+    });
+    if draft.security == Some(OpcUaSecurity::None) {
+        let text = "Not encrypted: everybody on the network can read and change the messages.";
+        verdict(ui, Verdict::Neutral, text);
+    }
+    wrapped(
+        ui,
+        "Without a choice the best security is used that the server offers. The password is not saved. docs/OPC-UA.md says what the controller has to allow. Nothing moves and nothing is written before it is armed.",
+    );
+}
+
+/// A line of a grid with a choice from all values or the best that the server offers.
+fn chosen<T: Copy + PartialEq + std::fmt::Display>(
+    ui: &mut Ui,
+    name: &str,
+    (value, all): (&mut Option<T>, &[T]),
+    problem: Option<&str>,
+) {
+    const BEST: &str = "The best that the server offers";
+    ui.label(name);
+    ui.vertical(|ui| {
+        let text = value.map_or_else(|| BEST.to_owned(), |value| value.to_string());
+        let list = egui::ComboBox::from_id_salt(name).selected_text(&text);
+        let shown = list.width(240.0).show_ui(ui, |ui| {
+            ui.selectable_value(value, None, BEST);
+            for known in all.iter().rev() {
+                ui.selectable_value(value, Some(*known), known.to_string());
+            }
+        });
+        let label = format!("{name}: {text}");
+        shown
+            .response
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, label.as_str()));
+        if let Some(problem) = problem {
+            verdict(ui, Verdict::Bad, &sentence(&format!("{problem}.")));
+        }
+    });
+    ui.end_row();
 }
 
 fn wrapped(ui: &mut Ui, text: &str) {
@@ -274,6 +333,7 @@ fn symbols(
             )
             .on_disabled_hover_text("Needs an address, valid names, and no connection");
         if let (true, Ok((connection, _))) = (check.clicked(), settings) {
+            outbox.send(RobotCommand::Setup(Setup::UsePassword(draft.password())));
             let setup = Setup::Check(Box::new(connection));
             outbox.send(RobotCommand::Setup(setup));
         }
@@ -293,14 +353,32 @@ fn symbols(
         verdict(ui, kind, &text);
     }
     if let Some(text) = problems.of(Field::Symbols) {
-        verdict(
-            ui,
-            Verdict::Bad,
-            &tautline_workflow::wording::sentence(&format!("{text}.")),
-        );
+        verdict(ui, Verdict::Bad, &sentence(&format!("{text}.")));
     }
     let names = draft.names_mut();
     names.rows.show(ui, names.is_custom, problems);
+}
+
+/// The question whether the certificate of the server is trusted.
+fn trust(ui: &mut Ui, draft: &mut Draft, can: bool, outbox: &mut Outbox) {
+    let Some((server, connects)) = &draft.untrusted else {
+        return;
+    };
+    let connects = *connects;
+    verdict(ui, Verdict::Bad, &full_sentence(&server.to_string()));
+    let button = egui::Button::new("Trust this certificate");
+    let button = ui.add_enabled(can, button);
+    if button
+        .on_hover_text("Only if the server itself shows the same fingerprint")
+        .clicked()
+    {
+        outbox.send(RobotCommand::Setup(Setup::Trust(server.clone())));
+        draft.untrusted = None;
+        if connects {
+            draft.connects = true;
+            outbox.send(RobotCommand::Connect);
+        }
+    }
 }
 
 /// Why it cannot connect, and its buttons; whether it stays open.
@@ -323,6 +401,7 @@ fn footer(
         }),
         Ok(_) => None,
     };
+    trust(ui, draft, why.is_none(), outbox);
     match (&why, &draft.refused) {
         (Some(text), _) => verdict(ui, Verdict::Neutral, text),
         (None, Some(text)) => verdict(ui, Verdict::Bad, text),
@@ -338,6 +417,8 @@ fn footer(
         if let (true, Ok(settings)) = (connect || save, settings) {
             outbox.send(RobotCommand::Setup(Setup::Save(Box::new(settings))));
             draft.refused = None;
+            draft.untrusted = None;
+            outbox.send(RobotCommand::Setup(Setup::UsePassword(draft.password())));
             if connect {
                 draft.connects = true;
                 draft.laser.release();

@@ -12,6 +12,8 @@ pub enum Field {
     Timeout,
     /// Address of an OPC UA controller.
     Url,
+    Policy,
+    User,
     UrlTimeout,
     Symbol(usize),
     /// Something of all symbols.

@@ -1,0 +1,217 @@
+//! Certificates: their fields, and whether that of a server can be used.
+
+use std::net::IpAddr;
+use std::time::SystemTime;
+
+use opcua_crypto::{KeySize, PublicKey, Thumbprint, X509};
+use tautline_session::CertificateFingerprint;
+use x509_cert::Certificate;
+use x509_cert::der::{Decode, Encode, Header, SliceReader};
+use x509_cert::ext::pkix::name::GeneralName;
+use x509_cert::ext::pkix::{ExtendedKeyUsage, KeyUsage, SubjectAltName};
+use x509_cert::time::Time;
+
+use crate::error::LinkError;
+
+/// Sizes of keys that the policies allow (bits).
+const KEY_BITS: std::ops::RangeInclusive<usize> = 2048..=4096;
+/// Uses of a key, by their identifiers: server authentication, and any.
+const SERVER_USES: [&str; 2] = ["1.3.6.1.5.5.7.3.1", "2.5.29.37.0"];
+
+/// The fields of a certificate.
+pub(super) struct Fields(Certificate);
+
+impl Fields {
+    /// The fields; `None` if it is no certificate.
+    pub fn of(der: &[u8]) -> Option<Self> {
+        Certificate::from_der(der).ok().map(Self)
+    }
+
+    fn names(&self) -> Vec<GeneralName> {
+        let names = self.0.tbs_certificate.get::<SubjectAltName>();
+        names
+            .ok()
+            .flatten()
+            .map_or(Vec::new(), |(_, names)| names.0)
+    }
+
+    /// Name of the application.
+    pub fn uri(&self) -> Option<String> {
+        self.names().into_iter().find_map(|name| match name {
+            GeneralName::UniformResourceIdentifier(uri) => Some(uri.to_string()),
+            _ => None,
+        })
+    }
+
+    /// Names and addresses of the computer.
+    fn hosts(&self) -> Vec<String> {
+        let hosts = self.names().into_iter().filter_map(|name| match name {
+            GeneralName::DnsName(name) => Some(name.to_string()),
+            GeneralName::IpAddress(bytes) => {
+                let bytes = bytes.as_bytes();
+                let short = <[u8; 4]>::try_from(bytes).map(IpAddr::from);
+                let address = short.or_else(|_| <[u8; 16]>::try_from(bytes).map(IpAddr::from));
+                address.ok().map(|address| address.to_string())
+            }
+            _ => None,
+        });
+        hosts.collect()
+    }
+
+    /// The last day on which it is valid.
+    pub fn last_day(&self) -> String {
+        day(&self.0.tbs_certificate.validity.not_after)
+    }
+
+    /// Why it is not valid at a time, as the rest of a sentence that begins with "its certificate".
+    fn time_problem(&self, now: SystemTime) -> Option<String> {
+        let validity = &self.0.tbs_certificate.validity;
+        if now > validity.not_after.to_system_time() {
+            return Some(format!(
+                "expired on {}: make a new one at the server and trust that",
+                self.last_day()
+            ));
+        }
+        let first = validity.not_before.to_system_time();
+        (now < first).then(|| {
+            format!(
+                "is valid only from {}: check the clocks of this computer and of the server",
+                day(&validity.not_before)
+            )
+        })
+    }
+
+    /// Why it is not that of a computer.
+    fn host_problem(&self, host: &str) -> Option<String> {
+        let hosts = self.hosts();
+        let address = host.parse::<IpAddr>().ok();
+        let is_same = |known: &String| match address {
+            Some(address) => known.parse() == Ok(address),
+            None => known.eq_ignore_ascii_case(host),
+        };
+        if hosts.iter().any(is_same) {
+            return None;
+        }
+        Some(match hosts.is_empty() {
+            true => format!(
+                "names no computer, expected {host:?}: make one at the server that names it"
+            ),
+            false => format!(
+                "is that of {}, expected {host:?}: connect under a name that it has, or make one at the server that names this one",
+                hosts.join(", ").escape_debug()
+            ),
+        })
+    }
+
+    /// Why its key may not be used for this.
+    fn use_problem(&self) -> Option<String> {
+        let fields = &self.0.tbs_certificate;
+        let Ok(usage) = fields.get::<KeyUsage>() else {
+            return Some("has uses of its key that cannot be read".to_owned());
+        };
+        let is_fit = |usage: &KeyUsage| {
+            usage.digital_signature() && (usage.key_encipherment() || usage.data_encipherment())
+        };
+        if usage.is_some_and(|(_, usage)| !is_fit(&usage)) {
+            return Some("is not made for this: its key may not both sign and encrypt".to_owned());
+        }
+        let Ok(purposes) = fields.get::<ExtendedKeyUsage>() else {
+            return Some("has purposes that cannot be read".to_owned());
+        };
+        let is_server = |purposes: &ExtendedKeyUsage| {
+            let mut purposes = purposes.0.iter().map(ToString::to_string);
+            purposes.any(|purpose| SERVER_USES.contains(&purpose.as_str()))
+        };
+        purposes
+            .is_some_and(|(_, purposes)| !is_server(&purposes))
+            .then(|| "is not made for this: it is not that of a server".to_owned())
+    }
+}
+
+fn day(time: &Time) -> String {
+    time.to_string().chars().take(10).collect()
+}
+
+/// The certificate of a server.
+#[derive(Debug, Clone)]
+pub(super) struct ServerCertificate {
+    der: Vec<u8>,
+    certificate: X509,
+    key: PublicKey,
+}
+
+impl ServerCertificate {
+    /// The certificate that a server sent, which may be followed by those of its issuers.
+    pub fn read(sent: &[u8]) -> Result<Self, LinkError> {
+        let wrong = |what: String| LinkError::Refused(format!("its certificate {what}"));
+        let unreadable = || wrong("cannot be read".to_owned());
+        let der = first(sent).ok_or_else(unreadable)?;
+        let certificate = X509::from_der(der).map_err(|_| unreadable())?;
+        // Thumbprints are made from what the crate encodes anew.
+        if certificate.to_der().ok().as_deref() != Some(der) {
+            return Err(wrong("is not encoded as the standard demands".to_owned()));
+        }
+        let key = certificate
+            .public_key()
+            .map_err(|_| wrong("has a key of another kind than RSA".to_owned()))?;
+        if !KEY_BITS.contains(&key.bit_length()) {
+            let bits = key.bit_length();
+            let (low, high) = (KEY_BITS.start(), KEY_BITS.end());
+            let text = format!("has a key of {bits} bits, expected {low} to {high}");
+            return Err(wrong(text));
+        }
+        Ok(Self {
+            der: der.to_vec(),
+            certificate,
+            key,
+        })
+    }
+
+    /// Why it cannot be used for a server on this host at this time, in a sentence.
+    pub fn check(&self, host: &str, now: SystemTime) -> Result<(), LinkError> {
+        let fields = Fields::of(&self.der);
+        let problem = match fields {
+            None => Some("cannot be read".to_owned()),
+            Some(fields) => fields
+                .time_problem(now)
+                .or_else(|| fields.host_problem(host))
+                .or_else(|| fields.use_problem()),
+        };
+        problem.map_or(Ok(()), |what| {
+            Err(LinkError::Refused(format!("its certificate {what}")))
+        })
+    }
+
+    /// Whether this is what a server sent, possibly followed by the certificates of its issuers.
+    pub fn is(&self, sent: &[u8]) -> bool {
+        first(sent) == Some(&self.der)
+    }
+
+    pub fn der(&self) -> &[u8] {
+        &self.der
+    }
+
+    pub fn x509(&self) -> &X509 {
+        &self.certificate
+    }
+
+    pub fn key(&self) -> &PublicKey {
+        &self.key
+    }
+
+    pub fn fingerprint(&self) -> CertificateFingerprint {
+        CertificateFingerprint::of(&self.der)
+    }
+
+    pub fn thumbprint(&self) -> Thumbprint {
+        self.certificate.thumbprint()
+    }
+}
+
+/// The first of several certificates.
+fn first(chain: &[u8]) -> Option<&[u8]> {
+    let mut reader = SliceReader::new(chain).ok()?;
+    let header = Header::decode(&mut reader).ok()?;
+    let length = (header.encoded_len().ok()? + header.length).ok()?;
+    chain.get(..usize::try_from(length).ok()?)
+}

@@ -1,0 +1,80 @@
+//! What a client brings along: its certificate, the servers it trusts, and a password.
+
+use std::fmt;
+use std::sync::Arc;
+
+use tautline_session::CertificateFingerprint;
+
+use super::identity::ClientIdentity;
+use crate::error::LinkError;
+
+/// A password, which is shown nowhere.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Password(String);
+
+impl Password {
+    /// A password as it was typed.
+    #[must_use]
+    pub fn new(text: String) -> Self {
+        Self(text)
+    }
+
+    pub(super) fn as_bytes(&self) -> &[u8] {
+        self.0.as_bytes()
+    }
+}
+
+impl fmt::Debug for Password {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Password")
+    }
+}
+
+/// Where the user keeps keys and trust. It is asked at each connection, so that what was trusted meanwhile counts.
+pub trait KeyStore: fmt::Debug + Send + Sync {
+    /// Our certificate, made at first use.
+    ///
+    /// # Errors
+    /// If there is none and it cannot be made, or it cannot be read.
+    fn identity(&self) -> Result<Arc<ClientIdentity>, LinkError>;
+
+    /// The certificate that is trusted for a server, by its address without path and options.
+    ///
+    /// # Errors
+    /// If the list of trusted servers cannot be read.
+    fn trusted(&self, server: &str) -> Result<Option<CertificateFingerprint>, LinkError>;
+}
+
+/// Keys of nobody: no server is trusted, so that only connections without security are possible.
+#[derive(Debug)]
+struct NoKeys;
+
+impl KeyStore for NoKeys {
+    fn identity(&self) -> Result<Arc<ClientIdentity>, LinkError> {
+        Err(LinkError::Setup(
+            "there is no certificate of ours".to_owned(),
+        ))
+    }
+
+    fn trusted(&self, _server: &str) -> Result<Option<CertificateFingerprint>, LinkError> {
+        Ok(None)
+    }
+}
+
+/// What a client brings along; by default nothing.
+#[derive(Debug, Clone)]
+pub struct Credentials {
+    /// Keys and trust.
+    pub keys: Arc<dyn KeyStore>,
+    /// Password of the user in the address.
+    pub password: Option<Password>,
+}
+
+impl Default for Credentials {
+    fn default() -> Self {
+        Self {
+            keys: Arc::new(NoKeys),
+            password: None,
+        }
+    }
+}
