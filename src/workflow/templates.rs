@@ -143,6 +143,7 @@ impl Template {
             cables: cables(&parts, size, mass_kg * GRAVITY),
             home_platform: None,
             tolerances: Some(PartTolerances::typical()),
+            hypotheses: Vec::new(),
             deviations: Vec::new(),
             effects: Vec::new(),
         };

@@ -1,12 +1,12 @@
 //! Effects attached to the cables of a robot.
 
-use super::{BoundEffect, Effect, EffectError, EffectParameter, EffectSetting, Scope, find};
+use super::{BoundEffect, Effect, EffectError, EffectParameter, EffectSetting, Scope};
 use crate::robot::Robot;
 
 /// A request to estimate an effect: `ID[:CABLE][:NAME=NUMBER,...]`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EffectRequest {
-    /// Identifier in the catalogue.
+    /// Identifier in the catalogue, or of a hypothesis of the robot.
     pub effect: String,
     /// Cable; `None` for all cables that the scope of the effect admits.
     pub cable: Option<String>,
@@ -45,8 +45,8 @@ impl EffectRequest {
     /// If effect, cable or parameter is unknown, the effect takes no cable or has nothing to estimate, or
     /// a parameter that cannot be estimated has no value.
     pub fn bind(&self, robot: &Robot) -> Result<Vec<BoundEffect>, EffectError> {
-        let effect =
-            find(&self.effect).ok_or_else(|| EffectError::UnknownEffect(self.effect.clone()))?;
+        let effect = (robot.effect(&self.effect))
+            .ok_or_else(|| EffectError::UnknownEffect(self.effect.clone()))?;
         if !effect.is_estimable() {
             return Err(EffectError::NothingToEstimate(self.effect.clone()));
         }
@@ -152,10 +152,19 @@ impl BoundEffect {
         robot: &Robot,
         default: impl Fn(&EffectParameter) -> f64,
     ) -> Result<Self, EffectError> {
-        let effect = find(&setting.effect)
+        let effect = (robot.effect(&setting.effect))
             .ok_or_else(|| EffectError::UnknownEffect(setting.effect.clone()))?;
         if effect.scope() == Scope::Robot && !setting.targets.is_empty() {
             return Err(EffectError::NoTarget(setting.effect.clone()));
+        }
+        let named = effect
+            .definition
+            .map_or(0, |d| d.formulas().highest_cable());
+        if named > robot.cable_count() {
+            return Err(EffectError::UnknownCable {
+                effect: setting.effect.clone(),
+                cable: named.to_string(),
+            });
         }
         let given = setting
             .parameters

@@ -1,13 +1,13 @@
 //! An effect on some cables with values of its parameters.
 
-use super::{Effect, EffectSetting, Scope};
+use super::{CablePorts, Dual, Effect, EffectSetting, PlatformPorts, RowContexts, Scope};
 use crate::measurement::Measurements;
 use crate::robot::Robot;
 
 /// Errors of attaching an effect to a robot.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum EffectError {
-    /// The identifier is not in the catalogue.
+    /// The identifier is neither in the catalogue nor that of a hypothesis of the robot.
     #[error("unknown effect \"{0}\"")]
     UnknownEffect(String),
     /// The robot has no cable of this name.
@@ -84,6 +84,36 @@ impl BoundEffect {
     /// Whether it acts on the platform, the frame or an instrument.
     pub(crate) fn acts_on_platform(&self) -> bool {
         self.effect.scope() == Scope::Robot
+    }
+
+    /// Changes the ports of the cable with an index, one of those it is attached to.
+    pub(crate) fn change_cable(
+        &self,
+        values: &[Dual],
+        row: RowContexts<'_>,
+        cable: usize,
+        ports: &mut CablePorts,
+    ) {
+        match self.effect.definition {
+            Some(definition) => {
+                let formulas = definition.formulas();
+                formulas.change_cable(values, row, (cable, &self.cables), ports);
+            }
+            None => (self.effect.change_cable)(values, &row.cables[cable], ports),
+        }
+    }
+
+    /// Changes the ports of the platform.
+    pub(crate) fn change_platform(
+        &self,
+        values: &[Dual],
+        row: RowContexts<'_>,
+        ports: &mut PlatformPorts,
+    ) {
+        match self.effect.definition {
+            Some(definition) => definition.formulas().change_platform(values, row, ports),
+            None => (self.effect.change_platform)(values, row.platform, ports),
+        }
     }
 
     /// Whether another one is the same effect on the same target, whatever its values.

@@ -74,6 +74,7 @@ pub(crate) fn robot(free: &[Coordinate], cables: Vec<Cable>) -> Robot {
         limits: None,
         home_platform: None,
         tolerances: None,
+        hypotheses: Vec::new(),
         deviations: Vec::new(),
         effects: Vec::new(),
     }

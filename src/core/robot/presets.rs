@@ -152,6 +152,7 @@ fn robot(name: &str, home: Home, platform: Platform, laser: Laser, cables: Vec<C
         cables,
         home_platform: None,
         tolerances: None,
+        hypotheses: Vec::new(),
         deviations: Vec::new(),
         effects: Vec::new(),
     }

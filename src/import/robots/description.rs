@@ -80,6 +80,7 @@ pub(super) fn robot_of(
         cables: description.cables,
         home_platform: None,
         tolerances: Some(PartTolerances::typical()),
+        hypotheses: Vec::new(),
         deviations: Vec::new(),
         effects: Vec::new(),
     };

@@ -7,7 +7,7 @@ mod field;
 mod layout;
 mod tolerances;
 
-use super::description::inertia_matrix;
+use super::description::{MAX_HYPOTHESES, inertia_matrix};
 use super::{Cable, Home, HomePlatform, Laser, Limits, Platform, Robot, Tracker};
 use crate::cable::ElongationSurface;
 use crate::effect::{BoundEffect, EffectSetting};
@@ -58,6 +58,7 @@ impl Robot {
         if let Some(home_platform) = &self.home_platform {
             check_home_platform(&root.child("home_platform"), home_platform)?;
         }
+        self.check_hypotheses(&root)?;
         self.check_effects(&root.child("effects"), &self.effects)?;
         self.check_effects(&root.child("deviations"), &self.deviations)?;
         tolerances::check(self, &root.child("tolerances"))
@@ -106,6 +107,22 @@ impl Robot {
         if needed && !stated && self.gravity().norm() == 0.0 {
             let message = "not given, expected one because without gravity it has no default";
             return root.child("platform").fail("wrench_sd", message);
+        }
+        Ok(())
+    }
+
+    fn check_hypotheses(&self, root: &Object) -> Checked {
+        let all = &self.hypotheses;
+        if all.len() > MAX_HYPOTHESES {
+            let message = format!("found {}, expected at most {MAX_HYPOTHESES}", all.len());
+            return root.fail("hypotheses", message);
+        }
+        let list = root.child("hypotheses");
+        for (index, one) in all.iter().enumerate() {
+            if all[..index].iter().any(|other| other.id() == one.id()) {
+                let message = format!("found the id {:?} again, expected one of its own", one.id());
+                return list.fail(index, message);
+            }
         }
         Ok(())
     }

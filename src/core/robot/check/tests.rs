@@ -22,6 +22,7 @@ fn robot() -> Robot {
         limits: None,
         home_platform: None,
         tolerances: None,
+        hypotheses: Vec::new(),
         deviations: Vec::new(),
         effects: Vec::new(),
     }

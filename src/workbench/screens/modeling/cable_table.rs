@@ -353,6 +353,7 @@ impl CableTable {
             cables: cables.collect::<Result<_, _>>()?,
             home_platform: None,
             tolerances: Some(PartTolerances::typical()),
+            hypotheses: Vec::new(),
             deviations: Vec::new(),
             effects: Vec::new(),
         })
