@@ -5,7 +5,7 @@
 
 use super::direction::angles;
 use super::motion::{finite, inertia, paid_rates, tension_rates, twists};
-use super::{BoundEffect, CablePorts, Dual, PlatformPorts};
+use super::{Dual, PlatformPorts};
 use crate::geometry::{Pose, Twist};
 use crate::kinematics::{PulleyGeometry, balanced_tension, swivel_angle};
 use crate::measurement::{Grid, Measurements};
@@ -248,34 +248,6 @@ impl PoseContexts {
             cables,
             platform,
         }
-    }
-
-    /// The nominal ports of all cables at a row under given tensions (N), with the effects applied and no cable paid out.
-    pub fn cable_ports(
-        &self,
-        row: usize,
-        robot: &Robot,
-        effects: &[BoundEffect],
-        tensions_n: &[f64],
-    ) -> Vec<CablePorts> {
-        let mut cables = self.at_row(row).cables.to_vec();
-        for (at, tension_n) in cables.iter_mut().zip(tensions_n) {
-            at.tension_n = *tension_n;
-        }
-        let contexts = RowContexts {
-            cables: &cables,
-            platform: self.platform(row),
-        };
-        let changed = |(index, cable): (usize, &Cable)| {
-            let mut ports = CablePorts::nominal(cable, 0.0, tensions_n[index]);
-            for bound in effects.iter().filter(|b| b.cables.contains(&index)) {
-                let values = bound.values.iter().map(|value| Dual::constant(*value));
-                let values: Vec<Dual> = values.collect();
-                bound.change_cable(&values, contexts, index, &mut ports);
-            }
-            ports
-        };
-        robot.cables.iter().enumerate().map(changed).collect()
     }
 
     /// Contexts of all readings at a row.

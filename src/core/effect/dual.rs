@@ -58,7 +58,11 @@ impl Dual {
 
     /// Absolute value; its derivative at 0 is taken as 0.
     pub fn abs(self) -> Self {
-        self.chain(self.value.abs(), super::sign(self.value))
+        let sign = match self.value == 0.0 {
+            true => 0.0,
+            false => self.value.signum(),
+        };
+        self.chain(self.value.abs(), sign)
     }
 
     /// Power with a constant exponent.

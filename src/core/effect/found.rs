@@ -59,8 +59,9 @@ impl<'a> FoundEffect<'a> {
     }
 
     /// Sentences of cause and workshop of a hypothesis.
-    pub(super) fn texts_of_hypothesis(&self) -> [&'static str; 2] {
-        self.bound.effect.definition.map_or([""; 2], |d| d.texts())
+    pub(super) fn sentences_of_text(&self) -> [&'static str; 2] {
+        let physics = self.bound.effect.text_physics;
+        physics.map_or([""; 2], |physics| physics.sentences())
     }
 
     /// The robot.

@@ -54,6 +54,7 @@ mod pulley_radius;
 mod setting;
 mod swivel_offset;
 mod target_tilt;
+mod text_physics;
 mod tolerance;
 mod tracker_clock;
 mod tracker_frame;
@@ -74,13 +75,15 @@ pub(crate) use context::{CableContext, PlatformContext, PoseContexts, RowContext
 pub(crate) use dual::Dual;
 pub(crate) use found::FoundEffect;
 pub use hypothesis::{
-    AsText, FORMULA_QUANTITIES, FORMULA_TARGETS, FormulaQuantity, FormulaTarget, Hypothesis,
-    HypothesisError, MAX_HYPOTHESIS_BYTES, NotAsText, line_and_column,
+    FORMULA_QUANTITIES, FORMULA_TARGETS, FormulaQuantity, FormulaTarget, Hypothesis,
+    HypothesisError, HypothesisNotAdded, MAX_HYPOTHESES, MAX_HYPOTHESIS_BYTES, NotAsText,
+    line_and_column,
 };
 pub(crate) use motion::inertia;
 pub use part_deviation::{PartDeviation, part_deviations};
 pub(crate) use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
+pub(crate) use text_physics::TextPhysics;
 pub use tolerance::{MachineClass, TypicalTolerance};
 
 use crate::measurement::{Measurements, Variable};
@@ -221,6 +224,15 @@ impl EffectParameter {
     }
 }
 
+/// The physics of an effect of the catalogue as text.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum AsText {
+    /// Formulas of the quantities that it changes.
+    Formulas(&'static [(&'static str, &'static str)]),
+    /// Why formulas cannot express it.
+    Impossible(&'static str),
+}
+
 /// How an effect is searched for in data. Numbers are indices of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Search {
@@ -297,7 +309,7 @@ pub struct Effect {
     /// The same physics as text, or why formulas cannot express it.
     pub(crate) as_text: AsText,
     /// The text of a user that takes the place of `change_cable` and `change_platform`.
-    pub(crate) definition: Option<&'static hypothesis::Definition>,
+    pub(crate) text_physics: Option<&'static dyn TextPhysics>,
 }
 
 impl Effect {
@@ -321,7 +333,7 @@ impl Effect {
         delays: |_, _, _| {},
         exchange_channels: |_, _, _| {},
         as_text: AsText::Impossible(""),
-        definition: None,
+        text_physics: None,
     };
 
     /// Stable identifier in files and commands.
@@ -390,8 +402,8 @@ impl Effect {
     /// Whether only recordings in motion reveal it.
     #[must_use]
     pub fn is_in_motion(&self) -> bool {
-        match self.definition {
-            Some(definition) => definition.formulas().need_motion(),
+        match self.text_physics {
+            Some(physics) => physics.needs_motion(),
             None => IN_MOTION.iter().any(|effect| effect.id == self.id),
         }
     }
@@ -399,7 +411,7 @@ impl Effect {
     /// Whether it is a hypothesis of the user.
     #[must_use]
     pub fn is_hypothesis(&self) -> bool {
-        self.definition.is_some()
+        self.text_physics.is_some()
     }
 
     /// Whether it has a parameter that can be estimated.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Limits, PartTolerances};
 use crate::cable::ElongationSurface;
-use crate::effect::{Effect, EffectSetting, Hypothesis, find};
+use crate::effect::EffectSetting;
 use crate::geometry::{Coordinate, Freedom, Pose, Vec3};
 
 /// One standard deviation for all three axes, or one for each. With `PerAxis<Option<f64>>`, `None` (written to
@@ -80,9 +80,9 @@ pub struct Robot {
     /// Home reference platform of phase 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub home_platform: Option<HomePlatform>,
-    /// Hypotheses of the user: effects that this robot knows besides those of the catalogue.
+    /// Texts of hypothesis files of the user: effects that this robot knows besides those of the catalogue.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub hypotheses: Vec<Hypothesis>,
+    pub hypotheses: Vec<String>,
     /// Physical effects that extend the nominal model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectSetting>,
@@ -93,22 +93,6 @@ pub struct Robot {
     /// the estimated ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub deviations: Vec<EffectSetting>,
-}
-
-/// Most hypotheses of a robot.
-pub(super) const MAX_HYPOTHESES: usize = 100;
-
-/// Why a robot does not take a hypothesis.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum HypothesisNotAdded {
-    /// It carries another one with the same identifier.
-    #[error(
-        "found the hypothesis \"{0}\" with another text than the robot carries, expected one text for each id"
-    )]
-    OtherText(String),
-    /// It carries as many as it can.
-    #[error("found more than {MAX_HYPOTHESES} hypotheses, expected at most so many")]
-    TooMany,
 }
 
 fn standard_gravity() -> [f64; 3] {
@@ -448,30 +432,6 @@ impl Robot {
     /// Everything by which the model deviates from the description: the effects, then the deviations of parts.
     pub fn effects_and_deviations(&self) -> impl Iterator<Item = &EffectSetting> {
         self.effects.iter().chain(&self.deviations)
-    }
-
-    /// The effect with this identifier: of the catalogue, or a hypothesis of the user.
-    #[must_use]
-    pub fn effect(&self, id: &str) -> Option<&'static Effect> {
-        let hypothesis = || self.hypotheses.iter().find(|known| known.id() == id);
-        find(id).or_else(|| hypothesis().map(Hypothesis::effect))
-    }
-
-    /// Makes a hypothesis known to the robot; one that it carries already is not repeated.
-    ///
-    /// # Errors
-    /// If the robot carries another one with the same identifier, or too many.
-    pub fn add_hypothesis(&mut self, hypothesis: Hypothesis) -> Result<(), HypothesisNotAdded> {
-        let same = |known: &&Hypothesis| known.id() == hypothesis.id();
-        match self.hypotheses.iter().find(same) {
-            Some(known) if *known == hypothesis => Ok(()),
-            Some(_) => Err(HypothesisNotAdded::OtherText(hypothesis.id().to_owned())),
-            None if self.hypotheses.len() == MAX_HYPOTHESES => Err(HypothesisNotAdded::TooMany),
-            None => {
-                self.hypotheses.push(hypothesis);
-                Ok(())
-            }
-        }
     }
 
     /// Number of cables.

@@ -9,8 +9,8 @@ pub mod presets;
 pub use check::FieldError;
 pub use description::{
     Cable, CableMaterial, DistanceCurve, ForceSensor, FrameTransform, Home, HomePlatform,
-    HomeSensor, HypothesisNotAdded, Inclinometer, Laser, PerAxis, Plane, Platform, Pulley, Robot,
-    TargetPlane, Tracker, Winch, WrenchSd,
+    HomeSensor, Inclinometer, Laser, PerAxis, Plane, Platform, Pulley, Robot, TargetPlane, Tracker,
+    Winch, WrenchSd,
 };
 pub use limits::{Limits, TensionLimits, WorkspaceLimits};
 pub use part_tolerances::{PartTolerances, StatedTolerances, Tolerance, Typical};

@@ -9,7 +9,7 @@ fuzz_target!(|bytes: &[u8]| {
         Err(error) => return tautline_fuzz::check_error(&error, "hypothesis.toml"),
     };
     let mut robot = tautline_fuzz::robot();
-    robot.add_hypothesis(hypothesis).expect("the first one");
+    robot.add_hypothesis(&hypothesis).expect("the first one");
     robot.check().expect("a robot may carry what was read");
     let path = std::env::temp_dir().join(format!("tautline-fuzz-{}.json", std::process::id()));
     tautline_session::write_robot(&path, &robot).expect("what was read can be written");

@@ -1,19 +1,12 @@
 //! Effects of the catalogue as hypothesis files.
 
 use super::super::found::NOT_A_FIELD;
-use super::super::{BoundEffect, Effect, EffectParameter, FoundEffect, Scope, Search, Stage};
+use super::super::{
+    AsText, BoundEffect, Effect, EffectParameter, FoundEffect, Scope, Search, Stage,
+};
 use super::formula::is_reserved;
 use super::unit::Unit;
 use crate::robot::Robot;
-
-/// The physics of an effect of the catalogue as text.
-#[derive(Debug, Clone, Copy)]
-pub enum AsText {
-    /// Formulas of the quantities that it changes.
-    Formulas(&'static [(&'static str, &'static str)]),
-    /// Why formulas cannot express it.
-    Impossible(&'static str),
-}
 
 /// An effect that no hypothesis file can express.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -32,8 +25,8 @@ impl Effect {
     /// # Errors
     /// If formulas cannot express it.
     pub fn as_text(&'static self, robot: &Robot) -> Result<String, NotAsText> {
-        if let Some(definition) = self.definition {
-            return Ok(definition.text.clone());
+        if let Some(physics) = self.text_physics {
+            return Ok(physics.text().to_owned());
         }
         let formulas = match self.as_text {
             AsText::Formulas(formulas) => formulas,

@@ -71,8 +71,8 @@ enum Operation {
     From(usize),
     /// 1 at the pose of which a parameter is the label.
     At(usize),
-    Unary(fn(Dual) -> Dual),
-    Binary(fn(Dual, Dual) -> Dual),
+    Unary(Unary),
+    Binary(Binary),
     Power(f64),
 }
 
@@ -110,7 +110,11 @@ pub(super) struct Circumstances<'c> {
     pub targets: &'c [usize],
 }
 
-const UNARY: [(&str, fn(Dual) -> Dual); 9] = [
+/// A function of one value, and of two.
+type Unary = fn(Dual) -> Dual;
+type Binary = fn(Dual, Dual) -> Dual;
+
+const UNARY: [(&str, Unary); 9] = [
     ("sin", Dual::sin),
     ("cos", Dual::cos),
     ("tan", |x| x.sin() / x.cos()),
@@ -122,10 +126,9 @@ const UNARY: [(&str, fn(Dual) -> Dual); 9] = [
     ("sign", |x| Dual::constant(super::super::sign(x.value))),
 ];
 /// Functions whose value has the unit of their argument, or its root.
-const UNARY_OF_UNIT: [(&str, fn(Dual) -> Dual, f64); 2] =
-    [("abs", Dual::abs, 1.0), ("sqrt", Dual::sqrt, 0.5)];
+const UNARY_OF_UNIT: [(&str, Unary, f64); 2] = [("abs", Dual::abs, 1.0), ("sqrt", Dual::sqrt, 0.5)];
 /// Functions of two values of one unit, and whether the result is a number.
-const BINARY: [(&str, fn(Dual, Dual) -> Dual, bool); 3] = [
+const BINARY: [(&str, Binary, bool); 3] = [
     ("min", |a, b| if b.value < a.value { b } else { a }, false),
     ("max", |a, b| if b.value > a.value { b } else { a }, false),
     ("atan2", Dual::atan2, true),
@@ -652,7 +655,7 @@ impl<'t> Compiler<'t> {
                     (a, b) if a == b => a,
                     _ => Other,
                 };
-                let function: fn(Dual, Dual) -> Dual = match operator {
+                let function: Binary = match operator {
                     '+' => |a, b| a + b,
                     _ => |a, b| a - b,
                 };

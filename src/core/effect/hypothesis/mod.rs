@@ -1,16 +1,15 @@
 //! Hypotheses: effects whose physics is a text, written by the user.
 //!
-//! A [`Hypothesis`] is parsed, checked and compiled once. The registry is the list [`Robot::hypotheses`] of a robot: what
-//! is attached to a robot knows the catalogue and the hypotheses of that robot, no other. As an [`Effect`] it is the same
-//! for every robot that carries the same text, as the effects of the catalogue are, and lives as long as they do.
-//!
-//! [`Robot::hypotheses`]: crate::robot::Robot::hypotheses
+//! A [`Hypothesis`] is parsed, checked and compiled once. The registry is the list `Robot::hypotheses` of texts: what is
+//! attached to a robot knows the catalogue and the hypotheses of that robot, no other. As an [`Effect`] it is the same for
+//! every robot that carries the same text, as the effects of the catalogue are, and lives as long as they do.
 
 mod as_text;
 mod check;
 mod fault;
 mod file;
 mod formula;
+mod known;
 mod quantity;
 mod unit;
 
@@ -24,11 +23,12 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{CablePort, PlatformPort, Scope, Search, Stage};
-use super::{CablePorts, Dual, Effect, EffectParameter, PlatformPorts, RowContexts};
+use super::{CablePorts, Dual, Effect, EffectParameter, PlatformPorts, RowContexts, TextPhysics};
 use crate::measurement::Variable;
-pub use as_text::{AsText, NotAsText};
+pub use as_text::NotAsText;
 pub use fault::{HypothesisError, line_and_column};
 use formula::{Circumstances, Program};
+pub use known::{HypothesisNotAdded, MAX_HYPOTHESES};
 pub use quantity::{FORMULA_QUANTITIES, FORMULA_TARGETS, FormulaQuantity, FormulaTarget};
 
 /// Most bytes of a hypothesis file.
@@ -42,7 +42,7 @@ pub struct Hypothesis {
 
 /// Formulas of the ports that a hypothesis changes.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Formulas {
+struct Formulas {
     cable: Vec<(CablePort, Program)>,
     platform: Vec<(PlatformPort, Program)>,
 }
@@ -58,7 +58,7 @@ struct ParameterDefinition {
 
 /// A checked hypothesis.
 #[derive(Debug, Clone)]
-pub(crate) struct Definition {
+struct Definition {
     text: String,
     id: String,
     title: String,
@@ -117,7 +117,6 @@ impl Hypothesis {
     /// of memory stays taken, as what the catalogue takes.
     #[must_use]
     pub fn effect(&self) -> &'static Effect {
-        static EFFECTS: Mutex<Option<HashMap<String, &'static Effect>>> = Mutex::new(None);
         let mut effects = EFFECTS.lock().unwrap_or_else(PoisonError::into_inner);
         let effects = effects.get_or_insert_default();
         if let Some(effect) = effects.get(self.text()) {
@@ -127,6 +126,19 @@ impl Hypothesis {
         effects.insert(self.text().to_owned(), effect);
         effect
     }
+}
+
+/// The effects of all texts that were used as one.
+static EFFECTS: Mutex<Option<HashMap<String, &'static Effect>>> = Mutex::new(None);
+
+/// The effect of a text; `None` if it is no hypothesis.
+fn effect_of(text: &str) -> Option<&'static Effect> {
+    let effects = EFFECTS.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = effects
+        .as_ref()
+        .and_then(|effects| effects.get(text).copied());
+    drop(effects);
+    known.or_else(|| Some(Hypothesis::parse(text).ok()?.effect()))
 }
 
 impl Definition {
@@ -144,8 +156,8 @@ impl Definition {
             title: &definition.title,
             scope: definition.scope,
             parameters: parameters.leak(),
-            cause: |found| found.say(found.texts_of_hypothesis()[0]),
-            workshop: |found| found.say(found.texts_of_hypothesis()[1]),
+            cause: |found| found.say(found.sentences_of_text()[0]),
+            workshop: |found| found.say(found.sentences_of_text()[1]),
             check: definition.check.as_deref(),
             source: definition
                 .source
@@ -156,18 +168,9 @@ impl Definition {
             variable: definition.variable,
             is_damage: definition.is_damage,
             needs_sag: definition.formulas.changes(CablePort::Weight),
-            definition: Some(definition),
+            text_physics: Some(definition),
             ..Effect::NEUTRAL
         }))
-    }
-
-    /// Sentences of cause and workshop, with fields.
-    pub fn texts(&self) -> [&str; 2] {
-        [&self.cause, &self.workshop]
-    }
-
-    pub fn formulas(&self) -> &Formulas {
-        &self.formulas
     }
 }
 
@@ -177,25 +180,41 @@ impl Formulas {
         self.cable.iter().any(|(changed, _)| *changed == port)
     }
 
-    fn programs(&self) -> impl Iterator<Item = &Program> {
-        let of_cable = self.cable.iter().map(|(_, program)| program);
-        of_cable.chain(self.platform.iter().map(|(_, program)| program))
-    }
-
-    /// Whether some of them depend on the motion of the platform.
-    pub fn need_motion(&self) -> bool {
-        self.programs().any(|program| program.uses_motion)
-    }
-
     /// Largest number of a cable that they name, counted from 1; 0 without one.
-    pub fn highest_cable(&self) -> usize {
+    fn highest_cable(&self) -> usize {
         let named = self.programs().map(|program| program.highest_cable);
         named.max().unwrap_or(0)
     }
 
-    /// Changes the ports of the cable with an index; `targets` are the cables that the effect is attached to. Where a
-    /// formula has no finite value, as after a division by a missing reading, nothing changes.
-    pub fn change_cable(
+    fn programs(&self) -> impl Iterator<Item = &Program> {
+        let of_cable = self.cable.iter().map(|(_, program)| program);
+        of_cable.chain(self.platform.iter().map(|(_, program)| program))
+    }
+}
+
+impl TextPhysics for Definition {
+    fn text(&self) -> &str {
+        &self.text
+    }
+
+    fn sentences(&self) -> [&str; 2] {
+        [&self.cause, &self.workshop]
+    }
+
+    fn prior(&self) -> Option<f64> {
+        self.prior
+    }
+
+    fn needs_motion(&self) -> bool {
+        self.formulas.programs().any(|program| program.uses_motion)
+    }
+
+    fn highest_cable(&self) -> usize {
+        self.formulas.highest_cable()
+    }
+
+    /// Where a formula has no finite value, as after a division by a missing reading, nothing changes.
+    fn change_cable(
         &self,
         values: &[Dual],
         row: RowContexts<'_>,
@@ -208,27 +227,21 @@ impl Formulas {
             cable: Some(cable),
             targets,
         };
-        for (port, program) in &self.cable {
+        for (port, program) in &self.formulas.cable {
             if let Some(value) = program.evaluate(values, ports.get(*port), &at) {
                 *ports.get_mut(*port) = value;
             }
         }
     }
 
-    /// Changes the ports of the platform in the same way.
-    pub fn change_platform(
-        &self,
-        values: &[Dual],
-        row: RowContexts<'_>,
-        ports: &mut PlatformPorts,
-    ) {
+    fn change_platform(&self, values: &[Dual], row: RowContexts<'_>, ports: &mut PlatformPorts) {
         let at = Circumstances {
             cables: row.cables,
             platform: row.platform,
             cable: None,
             targets: &[],
         };
-        for (port, program) in &self.platform {
+        for (port, program) in &self.formulas.platform {
             if let Some(value) = program.evaluate(values, ports.get(*port), &at) {
                 *ports.get_mut(*port) = value;
             }

@@ -4,10 +4,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::check::SampleRow;
-use super::{AsText, Hypothesis, MAX_HYPOTHESIS_BYTES};
+use super::{Hypothesis, HypothesisNotAdded, MAX_HYPOTHESIS_BYTES};
 use crate::effect::{
-    BoundEffect, CablePort, CablePorts, Dual, Effect, EffectError, EffectSetting, PlatformPort,
-    PlatformPorts, Scope, Search, Stage, every_effect, find,
+    AsText, BoundEffect, CablePort, CablePorts, Dual, Effect, EffectError, EffectRequest,
+    EffectSetting, PlatformPort, PlatformPorts, Scope, Search, Stage, every_effect, find,
 };
 use crate::estimation::{Control, Options, Problem, solve};
 use crate::robot::{Robot, presets};
@@ -101,7 +101,7 @@ fn a_hypothesis_is_an_effect() {
     assert!(!std::ptr::eq(effect, hypothesis(&other).effect()));
 
     let mut robot = mini();
-    robot.hypotheses = vec![hypothesis(CROSSTALK)];
+    robot.add_hypothesis(&hypothesis(CROSSTALK)).unwrap();
     let stated = setting("encoder_crosstalk", &["cable-3"], &[("share", 0.0031)]);
     let bound = BoundEffect::from_setting(&stated, &robot).unwrap();
     assert_eq!(
@@ -131,7 +131,9 @@ fn values_of_another_cable_are_its_readings() {
         assert!((after[0].slope - other).abs() < 1e-15);
     }
     let mut planar = presets::find("planar").unwrap().robot;
-    planar.hypotheses = vec![hypothesis(&CROSSTALK.replace("next", "9"))];
+    planar
+        .add_hypothesis(&hypothesis(&CROSSTALK.replace("next", "9")))
+        .unwrap();
     let stated = setting("encoder_crosstalk", &["cable-1"], &[]);
     let error = BoundEffect::from_setting(&stated, &planar).unwrap_err();
     assert!(
@@ -146,7 +148,7 @@ fn the_other_cable_of_a_pair_is_known() {
         .replace("\"cable\"", "\"cable_pair\"")
         .replace("next", "other");
     let mut robot = mini();
-    robot.hypotheses = vec![hypothesis(&text)];
+    robot.add_hypothesis(&hypothesis(&text)).unwrap();
     let stated = setting(
         "encoder_crosstalk",
         &["cable-2", "cable-4"],
@@ -154,6 +156,11 @@ fn the_other_cable_of_a_pair_is_known() {
     );
     let bound = BoundEffect::from_setting(&stated, &robot).unwrap();
     let row = SampleRow::new(0, 8);
+    let request = EffectRequest::parse("encoder_crosstalk:cable-2:cable-4");
+    assert_eq!(request.bind(&robot).unwrap()[0].cables, [1, 3]);
+    let request = EffectRequest::parse("winch_scale:cable-2:cable-4");
+    let error = request.bind(&robot).unwrap_err().to_string();
+    assert!(error.ends_with("expected one cable"), "{error}");
     for (cable, other) in [(1, 3), (3, 1)] {
         let mut ports = CablePorts::nominal(&robot.cables[cable], 0.4, 120.0);
         let values = [Dual::constant(0.01)];
@@ -219,15 +226,10 @@ fn the_catalogue_as_text_is_the_catalogue() {
             (other.needs_sag, other.is_in_motion()),
             (effect.needs_sag, effect.is_in_motion())
         );
-        if other.definition.unwrap().formulas.changes(CablePort::Paid) {
+        if text.definition.formulas.changes(CablePort::Paid) {
             assert_eq!(other.stage, effect.stage, "{id}");
         }
-        if other
-            .definition
-            .unwrap()
-            .formulas
-            .changes(CablePort::Tension)
-        {
+        if text.definition.formulas.changes(CablePort::Tension) {
             assert_eq!(other.stage, effect.stage, "{id}");
         }
         for (one, same) in effect.parameters().iter().zip(other.parameters()) {
@@ -276,7 +278,9 @@ fn the_catalogue_as_text_has_the_same_ports_and_slopes() {
 /// An equipped robot in which every effect at rest shows.
 fn equipped() -> Robot {
     let mut robot = crate::effect::tests::recovery::equipped("mini");
-    robot.hypotheses = as_texts().into_iter().map(|(_, text)| text).collect();
+    for (_, text) in as_texts() {
+        robot.add_hypothesis(&text).unwrap();
+    }
     robot
 }
 
@@ -325,10 +329,10 @@ fn the_catalogue_as_text_predicts_the_same_readings() {
 #[test]
 fn crosstalk_comes_back() {
     let mut robot = crate::effect::tests::recovery::equipped("mini");
-    robot.hypotheses = vec![hypothesis(CROSSTALK)];
+    robot.add_hypothesis(&hypothesis(CROSSTALK)).unwrap();
     let hidden = setting("encoder_crosstalk", &["cable-3"], &[("share", 0.004)]);
     let run = run(&robot, vec![hidden], 30);
-    let request = crate::effect::EffectRequest::parse("encoder_crosstalk:cable-3");
+    let request = EffectRequest::parse("encoder_crosstalk:cable-3");
     let mut problem = Problem::new(&run.dataset).unwrap();
     problem.free(&[request]).unwrap();
     let solution = solve(&problem, &Options::default(), &mut |_| Control::Continue).unwrap();
@@ -457,18 +461,23 @@ fn events_and_waves_are_recognised() {
 #[test]
 fn a_robot_carries_its_hypotheses() {
     let mut robot = mini();
-    robot.hypotheses = vec![hypothesis(CROSSTALK)];
+    robot.add_hypothesis(&hypothesis(CROSSTALK)).unwrap();
     robot.effects = vec![setting(
         "encoder_crosstalk",
         &["cable-3"],
         &[("share", 0.004)],
     )];
     robot.check().unwrap();
-    robot
-        .hypotheses
-        .push(hypothesis(&CROSSTALK.replace("0.01]", "0.02]")));
+    let other = hypothesis(&CROSSTALK.replace("0.01]", "0.02]"));
+    let error = robot.add_hypothesis(&other).unwrap_err();
+    assert_eq!(error, HypothesisNotAdded::OtherText(other.id().to_owned()));
+    robot.hypotheses.push(other.text().to_owned());
     let error = robot.check().unwrap_err();
     assert_eq!(error.pointer, "/hypotheses/1");
+    robot.hypotheses = vec![CROSSTALK.replace("next", "neighbour")];
+    let error = robot.check().unwrap_err();
+    let expected = "/hypotheses/0: line 11, column 32: found \"neighbour\", expected next";
+    assert!(error.to_string().starts_with(expected), "{error}");
     robot.hypotheses.clear();
     let error = robot.check().unwrap_err();
     assert_eq!(

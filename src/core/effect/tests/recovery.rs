@@ -66,7 +66,7 @@ pub(super) fn request(setting: &EffectSetting) -> EffectRequest {
     });
     EffectRequest {
         effect: setting.effect.clone(),
-        cable: setting.targets.first().cloned(),
+        cables: setting.targets.clone(),
         values: given.collect(),
     }
 }

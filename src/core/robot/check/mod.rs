@@ -7,10 +7,10 @@ mod field;
 mod layout;
 mod tolerances;
 
-use super::description::{MAX_HYPOTHESES, inertia_matrix};
+use super::description::inertia_matrix;
 use super::{Cable, Home, HomePlatform, Laser, Limits, Platform, Robot, Tracker};
 use crate::cable::ElongationSurface;
-use crate::effect::{BoundEffect, EffectSetting};
+use crate::effect::{BoundEffect, EffectSetting, Hypothesis, MAX_HYPOTHESES};
 use crate::kinematics::MAX_CABLES;
 use field::Object;
 use nalgebra::Matrix6;
@@ -118,11 +118,17 @@ impl Robot {
             return root.fail("hypotheses", message);
         }
         let list = root.child("hypotheses");
-        for (index, one) in all.iter().enumerate() {
-            if all[..index].iter().any(|other| other.id() == one.id()) {
-                let message = format!("found the id {:?} again, expected one of its own", one.id());
+        let mut ids: Vec<String> = Vec::new();
+        for (index, text) in all.iter().enumerate() {
+            let id = match Hypothesis::parse(text) {
+                Ok(hypothesis) => hypothesis.id().to_owned(),
+                Err(error) => return list.fail(index, error.to_string()),
+            };
+            if ids.contains(&id) {
+                let message = format!("found the id \"{id}\" again, expected one of its own");
                 return list.fail(index, message);
             }
+            ids.push(id);
         }
         Ok(())
     }
