@@ -6,6 +6,7 @@ mod command_line;
 mod compare;
 mod diagnose;
 mod errors;
+mod hypotheses;
 mod identify;
 mod import;
 mod plan;
