@@ -3,9 +3,11 @@
 pub mod adjusted;
 pub mod ads;
 pub mod bad_input_cases;
+pub mod console_page;
 pub mod hangprinter;
 pub mod harness;
 pub mod hidden;
+pub mod hypotheses;
 pub mod isolability;
 pub mod live_readings;
 pub mod lives;

@@ -2,9 +2,8 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -13,7 +12,7 @@ use tautline_core::measurement::{Grid, Measurements};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, simulate};
 
-use crate::program::program;
+use crate::console_page;
 
 /// Folder of the example files, beside the page.
 const FOLDER: &str = "your-data";
@@ -251,61 +250,14 @@ fn commanded(line: &mut String, separator: &str, data: &Measurements, row: usize
     }
 }
 
-/// The page with what its commands print now: after `$ tautline ..` in a block `console`, where anything is shown there.
+/// The page with what its commands print now.
 ///
 /// # Errors
 /// If a command fails.
 pub fn with_outputs(page: &str) -> Result<String> {
-    let folder = tempfile::tempdir()?;
-    std::fs::create_dir(folder.path().join(FOLDER))?;
-    for (name, content) in files()? {
-        std::fs::write(folder.path().join(FOLDER).join(name), content)?;
-    }
-    let mut written = String::new();
-    let (mut in_console, mut shown) = (false, true);
-    let mut lines = page.lines().peekable();
-    while let Some(line) = lines.next() {
-        if line.starts_with("```") {
-            in_console = line == "```console";
-            shown = true;
-        }
-        if let Some(command) = line.strip_prefix("$ tautline ").filter(|_| in_console) {
-            let printed = run(command, folder.path())?;
-            written.push_str(line);
-            written.push('\n');
-            // What is shown is replaced; where nothing is shown the command only has to succeed.
-            shown = lines
-                .peek()
-                .is_some_and(|next| next.starts_with("$ ") || next.starts_with("```"));
-            if !shown {
-                written.push_str(&printed);
-            }
-        } else if shown || !in_console {
-            written.push_str(line);
-            written.push('\n');
-        }
-    }
-    Ok(written)
-}
-
-/// What a command prints on both outputs, without blanks at the ends of lines.
-fn run(command: &str, folder: &Path) -> Result<String> {
-    let output = Command::new(program())
-        .args(command.split_whitespace())
-        .current_dir(folder)
-        .stdin(Stdio::null())
-        .output()?;
-    let (stdout, stderr) = (
-        String::from_utf8(output.stdout)?,
-        String::from_utf8(output.stderr)?,
-    );
-    if !output.status.success() {
-        bail!("tautline {command}: {stderr}");
-    }
-    let lines = stderr.lines().chain(stdout.lines());
-    Ok(lines.fold(String::new(), |text, line| {
-        format!("{text}{}\n", line.trim_end())
-    }))
+    let in_folder = |(name, content): (&str, String)| (format!("{FOLDER}/{name}"), content);
+    let files: Vec<_> = files()?.into_iter().map(in_folder).collect();
+    console_page::with_outputs(page, &files)
 }
 
 /// Writes the example files, and the outputs into the page.

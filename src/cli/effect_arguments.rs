@@ -22,7 +22,7 @@ pub struct HiddenEffects {
 /// Effects to estimate.
 #[derive(Debug, Default, clap::Args)]
 pub struct EstimatedEffects {
-    /// Also estimate this effect, on each cable unless one is named; parameters that cannot be estimated must be given, such
+    /// Also estimate this effect, on each cable unless one is named, or two of a pair; parameters that cannot be estimated must be given, such
     /// as the pose of a slip: cable_slip:cable-3:pose=12; may be repeated, or several effects separated by commas
     #[arg(
         long = "effect",
@@ -75,17 +75,12 @@ impl EstimatedEffects {
         let mut bound = Vec::new();
         for one in self.texts.iter().flat_map(|text| split(text)) {
             let bad = |error: String| BadInput::new(format!("--effect {one}: {error}"));
-            let mut setting = parse(&one).map_err(bad)?;
+            let setting = parse(&one).map_err(bad)?;
             let request = EffectRequest {
-                cable: setting.targets.pop(),
+                cables: setting.targets,
                 effect: setting.effect,
                 values: setting.parameters.into_iter().collect(),
             };
-            if let Some(other) = setting.targets.pop() {
-                return Err(bad(format!(
-                    "found a second cable \"{other}\", expected one cable"
-                )));
-            }
             bound.extend(
                 request
                     .bind(robot)

@@ -1,12 +1,88 @@
 //! `tautline effects`.
 
-use tautline_core::effect::{Effect, EffectParameter, Scope, Search, every_effect};
+use anyhow::Result;
+use tautline_core::effect::{
+    Effect, EffectParameter, FORMULA_QUANTITIES, FORMULA_TARGETS, Scope, Search, every_effect,
+};
+use tautline_core::robot::Robot;
 
-use super::output::say;
-use super::table;
+use crate::BadInput;
+use crate::examples::examples;
+use crate::hypothesis_arguments::HypothesisFiles;
+use crate::input;
+use crate::output::{line, say};
+use crate::table;
+
+/// Robot whose words the texts of effects use.
+const ROBOT: &str = "mini";
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = examples(&[
+    ("All effects, with the sizes that are typical", "tautline effects"),
+    ("An effect as a hypothesis file, to be copied and changed", "tautline effects --as-text drum_eccentricity > oval_drum.toml"),
+    ("What the formulas of a hypothesis may use and change", "tautline effects --quantities"),
+]))]
+pub struct Arguments {
+    #[command(flatten)]
+    hypotheses: HypothesisFiles,
+    /// Print an effect as the text of a hypothesis file
+    #[arg(long, value_name = "ID", conflicts_with = "quantities")]
+    as_text: Option<String>,
+    /// List the quantities that the formulas of a hypothesis may use and change
+    #[arg(long)]
+    quantities: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    if arguments.quantities {
+        print_quantities();
+        return Ok(());
+    }
+    let mut robot = input::robot(ROBOT)?.robot;
+    arguments.hypotheses.add_to(&mut robot)?;
+    match &arguments.as_text {
+        Some(id) => print_text(&robot, id),
+        None => {
+            print_table(&robot);
+            Ok(())
+        }
+    }
+}
+
+fn print_text(robot: &Robot, id: &str) -> Result<()> {
+    let bad = |message: String| BadInput::new(format!("--as-text {id}: {message}"));
+    let effect = robot.effect(id);
+    let effect = effect.ok_or_else(|| bad(format!("unknown effect \"{id}\"")))?;
+    let text = effect.as_text(robot);
+    line(text.map_err(|error| bad(error.to_string()))?.trim_end());
+    Ok(())
+}
+
+fn print_quantities() {
+    let mut rows = table::texts(&["May be used", "unit", "of", "meaning"]);
+    for quantity in FORMULA_QUANTITIES {
+        let of = if quantity.is_of_cable() {
+            "cable"
+        } else {
+            "pose"
+        };
+        rows.add_row([quantity.name, quantity.unit, of, quantity.meaning]);
+    }
+    say!("{rows}");
+    let mut rows = table::texts(&["May be changed", "unit", "of", "meaning"]);
+    for target in FORMULA_TARGETS {
+        let of = if target.is_of_cable() {
+            "cable"
+        } else {
+            "platform"
+        };
+        rows.add_row([target.name, target.unit, of, target.meaning]);
+    }
+    say!("{rows}");
+}
 
 /// Lists the effects that `simulate` can hide, whether `identify` can estimate them, and how `diagnose` searches for them.
-pub fn run() {
+fn print_table(robot: &Robot) {
     let mut rows = table::texts(&[
         "Effect",
         "title",
@@ -16,7 +92,7 @@ pub fn run() {
         "parameters (typical size)",
         "typical tolerance",
     ]);
-    for effect in every_effect() {
+    for effect in every_effect().chain(robot.hypothesis_effects()) {
         let parameters: Vec<_> = effect.parameters().iter().map(parameter).collect();
         let freed = if effect.is_estimable() { "yes" } else { "no" };
         let cells = [

@@ -14,6 +14,7 @@ use tautline_workflow::identification::{
 use crate::BadInput;
 use crate::effect_arguments::EstimatedEffects;
 use crate::examples::examples;
+use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
 use crate::output::{confirm, is_standard, write_file};
 use crate::replace::Replace;
@@ -37,6 +38,8 @@ pub struct Arguments {
     table: Vec<Content>,
     #[command(flatten)]
     effects: EstimatedEffects,
+    #[command(flatten)]
+    hypotheses: HypothesisFiles,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -70,7 +73,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let folder = &arguments.dataset;
     let is_identified = contents.iter().any(|content| *content != Content::Poses);
     let (dataset, fit) = if is_identified {
-        let dataset = input::identifiable_dataset(folder)?;
+        let mut dataset = input::identifiable_dataset(folder)?;
+        arguments.hypotheses.add_to(&mut dataset.robot)?;
         let fit = identified(arguments, &dataset)?;
         (dataset, Some(fit))
     } else {

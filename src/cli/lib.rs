@@ -16,6 +16,7 @@ mod examples;
 mod export;
 mod history;
 mod home;
+mod hypothesis_arguments;
 mod identify;
 mod import;
 mod input;
@@ -161,8 +162,7 @@ enum Command {
     /// Write the default symbol names of a controller, for --symbols
     Symbols(symbols::Arguments),
     /// List the physical effects that can be simulated, identified and diagnosed
-    #[command(after_help = examples(&[("All effects, with the sizes that are typical", "tautline effects")]))]
-    Effects,
+    Effects(effects::Arguments),
     /// Write the JSON Schemas of the file formats
     Schemas(schemas::Arguments),
     /// Write the completions of a shell: commands, options and their values
@@ -249,10 +249,7 @@ pub fn run(window: &Window) -> ExitCode {
         Command::Certificate(arguments) => certificate::run(&arguments),
         Command::Study(command) => study::run(&command),
         Command::Symbols(arguments) => symbols::run(&arguments),
-        Command::Effects => {
-            effects::run();
-            Ok(())
-        }
+        Command::Effects(arguments) => effects::run(&arguments),
         Command::Schemas(arguments) => schemas::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
         Command::Man(arguments) => man::run(&arguments, Arguments::command()),

@@ -16,7 +16,7 @@
 //! controller that stores them separately may have them.
 
 use nalgebra::{UnitQuaternion, Vector3};
-use tautline_core::effect::{self, EffectSetting};
+use tautline_core::effect::EffectSetting;
 use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::robot::Robot;
 
@@ -71,7 +71,10 @@ pub fn parameters_of(robot: &Robot) -> Vec<ParameterInfo> {
         add(name, "m", laser.target_plane.offset_m);
     }
     for setting in &robot.effects {
-        for parameter in effect::find(&setting.effect).map_or(&[][..], |e| e.parameters()) {
+        for parameter in robot
+            .effect(&setting.effect)
+            .map_or(&[][..], |e| e.parameters())
+        {
             let value = setting.parameters.get(parameter.name).copied();
             add(
                 effect_name(setting, parameter.name),
@@ -262,15 +265,14 @@ fn axis_of(name: &str, unit: &str) -> Option<usize> {
 
 fn effect_place<'r>(robot: &'r mut Robot, rest: &str) -> Option<Place<'r>> {
     let full = format!("effect.{rest}");
-    for setting in &mut robot.effects {
-        let found = effect::find(&setting.effect)?;
-        let parameters = found.parameters().iter();
+    let named = |(index, setting): (usize, &EffectSetting)| {
+        let parameters = robot.effect(&setting.effect)?.parameters().iter();
         let mut names = parameters.map(|parameter| parameter.name);
-        if let Some(name) = names.find(|name| effect_name(setting, name) == full) {
-            return Some(Place::Effect(setting, name.to_owned()));
-        }
-    }
-    None
+        let name = names.find(|name| effect_name(setting, name) == full)?;
+        Some((index, name))
+    };
+    let (index, name) = robot.effects.iter().enumerate().find_map(named)?;
+    Some(Place::Effect(&mut robot.effects[index], name.to_owned()))
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ mod dataset;
 mod error;
 mod fingerprint;
 mod folders;
+mod hypothesis_file;
 mod import;
 mod input_file;
 mod json;
@@ -38,6 +39,7 @@ pub use dataset::{
 pub use error::{Loaded, Place, ReadError, WriteError, quoted};
 pub use fingerprint::Fingerprint;
 pub use folders::Folders;
+pub use hypothesis_file::{add_hypothesis, parse_hypothesis, read_hypothesis};
 pub use import::{Import, import, is_own};
 pub use input_file::open_input;
 pub use json::{

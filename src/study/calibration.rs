@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use tautline_core::diagnosis::{DiagnosisOptions, Verdict, diagnose};
-use tautline_core::effect::{self, EffectSetting, Scope};
+use tautline_core::effect::{EffectSetting, Scope};
 use tautline_core::estimation::{Control, Options, ParameterId, Problem, Solution, solve};
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{
@@ -261,7 +261,7 @@ fn errors(solution: &Solution, truth: &Robot) -> DVector<f64> {
 
 /// A fault with cable and sizes drawn at random; `None` if it concerns two cables or the robot has no candidate.
 fn setting(fault: &Fault, robot: &Robot, rng: &mut ChaCha8Rng) -> Option<EffectSetting> {
-    let effect = effect::find(&fault.effect)?;
+    let effect = robot.effect(&fault.effect)?;
     let cable = rng.random_range(0..robot.cable_count().max(1));
     let targets = match effect.scope() {
         Scope::Cable | Scope::CableOrAll => vec![robot.cables.get(cable)?.name.clone()],

@@ -16,7 +16,7 @@ use tautline_workflow::machines;
 use crate::cell::{Cell, options, robot_of};
 use crate::chunk::Part;
 use crate::design::{Combination, combinations};
-use crate::file::{Choice, StudyFile};
+use crate::file::{Choice, StudyFile, check_faults};
 use crate::scaling::size_m;
 use crate::{StudyError, create_folder};
 
@@ -84,6 +84,8 @@ impl StudyPlan {
         let robots = (study.design.robots.iter().enumerate())
             .map(|(index, name)| robot(name, folder, index))
             .collect::<Result<Vec<_>, _>>()?;
+        let robots = know(robots, &study)?;
+        check_faults(&study, &robots).map_err(|error| StudyError::Input(error.to_string()))?;
         let catalogue = Catalogue::of_user()?;
         let combinations = combinations(&study)?;
         let mut sequences = Sequences::default();
@@ -246,6 +248,17 @@ fn robot(name: &str, folder: &Path, index: usize) -> Result<Robot, StudyError> {
     Ok(robot)
 }
 
+/// The robots with the hypotheses of a study.
+fn know(mut robots: Vec<Robot>, study: &StudyFile) -> Result<Vec<Robot>, StudyError> {
+    for robot in &mut robots {
+        for hypothesis in &study.hypotheses {
+            let added = robot.add_hypothesis(hypothesis);
+            added.map_err(|error| StudyError::Input(format!("/hypotheses: {error}")))?;
+        }
+    }
+    Ok(robots)
+}
+
 /// Cache of pose sequences, by robot, selection and number.
 #[derive(Default)]
 struct Sequences {
@@ -336,5 +349,77 @@ fn transform(pose: &Pose) -> FrameTransform {
     FrameTransform {
         position_m: pose.position.into(),
         orientation_wxyz: pose.orientation_wxyz(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tautline_core::effect::{Hypothesis, every_effect};
+    use tautline_core::estimation::Method;
+    use tautline_session::parse_versioned_toml;
+
+    use super::*;
+    use crate::calibration::{Outcome, Simulator};
+
+    /// A study whose machines have a fault in every calibration.
+    fn study(fault: &str, hypotheses: &[String]) -> StudyFile {
+        let text = format!(
+            "format = \"tautline-study\"\nversion = 1\nname = \"s\"\n\
+             [design]\nrobots = [\"planar\"]\nposes = [12]\nchoice = [\"random\"]\n\
+             [[faults]]\neffect = \"{fault}\"\nrate = 1.0\n"
+        );
+        let read = parse_versioned_toml::<StudyFile>(text.as_bytes(), "s.toml").expect("a study");
+        let mut study = read.value;
+        let parsed = hypotheses.iter().map(|text| Hypothesis::parse(text));
+        study.hypotheses = parsed.collect::<Result<_, _>>().expect("hypotheses");
+        study
+    }
+
+    fn planned(study: StudyFile) -> Result<StudyPlan, StudyError> {
+        StudyPlan::new(study, Path::new("."), &mut |_, _| Control::Continue)
+    }
+
+    #[test]
+    fn a_fault_may_be_a_hypothesis() {
+        let robot = machines::find("planar").expect("a machine").robot;
+        let mut effects = every_effect();
+        let scale = effects
+            .find(|effect| effect.id() == "winch_scale")
+            .expect("an effect");
+        let text = scale.as_text(&robot).expect("a text");
+        let plan = planned(study("my_winch_scale", &[text])).expect("a plan");
+        let cell = plan.cell(0).expect("a cell");
+        let simulator = Simulator::new(&plan.study, &cell, Method::Joint).expect("held");
+        let of_text = simulator.calibrate(3, 0);
+        assert_eq!((of_text.outcome, of_text.faults), (Outcome::Converged, 1));
+
+        // The same fault of the catalogue, with the same random numbers.
+        let plan = planned(study("winch_scale", &[])).expect("a plan");
+        let cell = plan.cell(0).expect("a cell");
+        let simulator = Simulator::new(&plan.study, &cell, Method::Joint).expect("held");
+        let of_catalogue = simulator.calibrate(3, 0);
+        assert!((of_text.chi2 / of_catalogue.chi2 - 1.0).abs() < 1e-9);
+        assert!(
+            of_text.chi2 > 2.0 * of_text.degrees_of_freedom,
+            "a fault that shows"
+        );
+    }
+
+    #[test]
+    fn a_fault_that_no_robot_knows_is_refused() {
+        let error = planned(study("rust", &[]))
+            .expect_err("refused")
+            .to_string();
+        assert_eq!(
+            error,
+            "/faults/0/effect: found \"rust\", expected an effect that the command effects lists"
+        );
+        let error = planned(study("cable_swap", &[]))
+            .expect_err("refused")
+            .to_string();
+        assert!(
+            error.ends_with("expected an effect of one cable or of the robot"),
+            "{error}"
+        );
     }
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use tautline_validation::motion::{Late, RECORDING};
 use tautline_validation::{
-    adjusted, hangprinter, isolability, live_readings, lives, many_poses, motion, nist,
+    adjusted, hangprinter, hypotheses, isolability, live_readings, lives, many_poses, motion, nist,
     screenshots, sessions, study_speed, table1, tolerances, truth, which_sensor, window, your_data,
 };
 
@@ -29,7 +29,7 @@ const RECORDS: &str = "target/studies.jsonl";
 
 const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
-             your-data";
+             your-data, hypotheses";
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -66,6 +66,7 @@ fn main() -> Result<()> {
         Some("which-sensor") => which_sensor_tables(argument)?,
         Some("study-speed") => study_speed(argument)?,
         Some("write") => write(argument)?,
+        Some("hypotheses") => hypotheses::write()?,
         Some("your-data") => your_data::write()?,
         Some("sessions") => sessions::write_all(argument.map_or(sessions::folder(), Path::new))?,
         Some("screenshots") => {

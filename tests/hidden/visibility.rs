@@ -106,13 +106,13 @@ fn single_effects(robot: &Robot) -> Vec<EffectRequest> {
     let direct = |effect: &&&Effect| effect.search() == Search::Direct;
     let mut all = Vec::new();
     for effect in CATALOGUE.iter().filter(direct) {
-        let mut targets: Vec<Option<String>> = vec![None];
+        let mut targets: Vec<Vec<String>> = vec![Vec::new()];
         if effect.scope() != Scope::Robot {
-            targets.extend(names.clone().cloned().map(Some));
+            targets.extend(names.clone().map(|name| vec![name.clone()]));
         }
-        all.extend(targets.into_iter().map(|cable| EffectRequest {
+        all.extend(targets.into_iter().map(|cables| EffectRequest {
             effect: effect.id().to_owned(),
-            cable,
+            cables,
             values: Vec::new(),
         }));
     }
@@ -153,8 +153,8 @@ pub(super) fn chi2_of_nearest_other(
     // The scale of all winches has two names.
     let alike = |id: &str| id.replace("winch_scale_common", "winch_scale");
     let single = |rival: &EffectRequest| match effect.targets.as_slice() {
-        [target] => rival.cable.as_ref() == Some(target),
-        _ => rival.cable.is_none(),
+        [target] => rival.cables.first() == Some(target),
+        _ => rival.cables.is_empty(),
     };
     rivals.retain(|rival| alike(&rival.effect) != alike(&effect.effect) || !single(rival));
     if EVENTS.contains(&effect.effect.as_str()) {
@@ -162,7 +162,7 @@ pub(super) fn chi2_of_nearest_other(
         for id in EVENTS.iter().filter(|id| **id != effect.effect) {
             rivals.push(EffectRequest {
                 effect: (*id).to_owned(),
-                cable: effect.targets.first().cloned(),
+                cables: effect.targets.first().cloned().into_iter().collect(),
                 values: vec![("pose".to_owned(), effect.parameters["pose"])],
             });
         }
@@ -171,7 +171,7 @@ pub(super) fn chi2_of_nearest_other(
             for cable in &effect.targets {
                 rivals.push(EffectRequest {
                     effect: "cable_slip".to_owned(),
-                    cable: Some(cable.clone()),
+                    cables: vec![cable.clone()],
                     values: vec![("pose".to_owned(), *label as f64)],
                 });
             }
@@ -180,7 +180,7 @@ pub(super) fn chi2_of_nearest_other(
     let mut least = f64::INFINITY;
     for rival in rivals {
         // The effect on each cable includes the effect itself.
-        let contains = alike(&rival.effect) == alike(&effect.effect) && rival.cable.is_none();
+        let contains = alike(&rival.effect) == alike(&effect.effect) && rival.cables.is_empty();
         if !contains {
             least = least.min(chi2_with(&dataset, rival)?);
         }

@@ -98,6 +98,21 @@ def test_the_diagnosis_names_the_hidden_effect(run: tautline.Run) -> None:
     assert "cable-3" in str(found.model.description["effects"])
 
 
+def test_a_hypothesis_is_simulated_identified_and_named() -> None:
+    page = (Path(__file__).parents[2] / "docs/HYPOTHESES.md").read_text(encoding="utf-8")
+    text = page.split("```toml\n")[1].split("```")[0]
+    robot = tautline.Robot.preset("mini").with_hypothesis(text)
+    hidden = tautline.Effect("encoder_crosstalk", ["cable-3"], {"share": 0.01})
+    run = tautline.simulate(robot, 40, seed=4, effects=[hidden])
+    fitted = tautline.identify(run.dataset, effects=["encoder_crosstalk:cable-3"])
+    share = fitted.model.description["effects"][0]["parameters"]["share"]
+    assert abs(share - 0.01) < 1e-3
+    found = tautline.diagnose(run.dataset)
+    assert (found.findings[0].effect, found.findings[0].targets) == ("encoder_crosstalk", ["cable-3"])
+    with pytest.raises(tautline.TautlineError, match="line 13, column 16: found N, expected"):
+        robot.with_hypothesis(text.replace("paid_of(next)", "tension"))
+
+
 def test_a_plan_is_measured_in_its_own_coordinates() -> None:
     robot = tautline.Robot.preset("planar")
     planned = tautline.plan(robot, poses=6, candidates=300)

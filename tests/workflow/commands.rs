@@ -7,6 +7,7 @@ mod compare;
 mod diagnose;
 mod errors;
 mod history;
+mod hypotheses;
 mod identify;
 mod import;
 mod plan;

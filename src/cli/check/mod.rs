@@ -8,6 +8,7 @@ use anyhow::Result;
 use tautline_workflow::readiness::{CheckOutcome, ReadinessDocument, check};
 
 use crate::examples::examples;
+use crate::hypothesis_arguments::HypothesisFiles;
 use crate::output::{JsonOutput, say};
 use crate::{input, isolability};
 pub use not_ready::{EXIT_CODE, NotReady};
@@ -22,6 +23,8 @@ pub struct Arguments {
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
     #[command(flatten)]
+    hypotheses: HypothesisFiles,
+    #[command(flatten)]
     json: JsonOutput,
     /// Also print which faults the poses would reveal and which of them could be confused
     #[arg(long)]
@@ -29,7 +32,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let read = input::dataset_and_lines(&arguments.dataset)?;
+    let mut read = input::dataset_and_lines(&arguments.dataset)?;
+    arguments.hypotheses.add_to(&mut read.dataset.robot)?;
     let document = check(&read.dataset, Some(&read.lines));
     arguments
         .json

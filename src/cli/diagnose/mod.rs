@@ -18,6 +18,7 @@ use tautline_workflow::identification::{
 };
 
 use crate::examples::examples;
+use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
 use crate::output::{JsonOutput, line, write_model};
 use crate::replace::Replace;
@@ -26,6 +27,7 @@ use progress::ProgressLine;
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
     ("Whether the model explains the readings, and what it lacks", "tautline diagnose bad"),
+    ("Whether a suspicion of your own explains them better", "tautline diagnose bad --hypothesis oval_drum.toml"),
     ("With the statistics, and the model with what was found", "tautline diagnose bad --explain --model-out found.json"),
 ]))]
 pub struct Arguments {
@@ -38,6 +40,8 @@ pub struct Arguments {
     /// Time after which it ends with the best answer so far (s)
     #[arg(long, value_name = "SECONDS", default_value_t = TIME_LIMIT_S)]
     time_limit: f64,
+    #[command(flatten)]
+    hypotheses: HypothesisFiles,
     #[command(flatten)]
     json: JsonOutput,
     /// Write the identified robot, with the effects found, as a model file; - is standard output
@@ -66,7 +70,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments
         .replace
         .permit(&[arguments.model_out.as_deref()], Some(&arguments.json))?;
-    let session = input::session(&arguments.subject)?;
+    let mut session = input::session(&arguments.subject)?;
+    arguments.hypotheses.add_to(&mut session.robot)?;
     let place = arguments.subject.display();
     let alpha = arguments.alpha.unwrap_or(session.settings.diagnosis.alpha);
     let diagnosed = model_to_diagnose(&session)

@@ -18,6 +18,7 @@ use tautline_workflow::wording::sampling_sentence;
 
 use crate::effect_arguments::EstimatedEffects;
 use crate::examples::examples;
+use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
 use crate::method::MethodName;
 use crate::not_converged::NotConverged;
@@ -43,6 +44,8 @@ pub struct Arguments {
     method: MethodName,
     #[command(flatten)]
     effects: EstimatedEffects,
+    #[command(flatten)]
+    hypotheses: HypothesisFiles,
     /// Use a Huber loss, which downweights residuals beyond this many standard deviations; 1.5 without a number
     #[arg(long, value_name = "SD", num_args = 0..=1, default_missing_value = "1.5")]
     robust: Option<f64>,
@@ -151,6 +154,7 @@ fn fastest<T>(
 fn request(arguments: &Arguments, mut dataset: Dataset) -> Result<IdentificationRequest> {
     // Identification never uses the true values of simulated data, which take a third of the memory.
     dataset.measurements.truth = Truth::default();
+    arguments.hypotheses.add_to(&mut dataset.robot)?;
     let effects = arguments
         .effects
         .settings(&dataset.robot, Some(&dataset.measurements))?;

@@ -19,7 +19,7 @@ pub fn session(arguments: &Arguments, choice: &ControllerChoice) -> Result<Sessi
     if let Some(path) = &arguments.series_of {
         return another_series(path, arguments);
     }
-    let robot = match (&arguments.robot, choice) {
+    let mut robot = match (&arguments.robot, choice) {
         (Some(name), _) => input::robot(name)?.robot,
         (None, ControllerChoice::Replay(folder)) => input::dataset(folder)?.robot,
         (None, _) => {
@@ -28,6 +28,7 @@ pub fn session(arguments: &Arguments, choice: &ControllerChoice) -> Result<Sessi
             return Err(BadInput::new(message));
         }
     };
+    arguments.hypotheses.add_to(&mut robot)?;
     let stem = arguments.session.file_stem();
     let name = stem.map_or(robot.name.clone(), |s| s.to_string_lossy().into_owned());
     let now = clock::now();

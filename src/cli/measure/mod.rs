@@ -18,6 +18,7 @@ use tautline_workflow::wording::count;
 
 use crate::effect_arguments::HiddenEffects;
 use crate::examples::examples;
+use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
 use crate::live::{Connection, RobotArguments, SessionFile, interrupt, link_error, typed};
 use crate::output::{JsonOutput, note, notice};
@@ -52,6 +53,8 @@ pub struct Arguments {
     seed: u64,
     #[command(flatten)]
     effects: HiddenEffects,
+    #[command(flatten)]
+    hypotheses: HypothesisFiles,
     /// Stop as soon as all coordinates of all entry points have standard deviations below this (mm)
     #[arg(long, value_name = "MM")]
     stop_at: Option<f64>,

@@ -13,6 +13,7 @@ use tautline_workflow::planning::HomeGain;
 
 use crate::effect_arguments::EstimatedEffects;
 use crate::examples::examples;
+use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
 use crate::output::{JsonOutput, confirm, say, write_file};
 use crate::replace::Replace;
@@ -50,6 +51,8 @@ pub struct Arguments {
     explain: bool,
     #[command(flatten)]
     effects: EstimatedEffects,
+    #[command(flatten)]
+    hypotheses: HypothesisFiles,
     /// Write the poses, in the order of measurement, as a table; - is standard output
     #[arg(short, long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
@@ -62,7 +65,8 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let (out, json) = (arguments.out.as_deref(), &arguments.json);
     arguments.replace.permit(&[out], Some(json))?;
-    let robot = input::robot(&arguments.robot)?.robot;
+    let mut robot = input::robot(&arguments.robot)?.robot;
+    arguments.hypotheses.add_to(&mut robot)?;
     let effects = arguments.effects.bind(&robot)?;
     let goal = goal::goal(arguments.goal, arguments.volume.as_deref())?;
     let options = PlanOptions {

@@ -14,6 +14,7 @@ use tautline_session::{PhaseData, write_dataset, write_robot};
 
 use crate::effect_arguments::HiddenEffects;
 use crate::examples::examples;
+use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input::{self, RobotSource};
 use crate::output::confirm;
 use crate::replace::Replace;
@@ -37,6 +38,8 @@ pub struct Arguments {
     seed: u64,
     #[command(flatten)]
     effects: HiddenEffects,
+    #[command(flatten)]
+    hypotheses: HypothesisFiles,
     /// True entry points: measured (those of the preset), drawn from the priors, or nominal
     #[arg(long, value_enum)]
     truth: Option<Truth>,
@@ -75,6 +78,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let existing = existing.each_ref().map(|file| Some(file.as_path()));
     arguments.replace.permit(&existing, None)?;
     let RobotSource { mut robot, machine } = input::robot(&arguments.robot)?;
+    let described = robot.hypotheses.clone();
+    arguments.hypotheses.add_to(&mut robot)?;
     arguments.motion.equip(&mut robot);
     arguments.tolerances.state(&mut robot);
     let measured = machine
@@ -113,6 +118,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         true => phases::tables(&mut run, &options).map_err(failed)?,
         false => PhaseData::default(),
     };
+    // Only the true robot knows what is hidden.
+    run.dataset.robot.hypotheses = described;
     write_dataset(&arguments.out, &run.dataset, &phases)?;
     write_robot(&arguments.out.join(TRUTH), &run.truth)?;
     confirm!(

@@ -13,6 +13,7 @@ use tautline_study::{RESULT, StudyError, StudyFile, StudyPlan, merge, read_plan,
 use tautline_workflow::clock;
 
 use crate::examples::examples;
+use crate::hypothesis_arguments::HypothesisFiles;
 use crate::live::interrupt;
 use crate::output::{JsonOutput, confirm, is_standard, note, say, write_file};
 use crate::progress::ProgressLine;
@@ -30,6 +31,8 @@ pub enum Command {
         /// Study file (TOML); - is standard input, with --out
         #[arg(value_name = "STUDY.toml")]
         study: PathBuf,
+        #[command(flatten)]
+        hypotheses: HypothesisFiles,
         /// Folder of the study; by default beside the file, with the same name
         #[arg(short, long, value_name = "DIR")]
         out: Option<PathBuf>,
@@ -79,7 +82,11 @@ pub enum Command {
 
 pub fn run(command: &Command) -> Result<()> {
     match command {
-        Command::Plan { study, out } => plan(study, out.as_deref()),
+        Command::Plan {
+            study,
+            hypotheses,
+            out,
+        } => plan(study, hypotheses, out.as_deref()),
         Command::Run {
             folder,
             chunk,
@@ -130,11 +137,12 @@ fn correctable(error: StudyError) -> anyhow::Error {
     }
 }
 
-fn plan(path: &Path, out: Option<&Path>) -> Result<()> {
+fn plan(path: &Path, hypotheses: &HypothesisFiles, out: Option<&Path>) -> Result<()> {
     let Loaded {
-        value: study,
+        value: mut study,
         notices,
     } = standard_input::versioned_toml::<StudyFile>(path)?;
+    study.hypotheses.extend(hypotheses.read()?);
     notices.iter().for_each(|notice| note!("{notice}"));
     let beside = path.with_extension("");
     let folder = match out {

@@ -11,7 +11,9 @@ use super::candidates::{
 };
 use super::conditions::Conditions;
 use super::fit::Fit;
-use super::priors::{EXPECTED_CAUSES, FAMILY_CORRELATION, TARGET_WEIGHTS, TargetShares};
+use super::priors::{
+    EXPECTED_CAUSES, EXPECTED_HYPOTHESES, FAMILY_CORRELATION, TARGET_WEIGHTS, TargetShares,
+};
 use super::relations::{is_same_effect_and_targets, is_same_place, place_of};
 use super::report::Cause;
 use crate::effect::{BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_EXTERNAL_POSES, Scope, Search};
@@ -54,10 +56,17 @@ impl Catalogue {
         };
         let tested = || known().filter(|e| e.search() != Search::Exchange);
         let each = EXPECTED_CAUSES / tested().count() as f64;
-        for effect in tested() {
-            builder.add(effect, each);
+        let hypotheses = hypotheses(fit, each);
+        let of_catalogue = tested().map(|effect| (*effect, each));
+        for (effect, expected) in of_catalogue.chain(hypotheses.iter().copied()) {
+            builder.add(effect, expected);
         }
-        builder.add_shared(each);
+        builder.add_shared(|effect| {
+            let own = hypotheses
+                .iter()
+                .find(|(known, _)| std::ptr::eq(*known, effect));
+            own.map_or(each, |(_, expected)| *expected)
+        });
         builder.build()
     }
 }
@@ -95,6 +104,29 @@ impl Catalogue {
             PoseWeights::Wave { period, cosine } => wave(period, cosine, self.distances[pose]),
         }
     }
+}
+
+/// The hypotheses of the user that the readings could show, each with the prior expectation of the number of its causes:
+/// what its text asks for, else that of an effect of the catalogue, but at most an equal part of [`EXPECTED_HYPOTHESES`], so
+/// that none takes the part of another. The catalogue keeps its own, however many there are.
+fn hypotheses(fit: &Fit<'_>, of_catalogue: f64) -> Vec<(&'static Effect, f64)> {
+    let dataset = fit.problem.dataset;
+    let is_moving = dataset.measurements.rates.is_some();
+    let is_shown = |effect: &&Effect| is_moving || !effect.is_in_motion();
+    let shown: Vec<&'static Effect> = dataset
+        .robot
+        .hypothesis_effects()
+        .filter(is_shown)
+        .collect();
+    let part = EXPECTED_HYPOTHESES / shown.len() as f64;
+    let granted = |effect: &Effect| {
+        let asked = effect.text_physics.and_then(|physics| physics.prior());
+        asked.unwrap_or(of_catalogue).min(part)
+    };
+    shown
+        .into_iter()
+        .map(|effect| (effect, granted(effect)))
+        .collect()
 }
 
 struct Builder<'b> {
@@ -145,7 +177,14 @@ impl Builder<'_> {
         let mut targets: Vec<(Vec<BoundEffect>, f64)> = Vec::new();
         match effect.scope() {
             Scope::Robot => targets.push((whole(), 1.0)),
-            Scope::Pair => {}
+            Scope::Pair => {
+                let pairs = all
+                    .iter()
+                    .flat_map(|a| all[a + 1..].iter().map(|b| vec![*a, *b]));
+                let pairs: Vec<Vec<usize>> = pairs.collect();
+                let share = 1.0 / pairs.len() as f64;
+                targets.extend(pairs.into_iter().map(|p| (vec![bound(p, true)], share)));
+            }
             Scope::Cable | Scope::CableOrAll => {
                 let shares = target_shares(effect, cables);
                 targets.extend(each().map(|b| (vec![b], shares.one / cables as f64)));
@@ -162,9 +201,9 @@ impl Builder<'_> {
         }
     }
 
-    /// Adds causes of the fit with a common value on several cables, which are not candidates by default. `expected` is the
+    /// Adds causes of the fit with a common value on several cables, which are not candidates by default. `expected` gives the
     /// prior expectation of the number of causes of an effect.
-    fn add_shared(&mut self, expected: f64) {
+    fn add_shared(&mut self, expected: impl Fn(&Effect) -> f64) {
         let cables = self.fit.problem.dataset.robot.cable_count();
         for cause in &self.fit.causes {
             let known = self.candidates.iter().any(|c| c.represents(cause));
@@ -175,7 +214,7 @@ impl Builder<'_> {
                 }
                 let share = target_shares(cause.effect(), cables).several_alike;
                 let choices = choices_of_several(cause.cables().len(), cables);
-                self.add_cause(&start, expected * share / choices);
+                self.add_cause(&start, expected(cause.effect()) * share / choices);
             }
         }
     }

@@ -246,8 +246,7 @@ fn acts_on_tension(effect: &Visibility, problem: &Problem<'_>) -> bool {
     let values: Vec<Dual> = bound.values.iter().map(|v| Dual::variable(*v)).collect();
     (0..problem.dataset.measurements.len()).any(|row| {
         let mut ports = CablePorts::nominal(&robot.cables[*cable], 0.0, 1.0);
-        let at = contexts.cable(row, *cable);
-        (bound.effect.change_cable)(&values, at, &mut ports);
+        bound.change_cable(&values, contexts.at_row(row), *cable, &mut ports);
         ports.tension.slope != 0.0
     })
 }

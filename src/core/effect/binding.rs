@@ -1,22 +1,22 @@
 //! Effects attached to the cables of a robot.
 
-use super::{BoundEffect, Effect, EffectError, EffectParameter, EffectSetting, Scope, find};
+use super::{BoundEffect, Effect, EffectError, EffectParameter, EffectSetting, Scope};
 use crate::robot::Robot;
 
-/// A request to estimate an effect: `ID[:CABLE][:NAME=NUMBER,...]`.
+/// A request to estimate an effect: `ID[:CABLE][:NAME=NUMBER,...]`, with two cables for a pair.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EffectRequest {
-    /// Identifier in the catalogue.
+    /// Identifier in the catalogue, or of a hypothesis of the robot.
     pub effect: String,
-    /// Cable; `None` for all cables that the scope of the effect admits.
-    pub cable: Option<String>,
+    /// Cables: one, or two of a pair; none for all cables that the scope of the effect admits.
+    pub cables: Vec<String>,
     /// Values of the parameters that cannot be estimated, and start values of others; NaN where the text is not
     /// a number.
     pub values: Vec<(String, f64)>,
 }
 
 impl EffectRequest {
-    /// Parses `ID[:CABLE][:NAME=NUMBER,...]`; `:` may stand for `,` as well.
+    /// Parses `ID[:CABLE]..[:NAME=NUMBER,...]`; `:` may stand for `,` as well.
     #[must_use]
     pub fn parse(text: &str) -> Self {
         let mut parts = text.split(':');
@@ -26,7 +26,7 @@ impl EffectRequest {
         };
         for part in parts {
             if !part.contains('=') {
-                request.cable = Some(part.to_owned());
+                request.cables.push(part.to_owned());
                 continue;
             }
             for pair in part.split(',') {
@@ -45,18 +45,23 @@ impl EffectRequest {
     /// If effect, cable or parameter is unknown, the effect takes no cable or has nothing to estimate, or
     /// a parameter that cannot be estimated has no value.
     pub fn bind(&self, robot: &Robot) -> Result<Vec<BoundEffect>, EffectError> {
-        let effect =
-            find(&self.effect).ok_or_else(|| EffectError::UnknownEffect(self.effect.clone()))?;
+        let effect = (robot.effect(&self.effect))
+            .ok_or_else(|| EffectError::UnknownEffect(self.effect.clone()))?;
         if !effect.is_estimable() {
             return Err(EffectError::NothingToEstimate(self.effect.clone()));
         }
-        let targets: Vec<Vec<String>> = match &self.cable {
-            Some(name) => vec![vec![name.clone()]],
-            None if effect.scope == Scope::Cable => {
+        let targets: Vec<Vec<String>> = match &self.cables[..] {
+            [] if effect.scope == Scope::Cable => {
                 let cables = robot.cables.iter();
                 cables.map(|cable| vec![cable.name.clone()]).collect()
             }
-            None => vec![Vec::new()],
+            [_, second, ..] if effect.scope != Scope::Pair => {
+                return Err(EffectError::SecondCable {
+                    effect: self.effect.clone(),
+                    cable: second.clone(),
+                });
+            }
+            cables => vec![cables.to_vec()],
         };
         let bound = |targets| {
             let setting = EffectSetting {
@@ -152,10 +157,19 @@ impl BoundEffect {
         robot: &Robot,
         default: impl Fn(&EffectParameter) -> f64,
     ) -> Result<Self, EffectError> {
-        let effect = find(&setting.effect)
+        let effect = (robot.effect(&setting.effect))
             .ok_or_else(|| EffectError::UnknownEffect(setting.effect.clone()))?;
         if effect.scope() == Scope::Robot && !setting.targets.is_empty() {
             return Err(EffectError::NoTarget(setting.effect.clone()));
+        }
+        let named = effect
+            .text_physics
+            .map_or(0, |physics| physics.highest_cable());
+        if named > robot.cable_count() {
+            return Err(EffectError::UnknownCable {
+                effect: setting.effect.clone(),
+                cable: named.to_string(),
+            });
         }
         let given = setting
             .parameters

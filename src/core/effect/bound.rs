@@ -1,13 +1,15 @@
 //! An effect on some cables with values of its parameters.
 
-use super::{Effect, EffectSetting, Scope};
+use super::{
+    CablePorts, Dual, Effect, EffectSetting, PlatformPorts, PoseContexts, RowContexts, Scope,
+};
 use crate::measurement::Measurements;
-use crate::robot::Robot;
+use crate::robot::{Cable, Robot};
 
 /// Errors of attaching an effect to a robot.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum EffectError {
-    /// The identifier is not in the catalogue.
+    /// The identifier is neither in the catalogue nor that of a hypothesis of the robot.
     #[error("unknown effect \"{0}\"")]
     UnknownEffect(String),
     /// The robot has no cable of this name.
@@ -31,6 +33,14 @@ pub enum EffectError {
     /// The effect concerns the whole robot.
     #[error("effect \"{0}\" concerns the whole robot and takes no cable")]
     NoTarget(String),
+    /// The effect is estimated on one cable, or on each by itself.
+    #[error("effect \"{effect}\": found a second cable \"{cable}\", expected one cable")]
+    SecondCable {
+        /// Effect concerned.
+        effect: String,
+        /// The second cable.
+        cable: String,
+    },
     /// The effect concerns two cables.
     #[error("effect \"{0}\" concerns two different cables: name both")]
     NeedsPair(String),
@@ -86,6 +96,33 @@ impl BoundEffect {
         self.effect.scope() == Scope::Robot
     }
 
+    /// Changes the ports of the cable with an index, one of those it is attached to.
+    pub(crate) fn change_cable(
+        &self,
+        values: &[Dual],
+        row: RowContexts<'_>,
+        cable: usize,
+        ports: &mut CablePorts,
+    ) {
+        match self.effect.text_physics {
+            Some(physics) => physics.change_cable(values, row, (cable, &self.cables), ports),
+            None => (self.effect.change_cable)(values, &row.cables[cable], ports),
+        }
+    }
+
+    /// Changes the ports of the platform.
+    pub(crate) fn change_platform(
+        &self,
+        values: &[Dual],
+        row: RowContexts<'_>,
+        ports: &mut PlatformPorts,
+    ) {
+        match self.effect.text_physics {
+            Some(physics) => physics.change_platform(values, row, ports),
+            None => (self.effect.change_platform)(values, row.platform, ports),
+        }
+    }
+
     /// Whether another one is the same effect on the same target, whatever its values.
     #[must_use]
     pub fn has_target_of(&self, other: &Self) -> bool {
@@ -134,6 +171,36 @@ impl BoundEffect {
             targets,
             parameters: names.zip(self.values.iter().copied()).collect(),
         }
+    }
+}
+
+impl PoseContexts {
+    /// The nominal ports of all cables at a row under given tensions (N), with the effects applied and no cable paid out.
+    pub fn cable_ports(
+        &self,
+        row: usize,
+        robot: &Robot,
+        effects: &[BoundEffect],
+        tensions_n: &[f64],
+    ) -> Vec<CablePorts> {
+        let mut cables = self.at_row(row).cables.to_vec();
+        for (at, tension_n) in cables.iter_mut().zip(tensions_n) {
+            at.tension_n = *tension_n;
+        }
+        let contexts = RowContexts {
+            cables: &cables,
+            platform: self.platform(row),
+        };
+        let changed = |(index, cable): (usize, &Cable)| {
+            let mut ports = CablePorts::nominal(cable, 0.0, tensions_n[index]);
+            for bound in effects.iter().filter(|b| b.cables.contains(&index)) {
+                let values = bound.values.iter().map(|value| Dual::constant(*value));
+                let values: Vec<Dual> = values.collect();
+                bound.change_cable(&values, contexts, index, &mut ports);
+            }
+            ports
+        };
+        robot.cables.iter().enumerate().map(changed).collect()
     }
 }
 

@@ -2,7 +2,7 @@
 //! the load is about constant. Typical 1e-4 to 1e-2: logarithmic creep of fibre ropes.
 
 use super::words::{self, millimetres};
-use super::{Effect, EffectParameter, FoundEffect, Scope};
+use super::{AsText, Effect, EffectParameter, FoundEffect, Scope};
 use crate::measurement::Variable;
 
 /// Unit of the strain per logarithm of time.
@@ -30,6 +30,7 @@ pub(super) static EFFECT: Effect = Effect {
         ports.strain += parameters[0] * (at.time_s.max(0.0) / 600.0).ln_1p();
     },
     variable: Some(Variable::Time),
+    as_text: AsText::Formulas(&[("strain", "strain + c * ln(1 + max(time, 0) / 600 [s])")]),
     ..Effect::NEUTRAL
 };
 

@@ -3,7 +3,7 @@
 //! An estimate starts at 0.1 N/m: without weight nothing depends on it to first order. Typical 0.01 to
 //! 5 N/m. Source: Irvine, Cable Structures, 1981.
 
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -24,5 +24,6 @@ pub(super) static EFFECT: Effect = Effect {
     needs_sag: true,
     change_cable: |parameters, _, ports| ports.weight += parameters[0],
     variable: Some(Variable::CableLength),
+    as_text: AsText::Formulas(&[("weight", "weight + weight_change")]),
     ..Effect::NEUTRAL
 };

@@ -2,7 +2,7 @@
 //! Assumes that the cable slipped once. Typical 1 to 20 mm.
 
 use super::words;
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
+use super::{AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -25,6 +25,7 @@ pub(super) static EFFECT: Effect = Effect {
     change_cable,
     variable: Some(Variable::Time),
     is_damage: true,
+    as_text: AsText::Formulas(&[("paid", "paid + step_change * step(pose)")]),
     ..Effect::NEUTRAL
 };
 

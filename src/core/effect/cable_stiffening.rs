@@ -5,7 +5,7 @@
 //! replaces it. Approximation: the correction factor is evaluated at the tension reading, not at the estimated
 //! tension. Typical 0.1 to 0.5 in magnitude; fibre ropes stiffen under load, so that `c` is negative. First-order term.
 
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+use super::{AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -31,6 +31,10 @@ pub(super) static EFFECT: Effect = Effect {
     stage: Stage::Ratio,
     change_cable,
     variable: Some(Variable::Tension),
+    as_text: AsText::Formulas(&[(
+        "compliance",
+        "compliance * (1 + c * (tension / mean_tension - 1))",
+    )]),
     ..Effect::NEUTRAL
 };
 

@@ -1,6 +1,6 @@
 //! Axial stiffness that differs from the stated one: `EA (1 + change)`. Typical 10 to 50 %.
 
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -21,5 +21,6 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Hooke's law; sizes from stiffnesses reported for ropes",
     change_cable: |parameters, _, ports| ports.compliance *= (parameters[0] + 1.0).recip(),
     variable: Some(Variable::Tension),
+    as_text: AsText::Formulas(&[("compliance", "compliance / (1 + change)")]),
     ..Effect::NEUTRAL
 };

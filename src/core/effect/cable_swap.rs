@@ -2,7 +2,7 @@
 //! (`channels` 1), their force readings (2), or both (3). Swivel readings are not. Nothing is estimated: the search
 //! compares a model that states the exchange with the readings restored to their own channels.
 
-use super::{Effect, EffectParameter, FoundEffect, Scope, Search};
+use super::{AsText, Effect, EffectParameter, FoundEffect, Scope, Search};
 use crate::measurement::{Grid, Measurements};
 
 pub(super) static EFFECT: Effect = Effect {
@@ -17,6 +17,9 @@ pub(super) static EFFECT: Effect = Effect {
     search: Search::Exchange,
     exchange_channels,
     is_damage: true,
+    as_text: AsText::Impossible(
+        "exchanges the readings of two cables, while formulas change one quantity each",
+    ),
     ..Effect::NEUTRAL
 };
 

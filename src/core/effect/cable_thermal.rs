@@ -3,7 +3,7 @@
 //! kelvin; steel 12e-6.
 
 use super::words;
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -28,5 +28,6 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Linear thermal expansion; steel 12e-6 per kelvin, aramid and polyethylene shorten when warm",
     change_cable: |parameters, at, ports| ports.strain += parameters[0] * at.temperature_change_k,
     variable: Some(Variable::Temperature),
+    as_text: AsText::Formulas(&[("strain", "strain + alpha * temperature")]),
     ..Effect::NEUTRAL
 };

@@ -5,9 +5,9 @@
 
 use super::direction::angles;
 use super::motion::{finite, inertia, paid_rates, tension_rates, twists};
-use super::{BoundEffect, CablePorts, Dual, PlatformPorts};
+use super::{Dual, PlatformPorts};
 use crate::geometry::{Pose, Twist};
-use crate::kinematics::{PulleyGeometry, balanced_tension};
+use crate::kinematics::{PulleyGeometry, balanced_tension, swivel_angle};
 use crate::measurement::{Grid, Measurements};
 use crate::robot::{Cable, Robot};
 
@@ -48,6 +48,14 @@ pub struct CableContext {
     pub entry_point_m: [f64; 3],
     /// Nominal swivel axis.
     pub swivel_axis: [f64; 3],
+    /// Cable paid out since home according to the reading, or the length read (m); 0 where not read.
+    pub paid_m: f64,
+    /// Length from pulley to platform, nominal geometry at an approximate pose (m).
+    pub length_m: f64,
+    /// Swivel angle from the same geometry and pose (rad); 0 without a zero direction.
+    pub swivel_rad: f64,
+    /// Nominal pulley radius (m).
+    pub radius_m: f64,
 }
 
 /// Context of the platform's readings at one pose.
@@ -81,6 +89,17 @@ pub struct PlatformContext {
     pub laser_direction: [f64; 3],
     /// Nominal normal of the target plane, base frame; arbitrary without a laser.
     pub target_normal: [f64; 3],
+    /// Approximate position (m).
+    pub position_m: [f64; 3],
+    /// Rotation vector of the approximate orientation, base frame (rad).
+    pub rotation_rad: [f64; 3],
+}
+
+/// Contexts of all readings of one row.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RowContexts<'c> {
+    pub cables: &'c [CableContext],
+    pub platform: &'c PlatformContext,
 }
 
 impl CableContext {
@@ -97,6 +116,12 @@ impl CableContext {
 }
 
 impl PlatformContext {
+    /// Whether this is the pose with this label or a later one; the home pose precedes all others. NaN stands for every
+    /// pose.
+    pub fn is_from(&self, label: f64) -> bool {
+        !self.is_home && (label.is_nan() || self.label as f64 >= label)
+    }
+
     /// Whether this is the pose with this label; NaN stands for every pose.
     pub fn is_at(&self, label: f64) -> bool {
         label.is_nan() || self.label as f64 == label
@@ -157,6 +182,8 @@ impl PoseContexts {
                 inclination_rad: inclination(data, row, &poses[row]),
                 tracked_m: data.tracked_position_at(row).map_or([0.0; 3], Into::into),
                 tracked_rotation: tracked_rotation(data, row, &poses[row]),
+                position_m: poses[row].position.into(),
+                rotation_rad: poses[row].orientation.scaled_axis().into(),
             })
             .collect();
         let tension = tensions(robot, data, poses);
@@ -209,6 +236,10 @@ impl PoseContexts {
                     pull_horizontal: (pull - down * down.dot(&pull)).into(),
                     entry_point_m: cable.pulley.entry_point_m,
                     swivel_axis: cable.pulley.swivel_axis,
+                    paid_m: paid(cable, data, home, (row, index)),
+                    length_m: path.length,
+                    swivel_rad: swivel_angle(cable, &path).ok().flatten().unwrap_or(0.0),
+                    radius_m: cable.pulley.radius_m,
                 });
             }
         }
@@ -219,26 +250,13 @@ impl PoseContexts {
         }
     }
 
-    /// The nominal ports of all cables at a row under given tensions (N), with the effects applied and no cable paid out.
-    pub fn cable_ports(
-        &self,
-        row: usize,
-        robot: &Robot,
-        effects: &[BoundEffect],
-        tensions_n: &[f64],
-    ) -> Vec<CablePorts> {
-        let changed = |(index, cable): (usize, &Cable)| {
-            let mut at = *self.cable(row, index);
-            at.tension_n = tensions_n[index];
-            let mut ports = CablePorts::nominal(cable, 0.0, tensions_n[index]);
-            for bound in effects.iter().filter(|b| b.cables.contains(&index)) {
-                let values = bound.values.iter().map(|value| Dual::constant(*value));
-                let values: Vec<Dual> = values.collect();
-                (bound.effect.change_cable)(&values, &at, &mut ports);
-            }
-            ports
-        };
-        robot.cables.iter().enumerate().map(changed).collect()
+    /// Contexts of all readings at a row.
+    pub fn at_row(&self, row: usize) -> RowContexts<'_> {
+        let first = row * self.cable_count;
+        RowContexts {
+            cables: &self.cables[first..first + self.cable_count],
+            platform: &self.platform[row],
+        }
     }
 
     /// Context of a cable at a row.
@@ -302,6 +320,14 @@ fn tensions(robot: &Robot, data: &Measurements, poses: &[Pose]) -> Grid {
         }
     }
     found
+}
+
+/// Cable paid out since home, or the length read (m); 0 where not read.
+fn paid(cable: &Cable, data: &Measurements, home: Option<usize>, at: (usize, usize)) -> f64 {
+    if data.revolutions.is_empty() {
+        return or_zero(Some(data.length_m.get(at.0, at.1)));
+    }
+    cable.winch.cable_per_revolution_m() * paid_revolutions(data, home, at)
 }
 
 fn mean_tension(tension: &Grid, index: usize) -> f64 {

@@ -1,7 +1,7 @@
 //! Eccentric or oval drum: `A sin(2 pi rev / gear_ratio + phase) - A sin(phase)` is added to the cable paid
 //! out. Typical amplitude 0.1 to 1 mm.
 
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
+use super::{AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -35,6 +35,10 @@ pub(super) static EFFECT: Effect = Effect {
     },
     change_cable,
     variable: Some(Variable::DrumFraction),
+    as_text: AsText::Formulas(&[(
+        "paid",
+        "paid + amplitude * (sin(2 * pi * drum_revolutions + phase) - sin(phase))",
+    )]),
     ..Effect::NEUTRAL
 };
 

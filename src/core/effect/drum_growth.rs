@@ -1,7 +1,7 @@
 //! Layers build up on the drum: `paid = k rev (1 + growth rev)` with revolutions of the motor. Typical
 //! 0.01 to 1 % per revolution.
 
-use super::{Effect, EffectParameter, Scope, Stage};
+use super::{AsText, Effect, EffectParameter, Scope, Stage};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -25,5 +25,6 @@ pub(super) static EFFECT: Effect = Effect {
     stage: Stage::Ratio,
     change_cable: |parameters, at, ports| ports.paid *= parameters[0] * at.revolutions + 1.0,
     variable: Some(Variable::Revolutions),
+    as_text: AsText::Formulas(&[("paid", "paid * (1 + growth * revolutions)")]),
     ..Effect::NEUTRAL
 };

@@ -1,6 +1,6 @@
 //! Dual numbers: a value and its derivative with respect to one parameter.
 
-use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub};
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub};
 
 /// `value + slope * epsilon` with `epsilon^2 = 0`; arithmetic carries the exact derivative along.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -43,6 +43,32 @@ impl Dual {
     pub fn sqrt(self) -> Self {
         let root = self.value.sqrt();
         self.chain(root, 0.5 / root)
+    }
+
+    /// Arc sine.
+    pub fn asin(self) -> Self {
+        let slope = (1.0 - self.value * self.value).sqrt().recip();
+        self.chain(self.value.asin(), slope)
+    }
+
+    /// Natural logarithm.
+    pub fn ln(self) -> Self {
+        self.chain(self.value.ln(), self.value.recip())
+    }
+
+    /// Absolute value; its derivative at 0 is taken as 0.
+    pub fn abs(self) -> Self {
+        let sign = match self.value == 0.0 {
+            true => 0.0,
+            false => self.value.signum(),
+        };
+        self.chain(self.value.abs(), sign)
+    }
+
+    /// Power with a constant exponent.
+    pub fn power(self, exponent: f64) -> Self {
+        let derivative = exponent * self.value.powf(exponent - 1.0);
+        self.chain(self.value.powf(exponent), derivative)
     }
 
     /// Angle of the point `(x, self)`.
@@ -101,6 +127,17 @@ impl Mul for Dual {
     }
 }
 
+impl Div for Dual {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        let value = self.value / other.value;
+        Self {
+            value,
+            slope: (self.slope - value * other.slope) / other.value,
+        }
+    }
+}
+
 impl Add<f64> for Dual {
     type Output = Self;
     fn add(self, other: f64) -> Self {
@@ -135,7 +172,8 @@ mod tests {
     fn slopes_match_finite_differences() {
         let function = |x: Dual| {
             let y = (x * 3.0).sin() + (x * x).exp() * 0.5 - x.recip();
-            y * x + (x * x + 1.0).sqrt().atan2(x.cos()) + 2.0
+            let z = (x * x + 1.0).sqrt().atan2(x.cos()) + 2.0;
+            y * x + z / (x.ln().abs() + x.asin()) + x.power(2.5) + (-x).power(3.0)
         };
         let (x, h) = (0.7, 1e-6);
         let at = |x: f64| function(Dual::constant(x)).value;

@@ -3,7 +3,7 @@
 //! reference that wanders.
 
 use super::words;
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -22,5 +22,6 @@ pub(super) static EFFECT: Effect = Effect {
     change_cable: |parameters, at, ports| ports.paid += parameters[0] * (at.time_s / 3600.0),
     variable: Some(Variable::Time),
     is_damage: true,
+    as_text: AsText::Formulas(&[("paid", "paid + rate * time")]),
     ..Effect::NEUTRAL
 };

@@ -3,7 +3,7 @@
 
 use super::motion::change_within;
 use super::words::CHECK_CLOCKS;
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "encoder_latency",
@@ -22,5 +22,6 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Transport delay; second order in the delay",
     change_cable: |parameters, at, ports| ports.paid += change_within(parameters[0], at.paid_rates),
     delays: |values, _, delays| delays.length += values[0],
+    as_text: AsText::Impossible("delays all readings of a device, also in simulated recordings"),
     ..Effect::NEUTRAL
 };

@@ -1,7 +1,7 @@
 //! A constant in the raw reading of a force sensor: `F = g T + f0 + bias` (N), so `T = T_nominal - bias / g`. Typical
 //! 2 to 50 N.
 
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
+use super::{AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -26,6 +26,7 @@ pub(super) static EFFECT: Effect = Effect {
     stage: Stage::Sensor,
     change_cable,
     variable: Some(Variable::Tension),
+    as_text: AsText::Formulas(&[("tension", "tension - bias / sensor_gain")]),
     ..Effect::NEUTRAL
 };
 

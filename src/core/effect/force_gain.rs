@@ -1,6 +1,6 @@
 //! Gain error of a force sensor: `F = g (1 + change) T + f0`, so `T = T_nominal / (1 + change)`. Typical 2 to 20 %.
 
-use super::{Effect, EffectParameter, Scope, Stage};
+use super::{AsText, Effect, EffectParameter, Scope, Stage};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -22,5 +22,6 @@ pub(super) static EFFECT: Effect = Effect {
     stage: Stage::Ratio,
     change_cable: |parameters, _, ports| ports.tension *= (parameters[0] + 1.0).recip(),
     variable: Some(Variable::Tension),
+    as_text: AsText::Formulas(&[("tension", "tension / (1 + change)")]),
     ..Effect::NEUTRAL
 };

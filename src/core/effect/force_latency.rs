@@ -4,7 +4,7 @@
 
 use super::motion::change_within;
 use super::words::CHECK_CLOCKS;
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "force_latency",
@@ -21,5 +21,6 @@ pub(super) static EFFECT: Effect = Effect {
         ports.tension += change_within(parameters[0], at.tension_rates);
     },
     delays: |values, _, delays| delays.force += values[0],
+    as_text: AsText::Impossible("delays all readings of a device, also in simulated recordings"),
     ..Effect::NEUTRAL
 };

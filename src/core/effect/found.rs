@@ -11,6 +11,8 @@ use crate::robot::Robot;
 pub struct FoundEffect<'a> {
     robot: &'a Robot,
     bound: &'a BoundEffect,
+    /// Whether sentences keep their fields, with the names of parameters.
+    as_template: bool,
 }
 
 /// Parts of which the robot has one per cable.
@@ -41,7 +43,25 @@ impl Part {
 impl<'a> FoundEffect<'a> {
     /// The effect `bound` on `robot`.
     pub fn new(robot: &'a Robot, bound: &'a BoundEffect) -> Self {
-        Self { robot, bound }
+        Self {
+            robot,
+            bound,
+            as_template: false,
+        }
+    }
+
+    /// The same, with sentences that keep their fields, as in a hypothesis file.
+    pub(super) fn as_template(robot: &'a Robot, bound: &'a BoundEffect) -> Self {
+        Self {
+            as_template: true,
+            ..Self::new(robot, bound)
+        }
+    }
+
+    /// Sentences of cause and workshop of a hypothesis.
+    pub(super) fn sentences_of_text(&self) -> [&'static str; 2] {
+        let physics = self.bound.effect.text_physics;
+        physics.map_or([""; 2], |physics| physics.sentences())
     }
 
     /// The robot.
@@ -67,6 +87,7 @@ impl<'a> FoundEffect<'a> {
     /// - `{0:mm}`, `{0:%}`, `{0:deg}`, `{0:ms}`, `{0:N}`, `{0:unit}`: size of parameter 0 in millimetres, percent,
     ///   degrees, milliseconds, newtons, its own unit;
     /// - `{0:pose}`: the pose of which parameter 0 is the label;
+    /// - `{scale}`, `{scale:%}`: the parameter of this name, in the form that suits its unit or in a given one;
     /// - `{displacement}`: the first three parameters as a displacement;
     /// - `{revolutions:a|b}`: the first where winches count revolutions, the second where lengths are read.
     pub fn say(&self, text: &str) -> String {
@@ -81,6 +102,8 @@ impl<'a> FoundEffect<'a> {
             let (field, after) = after.split_once('}').unwrap_or((after, ""));
             filled += before;
             filled += &match field {
+                "" if self.as_template => NOT_A_FIELD.to_owned(),
+                _ if self.as_template => self.named_field(field),
                 "" => insert.to_owned(),
                 _ => self.field(field),
             };
@@ -93,6 +116,7 @@ impl<'a> FoundEffect<'a> {
     /// Replacement of a field; the field itself, in braces, if it is unknown.
     fn field(&self, field: &str) -> String {
         let unknown = || format!("{{{field}}}");
+        let names = self.bound.effect.parameters.iter().map(|p| p.name);
         let either = |choice: &str, first: bool| match choice.split_once('|') {
             Some((one, other)) => if first { one } else { other }.to_owned(),
             None => unknown(),
@@ -103,14 +127,22 @@ impl<'a> FoundEffect<'a> {
                 "winch" => self.name(Part::Winch),
                 "pulley" => self.name(Part::Pulley),
                 "force sensor" => self.name(Part::ForceSensor),
-                "displacement" => displacement(&self.bound.values[..3]),
-                _ => either(field, self.cables().len() == 1),
+                "displacement" => match self.bound.values.get(..3) {
+                    Some(vector) => displacement(vector),
+                    None => unknown(),
+                },
+                _ => match names.clone().position(|name| name == field) {
+                    Some(index) => self.in_its_unit(index),
+                    None => either(field, self.cables().len() == 1),
+                },
             },
             Some(("revolutions", choice)) => either(choice, self.counts_revolutions()),
             Some((parameter, form)) => {
+                let by_name = || names.clone().position(|name| name == parameter);
                 let Some(index) = parameter
                     .parse()
                     .ok()
+                    .or_else(by_name)
                     .filter(|k| *k < self.bound.values.len())
                 else {
                     return unknown();
@@ -122,16 +154,45 @@ impl<'a> FoundEffect<'a> {
                     "ms" => milliseconds(value),
                     "N" => newtons(value),
                     "deg" => degrees(value),
-                    "unit" => format!(
-                        "{} {}",
-                        size(value),
-                        self.bound.effect.parameters[index].unit
-                    ),
+                    "unit" => self.with_its_unit(index),
                     "pose" => format!("pose {value:.0}"),
                     _ => either(form, value >= 0.0),
                 }
             }
         }
+    }
+
+    fn with_its_unit(&self, index: usize) -> String {
+        let unit = self.bound.effect.parameters[index].unit;
+        match unit {
+            "1" => size(self.value(index)),
+            _ => format!("{} {unit}", size(self.value(index))),
+        }
+    }
+
+    /// A parameter in the form that suits its unit.
+    fn in_its_unit(&self, index: usize) -> String {
+        let value = self.value(index);
+        let parameter = &self.bound.effect.parameters[index];
+        match parameter.unit {
+            _ if parameter.discrete => format!("pose {value:.0}"),
+            "1" => percent(value),
+            "m" => millimetres(value),
+            "s" => milliseconds(value),
+            "N" => newtons(value),
+            "rad" => degrees(value),
+            _ => self.with_its_unit(index),
+        }
+    }
+
+    /// A field with the number of a parameter replaced by its name.
+    fn named_field(&self, field: &str) -> String {
+        let named = field.split_once(':').and_then(|(index, form)| {
+            let index: usize = index.parse().ok()?;
+            let name = self.bound.effect.parameters.get(index)?.name;
+            Some(format!("{{{name}:{form}}}"))
+        });
+        named.unwrap_or_else(|| format!("{{{field}}}"))
     }
 
     /// Whether winches count revolutions from a home pose, rather than reading the length of a cable.
@@ -176,6 +237,40 @@ impl<'a> FoundEffect<'a> {
         let mut values = self.cables().iter().map(|index| of(*index));
         let first = values.next()?;
         values.all(|value| value == first).then_some(first)
+    }
+}
+
+/// In a template, what only code can fill in.
+pub(super) const NOT_A_FIELD: &str = "{}";
+
+/// Offset and text of the first field of a sentence that cannot be filled in, given the names of the parameters.
+pub(super) fn unknown_field<'t>(text: &'t str, parameters: &[&str]) -> Option<(usize, &'t str)> {
+    let mut from = 0;
+    while let Some(open) = text[from..].find('{') {
+        let at = from + open;
+        let length = text[at + 1..].find('}').unwrap_or(text.len() - at - 1);
+        let field = &text[at + 1..at + 1 + length];
+        if !is_field(field, parameters) {
+            return Some((at, field));
+        }
+        from = at + 1 + length;
+    }
+    None
+}
+
+fn is_field(field: &str, parameters: &[&str]) -> bool {
+    let is_choice = |text: &str| text.contains('|');
+    match field.split_once(':') {
+        None if field == "displacement" => parameters.len() >= 3,
+        None => {
+            let parts = ["cable", "winch", "pulley", "force sensor"];
+            parts.contains(&field) || parameters.contains(&field) || is_choice(field)
+        }
+        Some(("revolutions", choice)) => is_choice(choice),
+        Some((name, form)) => {
+            let forms = ["mm", "%", "ms", "N", "deg", "unit", "pose"];
+            parameters.contains(&name) && (forms.contains(&form) || is_choice(form))
+        }
     }
 }
 

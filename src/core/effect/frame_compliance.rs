@@ -6,7 +6,7 @@
 //! home pose), the tension is that of the sensor. Pulleys do not couple. Typical 1e-7 to 1e-4 m/N.
 
 use super::words::millimetres;
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope};
+use super::{AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -29,6 +29,20 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Linear elasticity, one compliance for all pulleys",
     change_cable,
     variable: Some(Variable::Tension),
+    as_text: AsText::Formulas(&[
+        (
+            "entry_shift_x",
+            "entry_shift_x + compliance * tension * pull_x",
+        ),
+        (
+            "entry_shift_y",
+            "entry_shift_y + compliance * tension * pull_y",
+        ),
+        (
+            "entry_shift_z",
+            "entry_shift_z + compliance * tension * pull_z",
+        ),
+    ]),
     ..Effect::NEUTRAL
 };
 

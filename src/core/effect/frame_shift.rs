@@ -2,7 +2,7 @@
 //! and at all later labels. Typical 1 to 20 mm.
 
 use super::words;
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
+use super::{AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -27,6 +27,11 @@ pub(super) static EFFECT: Effect = Effect {
     change_cable,
     variable: Some(Variable::Time),
     is_damage: true,
+    as_text: AsText::Formulas(&[
+        ("entry_shift_x", "entry_shift_x + x * step(pose)"),
+        ("entry_shift_y", "entry_shift_y + y * step(pose)"),
+        ("entry_shift_z", "entry_shift_z + z * step(pose)"),
+    ]),
     ..Effect::NEUTRAL
 };
 

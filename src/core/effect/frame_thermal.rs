@@ -3,7 +3,7 @@
 //! (steel) to 24e-6 (aluminium) per kelvin.
 
 use super::words;
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::{AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, Scope};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -24,6 +24,20 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Linear thermal expansion; steel 12e-6, aluminium 24e-6 per kelvin",
     change_cable,
     variable: Some(Variable::Temperature),
+    as_text: AsText::Formulas(&[
+        (
+            "entry_shift_x",
+            "entry_shift_x + alpha * temperature * entry_x",
+        ),
+        (
+            "entry_shift_y",
+            "entry_shift_y + alpha * temperature * entry_y",
+        ),
+        (
+            "entry_shift_z",
+            "entry_shift_z + alpha * temperature * entry_z",
+        ),
+    ]),
     ..Effect::NEUTRAL
 };
 

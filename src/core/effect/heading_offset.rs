@@ -1,7 +1,7 @@
 //! A constant added to the yaw reading (rad), as by a compass with another zero direction. Typical 1 to 180
 //! degrees.
 
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "heading_offset",
@@ -22,5 +22,6 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Align the platform with the frame and read its heading."),
     source: "Zero error of an attitude sensor",
     change_platform: |parameters, _, ports| ports.inclination_offset[2] += parameters[0],
+    as_text: AsText::Formulas(&[("yaw_offset", "yaw_offset + offset")]),
     ..Effect::NEUTRAL
 };

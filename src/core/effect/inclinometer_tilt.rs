@@ -5,7 +5,9 @@
 
 use super::direction::{angles, product, rotation};
 use super::words::turn;
-use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
+use super::{
+    AsText, Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope,
+};
 
 /// Standard deviations of sound parts, for small and large machines.
 const TOLERANCE: [f64; 2] = [0.0005, 0.0005];
@@ -30,6 +32,7 @@ pub(super) static EFFECT: Effect = Effect {
     ),
     source: "Geometry",
     change_platform,
+    as_text: AsText::Impossible("composes rotations, which formulas of single quantities do not"),
     ..Effect::NEUTRAL
 };
 

@@ -5,7 +5,9 @@
 
 use super::direction::tilted;
 use super::words::inclination;
-use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
+use super::{
+    AsText, Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope,
+};
 
 /// Standard deviations of sound parts, for small and large machines.
 const TOLERANCE: [f64; 2] = [0.002, 0.002];
@@ -31,6 +33,9 @@ pub(super) static EFFECT: Effect = Effect {
     ),
     source: "Geometry; cosine error of distance sensors, 0.15 mm/m at one degree",
     change_platform,
+    as_text: AsText::Impossible(
+        "turns a direction, whose components must keep their common length",
+    ),
     ..Effect::NEUTRAL
 };
 

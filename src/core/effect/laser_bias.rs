@@ -1,7 +1,7 @@
 //! A constant added to every laser reading. Typical 0.5 to 5 mm; not separable from the offset of the
 //! target plane.
 
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_bias",
@@ -20,5 +20,6 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Measure one distance from the laser to its target with a steel tape."),
     source: "Zero error of distance meters",
     change_platform: |parameters, _, ports| ports.laser_bias += parameters[0],
+    as_text: AsText::Formulas(&[("laser_bias", "laser_bias + bias")]),
     ..Effect::NEUTRAL
 };

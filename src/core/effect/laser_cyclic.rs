@@ -5,7 +5,7 @@
 //! stay below 1. A fit finds the period only if it starts within about a tenth of `P^2 / range` of it.
 //! Typical amplitude 0.3 to 3 mm. The period is half the wavelength of the modulation: 0.6 m at 250 MHz.
 
-use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope, Search};
+use super::{AsText, Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope, Search};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -36,6 +36,10 @@ pub(super) static EFFECT: Effect = Effect {
     },
     change_platform,
     variable: Some(Variable::Distance),
+    as_text: AsText::Formulas(&[(
+        "laser_bias",
+        "laser_bias + amplitude * sin(2 * pi * laser / period + phase)",
+    )]),
     ..Effect::NEUTRAL
 };
 

@@ -1,7 +1,7 @@
 //! Warm-up drift: `a (1 - exp(-t / 900 s))` is added to the laser reading, `t` since home in seconds, `a` the
 //! parameter `drift` in metres. Assumes that the laser was switched on at the home row. Typical 0.5 to 5 mm.
 
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -26,5 +26,9 @@ pub(super) static EFFECT: Effect = Effect {
         ports.laser_bias += parameters[0] * -(-at.time_s.max(0.0) / 900.0).exp_m1();
     },
     variable: Some(Variable::Time),
+    as_text: AsText::Formulas(&[(
+        "laser_bias",
+        "laser_bias + drift * (1 - exp(-max(time, 0) / 900 [s]))",
+    )]),
     ..Effect::NEUTRAL
 };

@@ -3,7 +3,7 @@
 
 use super::motion::change_within;
 use super::words::CHECK_CLOCKS;
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "laser_latency",
@@ -22,5 +22,6 @@ pub(super) static EFFECT: Effect = Effect {
         ports.laser_bias += -change_within(parameters[0], at.laser_rates);
     },
     delays: |values, _, delays| delays.laser += values[0],
+    as_text: AsText::Impossible("delays all readings of a device, also in simulated recordings"),
     ..Effect::NEUTRAL
 };

@@ -2,7 +2,7 @@
 //! For several poses, state the effect several times.
 
 use super::words;
-use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope, Search};
+use super::{AsText, Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope, Search};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -23,6 +23,7 @@ pub(super) static EFFECT: Effect = Effect {
     change_platform,
     variable: Some(Variable::Time),
     is_damage: true,
+    as_text: AsText::Formulas(&[("laser_bias", "laser_bias + error * only(pose)")]),
     ..Effect::NEUTRAL
 };
 

@@ -1,6 +1,6 @@
 //! Laser reading times `1 + scale`. Typical 0.05 to 1 %.
 
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -21,5 +21,6 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Scale error of distance meters",
     change_platform: |parameters, _, ports| ports.laser_gain *= parameters[0] + 1.0,
     variable: Some(Variable::Distance),
+    as_text: AsText::Formulas(&[("laser_gain", "laser_gain * (1 + scale)")]),
     ..Effect::NEUTRAL
 };

@@ -2,7 +2,8 @@
 //!
 //! Each effect is one file with one static [`Effect`]: its contribution to the prediction (through `CablePorts` and
 //! `PlatformPorts`), its parameters with unit, prior and typical size, and the sentences that a technician reads when
-//! it is found (`FoundEffect`). The same code hides an effect in simulated data and adds it to a model.
+//! it is found (`FoundEffect`). The same code hides an effect in simulated data and adds it to a model. Users state further
+//! effects as text: a [`Hypothesis`].
 
 mod binding;
 mod bound;
@@ -31,6 +32,7 @@ mod frame_compliance;
 mod frame_shift;
 mod frame_thermal;
 mod heading_offset;
+mod hypothesis;
 mod inclinometer_tilt;
 mod laser_beam_tilt;
 mod laser_bias;
@@ -52,6 +54,7 @@ mod pulley_radius;
 mod setting;
 mod swivel_offset;
 mod target_tilt;
+mod text_physics;
 mod tolerance;
 mod tracker_clock;
 mod tracker_frame;
@@ -68,13 +71,19 @@ pub use binding::EffectRequest;
 pub use bound::{BoundEffect, EffectError};
 pub use catalogue::{CATALOGUE, IN_MOTION, OF_EXTERNAL_POSES, every_effect, find};
 pub use channels::measurements_as_modelled;
-pub(crate) use context::{CableContext, PlatformContext, PoseContexts, sign, travel};
+pub(crate) use context::{CableContext, PlatformContext, PoseContexts, RowContexts, sign, travel};
 pub(crate) use dual::Dual;
 pub(crate) use found::FoundEffect;
+pub use hypothesis::{
+    FORMULA_QUANTITIES, FORMULA_TARGETS, FormulaQuantity, FormulaTarget, Hypothesis,
+    HypothesisError, HypothesisNotAdded, MAX_HYPOTHESES, MAX_HYPOTHESIS_BYTES, NotAsText,
+    line_and_column,
+};
 pub(crate) use motion::inertia;
 pub use part_deviation::{PartDeviation, part_deviations};
 pub(crate) use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
+pub(crate) use text_physics::TextPhysics;
 pub use tolerance::{MachineClass, TypicalTolerance};
 
 use crate::measurement::{Measurements, Variable};
@@ -215,6 +224,15 @@ impl EffectParameter {
     }
 }
 
+/// The physics of an effect of the catalogue as text.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum AsText {
+    /// Formulas of the quantities that it changes.
+    Formulas(&'static [(&'static str, &'static str)]),
+    /// Why formulas cannot express it.
+    Impossible(&'static str),
+}
+
 /// How an effect is searched for in data. Numbers are indices of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Search {
@@ -248,7 +266,7 @@ pub struct Delays {
     pub tracker: f64,
 }
 
-/// A physical effect of the catalogue: its identity and parameters, its contribution to the prediction, and its texts for a
+/// A physical effect, of the catalogue or of the user: its identity and parameters, its contribution to the prediction, and its texts for a
 /// technician.
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
@@ -288,6 +306,10 @@ pub struct Effect {
     pub(crate) delays: fn(&[f64], f64, &mut Delays),
     /// Exchanges channels of measured data between cables; applying it twice changes nothing.
     pub(crate) exchange_channels: fn(&[usize], &[f64], &mut Measurements),
+    /// The same physics as text, or why formulas cannot express it.
+    pub(crate) as_text: AsText,
+    /// The text of a user that takes the place of `change_cable` and `change_platform`.
+    pub(crate) text_physics: Option<&'static dyn TextPhysics>,
 }
 
 impl Effect {
@@ -310,6 +332,8 @@ impl Effect {
         change_platform: |_, _, _| {},
         delays: |_, _, _| {},
         exchange_channels: |_, _, _| {},
+        as_text: AsText::Impossible(""),
+        text_physics: None,
     };
 
     /// Stable identifier in files and commands.
@@ -378,7 +402,16 @@ impl Effect {
     /// Whether only recordings in motion reveal it.
     #[must_use]
     pub fn is_in_motion(&self) -> bool {
-        IN_MOTION.iter().any(|effect| effect.id == self.id)
+        match self.text_physics {
+            Some(physics) => physics.needs_motion(),
+            None => IN_MOTION.iter().any(|effect| effect.id == self.id),
+        }
+    }
+
+    /// Whether it is a hypothesis of the user.
+    #[must_use]
+    pub fn is_hypothesis(&self) -> bool {
+        self.text_physics.is_some()
     }
 
     /// Whether it has a parameter that can be estimated.
@@ -416,4 +449,4 @@ impl Effect {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

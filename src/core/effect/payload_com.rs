@@ -1,7 +1,7 @@
 //! Displaced centre of mass: `c += (x, y, z)`, platform frame, metres. Observable through static equilibrium only; the
 //! component along gravity only where the platform tilts. Typical 5 to 50 mm.
 
-use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope};
+use super::{AsText, Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope};
 
 /// Standard deviations of sound parts, for small and large machines.
 const TOLERANCE: [f64; 2] = [0.001, 0.003];
@@ -29,6 +29,11 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Balance the platform on an edge to find its centre of mass."),
     source: "Static equilibrium",
     change_platform,
+    as_text: AsText::Formulas(&[
+        ("center_of_mass_x", "center_of_mass_x + x"),
+        ("center_of_mass_y", "center_of_mass_y + y"),
+        ("center_of_mass_z", "center_of_mass_z + z"),
+    ]),
     ..Effect::NEUTRAL
 };
 

@@ -2,7 +2,7 @@
 //! sensors on all cables. Typical 5 to 30 %.
 
 use super::words::size;
-use super::{Effect, EffectParameter, FoundEffect, Scope};
+use super::{AsText, Effect, EffectParameter, FoundEffect, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "payload_mass",
@@ -22,6 +22,7 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Weigh the platform on a scale, with everything it carries."),
     source: "Static equilibrium",
     change_platform: |parameters, _, ports| ports.mass *= parameters[0] + 1.0,
+    as_text: AsText::Formulas(&[("mass", "mass * (1 + change)")]),
     ..Effect::NEUTRAL
 };
 

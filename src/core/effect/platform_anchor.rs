@@ -1,7 +1,7 @@
 //! Displaced attachment point of a cable on the platform: `b += (x, y, z)`, platform frame, metres. Typical 1 to
 //! 10 mm.
 
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, Scope};
+use super::{AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, Scope};
 
 /// Standard deviations of sound parts, for small and large machines.
 const TOLERANCE: [f64; 2] = [0.0001, 0.0003];
@@ -29,6 +29,11 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Measure with calipers where the cable is attached to the platform."),
     source: "Geometry",
     change_cable,
+    as_text: AsText::Formulas(&[
+        ("anchor_x", "anchor_x + x"),
+        ("anchor_y", "anchor_y + y"),
+        ("anchor_z", "anchor_z + z"),
+    ]),
     ..Effect::NEUTRAL
 };
 

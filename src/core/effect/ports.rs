@@ -93,6 +93,11 @@ pub enum PlatformPort {
 }
 
 impl CablePort {
+    /// Whether it is what a winch or a force sensor reads.
+    pub fn is_reading(self) -> bool {
+        matches!(self, Self::Paid | Self::Tension)
+    }
+
     /// Number of scalars.
     pub const COUNT: usize = 16;
 
@@ -203,6 +208,22 @@ impl<T: Copy> CablePorts<T> {
         }
     }
 
+    /// A port, to be changed.
+    pub fn get_mut(&mut self, port: CablePort) -> &mut T {
+        match port {
+            CablePort::Paid => &mut self.paid,
+            CablePort::Tension => &mut self.tension,
+            CablePort::Strain => &mut self.strain,
+            CablePort::Compliance => &mut self.compliance,
+            CablePort::Weight => &mut self.weight,
+            CablePort::Radius => &mut self.radius,
+            CablePort::EntryShift(axis) => &mut self.entry_shift[axis],
+            CablePort::Axis(axis) => &mut self.axis[axis],
+            CablePort::Anchor(axis) => &mut self.anchor[axis],
+            CablePort::SwivelOffset => &mut self.swivel_offset,
+        }
+    }
+
     /// All values, in the order of [`CablePort::ALL`].
     pub fn values(&self) -> [T; CablePort::COUNT] {
         let [shift, axis, anchor] = [self.entry_shift, self.axis, self.anchor];
@@ -278,6 +299,23 @@ impl<T: Copy> PlatformPorts<T> {
             PlatformPort::TrackerPoint(axis) => self.tracker_point[axis],
             PlatformPort::TrackerShift(axis) => self.tracker_shift[axis],
             PlatformPort::TrackerTurn(axis) => self.tracker_turn[axis],
+        }
+    }
+
+    /// A port, to be changed.
+    pub fn get_mut(&mut self, port: PlatformPort) -> &mut T {
+        match port {
+            PlatformPort::Mass => &mut self.mass,
+            PlatformPort::CenterOfMass(axis) => &mut self.center_of_mass[axis],
+            PlatformPort::LaserGain => &mut self.laser_gain,
+            PlatformPort::LaserBias => &mut self.laser_bias,
+            PlatformPort::LaserDirection(axis) => &mut self.laser_direction[axis],
+            PlatformPort::TargetNormal(axis) => &mut self.target_normal[axis],
+            PlatformPort::InclinationOffset(angle) => &mut self.inclination_offset[angle],
+            PlatformPort::TrackerDelay => &mut self.tracker_delay,
+            PlatformPort::TrackerPoint(axis) => &mut self.tracker_point[axis],
+            PlatformPort::TrackerShift(axis) => &mut self.tracker_shift[axis],
+            PlatformPort::TrackerTurn(axis) => &mut self.tracker_turn[axis],
         }
     }
 

@@ -4,7 +4,7 @@
 
 use super::direction::tilted;
 use super::words::inclination;
-use super::{Effect, EffectParameter, FoundEffect, Scope};
+use super::{AsText, Effect, EffectParameter, FoundEffect, Scope};
 use crate::measurement::Variable;
 
 /// Standard deviations of sound parts, for small and large machines.
@@ -32,6 +32,9 @@ pub(super) static EFFECT: Effect = Effect {
         ports.axis = tilted(ports.axis, at.swivel_axis, parameters[0], parameters[1]);
     },
     variable: Some(Variable::SwivelAngle),
+    as_text: AsText::Impossible(
+        "turns a direction, whose components must keep their common length",
+    ),
     ..Effect::NEUTRAL
 };
 

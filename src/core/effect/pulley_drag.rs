@@ -2,7 +2,7 @@
 //! cable is paid out (m/s) and the drag in N s/m, from grease and fast bearings. Typical 1 to 50 N s/m. Motions of different
 //! speed distinguish it from dry friction, which depends on the direction only.
 
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "pulley_drag",
@@ -20,5 +20,6 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Move the cable at two speeds and compare the force readings."),
     source: "Viscous friction, in proportion to the speed",
     change_cable: |parameters, at, ports| ports.tension += parameters[0] * at.paid_rates[0],
+    as_text: AsText::Formulas(&[("tension", "tension + drag * paid_rate")]),
     ..Effect::NEUTRAL
 };

@@ -7,7 +7,7 @@
 //! degrees at 0.02. Source: belt friction (Euler, Eytelwein).
 
 use super::words::{self, size};
-use super::{Effect, EffectParameter, FoundEffect, Scope, Stage};
+use super::{AsText, Effect, EffectParameter, FoundEffect, Scope, Stage};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -32,6 +32,7 @@ pub(super) static EFFECT: Effect = Effect {
         ports.tension *= (parameters[0] * (at.wrap_rad * at.direction)).exp();
     },
     variable: Some(Variable::Direction),
+    as_text: AsText::Formulas(&[("tension", "tension * exp(mu * wrap * direction)")]),
     ..Effect::NEUTRAL
 };
 

@@ -1,7 +1,7 @@
 //! Pulley radius that differs from the stated one: `rp (1 + change)`. Typical 5 to 50 %.
 
 use super::words::millimetres;
-use super::{Effect, EffectParameter, FoundEffect, Scope};
+use super::{AsText, Effect, EffectParameter, FoundEffect, Scope};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -22,6 +22,7 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Geometry of a swivelling pulley: Jin et al., Sensors 18 (2018) 2392, equations 3 and 4",
     change_cable: |parameters, _, ports| ports.radius *= parameters[0] + 1.0,
     variable: Some(Variable::WrapAngle),
+    as_text: AsText::Formulas(&[("radius", "radius * (1 + change)")]),
     ..Effect::NEUTRAL
 };
 

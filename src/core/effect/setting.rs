@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// One effect of a model: `{"effect": "winch_scale", "targets": ["cable-3"], "parameters": {"scale": 0.0031}}`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EffectSetting {
-    /// Identifier in the catalogue.
+    /// Identifier in the catalogue, or of a hypothesis of the robot.
     pub effect: String,
     /// Names of the cables concerned; empty for the robot, the laser or all cables together.
     #[serde(default)]

@@ -1,6 +1,6 @@
 //! Zero offset of a swivel angle: a constant added to its reading (rad). Typical 0.5 to 5 degrees.
 
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -19,5 +19,6 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Zero error of an angle encoder",
     change_cable: |parameters, _, ports| ports.swivel_offset += parameters[0],
     variable: Some(Variable::SwivelAngle),
+    as_text: AsText::Formulas(&[("swivel_offset", "swivel_offset + offset")]),
     ..Effect::NEUTRAL
 };

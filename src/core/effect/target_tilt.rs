@@ -5,7 +5,9 @@
 
 use super::direction::tilted;
 use super::words::inclination;
-use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
+use super::{
+    AsText, Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope,
+};
 
 /// Standard deviations of sound parts, for small and large machines.
 const TOLERANCE: [f64; 2] = [0.0015, 0.0015];
@@ -26,6 +28,9 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Put a spirit level on the target of the laser."),
     source: "Geometry",
     change_platform,
+    as_text: AsText::Impossible(
+        "turns a direction, whose components must keep their common length",
+    ),
     ..Effect::NEUTRAL
 };
 

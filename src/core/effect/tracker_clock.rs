@@ -1,7 +1,7 @@
 //! Clock drift of the external instrument relative to the controller: it lags by `drift t` after the
 //! time `t` since the start (s), so that `reading(t) = pose(t - drift t)`. Quartz clocks differ by up to 100 ppm.
 
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "tracker_clock",
@@ -22,5 +22,6 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Constant drift of a quartz clock",
     change_platform: |parameters, at, ports| ports.tracker_delay += parameters[0] * at.time_s,
     delays: |values, time_s, delays| delays.tracker += values[0] * time_s,
+    as_text: AsText::Impossible("delays all readings of a device, also in simulated recordings"),
     ..Effect::NEUTRAL
 };

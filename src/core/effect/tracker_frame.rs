@@ -5,7 +5,9 @@
 
 use super::direction::{rotated, rotation_row};
 use super::words::{displacement, turn};
-use super::{Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope};
+use super::{
+    AsText, Dual, Effect, EffectParameter, FoundEffect, PlatformContext, PlatformPorts, Scope,
+};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "tracker_frame",
@@ -28,6 +30,7 @@ pub(super) static EFFECT: Effect = Effect {
     ),
     source: "Rigid transformation between two frames",
     change_platform,
+    as_text: AsText::Impossible("composes rotations, which formulas of single quantities do not"),
     ..Effect::NEUTRAL
 };
 

@@ -3,7 +3,7 @@
 //! acceleration of the platform from the lengths of its cables.
 
 use super::words::CHECK_CLOCKS;
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "tracker_latency",
@@ -22,5 +22,6 @@ pub(super) static EFFECT: Effect = Effect {
     source: "Transport delay; second order in the delay",
     change_platform: |parameters, _, ports| ports.tracker_delay += parameters[0],
     delays: |values, _, delays| delays.tracker += values[0],
+    as_text: AsText::Impossible("delays all readings of a device, also in simulated recordings"),
     ..Effect::NEUTRAL
 };

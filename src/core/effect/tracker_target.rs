@@ -1,7 +1,7 @@
 //! Displaced target of the external instrument: it measures the point `(x, y, z)`, platform frame, metres, instead of the
 //! platform's origin: a reflector or the centroid of some markers. Typical 1 to 20 mm where the point was measured by hand.
 
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "tracker_target",
@@ -27,5 +27,10 @@ pub(super) static EFFECT: Effect = Effect {
             ports.tracker_point[k] += parameters[k];
         }
     },
+    as_text: AsText::Formulas(&[
+        ("tracker_point_x", "tracker_point_x + x"),
+        ("tracker_point_y", "tracker_point_y + y"),
+        ("tracker_point_z", "tracker_point_z + z"),
+    ]),
     ..Effect::NEUTRAL
 };

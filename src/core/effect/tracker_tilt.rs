@@ -4,7 +4,7 @@
 
 use super::direction::rotation_row;
 use super::words::turn;
-use super::{Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope};
+use super::{AsText, Dual, Effect, EffectParameter, PlatformContext, PlatformPorts, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "tracker_tilt",
@@ -30,6 +30,7 @@ pub(super) static EFFECT: Effect = Effect {
     ),
     source: "Geometry",
     change_platform,
+    as_text: AsText::Impossible("composes rotations, which formulas of single quantities do not"),
     ..Effect::NEUTRAL
 };
 

@@ -6,7 +6,7 @@
 //! Typical 0.2 to 2 mm. Source: dead band of half the play to either side, as in any drive with play.
 
 use super::words;
-use super::{Effect, EffectParameter, Scope};
+use super::{AsText, Effect, EffectParameter, Scope};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -30,5 +30,6 @@ pub(super) static EFFECT: Effect = Effect {
     change_cable: |parameters, at, ports| ports.paid += parameters[0] * (0.5 * at.direction),
     variable: Some(Variable::Direction),
     is_damage: true,
+    as_text: AsText::Formulas(&[("paid", "paid + play * direction / 2")]),
     ..Effect::NEUTRAL
 };

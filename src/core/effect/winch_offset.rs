@@ -1,7 +1,7 @@
 //! A constant added to the cable paid out at every pose but home, as when the encoder was zeroed with
 //! the cable at another length. Typical 0.5 to 150 mm.
 
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope};
+use super::{AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope};
 
 pub(super) static EFFECT: Effect = Effect {
     id: "winch_offset",
@@ -20,6 +20,7 @@ pub(super) static EFFECT: Effect = Effect {
     check: Some("Measure the length of the cable at one pose with a steel tape."),
     source: "Geometry: a zero set at another length; sizes from length errors reported for cable robots",
     change_cable,
+    as_text: AsText::Formulas(&[("paid", "paid + offset * (1 - at_home)")]),
     ..Effect::NEUTRAL
 };
 

@@ -1,7 +1,9 @@
 //! Effective drum diameter that differs from the stated one: cable per revolution times `1 + scale`; for absolute lengths
 //! the length times `1 + scale`. Typical 0.1 to 3 % (winch ratio errors of cable robots).
 
-use super::{CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope, Stage};
+use super::{
+    AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope, Stage,
+};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -24,6 +26,7 @@ pub(super) static EFFECT: Effect = Effect {
     stage: Stage::Ratio,
     change_cable,
     variable: Some(Variable::CableLength),
+    as_text: AsText::Formulas(&[("paid", "paid * (1 + scale)")]),
     ..Effect::NEUTRAL
 };
 

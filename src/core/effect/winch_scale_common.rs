@@ -1,7 +1,7 @@
 //! Effective diameter error common to all drums, as by a wrong cable diameter: cable per
 //! revolution times `1 + scale`. Typical 0.1 to 1 %.
 
-use super::{Effect, EffectParameter, FoundEffect, Scope, Stage, winch_scale};
+use super::{AsText, Effect, EffectParameter, FoundEffect, Scope, Stage, winch_scale};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -16,6 +16,7 @@ pub(super) static EFFECT: Effect = Effect {
     stage: Stage::Ratio,
     change_cable: winch_scale::change_cable,
     variable: Some(Variable::CableLength),
+    as_text: AsText::Formulas(&[("paid", "paid * (1 + scale)")]),
     ..Effect::NEUTRAL
 };
 

@@ -233,7 +233,7 @@ fn cable_state(cable: &Cable, pose: &Pose) -> Result<CableState, KinematicsError
 }
 
 /// Swivel angle of a cable's pulley (rad), where it is defined.
-pub(super) fn swivel_angle(
+pub(crate) fn swivel_angle(
     cable: &Cable,
     path: &CablePath<f64>,
 ) -> Result<Option<f64>, KinematicsError> {

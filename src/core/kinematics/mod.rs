@@ -15,6 +15,7 @@ pub(crate) use cable_arrays::CableArrays;
 pub use cable_arrays::MAX_CABLES;
 pub use drawing::{CableDetail, CableDrawing, cable_polyline};
 pub use forward::{ForwardKinematics, ForwardSolution};
+pub(crate) use inverse::swivel_angle;
 pub use inverse::{
     CableState, KinematicsError, LengthGradient, check_path_at, inverse_kinematics,
     length_gradients,

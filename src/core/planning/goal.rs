@@ -87,7 +87,9 @@ pub(super) fn faults(robot: &Robot, known: &[BoundEffect]) -> Vec<BoundEffect> {
     };
     let all: Vec<usize> = (0..robot.cable_count()).collect();
     let mut found: Vec<BoundEffect> = Vec::new();
-    for effect in CATALOGUE.iter().copied().filter(is_asked) {
+    let hypotheses = robot.hypothesis_effects();
+    let at_rest = hypotheses.filter(|effect| !effect.is_in_motion());
+    for effect in CATALOGUE.iter().copied().chain(at_rest).filter(is_asked) {
         let bound = |cables: Vec<usize>, targeted: bool| BoundEffect {
             effect,
             cables,

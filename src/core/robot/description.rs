@@ -80,6 +80,9 @@ pub struct Robot {
     /// Home reference platform of phase 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub home_platform: Option<HomePlatform>,
+    /// Texts of hypothesis files of the user: effects that this robot knows besides those of the catalogue.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hypotheses: Vec<String>,
     /// Physical effects that extend the nominal model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectSetting>,
@@ -460,6 +463,7 @@ impl Robot {
             cables,
             home_platform: None,
             tolerances: None,
+            hypotheses: Vec::new(),
             deviations: Vec::new(),
             effects: Vec::new(),
         }

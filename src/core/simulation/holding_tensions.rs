@@ -113,8 +113,7 @@ fn robot_under_effects(
     }
     for bound in effects {
         let values = constants(&bound.values);
-        let at = contexts.platform(row);
-        (bound.effect.change_platform)(&values, at, &mut platform);
+        bound.change_platform(&values, contexts.at_row(row), &mut platform);
     }
     robot.platform.mass_kg = truth.platform.mass_kg.map(|_| platform.mass.value);
     robot.platform.center_of_mass_m = platform.center_of_mass.map(|dual| dual.value);

@@ -75,6 +75,11 @@ class Robot:
         """Where the cables reach their pulleys, cables by 3 (m)."""
         return numbers([cable["pulley"]["entry_point_m"] for cable in self.description["cables"]])
 
+    def with_hypothesis(self, text: str) -> Robot:
+        """The same robot, which also knows the effect that the text of a hypothesis file states."""
+        known = [*self.description.get("hypotheses", []), text]
+        return Robot({**self.description, "hypotheses": known}).checked()
+
     def checked(self) -> Robot:
         """The same robot in its canonical form; raises what is wrong with it."""
         return Robot(json.loads(_tautline.checked_robot(self.text())))

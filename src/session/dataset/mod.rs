@@ -1,4 +1,4 @@
-//! Dataset folders: `robot.json`, `poses.csv` and the optional tables of the phases.
+//! Dataset folders: `robot.json`, `poses.csv`, the optional tables of the phases, and hypotheses in `effects/`.
 
 use std::fs::{self, File};
 use std::io::{BufReader, ErrorKind, Result as IoResult, Write};
@@ -9,6 +9,7 @@ use tautline_core::robot::Robot;
 
 use crate::atomic::write_atomically;
 use crate::error::{Loaded, Place, ReadError, WriteError};
+use crate::hypothesis_file::add_hypotheses_beside;
 use crate::input_file::open_input;
 use crate::phases::{self, PhaseData};
 use crate::poses::{PoseLines, read_poses_and_lines, write_poses};
@@ -39,13 +40,14 @@ pub struct DatasetFolder {
     pub notices: Vec<String>,
 }
 
-/// Reads a dataset folder; `robot.json` and `poses.csv` are required.
+/// Reads a dataset folder; `robot.json` and `poses.csv` are required. The robot knows the hypotheses in its folder `effects`.
 ///
 /// # Errors
 /// Names the first file that is missing or invalid, and the place in it.
 pub fn read_dataset(folder: &Path) -> Result<DatasetFolder, ReadError> {
     require_folder(folder)?;
-    let robot = read_robot(&folder.join(ROBOT))?;
+    let mut robot = read_robot(&folder.join(ROBOT))?;
+    add_hypotheses_beside(&mut robot.value, folder)?;
     let mut files = Files {
         folder,
         robot: &robot.value,
@@ -76,7 +78,8 @@ pub fn read_dataset(folder: &Path) -> Result<DatasetFolder, ReadError> {
 /// Names the first file that is missing or invalid, and the place in it.
 pub fn read_calibration_tables(folder: &Path) -> Result<Loaded<(Robot, PhaseData)>, ReadError> {
     require_folder(folder)?;
-    let robot = read_robot(&folder.join(ROBOT))?;
+    let mut robot = read_robot(&folder.join(ROBOT))?;
+    add_hypotheses_beside(&mut robot.value, folder)?;
     let mut files = Files {
         folder,
         robot: &robot.value,

@@ -129,6 +129,10 @@ fn message(error: &str, found: Option<&Value>) -> String {
     if let Some(key) = error.strip_prefix("missing field ") {
         return format!("has no key {}, expected one", key.replace('`', "\""));
     }
+    // A mistake in a text with lines of its own, such as a hypothesis, is a sentence already.
+    if error.starts_with("line ") {
+        return error.to_owned();
+    }
     let found = found.map_or_else(|| "nothing".into(), kind);
     match error.rsplit_once("expected ") {
         Some((_, expected)) => format!("found {found}, expected {}", plain(expected)),

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Map, Value};
+use tautline_core::effect::line_and_column;
 
 use super::{VersionedFile, check_size, read_limited, versioned_from};
 use crate::error::{Loaded, Place, ReadError};
@@ -37,10 +38,7 @@ pub fn parse_versioned_toml<T: VersionedFile>(
 fn syntax(text: &str, error: &toml::de::Error, file: &str) -> ReadError {
     let message = format!("not valid TOML ({})", error.message().replace('\n', ", "));
     let place = error.span().map_or(Place::File, |span| {
-        let before = text.get(..span.start).unwrap_or_default();
-        let line = 1 + before.matches('\n').count() as u64;
-        let begin = before.rfind('\n').map_or(0, |end| end + 1);
-        let column = 1 + before[begin..].chars().count() as u64;
+        let (line, column) = line_and_column(text, span.start);
         Place::Character(line, column)
     });
     ReadError::new(file, place, message)

@@ -1,7 +1,7 @@
 //! Validation of study files.
 
 use tautline_core::effect;
-use tautline_core::robot::FieldError;
+use tautline_core::robot::{FieldError, Robot};
 
 use super::{Axis, Design, Fault, Simulation, StudyFile};
 
@@ -9,6 +9,16 @@ use super::{Axis, Design, Fault, Simulation, StudyFile};
 const MOST_POSES: usize = 1000;
 const MOST_FAULTS: usize = 8;
 const MOST_CALIBRATIONS: u64 = 1_000_000_000;
+
+/// Checks that the robots of a study can have its faults.
+pub fn faults(study: &StudyFile, robots: &[Robot]) -> Result<(), FieldError> {
+    for (index, fault) in study.faults.iter().enumerate() {
+        for robot in robots {
+            fault.check_on(robot, &format!("/faults/{index}"))?;
+        }
+    }
+    Ok(())
+}
 
 /// Checks a study file.
 pub fn study(study: &StudyFile) -> Result<(), FieldError> {
@@ -52,11 +62,16 @@ impl Simulation {
 
 impl Fault {
     fn check(&self, pointer: &str) -> Result<(), FieldError> {
-        let at = |key: &str| format!("{pointer}/{key}");
+        let pointer = format!("{pointer}/rate");
         let rate = self.rate;
-        expect(is_part(rate), &at("rate"), rate, "a fraction from 0 to 1")?;
+        expect(is_part(rate), &pointer, rate, "a fraction from 0 to 1")
+    }
+
+    /// Checks that a robot can have it.
+    fn check_on(&self, robot: &Robot, pointer: &str) -> Result<(), FieldError> {
+        let at = |key: &str| format!("{pointer}/{key}");
         let named = format!("\"{}\"", self.effect);
-        let Some(found) = effect::find(&self.effect) else {
+        let Some(found) = robot.effect(&self.effect) else {
             let expected = "an effect that the command effects lists";
             return expect(false, &at("effect"), named, expected);
         };

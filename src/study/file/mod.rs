@@ -2,10 +2,13 @@
 
 mod check;
 
+pub(crate) use check::faults as check_faults;
+
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tautline_core::effect::Hypothesis;
 use tautline_core::robot::FieldError;
 use tautline_session::VersionedFile;
 
@@ -25,6 +28,9 @@ pub struct StudyFile {
     /// Faults of the simulated robots that are absent from their description.
     #[serde(default)]
     pub faults: Vec<Fault>,
+    /// Hypotheses of the user that all robots know: texts of hypothesis files.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hypotheses: Vec<Hypothesis>,
     /// Required root mean square position error over the workspace (m); the report states which cells attain it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wanted_m: Option<f64>,
@@ -242,10 +248,6 @@ mod tests {
             (
                 "[design]\nrobots = [\"mini\"]\nhome_sd_m = {from = 1e-5, to = 1e-3}",
                 "s.toml, /design/home_sd_m: found a range, expected values; ranges require random_cells",
-            ),
-            (
-                "[design]\nrobots = [\"mini\"]\n[[faults]]\neffect = \"rust\"\nrate = 0.1",
-                "s.toml, /faults/0/effect: found \"rust\", expected an effect that the command effects lists",
             ),
             (
                 "[design]\nrobots = [\"mini\"]\n[simulation]\nshare = 2.0",

@@ -27,7 +27,7 @@ use tautline_workflow::wording::sentence;
 use tautline_workflow::{clock, importing};
 
 /// Endings of the files that are read, for dialogs; what a file is shows its content.
-const ENDINGS: [&str; 15] = [
+const ENDINGS: [&str; 18] = [
     "csv", "txt", "tsv", "c3d", "mat", "h5", "hdf5", "npy", "npz", "parquet", "mcap", "bag",
     "xlsx", "asc", "dat", "lvm", "tdms", "mf4",
 ];

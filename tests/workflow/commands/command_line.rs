@@ -52,7 +52,8 @@ fn examples(words: &[&str]) -> Vec<String> {
 }
 
 /// What examples need beyond the program: files of the user, a controller, typed answers, a long time.
-const NEED_MORE: [&str; 6] = [
+const NEED_MORE: [&str; 7] = [
+    "--hypothesis",
     "log.csv",
     "opc.tcp:",
     "cell.json",

@@ -4,6 +4,7 @@
 mod algebra;
 mod cancelling;
 mod held_out;
+mod hypotheses;
 mod model_effects;
 mod names;
 mod noise;

@@ -5,7 +5,7 @@ mod exchange;
 mod external_poses;
 mod formulas;
 mod holes;
-mod recovery;
+pub(crate) mod recovery;
 mod slopes;
 mod texts;
 

@@ -9,7 +9,7 @@ use crate::simulation::{Simulated, SimulationOptions, TrueGeometry, simulate};
 const BETTER: f64 = 1e-4;
 
 /// A preset with swivel encoders and an inclinometer, its geometry exactly known.
-pub(super) fn equipped(name: &str) -> Robot {
+pub(crate) fn equipped(name: &str) -> Robot {
     let mut robot = presets::find(name).unwrap().robot;
     for cable in &mut robot.cables {
         cable.pulley.entry_point_sd_m = PerAxis::known(0.0);
@@ -66,7 +66,7 @@ pub(super) fn request(setting: &EffectSetting) -> EffectRequest {
     });
     EffectRequest {
         effect: setting.effect.clone(),
-        cable: setting.targets.first().cloned(),
+        cables: setting.targets.clone(),
         values: given.collect(),
     }
 }
@@ -108,7 +108,7 @@ fn check(robot: &Robot, setting: &EffectSetting, method: Method) {
 }
 
 /// A value in the middle of the typical range; for a vector, components that differ.
-pub(super) fn typical(id: &str) -> EffectSetting {
+pub(crate) fn typical(id: &str) -> EffectSetting {
     let effect = find(id).unwrap();
     let parameters = effect.parameters().iter().enumerate().map(|(k, p)| {
         let [low, high] = p.typical;

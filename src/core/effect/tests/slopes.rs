@@ -24,6 +24,10 @@ pub(super) fn at_cable() -> CableContext {
         pull_horizontal: [0.6, -0.3, 0.1],
         entry_point_m: [1.0, -2.0, 3.0],
         swivel_axis: [0.0, 0.0, -1.0],
+        paid_m: 0.4,
+        length_m: 2.1,
+        swivel_rad: 0.2,
+        radius_m: 0.03,
     }
 }
 
@@ -43,6 +47,8 @@ pub(super) fn at_platform() -> PlatformContext {
         tracked_rotation: [[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]],
         laser_direction: [0.0, 0.0, -1.0],
         target_normal: [0.0, 0.0, 1.0],
+        position_m: [0.2, -0.1, 0.4],
+        rotation_rad: [0.1, -0.2, 0.3],
     }
 }
 

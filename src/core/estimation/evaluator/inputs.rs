@@ -151,11 +151,21 @@ fn reading_gain(
     let port_at = |reading: f64| {
         let mut ports = CablePorts::nominal(cable, reading, reading);
         for ((_, bound), values) in concerned.iter().zip(&values) {
-            (bound.effect.change_cable)(values, contexts.cable(row, index), &mut ports);
+            bound.change_cable(values, contexts.at_row(row), index, &mut ports);
         }
         ports.get(port)
     };
-    port_at(1.0) - port_at(0.0)
+    // Effects of the catalogue are affine in the reading; a formula of the user may have no value at 0.
+    let at = contexts.cable(row, index);
+    let has_formulas = concerned
+        .iter()
+        .any(|(_, bound)| bound.effect.is_hypothesis());
+    let from = match port {
+        _ if !has_formulas => 0.0,
+        CablePort::Tension => at.tension_n,
+        _ => at.paid_m,
+    };
+    port_at(from + 1.0) - port_at(from)
 }
 
 /// Factors by which the effects scale the noise of a cable's readings.
@@ -365,7 +375,7 @@ fn pack_platform<T: Packet>(
         &parameters,
         |_| nominal,
         |bound, values, row, ports| {
-            (bound.effect.change_platform)(values, contexts.platform(row), ports);
+            bound.change_platform(values, contexts.at_row(row), ports);
         },
     );
     let columns = PlatformPorts::from_fn(|port| pack(store, &ports, None, |p| p.get(port).value));
@@ -402,7 +412,7 @@ fn pack_cable<T: Packet>(
         &parameters,
         |row| nominal_cable_ports(from.problem, from.selection, (row, index)),
         |bound, values, row, ports| {
-            (bound.effect.change_cable)(values, contexts.cable(row, index), ports);
+            bound.change_cable(values, contexts.at_row(row), index, ports);
         },
     );
     for ports in &mut ports {

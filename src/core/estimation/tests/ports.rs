@@ -99,7 +99,10 @@ pub fn every_effect(robot: &Robot) -> Vec<BoundEffect> {
         let discrete = effect.parameters().iter().filter(|p| p.discrete);
         let request = EffectRequest {
             effect: effect.id().to_owned(),
-            cable: (effect.scope() == Scope::Cable).then(|| "cable-1".to_owned()),
+            cables: (effect.scope() == Scope::Cable)
+                .then(|| "cable-1".to_owned())
+                .into_iter()
+                .collect(),
             values: discrete.map(|p| (p.name.to_owned(), label)).collect(),
         };
         for mut bound in request.bind(robot).unwrap() {

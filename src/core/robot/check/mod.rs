@@ -10,7 +10,7 @@ mod tolerances;
 use super::description::inertia_matrix;
 use super::{Cable, Home, HomePlatform, Laser, Limits, Platform, Robot, Tracker};
 use crate::cable::ElongationSurface;
-use crate::effect::{BoundEffect, EffectSetting};
+use crate::effect::{BoundEffect, EffectSetting, Hypothesis, MAX_HYPOTHESES};
 use crate::kinematics::MAX_CABLES;
 use field::Object;
 use nalgebra::Matrix6;
@@ -58,6 +58,7 @@ impl Robot {
         if let Some(home_platform) = &self.home_platform {
             check_home_platform(&root.child("home_platform"), home_platform)?;
         }
+        self.check_hypotheses(&root)?;
         self.check_effects(&root.child("effects"), &self.effects)?;
         self.check_effects(&root.child("deviations"), &self.deviations)?;
         tolerances::check(self, &root.child("tolerances"))
@@ -106,6 +107,28 @@ impl Robot {
         if needed && !stated && self.gravity().norm() == 0.0 {
             let message = "not given, expected one because without gravity it has no default";
             return root.child("platform").fail("wrench_sd", message);
+        }
+        Ok(())
+    }
+
+    fn check_hypotheses(&self, root: &Object) -> Checked {
+        let all = &self.hypotheses;
+        if all.len() > MAX_HYPOTHESES {
+            let message = format!("found {}, expected at most {MAX_HYPOTHESES}", all.len());
+            return root.fail("hypotheses", message);
+        }
+        let list = root.child("hypotheses");
+        let mut ids: Vec<String> = Vec::new();
+        for (index, text) in all.iter().enumerate() {
+            let id = match Hypothesis::parse(text) {
+                Ok(hypothesis) => hypothesis.id().to_owned(),
+                Err(error) => return list.fail(index, error.to_string()),
+            };
+            if ids.contains(&id) {
+                let message = format!("found the id \"{id}\" again, expected one of its own");
+                return list.fail(index, message);
+            }
+            ids.push(id);
         }
         Ok(())
     }

@@ -61,7 +61,10 @@ fn a_hidden_effect_shows_and_is_found() {
         let mut problem = Problem::new(&data).unwrap();
         let request = EffectRequest {
             effect: effect.into(),
-            cable: (effect == "winch_scale").then(|| "cable-3".to_owned()),
+            cables: (effect == "winch_scale")
+                .then(|| "cable-3".to_owned())
+                .into_iter()
+                .collect(),
             values: Vec::new(),
         };
         problem.free(&[request]).unwrap();
