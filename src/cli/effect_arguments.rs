@@ -197,7 +197,7 @@ mod tests {
         );
         assert!(questions("winch_scale:cable-3:scale=0.02").is_empty());
         assert_eq!(questions("laser_bias:bias=40").len(), 1);
-        assert!(questions("cable_slip:cable-3:pose=900,length=0.01").is_empty());
+        assert!(questions("cable_slip:cable-3:pose=900,step=0.01").is_empty());
     }
 
     fn freed(arguments: &[&str]) -> Result<Vec<EffectSetting>> {
