@@ -9,7 +9,7 @@ use super::identity::ClientIdentity;
 use crate::error::LinkError;
 
 /// A password, which is shown nowhere.
-#[derive(Clone, PartialEq, Eq)]
+#[derive(Clone, Default, PartialEq, Eq)]
 pub struct Password(String);
 
 impl Password {
@@ -17,6 +17,17 @@ impl Password {
     #[must_use]
     pub fn new(text: String) -> Self {
         Self(text)
+    }
+
+    /// Whether nothing was typed.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The text while it is typed.
+    pub fn text_mut(&mut self) -> &mut String {
+        &mut self.0
     }
 
     pub(super) fn as_bytes(&self) -> &[u8] {

@@ -58,7 +58,7 @@ pub struct Draft {
     pub policy: Option<OpcUaPolicy>,
     pub user: String,
     /// Password of the user, which no settings have.
-    pub password: String,
+    pub password: Password,
     pub url_timeout: String,
     ads: Names,
     nodes: Names,
@@ -111,7 +111,7 @@ impl Draft {
                 .as_ref()
                 .and_then(|place| place.user.clone())
                 .unwrap_or_default(),
-            password: String::new(),
+            password: Password::default(),
             url_timeout: number(opcua.as_ref().map(|place| place.timeout_s)),
             ads: names(&connection.ads, ControllerKind::Ads),
             nodes: names(&connection.nodes, ControllerKind::OpcUa),
@@ -211,7 +211,7 @@ impl Draft {
     /// The password, if one was typed.
     #[must_use]
     pub fn password(&self) -> Option<Password> {
-        (!self.password.is_empty()).then(|| Password::new(self.password.clone()))
+        (!self.password.is_empty()).then(|| self.password.clone())
     }
 
     fn opcua(&self, problems: &mut Problems) -> Option<OpcUaPlace> {

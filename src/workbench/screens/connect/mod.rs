@@ -249,7 +249,7 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems) {
         let problem = problems.of(Field::User);
         line(ui, ("User", "anonymous"), &mut draft.user, problem);
         let hint = format!("that of {PASSWORD}");
-        secret(ui, ("Password", &hint), &mut draft.password);
+        secret(ui, ("Password", &hint), draft.password.text_mut());
         let problem = problems.of(Field::UrlTimeout);
         line(ui, ("Timeout (s)", "1"), &mut draft.url_timeout, problem);
     });
