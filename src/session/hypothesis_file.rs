@@ -143,7 +143,7 @@ mod tests {
             .position(|l| l.starts_with("paid"))
             .expect("a line");
         let expected = format!(
-            "wrong.toml, line {line}, column 24: found 1, expected the unit of the term before it, m"
+            "wrong.toml, line {line}, column 25: found 1, expected the unit of the term before it, m"
         );
         assert_eq!(error.to_string(), expected);
         let huge = vec![b'#'; 1 << 17];
