@@ -114,8 +114,8 @@ fn readings_without_an_instrument_are_noticed() {
 /// Spreadsheets and people write `Rev_1` and `X_M`.
 #[test]
 fn names_of_columns_are_known_in_any_case() {
-    let plain = read("pose,rev_1,rev_2,x_m,y_m,qw,qx,qy,qz,note\n0,0,0,0,0,1,0,0,0,a\n");
-    let other = read("Pose,Rev_1,REV_2,X_m,Y_M,qW,qX,qY,qZ,note\n0,0,0,0,0,1,0,0,0,a\n");
+    let plain = read("pose,rev_1,rev_2,x_m,y_m,z_m,qw,qx,qy,qz,note\n0,0,0,0,0,0,1,0,0,0,a\n");
+    let other = read("Pose,Rev_1,REV_2,X_m,Y_M,z_m,qW,qX,qY,qZ,note\n0,0,0,0,0,0,1,0,0,0,a\n");
     assert_eq!(other.value, plain.value);
     assert_eq!(other.notices, plain.notices);
     let twice = read_poses(
