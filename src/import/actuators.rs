@@ -120,7 +120,7 @@ impl Rows {
             let place = number - first;
             match rows.last_mut() {
                 Some(last) if last[place].is_none() && is_same_time(last, row) => {
-                    last[place] = Some(row)
+                    last[place] = Some(row);
                 }
                 _ => {
                     let mut next = vec![None; cables];

@@ -148,11 +148,8 @@ fn segment(lines: &mut Lines<'_>, separator: Separator) -> Result<Option<Segment
     let mut row = vec![0.0; headings.len()];
     let mut rows = 0;
     let mut cells = Cells::default();
-    loop {
-        // A blank line or the header of the next segment ends this one.
-        let Some((line, text)) = lines.look_ahead(1)?.front() else {
-            break;
-        };
+    // A blank line or the header of the next segment ends this one.
+    while let Some((line, text)) = lines.look_ahead(1)?.front() {
         cells.split(text, separator);
         let line = *line;
         if cells.are_blank() || ["Channels", START_SPECIAL].contains(&cells.get(0)) {

@@ -100,8 +100,10 @@ fn chosen_rev<'a>(rows: &[&'a Row<'static>], channels: &[Channel]) -> &'a Row<'s
 fn differing(imported: &Imported, data: &Measurements) -> Vec<String> {
     let mut wrong = Vec::new();
     let read = &imported.measurements;
-    let differs =
-        |found: f64, expected: f64| !((found - expected).abs() <= EQUAL * expected.abs().max(1e-3));
+    let differs = |found: f64, expected: f64| {
+        let off = (found - expected).abs();
+        off.is_nan() || off > EQUAL * expected.abs().max(1e-3)
+    };
     let grids = [
         ("rev", &read.revolutions, &data.revolutions),
         ("force", &read.force_n, &data.force_n),
