@@ -280,7 +280,9 @@ fn a_server_is_trusted_and_a_password_given_on_the_command_line() {
     let nodes = Protocol::OpcUa.mapping(&mapping(&robot, Style::Arrays));
     write_symbols(Path::new(&symbols), &nodes).expect("written");
     let measure = |password: Option<&str>, more: &[&str]| {
-        let words = ["measure", &file, "--robot", "mini", "--poses", "8", "--arm"];
+        let words = [
+            "measure", &file, "--robot", "mini", "--poses", "8", "--arm", "--quiet",
+        ];
         let link = [
             "--controller",
             &controller,

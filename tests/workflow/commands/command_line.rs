@@ -52,8 +52,9 @@ fn examples(words: &[&str]) -> Vec<String> {
 }
 
 /// What examples need beyond the program: files of the user, a controller, typed answers, a long time.
-const NEED_MORE: [&str; 7] = [
+const NEED_MORE: [&str; 8] = [
     "--hypothesis",
+    "tautline history",
     "log.csv",
     "opc.tcp:",
     "cell.json",
