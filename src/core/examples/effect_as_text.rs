@@ -36,6 +36,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let requests = [effect.id(), hypothesis.id()].map(|id| format!("{id}{given}"));
         dataset.robot.hypotheses = vec![text];
+        // Instruments that this robot does not have cannot show their effects.
+        if seconds(&dataset, &requests[0]).is_err() {
+            continue;
+        }
         let mut fastest = [f64::INFINITY; 2];
         // In turns, so that whatever else the computer does slows both.
         for _ in 0..SOLUTIONS {
