@@ -73,8 +73,8 @@ impl Operator {
     }
 }
 
-/// How many readings are averaged depends on the time of the machine, so that the noise is another each time: one run in a
-/// hundred fails where the model is right and called improbable at 1 %.
+/// How many readings are averaged depends on the time of the machine, so that the noise is another each time: in one run of a
+/// hundred the fit of a correct model is doubtful, and a second diagnosis comes before the adjustment.
 #[test]
 fn fifteen_clicks_without_scrolling_lead_to_a_verified_robot() {
     let mut bench = Bench::new(Some(SEED));
@@ -102,6 +102,11 @@ fn fifteen_clicks_without_scrolling_lead_to_a_verified_robot() {
     operator.bench.settle("a diagnosis");
     operator.click("Next: Add to model: Winch scale (cable-3)");
     operator.bench.settle("the identification with the cause");
+    let is_doubtful = next_label(&operator.bench) == "Next: Diagnose model";
+    if is_doubtful {
+        operator.click("Next: Diagnose model");
+        operator.bench.settle("a second diagnosis");
+    }
     operator.click("Next: Go to adjustment");
     operator.click("Next: Add the parameters to the simulated controller");
     operator
@@ -123,7 +128,8 @@ fn fifteen_clicks_without_scrolling_lead_to_a_verified_robot() {
     let accepted = last.and_then(|run| run.accepted.clone());
     assert_eq!(accepted.expect("it is accepted").operator, "Ada");
     assert!(find(&operator.bench.harness, "Next: Save report").is_some());
-    assert!(operator.clicks <= MOST_CLICKS, "{} clicks", operator.clicks);
+    let most = MOST_CLICKS + usize::from(is_doubtful);
+    assert!(operator.clicks <= most, "{} clicks", operator.clicks);
     let waited_s = moving_s / SIMULATED_SPEED;
     assert!(waited_s < MOST_S, "{waited_s} s at the usual speed");
 }
