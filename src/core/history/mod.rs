@@ -143,7 +143,7 @@ impl History {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum HistoryError {
     /// One session has no history.
-    #[error("found {0} sessions, expected at least two")]
+    #[error("the number of sessions is {0}, expected at least 2")]
     TooFew(usize),
     /// The sessions are not in the order of time.
     #[error("session {0} is earlier than the one before it")]

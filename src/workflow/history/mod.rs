@@ -248,13 +248,9 @@ impl RobotRecord {
 
 /// Name of a file without the extensions of sessions, or of a folder.
 fn name_of(path: &Path) -> String {
-    let name = path
-        .file_name()
-        .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    match name.split_once(".tautline") {
-        Some((stem, _)) => stem.to_owned(),
-        None => name,
-    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.strip_suffix(".json").unwrap_or(&name);
+    name.strip_suffix(".tautline").unwrap_or(name).to_owned()
 }
 
 /// Time a number of days after another.

@@ -33,7 +33,7 @@ pub fn part_name(part: &Part, robot: &Robot) -> String {
     }
 }
 
-/// A vector with its length: `7.1 mm (dx 5.0 +- 0.5 mm, ...)`; of a single number the number.
+/// A vector by its length and coordinates: `7.1 mm (x 5.0 ± 0.5 mm, ...)`; a single number with its standard deviation.
 fn size(value: &[f64], sds: &[f64], axes: &[usize], unit: &str) -> String {
     if axes.is_empty() {
         return with_sd(value[0], sds[0], unit);
@@ -43,7 +43,7 @@ fn size(value: &[f64], sds: &[f64], axes: &[usize], unit: &str) -> String {
     let each = each
         .map(|(axis, (v, sd))| format!("{} {}", ["x", "y", "z"][*axis], with_sd(*v, *sd, unit)));
     format!(
-        "{}: {}",
+        "{} ({})",
         quantity(length, unit),
         each.collect::<Vec<_>>().join(", ")
     )
@@ -73,10 +73,10 @@ pub fn change_sentence(record: &RobotRecord, jump: &Jump, part: &Part, axes: &[u
         Part::Effect { .. } => "changed",
     };
     format!(
-        "Between {before} and {after} the {} {verb}, {}: {}",
+        "Between {before} and {after} the {} {verb} by {}, {}.",
         name.trim_start_matches("the "),
-        certainty(jump.probability),
-        size(jump.size.as_slice(), &sds, axes, unit_of(part))
+        size(jump.size.as_slice(), &sds, axes, unit_of(part)),
+        certainty(jump.probability)
     )
 }
 
@@ -90,10 +90,10 @@ pub fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &Part, axes: &[
     let sds: Vec<f64> = sds.collect();
     let name = part_name(part, robot);
     format!(
-        "The {} drifts, {}; in 30 days by {}",
+        "The {} drifts by {} in 30 days, {}.",
         name.trim_start_matches("the "),
-        certainty(drift.probability),
-        size(rate.as_slice(), &sds, axes, unit_of(part))
+        size(rate.as_slice(), &sds, axes, unit_of(part)),
+        certainty(drift.probability)
     )
 }
 
