@@ -327,48 +327,44 @@ fn motors(data: &Measurements) -> String {
     text
 }
 
-/// Commanded poses with Euler angles in degrees, R = Rz Ry Rx.
-fn angles(data: &Measurements) -> String {
-    let mut text = format!(
-        "{},Cmd X (mm),Cmd Y (mm),Cmd Z (mm),Cmd Roll (deg),Cmd Pitch (deg),Cmd Yaw (deg)\n",
-        PLAIN.names("pose")
-    );
+/// Readings with commanded poses, each as the numbers that `cells` makes of it.
+fn with_commanded(
+    data: &Measurements,
+    headings: &str,
+    cells: impl Fn(&Pose) -> Vec<f64>,
+) -> String {
+    let mut text = format!("{},{headings}\n", PLAIN.names("pose"));
     for row in 0..data.len() {
         let pose = data.commanded[row].expect("commanded");
-        let (roll, pitch, yaw) = pose.orientation.euler_angles();
-        let position = pose.position.iter().map(|value| 1e3 * value);
-        let more: Vec<f64> = position
-            .chain([roll, pitch, yaw].map(f64::to_degrees))
-            .collect();
         let numbers = PLAIN.cells(&PLAIN.numbers(data, row));
-        let _ = writeln!(
-            text,
-            "{},{numbers},{}",
-            data.labels[row],
-            PLAIN.cells(&more)
-        );
+        let commanded = PLAIN.cells(&cells(&pose));
+        let _ = writeln!(text, "{},{numbers},{commanded}", data.labels[row]);
     }
     text
 }
 
+/// Commanded poses with Euler angles in degrees, R = Rz Ry Rx.
+fn angles(data: &Measurements) -> String {
+    let headings = "Cmd X (mm),Cmd Y (mm),Cmd Z (mm),Cmd Roll (deg),Cmd Pitch (deg),Cmd Yaw (deg)";
+    with_commanded(data, headings, |pose| {
+        let (roll, pitch, yaw) = pose.orientation.euler_angles();
+        let position = pose.position.iter().map(|value| 1e3 * value);
+        position
+            .chain([roll, pitch, yaw].map(f64::to_degrees))
+            .collect()
+    })
+}
+
 /// Commanded poses with quaternions.
 fn commanded(data: &Measurements) -> String {
-    let mut text = format!(
-        "{},x_des,y_des,z_des,q_des0,q_des1,q_des2,q_des3\n",
-        PLAIN.names("pose")
-    );
-    for row in 0..data.len() {
-        let pose = data.commanded[row].expect("commanded");
-        let all: Vec<f64> = pose
-            .position
-            .iter()
-            .copied()
-            .chain(pose.orientation_wxyz())
-            .collect();
-        let numbers = PLAIN.cells(&PLAIN.numbers(data, row));
-        let _ = writeln!(text, "{},{numbers},{}", data.labels[row], PLAIN.cells(&all));
-    }
-    text
+    with_commanded(
+        data,
+        "x_des,y_des,z_des,q_des0,q_des1,q_des2,q_des3",
+        |pose| {
+            let position = pose.position.iter().copied();
+            position.chain(pose.orientation_wxyz()).collect()
+        },
+    )
 }
 
 /// Points of a laser tracker (mm).

@@ -74,6 +74,8 @@ pub use channels::measurements_as_modelled;
 pub(crate) use context::{CableContext, PlatformContext, PoseContexts, RowContexts, sign, travel};
 pub(crate) use dual::Dual;
 pub(crate) use found::FoundEffect;
+#[cfg(test)]
+pub(crate) use hypothesis::CROSSTALK;
 pub use hypothesis::{
     FORMULA_QUANTITIES, FORMULA_TARGETS, FormulaQuantity, FormulaTarget, Hypothesis,
     HypothesisError, HypothesisNotAdded, MAX_HYPOTHESES, MAX_HYPOTHESIS_BYTES, NotAsText,

@@ -10,7 +10,7 @@ use super::state::TYPICAL_MOVE_M;
 use super::{History, Part};
 
 /// Probability of being out of tolerance at which a new calibration is due.
-const DUE: f64 = 0.05;
+pub const OUT_OF_TOLERANCE: f64 = 0.05;
 /// The farthest day that is looked at.
 const FARTHEST_DAYS: f64 = 10.0 * DAYS_PER_YEAR;
 /// Number of random points for the probability that a vector is longer than the tolerance, and their seed.
@@ -76,11 +76,11 @@ pub fn forecast(history: &History, tolerance_m: f64) -> Forecast {
         1.0 - within
     };
     let at_once = probability(0.0);
-    let due_days = (probability(FARTHEST_DAYS) >= DUE).then(|| {
+    let due_days = (probability(FARTHEST_DAYS) >= OUT_OF_TOLERANCE).then(|| {
         let (mut low, mut high) = (0.0, FARTHEST_DAYS);
         while high - low > 0.1 {
             let middle = 0.5 * (low + high);
-            match probability(middle) < DUE {
+            match probability(middle) < OUT_OF_TOLERANCE {
                 true => low = middle,
                 false => high = middle,
             }

@@ -32,7 +32,7 @@ use search::Search;
 use state::{State, session_information};
 use timeline::Timeline;
 
-pub use forecast::{Forecast, forecast};
+pub use forecast::{Forecast, OUT_OF_TOLERANCE, forecast};
 
 /// Probability from which a change or a drift is stated as a fact.
 pub const CERTAIN: f64 = 0.95;

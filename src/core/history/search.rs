@@ -19,6 +19,8 @@ const DRIFT_PER_DAY: f64 = 0.0025;
 pub(super) const SCALES: [f64; 6] = [0.06, 0.125, 0.25, 0.5, 1.0, 2.0];
 /// Log odds that the sessions must add to those of the prior for a change to be listed: what they do not speak for is none.
 const LISTED_GAIN: f64 = 1.0;
+/// Smallest probability of the next interval at which the range of a jump is widened by it.
+const WIDENED: f64 = 0.01;
 /// Gain of the log evidence below which the search does not go on.
 const SMALL_GAIN: f64 = 1e-6;
 /// Most steps of the search.
@@ -263,22 +265,14 @@ impl<'a> Search<'a> {
         let mut left = self.probabilities();
         let mut jumps = Vec::new();
         let mut drifts = Vec::new();
-        let places = |change: &Change| self.candidates.iter().position(|(c, _)| c == change);
-        let mut listed: Vec<Change> = self.set.members.iter().map(|m| m.change).collect();
-        listed.sort_by_key(|change| places(change).map_or(0.0, |k| left[k]).to_bits());
-        listed.reverse();
-        let mut others: Vec<(f64, Change)> = Vec::new();
-        for (k, (change, _)) in self.candidates.iter().enumerate() {
-            if !self.set.has(change) {
-                others.push((left[k], *change));
-            }
-        }
-        others.sort_by(|a, b| b.0.total_cmp(&a.0));
-        listed.extend(others.into_iter().map(|(_, change)| change));
-        for change in listed {
-            let Some(own) = places(&change) else {
-                continue;
-            };
+        let mut order: Vec<usize> = (0..self.candidates.len()).collect();
+        let is_member = |k: &usize| self.set.has(&self.candidates[*k].0);
+        order.sort_by(|a, b| {
+            let by_set = is_member(b).cmp(&is_member(a));
+            by_set.then(left[*b].total_cmp(&left[*a]))
+        });
+        for own in order {
+            let change = self.candidates[own].0;
             let log_odds = (left[own] / (1.0 - left[own]).max(f64::MIN_POSITIVE)).ln();
             let is_evident =
                 left[own] >= LISTED && log_odds >= self.candidates[own].1 + LISTED_GAIN;
@@ -314,26 +308,20 @@ impl<'a> Search<'a> {
     /// The shortest range of sessions around a jump within which it is nearly certain, with its probability. What it takes from
     /// neighbouring intervals is no other jump.
     fn range_of(&self, part: usize, after: usize, left: &mut [f64]) -> ([usize; 2], f64) {
-        let place = |after: usize| {
-            let change = Change {
-                part,
-                course: Course::JumpAfter(after),
-            };
-            self.candidates.iter().position(|(c, _)| *c == change)
+        let change = |after: usize| Change {
+            part,
+            course: Course::JumpAfter(after),
         };
-        let is_own = |after: usize| {
-            let change = Change {
-                part,
-                course: Course::JumpAfter(after),
-            };
-            self.set.has(&change)
+        let place = |after: usize| {
+            let mut candidates = self.candidates.iter();
+            candidates.position(|(known, _)| *known == change(after))
         };
         let [mut low, mut high] = [after; 2];
         let mut sum = place(after).map_or(0.0, |k| left[k]);
         let last = self.timeline.times.len() - 2;
         while sum < CERTAIN {
             let of = |after: Option<usize>| {
-                let after = after.filter(|after| !is_own(*after))?;
+                let after = after.filter(|after| !self.set.has(&change(*after)))?;
                 Some((left[place(after)?], after))
             };
             let before = of(low.checked_sub(1));
@@ -342,7 +330,7 @@ impl<'a> Search<'a> {
                 (Some(a), Some(b)) => Some(if a.0 >= b.0 { a } else { b }),
                 (a, b) => a.or(b),
             };
-            let Some((probability, next)) = widest.filter(|(p, _)| *p >= LISTED / 5.0) else {
+            let Some((probability, next)) = widest.filter(|(p, _)| *p >= WIDENED) else {
                 break;
             };
             sum += probability;

@@ -8,9 +8,10 @@ use quick_xml::{Reader, XmlVersion};
 use tautline_session::{Place, ReadError, quoted};
 
 use super::archive::Archive;
+use super::fault::Fault;
 use super::{over_budget, stem, whole};
 use crate::input::Input;
-use crate::memory::{Lease, OverBudget};
+use crate::memory::Lease;
 use crate::source::{Format, Source};
 use crate::table::read_rows;
 use crate::text::Cells;
@@ -113,18 +114,6 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
         (false, _) => Ok(source),
         (true, Some(refusal)) => Err(refusal),
         (true, None) => Err(fail("found empty sheets only, expected readings".into())),
-    }
-}
-
-/// Why a part is refused.
-enum Fault {
-    Damaged,
-    Large(OverBudget),
-}
-
-impl From<OverBudget> for Fault {
-    fn from(over: OverBudget) -> Self {
-        Self::Large(over)
     }
 }
 

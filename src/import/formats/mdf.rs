@@ -8,9 +8,10 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 use tautline_session::{Place, ReadError, quoted};
 
+use super::fault::Fault;
 use super::{over_budget, stem, whole};
 use crate::input::Input;
-use crate::memory::{Lease, OverBudget};
+use crate::memory::Lease;
 use crate::source::{Channel, Format, Series, Source};
 
 /// First bytes of a file, and of one that was not closed.
@@ -21,18 +22,6 @@ const HEADER: u64 = 64;
 const HEAD: u64 = 24;
 /// Most blocks in one list: more are links in a circle.
 const MOST_BLOCKS: usize = 1 << 20;
-
-/// Why reading ended.
-enum Fault {
-    Damaged,
-    Large(OverBudget),
-}
-
-impl From<OverBudget> for Fault {
-    fn from(over: OverBudget) -> Self {
-        Self::Large(over)
-    }
-}
 
 pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError> {
     let (bytes, _memory) = whole(&mut input, file)?;

@@ -4,6 +4,7 @@ mod archive;
 mod c3d;
 mod delimited;
 mod excel;
+mod fault;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 #[cfg(not(feature = "hdf5"))]

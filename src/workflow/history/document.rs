@@ -2,13 +2,10 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::history::Part;
+use tautline_core::history::{OUT_OF_TOLERANCE, Part};
 use tautline_session::{Timestamp, VersionedFile};
 
 use super::{RobotHistory, RobotRecord, days_after};
-
-/// Probability of being out of tolerance at the date of the next calibration.
-const OUT_OF_TOLERANCE: f64 = 0.05;
 
 /// The life of one robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -93,18 +90,13 @@ impl VersionedFile for HistoryDocument {
 
 impl HistoryDocument {
     /// The document of a record.
+    ///
+    /// # Panics
+    /// If the record has no sessions; then it has no history either.
     #[must_use]
     pub fn of(record: &RobotRecord, found: &RobotHistory) -> Self {
         let history = &found.history;
-        let Some(first) = record.sessions.first() else {
-            return Self {
-                sessions: Vec::new(),
-                changes: Vec::new(),
-                drift: Vec::new(),
-                next_calibration: None,
-            };
-        };
-        let cables = &first.identification.dataset.robot.cables;
+        let cables = &record.robot().cables;
         let targets = |part: usize| match &history.parts[part] {
             Part::Pulley(cable) => vec![cables[*cable].name.clone()],
             Part::TargetPlane => Vec::new(),

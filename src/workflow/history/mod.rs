@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 use tautline_core::comparison::Identified;
 use tautline_core::estimation::Control;
 use tautline_core::history::{DatedRun, Forecast, History, forecast, smooth};
-use tautline_session::{Session, Timestamp, import, is_own};
+use tautline_core::robot::Robot;
+use tautline_session::{Import, Session, Timestamp, import, is_own};
 
 use crate::comparison::{as_session, identify_to_compare};
 use crate::identification::Identification;
@@ -127,18 +128,29 @@ impl RobotRecord {
             }
             let loaded = import(&path, None)?;
             record.notices.extend(loaded.notices);
+            let date_of_folder = match &loaded.value {
+                Import::Dataset(folder) => Some(folder.measured_at),
+                _ => None,
+            };
             let session =
                 as_session(&path, loaded.value, now).map_err(|message| RecordError::Session {
                     path: path.clone(),
                     message,
                 });
-            record.add(path.clone(), &session?.0, now)?;
+            let (session, _) = session?;
+            let time = date_of_folder.unwrap_or_else(|| session.measured());
+            record.add(path, &session, time)?;
         }
         record.sort();
         Ok(record)
     }
 
-    fn add(&mut self, path: PathBuf, session: &Session, now: Timestamp) -> Result<(), RecordError> {
+    fn add(
+        &mut self,
+        path: PathBuf,
+        session: &Session,
+        time: Option<Timestamp>,
+    ) -> Result<(), RecordError> {
         let failed = |message: String| RecordError::Session {
             path: path.clone(),
             message,
@@ -164,8 +176,6 @@ impl RobotRecord {
                 }
             }
         }
-        // A dataset folder without a date gets the present time when it becomes a session.
-        let time = session.measured().filter(|time| *time != now);
         self.sessions.push(RecordedSession {
             name: name_of(&path),
             time,
@@ -231,18 +241,23 @@ impl RobotRecord {
         })
     }
 
+    /// The robot as the first session describes it.
+    ///
+    /// # Panics
+    /// If there are no sessions.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.sessions[0].identification.dataset.robot
+    }
+
     /// The record in a few words: `12 sessions of mini`.
+    ///
+    /// # Panics
+    /// If there are no sessions.
     #[must_use]
     pub fn title(&self) -> String {
-        let robot = self
-            .sessions
-            .first()
-            .map(|s| s.identification.dataset.robot.name.as_str());
-        format!(
-            "{} of {}",
-            count(self.sessions.len(), "session"),
-            robot.unwrap_or("no robot")
-        )
+        let sessions = count(self.sessions.len(), "session");
+        format!("{sessions} of {}", self.robot().name)
     }
 }
 

@@ -1,12 +1,12 @@
 //! The life of a robot in words.
 
 use tautline_core::effect::find;
-use tautline_core::history::{CERTAIN, Drift, Forecast, Jump, Part};
+use tautline_core::history::{Drift, Forecast, Jump, OUT_OF_TOLERANCE, Part};
 use tautline_core::robot::Robot;
 use tautline_session::Timestamp;
 
 use super::{RobotRecord, days_after};
-use crate::wording::probability::certainty;
+use crate::wording::probability::{certainty, percent};
 use crate::wording::units::{quantity, with_sd};
 
 /// Days of a month, for rates that people read.
@@ -59,7 +59,7 @@ fn unit_of(part: &Part) -> &str {
 /// One jump: what moved, between which sessions, how certainly, by how much.
 #[must_use]
 pub fn change_sentence(record: &RobotRecord, jump: &Jump, part: &Part, axes: &[usize]) -> String {
-    let robot = &record.sessions[0].identification.dataset.robot;
+    let robot = record.robot();
     let sds: Vec<f64> = jump
         .covariance
         .diagonal()
@@ -83,7 +83,7 @@ pub fn change_sentence(record: &RobotRecord, jump: &Jump, part: &Part, axes: &[u
 /// One drift: what drifts, how certainly, how fast.
 #[must_use]
 pub fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &Part, axes: &[usize]) -> String {
-    let robot = &record.sessions[0].identification.dataset.robot;
+    let robot = record.robot();
     let rate = &drift.rate * DAYS_PER_MONTH;
     let variances = drift.covariance.diagonal();
     let sds = variances.iter().map(|v| v.sqrt() * DAYS_PER_MONTH);
@@ -101,7 +101,7 @@ pub fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &Part, axes: &[
 #[must_use]
 pub fn due_sentence(forecast: &Forecast, last: Timestamp) -> String {
     let tolerance = quantity(forecast.tolerance_m, "m");
-    if forecast.at_once > 1.0 - CERTAIN {
+    if forecast.at_once > OUT_OF_TOLERANCE {
         return format!(
             "The values of the last session are too uncertain for a tolerance of {tolerance}: measure more poses."
         );
@@ -111,8 +111,9 @@ pub fn due_sentence(forecast: &Forecast, last: Timestamp) -> String {
             let due = days_after(last, days).to_string();
             let (date, _) = due.split_at(10);
             format!(
-                "Calibrate again by {date}: then the probability reaches 5 % that a pulley is more than {tolerance} from its value in \
-                 the last session."
+                "Calibrate again by {date}: then the probability reaches {} that a pulley is more than {tolerance} from its value in \
+                 the last session.",
+                percent(OUT_OF_TOLERANCE)
             )
         }
         None => {

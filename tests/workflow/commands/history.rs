@@ -1,30 +1,10 @@
 //! history: one robot over several sessions, with a pulley that moved between two of them.
 
 use serde_json::{Value, json};
-use tautline_core::robot::{Robot, presets};
-use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
-use tautline_session::{PhaseData, write_dataset};
+use tautline_core::robot::presets;
 
+use super::compare::write_run;
 use super::program::{Folder, assert_number, assert_valid, tautline};
-
-/// Writes a run of the robot as it truly is, described by the drawing, with the date of its poses if there is one.
-fn write_run(folder: &Folder, name: &str, truth: &Robot, seed: u64, date: Option<&str>) -> String {
-    let preset = presets::find("mini").expect("a preset");
-    let options = SimulationOptions {
-        geometry: TrueGeometry::Nominal,
-        workspace: Some(preset.workspace),
-        tension: Some(preset.tension),
-        ..SimulationOptions::new(25, seed)
-    };
-    let mut dataset = simulate(truth, &options).expect("a run").dataset;
-    dataset.robot = preset.robot;
-    let path = folder.join(name);
-    write_dataset(path.as_ref(), &dataset, &PhaseData::default()).expect("written");
-    if let Some(date) = date {
-        set_date(&path, &json!(date));
-    }
-    path
-}
 
 fn set_date(run: &str, date: &Value) {
     let path = format!("{run}/robot.json");
@@ -42,7 +22,10 @@ fn record(folder: &Folder, dates: [Option<&str>; 5]) -> String {
     let names = ["e", "d", "c", "b", "a"];
     for (k, (name, date)) in names.into_iter().zip(dates).enumerate() {
         let truth = if k < 3 { &robot } else { &moved };
-        write_run(folder, &format!("life/{name}"), truth, 10 + k as u64, date);
+        let run = write_run(folder, &format!("life/{name}"), truth, 10 + k as u64);
+        if let Some(date) = date {
+            set_date(&run, &json!(date));
+        }
     }
     folder.join("life")
 }

@@ -2,22 +2,9 @@
 
 use super::{diagnosed, found, run_of, run_with, setting};
 use crate::diagnosis::Verdict;
-use crate::effect::{EffectSetting, Hypothesis};
+use crate::effect::{CROSSTALK, EffectSetting, Hypothesis};
 use crate::measurement::Dataset;
 use crate::robot::presets;
-
-const CROSSTALK: &str = r#"
-id = "encoder_crosstalk"
-title = "Crosstalk between neighbouring encoders"
-scope = "cable"
-cause = "The encoder of {cable} picks up {share} of the revolutions of its neighbour."
-workshop = "Separate the two encoder cables and ground their shields."
-[parameters.share]
-unit = "1"
-typical = [0.001, 0.01]
-[change]
-paid = "paid + share * paid_of(next)"
-"#;
 
 /// Formulas of other physics: quantity, its formula, unit and largest typical size of the parameter `size`.
 const IRRELEVANT: [(&str, &str, &str, &str); 10] = [

@@ -31,6 +31,9 @@ use formula::{Circumstances, Program};
 pub use known::{HypothesisNotAdded, MAX_HYPOTHESES};
 pub use quantity::{FORMULA_QUANTITIES, FORMULA_TARGETS, FormulaQuantity, FormulaTarget};
 
+#[cfg(test)]
+pub(crate) use tests::CROSSTALK;
+
 /// Most bytes of a hypothesis file.
 pub const MAX_HYPOTHESIS_BYTES: usize = 64 * 1024;
 

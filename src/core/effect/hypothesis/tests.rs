@@ -13,7 +13,7 @@ use crate::estimation::{Control, Options, Problem, solve};
 use crate::robot::{Robot, presets};
 use crate::simulation::{Simulated, SimulationOptions, TrueGeometry, simulate};
 
-const CROSSTALK: &str = r#"
+pub(crate) const CROSSTALK: &str = r#"
 id = "encoder_crosstalk"
 title = "Crosstalk between neighbouring encoders"
 scope = "cable"
