@@ -107,7 +107,7 @@ pub struct RecentSession {
     pub name: String,
     /// Time when it was last open.
     pub when: Timestamp,
-    /// Name of its robot; absent in files of earlier versions.
+    /// Name of its robot, with the serial number if it has one; absent in files of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
     /// Time of its last measurement, if it had any.
@@ -123,7 +123,7 @@ impl RecentSession {
             path: absolute(path)?,
             name: session.name.clone(),
             when,
-            robot: Some(session.robot.name.clone()),
+            robot: Some(session.robot.label()),
             measured: session.measured(),
         })
     }

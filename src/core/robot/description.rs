@@ -54,6 +54,9 @@ impl Default for PerAxis<Option<f64>> {
 pub struct Robot {
     /// Name of the robot.
     pub name: String,
+    /// Serial number of the machine: robots of one type share a name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub serial_number: Option<String>,
     /// Home pose, at which the encoders read zero; `None` if length readings are absolute.
     #[serde(default)]
     pub home: Option<Home>,
@@ -453,6 +456,7 @@ impl Robot {
     pub fn new(name: impl Into<String>, platform: Platform, cables: Vec<Cable>) -> Self {
         Self {
             name: name.into(),
+            serial_number: None,
             home: None,
             gravity_m_s2: standard_gravity(),
             platform,
@@ -466,6 +470,15 @@ impl Robot {
             hypotheses: Vec::new(),
             deviations: Vec::new(),
             effects: Vec::new(),
+        }
+    }
+
+    /// What tells the machine from others: its name, with the serial number if it has one.
+    #[must_use]
+    pub fn label(&self) -> String {
+        match &self.serial_number {
+            Some(number) => format!("{} ({number})", self.name),
+            None => self.name.clone(),
         }
     }
 

@@ -40,6 +40,9 @@ impl Robot {
     pub fn check(&self) -> Result<(), FieldError> {
         let root = Object::root();
         root.not_blank("name", &self.name)?;
+        if let Some(number) = &self.serial_number {
+            root.not_blank("serial_number", number)?;
+        }
         root.vector("gravity_m_s2", &self.gravity_m_s2)?;
         if self.gravity().norm() > 100.0 {
             return root.fail("gravity_m_s2", "found more than 100 m/s^2, expected m/s^2");

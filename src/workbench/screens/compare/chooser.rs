@@ -98,7 +98,7 @@ fn chosen(
         _ => None,
     };
     let open = model.open.as_ref().map(|open| open.session());
-    let known = run.map(|run| (&run.name, run.measured, &run.fit.dataset.robot.name));
+    let known = run.map(|run| (&run.name, run.measured, run.fit.dataset.robot.label()));
     let known = known.or(open.filter(|_| *source == Source::Open).map(identity));
     if let Some((name, ..)) = known {
         ui.label(RichText::new(name).font(theme::strong(13.0)));
@@ -109,7 +109,7 @@ fn chosen(
     };
     let place = match known {
         Some((_, measured, robot)) => {
-            format!("{}, {place}", session_facts(measured, Some(robot), None))
+            format!("{}, {place}", session_facts(measured, Some(&robot), None))
         }
         None => place,
     };
@@ -118,8 +118,8 @@ fn chosen(
 }
 
 /// Name of a session, time of its last measurement, and its robot.
-fn identity(session: &Session) -> (&String, Option<Timestamp>, &String) {
-    (&session.name, session.measured(), &session.robot.name)
+fn identity(session: &Session) -> (&String, Option<Timestamp>, String) {
+    (&session.name, session.measured(), session.robot.label())
 }
 
 fn choose(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox: &mut Outbox) {
@@ -164,14 +164,15 @@ fn known(
     let recent = recent.filter(|recent| recent.exists());
     let open = model.open.iter().map(|open| {
         let (name, measured, robot) = identity(open.session());
-        let facts = session_facts(measured, Some(robot), open.path());
+        let facts = session_facts(measured, Some(&robot), open.path());
         (name.clone(), format!("open, {facts}"), Source::Open)
     });
     let recent = recent.map(|recent| {
         let source = Source::File(recent.path().to_owned());
         (recent.name.clone(), recent_facts(recent), source)
     });
-    let samples = samples.iter().map(|sample| {
+    let samples = samples.iter().filter(|sample| !sample.is_record);
+    let samples = samples.map(|sample| {
         let source = Source::File(sample.session.clone());
         (sample.title.clone(), "sample".to_owned(), source)
     });

@@ -35,6 +35,7 @@ pub struct PanelState {
     part: Part,
     elongation: TableInput,
     focused: description::cables::FocusedCell,
+    identity: description::identity::Drafts,
     tolerances: tolerances::PanelState,
 }
 
@@ -82,7 +83,10 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         Part::Elongation => elongation::show(ui, &mut bench, &mut panel.elongation),
         Part::Pulleys => pulleys::show(ui, &mut bench),
         Part::Lengths => lengths::show(ui, &mut bench),
-        Part::Description => description::show(ui, &mut bench, &mut panel.focused),
+        Part::Description => {
+            let drafts = (&mut panel.focused, &mut panel.identity);
+            description::show(ui, &mut bench, drafts);
+        }
         Part::Tolerances => tolerances::show(ui, &mut bench, &mut panel.tolerances),
     }
 }

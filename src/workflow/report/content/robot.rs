@@ -19,6 +19,9 @@ fn facts(robot: &Robot) -> Vec<(String, String)> {
     let mut facts = Vec::new();
     let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
     add("Name", robot.name.clone());
+    if let Some(number) = &robot.serial_number {
+        add("Serial number", number.clone());
+    }
     add("Cables", robot.cable_count().to_string());
     let free = robot.platform.freedom();
     let free: Vec<String> = free
