@@ -2,7 +2,7 @@
 
 use tautline_import::{PoseReport, Series, Source, outline};
 
-use crate::plot::figure::{Axis, Curve, Figure, Ink};
+use crate::plot::figure::{Axis, Curve, Figure, Ink, Span};
 
 /// Number of parts of a recording that a plot over the whole width of a screen can resolve.
 const COLUMNS: usize = 1200;
@@ -69,7 +69,7 @@ pub fn channel_figure(
             None => Axis::whole("Row"),
         },
         y: Axis::new(label, ""),
-        spans: spans.collect(),
+        spans: spans.map(|x| Span { x, ink: Ink::Good }).collect(),
         curves: vec![Curve {
             name: String::new(),
             ink: Ink::Accent,

@@ -75,9 +75,9 @@ fn poses_lie_behind_the_channel_at_their_times_or_rows() {
     let times: Vec<f64> = (0..100).map(|row| f64::from(row) / 10.0).collect();
     let poses = [pose];
     let timed = channel_figure("a", Some("mm"), &course, Some(&times), &poses);
-    assert_eq!(timed.spans, [[2.0, 3.5]]);
+    assert_eq!(timed.spans[0].x, [2.0, 3.5]);
     assert_eq!(timed.curves[0].points[1], [2.0, 2.0]);
     let by_row = channel_figure("a", None, &course, None, &poses);
-    assert_eq!(by_row.spans, [[21.0, 36.0]]);
+    assert_eq!(by_row.spans[0].x, [21.0, 36.0]);
     assert_eq!(by_row.curves[0].points[1], [21.0, 2.0]);
 }

@@ -5,7 +5,7 @@ use emath::{Align2, Pos2, Rangef, Rect, Vec2, vec2};
 
 use super::canvas::{Canvas, Stroke};
 use super::colours::Colours;
-use super::figure::{Axis, Columns, Figure, Ink, Marker, Point, Series};
+use super::figure::{Axis, Columns, Figure, Ink, Marker, Point, Series, Span};
 use super::heat::{SCALE_WIDTH, cells, colour_scale, limits};
 use super::scale::{Scale, Tick, fixed, scale_ticks};
 use super::thin::{Thinned, thin};
@@ -220,6 +220,7 @@ pub fn draw(
         None => plot.grid(canvas),
     }
     plot.spans(canvas);
+    plot.ribbons(canvas);
     for columns in &figure.columns {
         plot.histogram(canvas, columns);
     }
@@ -247,12 +248,30 @@ impl Plot<'_> {
     /// Marks ranges of x; a short range is at least a line.
     fn spans(&self, canvas: &mut dyn Canvas) {
         let scale = &self.layout.scale;
-        let colour = self.colours.good.gamma_multiply(0.22);
-        for [from, to] in &self.figure.spans {
+        for Span { x: [from, to], ink } in &self.figure.spans {
+            let colour = ink.colour(self.colours).gamma_multiply(0.22);
             let [low, high] = scale.view[1];
             let (first, last) = (scale.place(*from, low), scale.place(*to, high));
             let x = Rangef::new(first.x, last.x.max(first.x + 1.0));
             canvas.fill(Rect::from_x_y_ranges(x, scale.rect.y_range()), colour);
+        }
+    }
+
+    /// Fills the bands of curves, a quadrangle between neighbouring places.
+    fn ribbons(&self, canvas: &mut dyn Canvas) {
+        let scale = &self.layout.scale;
+        for ribbon in &self.figure.ribbons {
+            let colour = ribbon.ink.colour(self.colours).gamma_multiply(0.18);
+            for pair in ribbon.pieces().flat_map(|piece| piece.windows(2)) {
+                let ([x, low, high], [next, next_low, next_high]) = (pair[0], pair[1]);
+                let corners = [
+                    scale.place(x, low),
+                    scale.place(x, high),
+                    scale.place(next, next_high),
+                    scale.place(next, next_low),
+                ];
+                canvas.polygon(corners.into(), colour);
+            }
         }
     }
 

@@ -340,6 +340,34 @@ impl Band {
     }
 }
 
+/// A marked range of x over the whole height.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    /// Its ends.
+    pub x: [f64; 2],
+    /// Colour.
+    pub ink: Ink,
+}
+
+/// A band that follows a curve, such as its interval.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ribbon {
+    /// Name of the curve or series whose band it is: both are switched off together.
+    pub of: String,
+    /// Colour.
+    pub ink: Ink,
+    /// Places along x with the lower and the upper edge, ascending in x; a non-finite edge interrupts it.
+    pub edges: Vec<[f64; 3]>,
+}
+
+impl Ribbon {
+    /// Its pieces between interruptions.
+    pub fn pieces(&self) -> impl Iterator<Item = &[[f64; 3]]> {
+        let is_gap = |edge: &[f64; 3]| !edge.iter().all(|value| value.is_finite());
+        self.edges.split(is_gap).filter(|piece| piece.len() > 1)
+    }
+}
+
 /// A plot as data.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Figure {
@@ -350,9 +378,11 @@ pub struct Figure {
     /// Heat map, behind everything.
     pub heat: Option<HeatMap>,
     /// Marked ranges of x, behind everything but a heat map, such as the used parts of a recording.
-    pub spans: Vec<[f64; 2]>,
+    pub spans: Vec<Span>,
     /// Horizontal bands, behind the points.
     pub bands: Vec<Band>,
+    /// Bands of curves, behind the points.
+    pub ribbons: Vec<Ribbon>,
     /// Histograms.
     pub columns: Vec<Columns>,
     /// Points.
@@ -390,7 +420,12 @@ impl Figure {
             include(1, 0.0);
         }
         for span in &self.spans {
-            span.iter().for_each(|x| include(0, *x));
+            span.x.iter().for_each(|x| include(0, *x));
+        }
+        for [x, low, high] in self.ribbons.iter().flat_map(|ribbon| &ribbon.edges) {
+            include(0, *x);
+            include(1, *low);
+            include(1, *high);
         }
         for band in &self.bands {
             band.y.iter().for_each(|y| include(1, *y));

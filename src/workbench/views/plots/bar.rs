@@ -2,21 +2,16 @@
 
 use std::sync::Arc;
 
-use egui::{Align, Layout, Popup, Theme, Ui};
+use egui::{Align, Layout, Popup, Ui};
 use egui_material_icons::icons;
 
+use super::PlotState;
 use super::kind::OptionsInput;
-use super::screen::colours;
-use super::screen::text_width;
 use super::sources::variable;
-use super::{PlotState, print};
-use crate::model::command::{Format, Outbox, PlotCommand, PlotFile, PlotPicture};
+use crate::model::command::{Format, Outbox, PlotCommand};
 use crate::model::{Model, OpenSession};
-use crate::theme;
 use crate::widgets::icon_only;
-use tautline_workflow::plot::draw::draw;
-use tautline_workflow::plot::table::csv;
-use tautline_workflow::plot::{Drawing, Figure, Layout as PlotLayout};
+use tautline_workflow::plot::Figure;
 
 /// Width (points) below which choices are menus.
 const NARROW: f32 = 420.0;
@@ -49,7 +44,9 @@ pub(crate) fn options(
         });
     });
     if let Some(format) = plots.saving.take()
-        && let Some(file) = file(ui, model, plots, figure, format)
+        && let Some(file) = plots
+            .view
+            .file(ui, (plots.kind.title, figure), model.selection, format)
     {
         let title = plots.kind.title.to_lowercase().replace(' ', "-");
         let name = format!("{title}.{}", format.ending());
@@ -104,52 +101,4 @@ fn cursors_name(plots: &PlotState) -> &'static str {
         true => "Hide cursors",
         false => "Show cursors",
     }
-}
-
-/// The plot as it is seen now.
-fn file(
-    ui: &Ui,
-    model: &Model,
-    plots: &PlotState,
-    figure: &Figure,
-    format: Format,
-) -> Option<PlotFile> {
-    let name = plots.kind.title;
-    let selection = model.selection;
-    let drawn = plots.view.drawn?;
-    let figure = plots.view.visible(figure);
-    let view = drawn.scale.view;
-    Some(match format {
-        Format::Csv => PlotFile::Text(csv(&figure, view)),
-        Format::Svg => {
-            // On white, whatever the theme is.
-            let palette = theme::palette(Theme::Light);
-            let whole = egui::Rect::from_min_size(egui::Pos2::ZERO, drawn.size);
-            let layout = PlotLayout::new(&figure, view, whole, &text_width(ui.painter()));
-            let outer = whole.expand(8.0);
-            let drawing = Drawing::record(name, outer, 1.0, |canvas| {
-                canvas.fill(outer, palette.raised);
-                let resolution = ui.pixels_per_point();
-                draw(
-                    canvas,
-                    &figure,
-                    &layout,
-                    selection,
-                    &colours(palette),
-                    resolution,
-                );
-            });
-            PlotFile::Text(drawing.svg_file())
-        }
-        Format::Png => {
-            let picture = PlotPicture {
-                figure: Arc::new(figure),
-                view,
-                selection,
-                aspect: drawn.size.x / drawn.size.y,
-                render: print::png,
-            };
-            PlotFile::Picture(picture)
-        }
-    })
 }

@@ -154,6 +154,7 @@ fn plot(
         size: ui.available_size(),
         link: Some(Id::unique((plots.session, figure.x.title()))),
         is_docked: true,
+        can_be_saved: true,
     };
     let output = plots.view.show(ui, &input);
     for event in output.events {

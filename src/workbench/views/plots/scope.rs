@@ -119,6 +119,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
             size,
             link: Some(Id::unique("live scope")),
             is_docked: false,
+            can_be_saved: false,
         };
         state.views[one.graph as usize].show(&mut inner, &input);
     }

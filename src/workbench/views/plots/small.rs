@@ -1,10 +1,14 @@
 //! Plots in panels: fixed height, zoomed by Ctrl and the wheel, by a box or by their axes; a click selects.
 
-use egui::{Ui, vec2};
+use std::sync::Arc;
+
+use egui::mutex::Mutex;
+use egui::{Id, Ui, Vec2, vec2};
 use tautline_workflow::plot::Figure;
 
 use super::view::{PlotEvent, PlotInput, PlotView};
 use crate::model::Selection;
+use crate::model::command::PlotFile;
 
 /// Draws a figure over the whole width of a panel, `height` points high; `name` is its accessible name. Returns the cable
 /// and pose of a clicked point; neither where a click beside all points or Escape clears the selection.
@@ -15,8 +19,62 @@ pub(crate) fn show(
     height: f32,
     selection: Selection,
 ) -> Option<Selection> {
+    let size = vec2(ui.available_width(), height);
+    let (_, events) = draw(ui, (name, figure, size), (None, false), selection);
+    events.into_iter().find_map(|event| match event {
+        PlotEvent::Selected(selection) => Some(selection),
+        _ => None,
+    })
+}
+
+/// One of several plots that are zoomed and moved together along x.
+pub(crate) struct Linked<'a> {
+    /// Accessible name.
+    pub(crate) name: &'a str,
+    pub(crate) figure: &'a Figure,
+    pub(crate) size: Vec2,
+    /// What the plots have in common.
+    pub(crate) link: &'a str,
+}
+
+/// What the operator asked of a plot.
+#[derive(Debug, Default)]
+pub(crate) struct Asked {
+    pub(crate) is_clicked: bool,
+    /// The file that is to be saved, with the ending of its name.
+    pub(crate) saved: Option<(&'static str, PlotFile)>,
+}
+
+/// Draws one of several plots that belong together; its menu saves it.
+pub(crate) fn show_linked(ui: &mut Ui, plot: &Linked<'_>, selection: Selection) -> Asked {
+    let drawn = (plot.name, plot.figure, plot.size);
+    let link = Some(Id::unique(plot.link));
+    let (view, events) = draw(ui, drawn, (link, true), selection);
+    let mut asked = Asked::default();
+    for event in events {
+        match event {
+            PlotEvent::Selected(_) => asked.is_clicked = true,
+            PlotEvent::Save(format) => {
+                let of = (plot.name, plot.figure);
+                let file = view.lock().file(ui, of, selection, format);
+                asked.saved = file.map(|file| (format.ending(), file));
+            }
+            PlotEvent::Excluded(_) => {}
+        }
+    }
+    asked
+}
+
+type KeptView = Arc<Mutex<PlotView>>;
+
+fn draw(
+    ui: &mut Ui,
+    (name, figure, size): (&str, &Figure, Vec2),
+    (link, can_be_saved): (Option<Id>, bool),
+    selection: Selection,
+) -> (KeptView, Vec<PlotEvent>) {
     let id = ui.make_persistent_id(name);
-    let kept = ui.data(|data| data.get_temp::<std::sync::Arc<egui::mutex::Mutex<PlotView>>>(id));
+    let kept = ui.data(|data| data.get_temp::<KeptView>(id));
     let view = kept.unwrap_or_default();
     let input = PlotInput {
         name,
@@ -25,16 +83,14 @@ pub(crate) fn show(
         generation: ui.ctx().cumulative_pass_nr(),
         whole: figure.whole(),
         selection,
-        size: vec2(ui.available_width(), height),
-        link: None,
+        size,
+        link,
         is_docked: false,
+        can_be_saved,
     };
     let output = view.lock().show(ui, &input);
-    ui.data_mut(|data| data.insert_temp(id, view));
-    output.events.into_iter().find_map(|event| match event {
-        PlotEvent::Selected(selection) => Some(selection),
-        _ => None,
-    })
+    ui.data_mut(|data| data.insert_temp(id, Arc::clone(&view)));
+    (view, output.events)
 }
 
 #[cfg(test)]
@@ -68,7 +124,7 @@ mod tests {
         let mut harness = Harness::builder()
             .with_size(vec2(320.0, 180.0))
             .build_ui_state(
-                |ui, (clicked, id): &mut (Option<Selection>, Option<egui::Id>)| {
+                |ui, (clicked, id): &mut (Option<Selection>, Option<Id>)| {
                     theme::install(ui.ctx());
                     *id = Some(ui.make_persistent_id("Winch 3").with("plot"));
                     let selection = clicked.unwrap_or_default();

@@ -6,11 +6,11 @@ use std::ops::RangeInclusive;
 
 use egui::{Color32, Shape, Stroke, Theme, Ui};
 use egui_plot::{
-    Axis, Bar, BarChart, HLine, Line, LineStyle, PlotBounds, PlotGeometry, PlotItem, PlotItemBase,
-    PlotTransform, PlotUi, Span, VLine,
+    Axis, Bar, BarChart, FilledArea, HLine, Line, LineStyle, PlotBounds, PlotGeometry, PlotItem,
+    PlotItemBase, PlotTransform, PlotUi, VLine,
 };
 use tautline_workflow::plot::draw::Points;
-use tautline_workflow::plot::figure::{Columns, Curve, Series};
+use tautline_workflow::plot::figure::{Columns, Curve, Ribbon, Series, Span};
 use tautline_workflow::plot::heat::cells;
 use tautline_workflow::plot::scale::Scale;
 use tautline_workflow::plot::{Colours, Figure};
@@ -69,13 +69,13 @@ impl PlotView {
                 shapes.extend_from_slice(kept.get(self.key(ui, input, scale), draw));
             }));
         }
-        for [from, to] in &figure.spans {
-            let fill = colours.good.gamma_multiply(0.22);
-            plot.span(Span::new("", *from..=*to).fill(fill));
+        for Span { x: [from, to], ink } in &figure.spans {
+            let fill = ink.colour(&colours).gamma_multiply(0.22);
+            plot.span(egui_plot::Span::new("", *from..=*to).fill(fill));
         }
         for band in figure.bands.iter().filter(|band| is_shown(&band.name)) {
             let [low, high] = band.y;
-            let span = Span::new("", low..=high).axis(Axis::Y);
+            let span = egui_plot::Span::new("", low..=high).axis(Axis::Y);
             let edge = Stroke::new(1.0, colours.good.gamma_multiply(0.55));
             let span = span.fill(colours.good.gamma_multiply(0.13)).border(edge);
             plot.span(span.border_style(LineStyle::dashed_dense()));
@@ -83,6 +83,9 @@ impl PlotView {
         if figure.has_zero_line {
             let line = HLine::new("", 0.0).color(colours.muted).width(1.0);
             plot.hline(line.allow_hover(false));
+        }
+        for ribbon in figure.ribbons.iter().filter(|one| is_shown(&one.of)) {
+            add_ribbon(plot, ribbon, &colours);
         }
         for columns in figure.columns.iter().filter(|one| is_shown(&one.name)) {
             add_columns(plot, columns, &colours);
@@ -170,6 +173,16 @@ fn add_columns(plot: &mut PlotUi<'_>, columns: &Columns, colours: &Colours) {
     });
     let chart = BarChart::new("", bars.collect()).color(colour);
     plot.bar_chart(chart.allow_hover(false));
+}
+
+/// The band of a curve in pieces where it is interrupted.
+fn add_ribbon(plot: &mut PlotUi<'_>, ribbon: &Ribbon, colours: &Colours) {
+    let fill = ribbon.ink.colour(colours).gamma_multiply(0.18);
+    for piece in ribbon.pieces() {
+        let along = |k: usize| piece.iter().map(|edge| edge[k]).collect::<Vec<_>>();
+        let area = FilledArea::new("", &along(0), &along(1), &along(2)).fill_color(fill);
+        plot.add(area.allow_hover(false));
+    }
 }
 
 /// A curve in pieces where it is interrupted.

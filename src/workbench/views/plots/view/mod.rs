@@ -4,6 +4,7 @@
 mod axes;
 mod cursors;
 mod items;
+mod saved;
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -77,8 +78,10 @@ pub(crate) struct PlotInput<'a> {
     pub(crate) size: Vec2,
     /// Plots with the same link are zoomed and moved together along x.
     pub(crate) link: Option<Id>,
-    /// Whether it is docked: the wheel zooms, and its menu offers to save; a plot in a panel scrolls with it.
+    /// Whether it is docked: the wheel zooms and poses can be excluded; a plot in a panel scrolls with it.
     pub(crate) is_docked: bool,
+    /// Whether its menu offers to save it.
+    pub(crate) can_be_saved: bool,
 }
 
 #[derive(Debug, Default)]
@@ -101,6 +104,7 @@ impl PlotView {
         visible
             .curves
             .retain(|one| !self.hidden.contains(&one.name));
+        visible.ribbons.retain(|one| !self.hidden.contains(&one.of));
         visible.bands.retain(|one| !self.hidden.contains(&one.name));
         visible
             .columns
@@ -285,7 +289,7 @@ impl PlotView {
                 ui.ctx()
                     .copy_text(csv(&self.visible(input.figure), scale.view));
             }
-            for format in Format::ALL.into_iter().filter(|_| input.is_docked) {
+            for format in Format::ALL.into_iter().filter(|_| input.can_be_saved) {
                 if ui.button(format!("Save as {}", format.title())).clicked() {
                     events.push(PlotEvent::Save(format));
                 }
@@ -346,6 +350,7 @@ mod tests {
                 size: ui.available_size(),
                 link: None,
                 is_docked: true,
+                can_be_saved: true,
             };
             seen.events.extend(seen.view.show(ui, &input).events);
         };
