@@ -9,6 +9,7 @@ mod audit_key;
 mod damaged;
 mod dataset;
 mod error;
+mod events_table;
 mod fingerprint;
 mod folders;
 mod hypothesis_file;
@@ -37,6 +38,7 @@ pub use dataset::{
     write_dataset,
 };
 pub use error::{Loaded, Place, ReadError, WriteError, quoted};
+pub use events_table::{EVENTS, RobotEvent, read_events};
 pub use fingerprint::Fingerprint;
 pub use folders::Folders;
 pub use hypothesis_file::{add_hypothesis, parse_hypothesis, read_hypothesis};

@@ -6,8 +6,8 @@ use anyhow::Result;
 use egui::{Key, Modifiers, ThemePreference};
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
-    Answer, Command, CompareCommand, FileCommand, RecordingCommand, ReportCommand, RobotCommand,
-    ViewCommand,
+    Answer, Command, CompareCommand, FileCommand, RecordCommand, RecordingCommand, ReportCommand,
+    RobotCommand, ViewCommand,
 };
 use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
@@ -95,7 +95,7 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
 type Section = fn(&mut Looks) -> Result<()>;
 
 /// How names of pictures begin, and what takes them.
-const SECTIONS: [(&[&str], Section); 8] = [
+const SECTIONS: [(&[&str], Section); 9] = [
     (&["demo"], demo),
     (&["start", "compare-empty", "which-sensor"], without_session),
     (&["import", "new-robot"], imports),
@@ -104,6 +104,7 @@ const SECTIONS: [(&[&str], Section); 8] = [
     (&["plot"], plots),
     (DIALOGS, dialogs),
     (&["compare"], comparison),
+    (&["record"], record),
 ];
 
 /// How names of pictures of dialogs begin.
@@ -147,6 +148,17 @@ fn comparison(looks: &mut Looks) -> Result<()> {
     looks.stage.show("cable-6, ");
     looks.stage.press_first("cable-6, ");
     looks.at("compare-row")?;
+    looks.stage.give(ViewCommand::Go(Screen::Start));
+    Ok(())
+}
+
+/// The sessions of a robot over a year.
+fn record(looks: &mut Looks) -> Result<()> {
+    let folder = PathBuf::from("sessions/year-of-mini");
+    looks.stage.give(RecordCommand::Open(folder));
+    looks.at("record")?;
+    looks.stage.press_first("2026-04");
+    looks.at("record-row")?;
     looks.stage.give(ViewCommand::Go(Screen::Start));
     Ok(())
 }

@@ -5,12 +5,12 @@ pub mod looks;
 mod stage;
 mod tour;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use egui::ThemePreference;
 use tautline_workbench::model::Selection;
-use tautline_workbench::model::command::{CompareCommand, FileCommand, ViewCommand};
+use tautline_workbench::model::command::{CompareCommand, FileCommand, RecordCommand, ViewCommand};
 use tautline_workbench::model::phase::{Phase, Screen};
 
 use crate::sessions;
@@ -37,6 +37,7 @@ pub fn write_all(into: &Path) -> Result<()> {
     phases(&into)?;
     causes(&into)?;
     comparison(&into)?;
+    record(&into)?;
     small_and_light(&into)?;
     tour::write(&into.join("tour.png"))
 }
@@ -95,6 +96,14 @@ fn comparison(into: &Path) -> Result<()> {
     }
     stage.give(ViewCommand::Select(Selection::cable(5)));
     files::write_still(&into.join("compare.png"), &stage.picture()?)
+}
+
+/// The sessions of a robot over a year.
+fn record(into: &Path) -> Result<()> {
+    let mut stage = Stage::new(LARGE)?;
+    stage.give(RecordCommand::Open(PathBuf::from("sessions/year-of-mini")));
+    stage.give(RecordCommand::SetTolerance(0.01));
+    files::write_still(&into.join("record.png"), &stage.picture()?)
 }
 
 fn small_and_light(into: &Path) -> Result<()> {

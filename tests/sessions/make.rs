@@ -98,6 +98,9 @@ fn measured(recipe: &Recipe) -> Result<Session> {
         drawing.home_platform = Some(home_platform());
     }
     let mut session = Session::new(recipe.name, drawing, begun);
+    if recipe.knows_hidden {
+        session.settings.identification.effects = recipe.hidden.iter().map(setting).collect();
+    }
     session.measurements = rounding::readings(&run.dataset.measurements);
     // The platform was sent home by the drawing, too.
     if let (Some(home), Some(commanded)) = (

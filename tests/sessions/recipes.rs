@@ -45,6 +45,8 @@ pub struct Recipe {
     pub has_winch_bench: bool,
     /// Whether somebody asked what the model gets wrong.
     pub is_diagnosed: bool,
+    /// Whether the model of the session has the hidden effects.
+    pub knows_hidden: bool,
 }
 
 /// MINI, as good as its description, measured on the bench.
@@ -62,10 +64,31 @@ const MINI: Recipe = Recipe {
     has_bench: true,
     has_winch_bench: true,
     is_diagnosed: true,
+    knows_hidden: false,
 };
 
+/// One of the sessions of a year of MINI.
+const YEAR: Recipe = Recipe {
+    poses: 25,
+    robot_seed: 11,
+    has_bench: false,
+    has_winch_bench: false,
+    is_diagnosed: false,
+    knows_hidden: true,
+    ..MINI
+};
+
+/// Moved before June, 13 mm in all.
+const MOVED_IN_JUNE: Option<Moved> = Some(Moved {
+    cable: 2,
+    by_m: [0.008, -0.006, 0.0083],
+});
+
+/// A thicker cable pays out more for each turn of its drum.
+const THICKER_CABLE: &[Hidden] = &[("winch_scale", Some("cable-6"), &[("scale", 0.012)])];
+
 /// All sample sessions.
-pub const RECIPES: [Recipe; 6] = [
+pub const RECIPES: [Recipe; 13] = [
     MINI,
     Recipe {
         file: "mini-winch-scale/session.json",
@@ -125,5 +148,63 @@ pub const RECIPES: [Recipe; 6] = [
         }),
         is_diagnosed: false,
         ..MINI
+    },
+    Recipe {
+        file: "year-of-mini/2025-12.json",
+        name: "MINI, 2025-12",
+        begun: "2025-12-04T08:30:00Z",
+        seed: 101,
+
+        ..YEAR
+    },
+    Recipe {
+        file: "year-of-mini/2026-02.json",
+        name: "MINI, 2026-02",
+        begun: "2026-02-05T08:30:00Z",
+        seed: 102,
+
+        ..YEAR
+    },
+    Recipe {
+        file: "year-of-mini/2026-04.json",
+        name: "MINI, 2026-04",
+        begun: "2026-04-02T08:30:00Z",
+        seed: 103,
+
+        ..YEAR
+    },
+    Recipe {
+        file: "year-of-mini/2026-06.json",
+        name: "MINI, 2026-06",
+        begun: "2026-06-18T08:30:00Z",
+        seed: 104,
+        moved: MOVED_IN_JUNE,
+        ..YEAR
+    },
+    Recipe {
+        file: "year-of-mini/2026-08.json",
+        name: "MINI, 2026-08",
+        begun: "2026-08-06T08:30:00Z",
+        seed: 105,
+        moved: MOVED_IN_JUNE,
+        ..YEAR
+    },
+    Recipe {
+        file: "year-of-mini/2026-09.json",
+        name: "MINI, 2026-09",
+        begun: "2026-09-10T08:30:00Z",
+        seed: 106,
+        moved: MOVED_IN_JUNE,
+        hidden: THICKER_CABLE,
+        ..YEAR
+    },
+    Recipe {
+        file: "year-of-mini/2026-11.json",
+        name: "MINI, 2026-11",
+        begun: "2026-11-05T08:30:00Z",
+        seed: 107,
+        moved: MOVED_IN_JUNE,
+        hidden: THICKER_CABLE,
+        ..YEAR
     },
 ];

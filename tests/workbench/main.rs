@@ -26,6 +26,7 @@ mod plots;
 mod precalibration;
 mod primary;
 mod pulley_inspector;
+mod record;
 mod report;
 mod robot_3d;
 mod saving;

@@ -5,16 +5,21 @@ mod report;
 use std::path::PathBuf;
 
 use anyhow::Result;
+use tautline_core::estimation::Control;
 use tautline_workflow::clock;
-use tautline_workflow::history::{HistoryDocument, RobotRecord, TOLERANCE_M};
+use tautline_workflow::history::{HistoryDocument, RobotRecord, TOLERANCE_M, pulleys_csv};
+use tautline_workflow::report::{HistoryInput, ReportChoice, render_history};
 
 use crate::BadInput;
 use crate::examples::examples;
-use crate::output::{JsonOutput, note};
+use crate::output::{JsonOutput, note, write_file};
+use crate::replace::Replace;
+use crate::report_format::report_format;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
     ("What moved since January, and when to calibrate again", "tautline history mini-2026"),
+    ("The same as a report with the course of every pulley", "tautline history mini-2026 --report year.html"),
     ("The same for a tolerance of 2 mm, as JSON", "tautline history mini-2026 --tolerance 2 --json -"),
 ]))]
 pub struct Arguments {
@@ -25,6 +30,14 @@ pub struct Arguments {
     tolerance: f64,
     #[command(flatten)]
     json: JsonOutput,
+    /// Write a report of the record; its name must end with .html or .pdf; - is HTML on standard output
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Write the pulleys of all sessions with all sessions taken into account, one row each; - is standard output
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    replace: Replace,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -34,8 +47,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             arguments.tolerance
         )));
     }
+    let (report, csv) = (arguments.report.as_deref(), arguments.csv.as_deref());
+    let format = report.map(|path| report_format("--report", path));
+    let format = format.transpose()?;
+    arguments
+        .replace
+        .permit(&[report, csv], Some(&arguments.json))?;
     let folder = &arguments.folder;
-    let record = RobotRecord::open(folder, clock::now())
+    let record = RobotRecord::open(folder, clock::now(), &mut |_, _| Control::Continue)
         .map_err(|error| BadInput::new(error.to_string()))?;
     for notice in &record.notices {
         note!("{notice}");
@@ -43,6 +62,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let found = record
         .history(folder, 1e-3 * arguments.tolerance)
         .map_err(|error| BadInput::new(error.to_string()))?;
+    if let Some((path, format)) = report.zip(format) {
+        let input = HistoryInput {
+            record: &record,
+            found: &found,
+            choice: &ReportChoice::default(),
+            now: clock::now(),
+        };
+        write_file(path, &render_history(&input, format)?)?;
+    }
+    if let Some(path) = csv {
+        write_file(path, pulleys_csv(&record, &found).as_bytes())?;
+    }
     let document = HistoryDocument::of(&record, &found);
     arguments
         .json

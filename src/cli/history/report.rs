@@ -1,8 +1,7 @@
 //! Human-readable form of a history.
 
-use tautline_core::history::{CERTAIN, Part};
 use tautline_workflow::history::{
-    RobotHistory, RobotRecord, change_sentence, drift_sentence, due_sentence,
+    RobotHistory, RobotRecord, changes, date, next_calibration, rows,
 };
 
 use crate::output::say;
@@ -10,78 +9,34 @@ use crate::table::{self, mm};
 
 /// Prints one row for each session, then what changed and when to calibrate again.
 pub fn print(record: &RobotRecord, found: &RobotHistory) {
-    let history = &found.history;
     say!("{}", record.title());
-    let mut rows = table::numbers(&[
+    let mut table = table::numbers(&[
         "Session",
         "measured",
         "poses",
         "model explains",
         "largest sd mm",
         "largest move since before mm",
+        "accuracy after mm",
     ]);
-    for (index, session) in record.sessions.iter().enumerate() {
-        let solution = &session.identification.solution;
-        let explains = match solution.p_value() {
-            Some(p) if p < 0.01 => "no",
-            Some(_) => "yes",
-            None => "",
-        };
-        let pulleys = || {
-            let parts = history.parts.iter().zip(&history.states);
-            parts.filter_map(|(part, states)| matches!(part, Part::Pulley(_)).then_some(states))
-        };
-        let sd = pulleys().flat_map(|states| {
-            states[index]
-                .covariance
-                .diagonal()
-                .iter()
-                .copied()
-                .collect::<Vec<_>>()
-        });
-        let sd = sd.fold(0.0, f64::max).sqrt();
-        let moved = index.checked_sub(1).map(|before| {
-            let moves =
-                pulleys().map(|states| (&states[index].value - &states[before].value).norm());
-            mm(moves.fold(0.0, f64::max), 2)
-        });
+    let millimetres = |value: Option<f64>| value.map_or_else(String::new, |m| mm(m, 2));
+    for row in rows(record, found) {
         table::push(
-            &mut rows,
+            &mut table,
             &[
-                session.name.clone(),
-                session
-                    .time
-                    .map_or_else(String::new, |time| time.to_string()[..10].to_owned()),
-                session
-                    .identification
-                    .dataset
-                    .measurements
-                    .len()
-                    .to_string(),
-                explains.to_owned(),
-                mm(sd, 2),
-                moved.unwrap_or_default(),
+                row.name,
+                row.time.map_or_else(String::new, date),
+                row.poses.to_string(),
+                row.verdict.words().to_owned(),
+                mm(row.largest_sd_m, 2),
+                millimetres(row.largest_move_m),
+                millimetres(row.accuracy_after_m),
             ],
         );
     }
-    say!("{rows}");
-    for jump in &history.jumps {
-        let (part, axes) = (&history.parts[jump.part], &history.axes[jump.part]);
-        say!("{}", change_sentence(record, jump, part, axes));
-    }
-    for drift in history.evident_drifts().filter(|_| found.is_dated) {
-        let (part, axes) = (&history.parts[drift.part], &history.axes[drift.part]);
-        say!("{}", drift_sentence(record, drift, part, axes));
-    }
-    let is_certain = history.jumps.iter().any(|jump| jump.probability >= CERTAIN)
-        || history
-            .evident_drifts()
-            .any(|drift| drift.probability >= CERTAIN);
-    if !is_certain {
-        say!("No change is certain: all sessions agree within the noise.");
-    }
-    let last = record.sessions.last().and_then(|session| session.time);
-    if let Some((forecast, last)) = found.forecast.as_ref().zip(last) {
-        say!("{}", due_sentence(forecast, last));
+    say!("{table}");
+    let told = changes(record, found).into_iter();
+    for sentence in told.chain(next_calibration(record, found)) {
+        say!("{sentence}");
     }
 }

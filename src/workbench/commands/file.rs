@@ -12,10 +12,10 @@ use tautline_session::{
 
 use super::file_dialog::pick;
 use super::file_tasks::{ask_save, written};
-use super::{recording, robot, tables};
+use super::{record, recording, robot, tables};
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{
-    Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome, RobotCommand,
+    Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome, RecordCommand, RobotCommand,
 };
 use crate::model::dialogs::{LeavingDraft, SaveContent};
 use crate::model::edit::same_effect;
@@ -24,6 +24,7 @@ use crate::model::phase::{Phase, Screen};
 use crate::model::save_form::SaveForm;
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::controllers::Kind;
+use tautline_workflow::history::is_record;
 use tautline_workflow::importing::{Opened, open as open_any};
 use tautline_workflow::planning::missing_labels;
 use tautline_workflow::session_file::recover_unsaved;
@@ -52,6 +53,9 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
             if let Some(draft) = &mut model.dialogs.save {
                 draft.form = SaveForm::new(&path);
             }
+        }
+        FileCommand::Open(path) if is_record(&path) => {
+            record::perform(model, RecordCommand::Open(path))
         }
         // Behind a link is the same file, which is open once and saved in its place.
         FileCommand::Open(path) => read(model, link_target(&path)),

@@ -7,6 +7,7 @@ mod file_tasks;
 mod identification;
 mod import;
 mod plots;
+mod record;
 mod recording;
 mod report;
 pub mod robot;
@@ -40,6 +41,7 @@ pub fn perform(model: &mut Model, command: Command) {
         Command::Plot(command) => plots::perform(model, command),
         Command::Report(command) => report::perform(model, command),
         Command::Compare(command) => compare::perform(model, command),
+        Command::Record(command) => record::perform(model, command),
         Command::Study(command) => study::perform(model, command),
         Command::Edit(edit) => {
             let adds = match &edit {
@@ -110,6 +112,7 @@ pub fn receive(model: &mut Model, outcome: Outcome) {
         Outcome::Plan(outcome) => robot::planned(model, outcome),
         Outcome::Setup(outcome) => setup::receive(model, outcome),
         Outcome::Compare(outcome) => compare::receive(model, outcome),
+        Outcome::Record(outcome) => record::receive(model, outcome),
         Outcome::Picked(Some(command)) => perform(model, *command),
         Outcome::Picked(None) => {}
         Outcome::NoFileDialog(choice) => model.dialogs.chooser = Some(choice.into()),

@@ -11,11 +11,12 @@ use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{ReportCommand, ReportDraft};
 use crate::model::comparison::{Compared, Source};
 use crate::model::phase::Screen;
+use crate::model::record::OpenRecord;
 use crate::model::save_form::SaveForm;
 use tautline_workflow::clock;
 use tautline_workflow::report::{
-    ComparisonInput, ReportChoice, ReportFormat, ReportInput, completed, write_comparison,
-    write_report,
+    ComparisonInput, HistoryInput, ReportChoice, ReportFormat, ReportInput, completed,
+    write_comparison, write_history, write_report,
 };
 
 pub(super) fn perform(model: &mut Model, command: ReportCommand) {
@@ -45,6 +46,11 @@ pub(super) fn perform(model: &mut Model, command: ReportCommand) {
 
 /// Where the report belongs: beside the session.
 fn place(model: &Model, format: ReportFormat) -> Option<PathBuf> {
+    if let Some(of) = record(model) {
+        let name = of.folder.file_name().unwrap_or_default().to_string_lossy();
+        let name = format!("{name}-history.{}", format.extension());
+        return Some(of.folder.with_file_name(name));
+    }
     if let Some(of) = compared(model) {
         let name = format!("comparison-report.{}", format.extension());
         let first = match &of.runs[0].source {
@@ -97,6 +103,27 @@ fn compared(model: &Model) -> Option<&Arc<Compared>> {
         .filter(|_| model.screen == Screen::Compare)
 }
 
+/// The record on the screen, if the report is about it.
+fn record(model: &Model) -> Option<&Arc<OpenRecord>> {
+    model
+        .record
+        .open()
+        .filter(|_| model.screen == Screen::Record)
+}
+
+fn save_history(model: &mut Model, path: PathBuf, choice: ReportChoice, of: Arc<OpenRecord>) {
+    write(model, "Writing the report", path, move |path| {
+        let input = HistoryInput {
+            record: &of.record,
+            found: &of.found,
+            choice: &choice,
+            now: clock::now(),
+        };
+        write_history(path, &input).map_err(|error| error.to_string())?;
+        Ok(None)
+    });
+}
+
 fn save_comparison(model: &mut Model, path: PathBuf, choice: ReportChoice, of: Arc<Compared>) {
     write(model, "Writing the report", path, move |path| {
         let input = ComparisonInput {
@@ -112,6 +139,9 @@ fn save_comparison(model: &mut Model, path: PathBuf, choice: ReportChoice, of: A
 }
 
 fn save(model: &mut Model, path: PathBuf, choice: ReportChoice, pinned: BTreeSet<usize>) {
+    if let Some(of) = record(model).cloned() {
+        return save_history(model, path, choice, of);
+    }
     if let Some(of) = compared(model).cloned() {
         return save_comparison(model, path, choice, of);
     }

@@ -22,6 +22,8 @@ pub enum Page {
     Plots,
     /// Comparing sessions, and reports.
     Report,
+    /// The record of a robot, and its health check.
+    Record,
     /// What each number means.
     Numbers,
 }
@@ -42,7 +44,7 @@ macro_rules! picture {
 }
 
 /// The pictures of the pages: name of the file and PNG.
-pub const PICTURES: [(&str, &[u8]); 8] = [
+pub const PICTURES: [(&str, &[u8]); 9] = [
     picture!("start.png"),
     picture!("phase-1.png"),
     picture!("phase-2.png"),
@@ -51,11 +53,12 @@ pub const PICTURES: [(&str, &[u8]); 8] = [
     picture!("phase-5.png"),
     picture!("doctor.png"),
     picture!("compare.png"),
+    picture!("record.png"),
 ];
 
 impl Page {
     /// All, in the order of reading.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Start,
         Self::Import,
         Self::Precalibration,
@@ -65,6 +68,7 @@ impl Page {
         Self::Adjustment,
         Self::Plots,
         Self::Report,
+        Self::Record,
         Self::Numbers,
     ];
 
@@ -79,6 +83,7 @@ impl Page {
             Self::Adjustment => page!("phase-5.md"),
             Self::Plots => page!("plots.md"),
             Self::Report => page!("report.md"),
+            Self::Record => page!("record.md"),
             Self::Numbers => page!("numbers.md"),
         }
     }
@@ -108,6 +113,7 @@ impl Page {
             Screen::Start => Self::Start,
             Screen::Import => Self::Import,
             Screen::Compare => Self::Report,
+            Screen::Record => Self::Record,
             Screen::WhichSensor => Self::Measuring,
             Screen::NewRobot => Self::Modeling,
             Screen::Phase(phase) => match phase {

@@ -22,6 +22,7 @@ pub mod part;
 pub mod phase;
 pub mod phase_status;
 pub mod plot_preparation;
+pub mod record;
 mod request;
 pub(crate) mod save_form;
 mod session_lock;
@@ -49,6 +50,7 @@ use importing::ImportState;
 use link::{Link, LivePlatform};
 use messages::Messages;
 use phase::{Phase, Screen};
+use record::RecordState;
 use session_lock::SessionLock;
 use tasks::Tasks;
 use tautline_workflow::adjusting;
@@ -108,6 +110,7 @@ pub struct Model {
     /// Id and revision of the session for which that was checked.
     outlook_checked: Option<(u64, u64)>,
     pub comparison: ComparisonState,
+    pub record: RecordState,
     /// Files of other programs on their way into the session.
     pub importing: ImportState,
     /// Keeps commands from the file of the open session while it has unsaved changes.
@@ -173,6 +176,7 @@ impl Model {
             outlook: None,
             outlook_checked: None,
             comparison: ComparisonState::default(),
+            record: RecordState::default(),
             importing: ImportState::default(),
             tasks: Tasks::new(context.clone()),
             messages,

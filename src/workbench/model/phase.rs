@@ -10,6 +10,8 @@ pub enum Screen {
     Start,
     Phase(Phase),
     Compare,
+    /// The sessions of one robot over time.
+    Record,
     /// Files of other programs on their way into the session.
     Import,
     /// Which sensor, how many poses.

@@ -10,6 +10,7 @@ pub mod import;
 pub mod measuring;
 pub mod modeling;
 pub mod precalibration;
+pub mod record;
 pub mod start;
 pub mod which_sensor;
 
@@ -36,6 +37,7 @@ pub struct PanelStates {
     /// Draft of the connection dialog; `None` while it is closed.
     pub connect: Option<Box<connect::Draft>>,
     pub compare: compare::PanelState,
+    pub record: record::PanelState,
     pub import: import::PanelState,
     pub which_sensor: which_sensor::PanelState,
 }

@@ -6,7 +6,9 @@ use egui::{Align, Button, Key, Layout, RichText, TextEdit, Ui};
 use egui_material_icons::icons;
 
 use crate::model::Model;
-use crate::model::command::{CompareCommand, FileCommand, Outbox, RecordingCommand, ViewCommand};
+use crate::model::command::{
+    CompareCommand, FileCommand, Outbox, RecordCommand, RecordingCommand, ViewCommand,
+};
 use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
 use crate::widgets::{icon_button, icon_only, muted, page, primary, section};
@@ -113,6 +115,17 @@ fn compare(ui: &mut Ui, outbox: &mut Outbox) {
             outbox.send(CompareCommand::Show);
         }
         muted(ui, "Has a pulley moved, or is it noise?");
+    });
+    ui.add_space(GRID);
+    ui.horizontal(|ui| {
+        let title = "Record of a robot";
+        if icon_button(ui, icons::ICON_TIMELINE, title, true).clicked() {
+            outbox.send(RecordCommand::Show);
+        }
+        muted(
+            ui,
+            "What moved over many sessions, and when to calibrate again.",
+        );
     });
     ui.add_space(GRID);
     ui.horizontal(|ui| {

@@ -37,7 +37,8 @@ fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
     let format = draft.format;
     let ((), is_left) = modal(ui, ("save report", 520.0), |ui| {
         heading(ui, &format!("Save the report as {}", format.title()));
-        if state.model.screen != Screen::Compare {
+        let is_of_session = matches!(state.model.screen, Screen::Phase(_));
+        if is_of_session {
             out_of_date(ui, &state.model, &mut state.outbox);
         }
         let asked = save::form(ui, &mut draft.form, None);
@@ -50,7 +51,7 @@ fn report(ui: &mut Ui, state: &mut State, mut draft: ReportDraft) {
             .auto_shrink([false, true])
             .show(ui, |ui| {
                 head(ui, &mut draft.choice);
-                if state.model.screen != Screen::Compare {
+                if is_of_session {
                     parts(ui, &mut draft.choice);
                 }
             });

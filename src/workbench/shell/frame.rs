@@ -63,6 +63,16 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             let memory = (&mut panels.compare, views);
             centre().show(ui, |ui| screens::compare::show(ui, model, memory, outbox));
         }
+        Screen::Record => {
+            let State {
+                model,
+                outbox,
+                panels,
+                views,
+            } = state;
+            let memory = (&mut panels.record, views);
+            centre().show(ui, |ui| screens::record::show(ui, model, memory, outbox));
+        }
         Screen::WhichSensor => {
             let State {
                 model,

@@ -22,7 +22,7 @@ mod top;
 pub use no_window::no_window;
 pub use state::State;
 
-use crate::model::command::{CompareCommand, FileCommand};
+use crate::model::command::{CompareCommand, FileCommand, RecordCommand};
 use crate::model::phase::Screen;
 use crate::model::{Options, caught_panic};
 use crate::{commands, theme};
@@ -109,6 +109,7 @@ impl eframe::App for App {
             let path = file.path().to_path_buf();
             match model.screen {
                 Screen::Compare => outbox.send(CompareCommand::Drop(path)),
+                Screen::Record => outbox.send(RecordCommand::Open(path)),
                 _ => outbox.send(FileCommand::Open(path)),
             }
         }

@@ -22,6 +22,8 @@ pub struct ViewStates {
     pub robot_3d: robot_3d::Robot3d,
     /// Of the two robots in 3D that are compared.
     pub compared_3d: robot_3d::Robot3d,
+    /// Of the robot in 3D at the dates of its record.
+    pub record_3d: robot_3d::Robot3d,
     /// Of the time line.
     pub timeline: timeline::TimelineState,
     pub plots: plots::Panes,
@@ -30,13 +32,17 @@ pub struct ViewStates {
 
 impl Default for ViewStates {
     fn default() -> Self {
-        let mut compared_3d = robot_3d::Robot3d::default();
         // What differs is often behind the frame.
-        compared_3d.options.frame = FrameLook::Transparent;
+        let transparent = || {
+            let mut view = robot_3d::Robot3d::default();
+            view.options.frame = FrameLook::Transparent;
+            view
+        };
         Self {
             hovered: Selection::default(),
             robot_3d: robot_3d::Robot3d::default(),
-            compared_3d,
+            compared_3d: transparent(),
+            record_3d: transparent(),
             timeline: timeline::TimelineState::default(),
             plots: plots::Panes::default(),
             manual: manual::Manual::default(),
@@ -49,6 +55,7 @@ impl ViewStates {
     pub fn destroy(&mut self) {
         self.robot_3d.destroy();
         self.compared_3d.destroy();
+        self.record_3d.destroy();
     }
 }
 

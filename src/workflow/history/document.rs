@@ -1,8 +1,10 @@
 //! Machine-readable form of a history: a public format.
 
+use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::history::{OUT_OF_TOLERANCE, Part};
+use tautline_core::history::{History, Jump, OUT_OF_TOLERANCE, Part};
+use tautline_core::robot::Robot;
 use tautline_session::{Timestamp, VersionedFile};
 
 use super::{RobotHistory, RobotRecord, days_after};
@@ -33,17 +35,25 @@ pub struct HistorySession {
     pub entry_points_sd_m: Vec<[Option<f64>; 3]>,
 }
 
-/// A part that moved or changed.
+/// A part that moved or changed, and between which sessions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ChangeDocument {
+    /// What changed.
+    #[serde(flatten)]
+    pub changed: Changed,
+    /// Indices of sessions: it happened after the first and not after the second.
+    pub between: [usize; 2],
+}
+
+/// A part that moved or changed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Changed {
     /// Names of its cables; empty for the target plane and effects of the whole robot.
     pub targets: Vec<String>,
     /// Effect that appeared, ended or changed; null for a moved pulley or target plane.
     pub effect: Option<String>,
     /// Parameter of the effect.
     pub parameter: Option<String>,
-    /// Indices of sessions: it happened after the first and not after the second.
-    pub between: [usize; 2],
     /// Posterior probability.
     pub probability: f64,
     /// Displacement along x, y, z (m), of the target plane its one number; null for an effect.
@@ -54,6 +64,63 @@ pub struct ChangeDocument {
     pub change: Option<f64>,
     /// Its standard deviation.
     pub change_sd: Option<f64>,
+}
+
+impl Changed {
+    /// A jump of a history.
+    #[must_use]
+    pub fn of(history: &History, robot: &Robot, jump: &Jump) -> Self {
+        let (effect, parameter) = effect_of(&history.parts[jump.part]);
+        let is_effect = effect.is_some();
+        let axes = &history.axes[jump.part];
+        let size = spatial(axes, jump.size.as_slice().to_vec());
+        let sd = spatial(axes, sds(&jump.covariance));
+        Self {
+            targets: targets_of(&history.parts[jump.part], robot),
+            effect,
+            parameter,
+            probability: jump.probability,
+            change: is_effect.then(|| size[0]),
+            change_sd: is_effect.then(|| sd[0]),
+            displacement_m: (!is_effect).then_some(size),
+            sd_m: (!is_effect).then_some(sd),
+        }
+    }
+}
+
+fn targets_of(part: &Part, robot: &Robot) -> Vec<String> {
+    match part {
+        Part::Pulley(cable) => vec![robot.cables[*cable].name.clone()],
+        Part::TargetPlane => Vec::new(),
+        Part::Effect { targets, .. } => targets.clone(),
+    }
+}
+
+/// Effect and parameter of a part that is one.
+fn effect_of(part: &Part) -> (Option<String>, Option<String>) {
+    match part {
+        Part::Effect {
+            effect, parameter, ..
+        } => (Some(effect.clone()), Some(parameter.clone())),
+        Part::Pulley(_) | Part::TargetPlane => (None, None),
+    }
+}
+
+/// Numbers along x, y and z; coordinates that are known exactly do not change. Numbers without axes are themselves.
+fn spatial(axes: &[usize], values: Vec<f64>) -> Vec<f64> {
+    if axes.is_empty() {
+        return values;
+    }
+    let mut all = vec![0.0; 3];
+    for (axis, value) in axes.iter().zip(values) {
+        all[*axis] = value;
+    }
+    all
+}
+
+fn sds(covariance: &DMatrix<f64>) -> Vec<f64> {
+    let variances = covariance.diagonal();
+    variances.iter().map(|v| v.max(0.0).sqrt()).collect()
 }
 
 /// A part that drifts.
@@ -96,62 +163,18 @@ impl HistoryDocument {
     #[must_use]
     pub fn of(record: &RobotRecord, found: &RobotHistory) -> Self {
         let history = &found.history;
-        let cables = &record.robot().cables;
-        let targets = |part: usize| match &history.parts[part] {
-            Part::Pulley(cable) => vec![cables[*cable].name.clone()],
-            Part::TargetPlane => Vec::new(),
-            Part::Effect { targets, .. } => targets.clone(),
-        };
-        let effect = |part: usize| match &history.parts[part] {
-            Part::Effect {
-                effect, parameter, ..
-            } => (Some(effect.clone()), Some(parameter.clone())),
-            Part::Pulley(_) | Part::TargetPlane => (None, None),
-        };
-        // Coordinates that are known exactly do not change.
-        let spatial = |part: usize, values: Vec<f64>| {
-            let mut all = vec![0.0; 3];
-            match history.axes[part].as_slice() {
-                [] => values,
-                axes => {
-                    axes.iter()
-                        .zip(values)
-                        .for_each(|(axis, value)| all[*axis] = value);
-                    all
-                }
-            }
-        };
-        let sds = |covariance: &nalgebra::DMatrix<f64>| -> Vec<f64> {
-            covariance
-                .diagonal()
-                .iter()
-                .map(|v| v.max(0.0).sqrt())
-                .collect()
-        };
-        let changes = history.jumps.iter().map(|jump| {
-            let (effect, parameter) = effect(jump.part);
-            let is_effect = effect.is_some();
-            let size = spatial(jump.part, jump.size.as_slice().to_vec());
-            let sd = spatial(jump.part, sds(&jump.covariance));
-            ChangeDocument {
-                targets: targets(jump.part),
-                effect,
-                parameter,
-                between: jump.between,
-                probability: jump.probability,
-                change: is_effect.then(|| size[0]),
-                change_sd: is_effect.then(|| sd[0]),
-                displacement_m: (!is_effect).then_some(size),
-                sd_m: (!is_effect).then_some(sd),
-            }
+        let robot = record.robot();
+        let changes = history.jumps.iter().map(|jump| ChangeDocument {
+            changed: Changed::of(history, robot, jump),
+            between: jump.between,
         });
         let dated = history.evident_drifts().filter(|_| found.is_dated);
         let drift = dated.map(|drift| DriftDocument {
-            targets: targets(drift.part),
-            effect: effect(drift.part).0,
+            targets: targets_of(&history.parts[drift.part], robot),
+            effect: effect_of(&history.parts[drift.part]).0,
             probability: drift.probability,
-            rate_m_per_day: spatial(drift.part, drift.rate.as_slice().to_vec()),
-            sd: spatial(drift.part, sds(&drift.covariance)),
+            rate_m_per_day: spatial(&history.axes[drift.part], drift.rate.as_slice().to_vec()),
+            sd: spatial(&history.axes[drift.part], sds(&drift.covariance)),
         });
         let last = record.sessions.last().and_then(|session| session.time);
         let next_calibration = found
@@ -163,7 +186,7 @@ impl HistoryDocument {
                 tolerance_m: forecast.tolerance_m,
             });
         let sessions = record.sessions.iter().enumerate().map(|(index, session)| {
-            let mut values = vec![[None; 3]; cables.len()];
+            let mut values = vec![[None; 3]; robot.cables.len()];
             let mut of_sd = values.clone();
             for (part, of) in history.parts.iter().enumerate() {
                 if let Part::Pulley(cable) = of {

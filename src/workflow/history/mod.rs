@@ -1,24 +1,35 @@
 //! The record of a robot: the sessions of one machine in the order of time, and what changed between them.
 
 mod document;
+mod figure;
+mod rows;
 mod words;
 
 use std::fs;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
+use std::slice;
 
 use tautline_core::comparison::Identified;
 use tautline_core::estimation::Control;
-use tautline_core::history::{DatedRun, Forecast, History, forecast, smooth};
+use tautline_core::geometry::Vec3;
+use tautline_core::history::{CERTAIN, DatedRun, Forecast, History, forecast, smooth};
 use tautline_core::robot::Robot;
-use tautline_session::{Import, Session, Timestamp, import, is_own};
+use tautline_session::{
+    EVENTS, Import, RobotEvent, Session, Stage, Timestamp, import, is_own, open_input, read_events,
+};
 
+use crate::accuracy;
 use crate::comparison::{as_session, identify_to_compare};
-use crate::identification::Identification;
+use crate::identification::{Identification, effects_title};
 use crate::wording::count;
 pub use document::{
-    ChangeDocument, DriftDocument, HistoryDocument, HistorySession, NextCalibration,
+    ChangeDocument, Changed, DriftDocument, HistoryDocument, HistorySession, NextCalibration,
 };
-pub use words::{change_sentence, drift_sentence, due_sentence, part_name};
+pub use figure::lane;
+pub use rows::{RecordRow, pulleys_csv, rows};
+use words::unit_of;
+pub use words::{changes, next_calibration, part_name, size_of_jump};
 
 /// Largest displacement of a pulley that is tolerable if nothing else is said (m).
 pub const TOLERANCE_M: f64 = 5e-3;
@@ -41,6 +52,26 @@ pub struct RecordedSession {
     pub identification: Identification,
     /// Whether values were written to the controller in it.
     pub adjusted: bool,
+    /// Who wrote values to the controller or accepted the robot in it.
+    pub operator: Option<String>,
+    /// Mean pose accuracy that was measured after the adjustment (m).
+    pub accuracy_after_m: Option<f64>,
+    /// Effects in its model, with their cables.
+    pub effects: Vec<String>,
+}
+
+impl RecordedSession {
+    /// The date when its poses were read, or its name if that is unknown.
+    #[must_use]
+    pub fn date_or_name(&self) -> String {
+        self.time.map_or_else(|| self.name.clone(), date)
+    }
+}
+
+/// The date of a point in time: `2018-07-23`.
+#[must_use]
+pub fn date(time: Timestamp) -> String {
+    time.to_string()[..10].to_owned()
 }
 
 /// The sessions of one machine, in the order of time.
@@ -48,6 +79,8 @@ pub struct RecordedSession {
 pub struct RobotRecord {
     /// The sessions.
     pub sessions: Vec<RecordedSession>,
+    /// What happened to the robot, in the order of time, from `events.csv` in the folder.
+    pub events: Vec<RobotEvent>,
     /// What was left out, and other notices, one sentence each.
     pub notices: Vec<String>,
 }
@@ -74,6 +107,9 @@ pub enum RecordError {
     /// A file cannot be read.
     #[error(transparent)]
     Read(#[from] tautline_session::ReadError),
+    /// Reading was stopped.
+    #[error("reading the record was stopped")]
+    Stopped,
     /// The sessions have no common history.
     #[error("{}: {message}", .folder.display())]
     History {
@@ -91,58 +127,101 @@ pub struct RobotHistory {
     pub history: History,
     /// Whether all sessions have dates; otherwise nothing is said of rates and dates.
     pub is_dated: bool,
+    /// Largest tolerable displacement of a pulley (m).
+    pub tolerance_m: f64,
     /// When it should be calibrated again; `None` without dates.
     pub forecast: Option<Forecast>,
 }
 
+impl RobotHistory {
+    /// Whether any jump or drift is certain.
+    #[must_use]
+    pub fn is_certain(&self) -> bool {
+        let jumps = self.history.jumps.iter().map(|jump| jump.probability);
+        let drifts = self.history.evident_drifts().map(|drift| drift.probability);
+        jumps
+            .chain(drifts)
+            .any(|probability| probability >= CERTAIN)
+    }
+
+    /// Changes the largest tolerable displacement, on which the date of the next calibration depends.
+    pub fn set_tolerance(&mut self, tolerance_m: f64) {
+        self.tolerance_m = tolerance_m;
+        self.forecast = self.is_dated.then(|| forecast(&self.history, tolerance_m));
+    }
+}
+
 impl RobotRecord {
     /// Reads and identifies all sessions and dataset folders in a folder. They are in the order of the times when their poses were
-    /// read or, if one has none, of their names.
+    /// read or, if one has none, of their names. `observe` is told the number of sessions that are read and of all, and may stop.
     ///
     /// # Errors
-    /// If a session cannot be read or identified, or is of another robot than the first one.
-    pub fn open(folder: &Path, now: Timestamp) -> Result<Self, RecordError> {
+    /// If a session cannot be read or identified, or is of another robot than the first one; or if it was stopped.
+    pub fn open(
+        folder: &Path,
+        now: Timestamp,
+        observe: &mut dyn FnMut(usize, usize) -> Control,
+    ) -> Result<Self, RecordError> {
         let unreadable = |error| RecordError::Folder {
             folder: folder.to_owned(),
             error,
         };
-        let mut paths = Vec::new();
-        for entry in fs::read_dir(folder).map_err(unreadable)? {
-            paths.push(entry.map_err(unreadable)?.path());
-        }
-        paths.sort();
+        let paths = entries(folder).map_err(unreadable)?;
         let mut record = Self::default();
-        for path in paths {
-            let is_hidden = path
-                .file_name()
-                .is_some_and(|name| name.to_string_lossy().starts_with('.'));
-            if is_hidden {
+        for (index, path) in paths.iter().enumerate() {
+            if observe(index, paths.len()) == Control::Cancel {
+                return Err(RecordError::Stopped);
+            }
+            if path.file_name().is_some_and(|name| name == EVENTS) {
+                record.read_events(path)?;
                 continue;
             }
-            if !is_own(&path)? {
+            if !is_own(path)? {
                 record.notices.push(format!(
                     "{}: neither a session nor a dataset folder, left out",
                     path.display()
                 ));
                 continue;
             }
-            let loaded = import(&path, None)?;
+            let loaded = import(path, None)?;
             record.notices.extend(loaded.notices);
             let date_of_folder = match &loaded.value {
                 Import::Dataset(folder) => Some(folder.measured_at),
                 _ => None,
             };
             let session =
-                as_session(&path, loaded.value, now).map_err(|message| RecordError::Session {
+                as_session(path, loaded.value, now).map_err(|message| RecordError::Session {
                     path: path.clone(),
                     message,
                 });
             let (session, _) = session?;
             let time = date_of_folder.unwrap_or_else(|| session.measured());
-            record.add(path, &session, time)?;
+            record.add(path.clone(), &session, time)?;
         }
         record.sort();
         Ok(record)
+    }
+
+    fn read_events(&mut self, path: &Path) -> Result<(), RecordError> {
+        let file = path.display().to_string();
+        let read = read_events(BufReader::new(open_input(path, &file)?), &file)?;
+        self.notices.extend(read.notices);
+        self.events = read.value;
+        Ok(())
+    }
+
+    /// Whether something happened to the robot after the session before this one.
+    fn follows_event(&self, index: usize) -> bool {
+        let Some(before) = index.checked_sub(1) else {
+            return false;
+        };
+        let [before, this] = [before, index].map(|index| &self.sessions[index]);
+        let is_between = |from: Timestamp, to: Timestamp| {
+            let mut events = self.events.iter();
+            events.any(|event| from < event.time && event.time <= to)
+        };
+        let times = before.time.zip(this.time);
+        before.adjusted || times.is_some_and(|(from, to)| is_between(from, to))
     }
 
     fn add(
@@ -158,29 +237,20 @@ impl RobotRecord {
         let identification = identify_to_compare(session, &mut |_| Control::Continue);
         let identification = identification.map_err(|error| failed(error.to_string()))?;
         if let Some(first) = self.sessions.first() {
-            let robots = [&first.identification.dataset.robot, &session.robot];
-            let size = robots[0].frame_size_m().unwrap_or(1.0);
-            for (own, other) in robots[0].cables.iter().zip(&robots[1].cables) {
-                let points = [own, other].map(|c| c.pulley.entry_point_m);
-                let apart = (0..3)
-                    .map(|k| (points[0][k] - points[1][k]).powi(2))
-                    .sum::<f64>()
-                    .sqrt();
-                if apart > OTHER_FRAME * size {
-                    return Err(failed(format!(
-                        "is of another robot than {}: the pulley of {} is described {:.0} mm from there",
-                        first.path.display(),
-                        own.name,
-                        1e3 * apart
-                    )));
-                }
-            }
+            let other = &first.identification.dataset.robot;
+            same_machine(other, &session.robot)
+                .map_err(|why| failed(format!("{why} as in {}", first.path.display())))?;
         }
         self.sessions.push(RecordedSession {
             name: name_of(&path),
             time,
             identification,
             adjusted: !session.adjustments().is_empty(),
+            operator: operator(session),
+            accuracy_after_m: accuracy_after_m(session),
+            effects: (session.settings.identification.effects.iter())
+                .map(|effect| effects_title(slice::from_ref(effect)))
+                .collect(),
             path,
         });
         Ok(())
@@ -194,6 +264,11 @@ impl RobotRecord {
             .collect();
         if undated.is_empty() {
             self.sessions.sort_by_key(|session| session.time);
+        } else if !self.events.is_empty() {
+            self.notices.push(format!(
+                "{EVENTS} is not used: no date when the poses were read: {}",
+                undated.join(", ")
+            ));
         } else if undated.len() < self.sessions.len() {
             self.notices.push(format!(
                 "no date when the poses were read: {}; all sessions are taken in the order of their names",
@@ -230,7 +305,7 @@ impl RobotRecord {
                 days: seconds
                     .filter(|_| is_dated)
                     .map_or(by_order, |s| s / SECONDS_PER_DAY),
-                follows_event: index > 0 && self.sessions[index - 1].adjusted,
+                follows_event: self.follows_event(index),
             });
         }
         let history = smooth(&runs).map_err(|error| failed(error.to_string()))?;
@@ -238,6 +313,7 @@ impl RobotRecord {
             forecast: is_dated.then(|| forecast(&history, tolerance_m)),
             history,
             is_dated,
+            tolerance_m,
         })
     }
 
@@ -257,8 +333,47 @@ impl RobotRecord {
     #[must_use]
     pub fn title(&self) -> String {
         let sessions = count(self.sessions.len(), "session");
-        format!("{sessions} of {}", self.robot().name)
+        format!("{sessions} of {}", self.robot().label())
     }
+}
+
+/// What is in a folder, in the order of names; neither what is hidden nor notes in Markdown.
+fn entries(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let entries = fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
+    let mut paths = entries.collect::<std::io::Result<Vec<PathBuf>>>()?;
+    paths.retain(|path| {
+        let name = path.file_name();
+        let is_hidden = name.is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        !is_hidden && path.extension().is_none_or(|extension| extension != "md")
+    });
+    paths.sort();
+    Ok(paths)
+}
+
+/// Whether a path is a folder with sessions or dataset folders and none of its own files: the record of a robot.
+#[must_use]
+pub fn is_record(path: &Path) -> bool {
+    let is_session = |path: &PathBuf| is_own(path).unwrap_or(false);
+    let holds =
+        || entries(path).is_ok_and(|paths| paths.iter().filter(|p| is_session(p)).nth(1).is_some());
+    path.is_dir() && !is_own(path).unwrap_or(false) && holds()
+}
+
+/// Who wrote values to the controller last, else who accepted the robot.
+fn operator(session: &Session) -> Option<String> {
+    let wrote = session.adjustments().last().map(|last| &last.operator);
+    let accepted = session.verifications().iter().rev();
+    let accepted = accepted.filter_map(|run| run.accepted.as_ref());
+    let known = wrote.or(accepted.map(|accepted| &accepted.operator).next());
+    known.filter(|name| !name.trim().is_empty()).cloned()
+}
+
+/// Mean pose accuracy of the last verification after an adjustment.
+fn accuracy_after_m(session: &Session) -> Option<f64> {
+    let mut runs = session.verifications().iter().rev();
+    let last = runs.find(|run| run.stage == Stage::After)?;
+    let figures = accuracy::figures(&last.rows).ok()?;
+    Some(figures.poses?.mean_accuracy_m)
 }
 
 /// Name of a file without the extensions of sessions, or of a folder.
@@ -266,6 +381,52 @@ fn name_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = name.strip_suffix(".json").unwrap_or(&name);
     name.strip_suffix(".tautline").unwrap_or(name).to_owned()
+}
+
+/// Checks that two descriptions are of one machine: the same serial number, if both have one, and pulleys at about the same
+/// places.
+///
+/// # Errors
+/// One sentence without its end, which names the other description.
+pub fn same_machine(known: &Robot, other: &Robot) -> Result<(), String> {
+    let numbers = [known, other].map(|robot| robot.serial_number.as_ref());
+    if let [Some(known), Some(other)] = numbers
+        && known != other
+    {
+        return Err(format!(
+            "serial_number: found {other:?}, expected {known:?}"
+        ));
+    }
+    let names = [known, other].map(|robot| {
+        let cables = robot.cables.iter();
+        cables.map(|cable| cable.name.as_str()).collect::<Vec<_>>()
+    });
+    if names[0] != names[1] {
+        return Err(format!(
+            "found the cables {}, expected {}",
+            names[1].join(", "),
+            names[0].join(", ")
+        ));
+    }
+    let size = known.frame_size_m().unwrap_or(1.0);
+    for (cable, moved) in known.cables.iter().zip(&other.cables) {
+        let [a, b] = [cable, moved].map(|c| Vec3::from(c.pulley.entry_point_m));
+        let apart = (a - b).norm();
+        if apart > OTHER_FRAME * size {
+            return Err(format!(
+                "found the pulley of {} {:.0} mm away, expected it",
+                cable.name,
+                1e3 * apart
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Days from one point in time to another.
+#[must_use]
+pub fn days_between(from: Timestamp, to: Timestamp) -> f64 {
+    (to.unix_seconds() - from.unix_seconds()) as f64 / SECONDS_PER_DAY
 }
 
 /// Time a number of days after another.

@@ -5,9 +5,10 @@ use tautline_core::history::{Drift, Forecast, Jump, OUT_OF_TOLERANCE, Part};
 use tautline_core::robot::Robot;
 use tautline_session::Timestamp;
 
-use super::{RobotRecord, days_after};
+use super::{RobotHistory, RobotRecord, date, days_after};
 use crate::wording::probability::{certainty, percent};
 use crate::wording::units::{quantity, with_sd};
+use crate::wording::{first_lower, list};
 
 /// Days of a month, for rates that people read.
 const DAYS_PER_MONTH: f64 = 30.0;
@@ -24,10 +25,15 @@ pub fn part_name(part: &Part, robot: &Robot) -> String {
             parameter,
             ..
         } => {
-            let title = find(effect).map_or(effect.as_str(), |found| found.title());
-            match targets.as_slice() {
-                [] => format!("{title}, {parameter}"),
-                targets => format!("{title} ({}), {parameter}", targets.join(", ")),
+            let found = find(effect);
+            let title = first_lower(found.map_or(effect.as_str(), |found| found.title()));
+            let title = match targets.as_slice() {
+                [] => title,
+                targets => format!("{title} ({})", targets.join(", ")),
+            };
+            match found.map(|found| found.parameters().len()) {
+                Some(1) => title,
+                _ => format!("{title}, {parameter}"),
             }
         }
     }
@@ -35,10 +41,14 @@ pub fn part_name(part: &Part, robot: &Robot) -> String {
 
 /// A vector by its length and coordinates: `7.1 mm (x 5.0 ± 0.5 mm, ...)`; a single number with its standard deviation.
 fn size(value: &[f64], sds: &[f64], axes: &[usize], unit: &str) -> String {
-    if axes.is_empty() {
-        return with_sd(value[0], sds[0], unit);
-    }
     let length = value.iter().map(|v| v * v).sum::<f64>().sqrt();
+    if axes.is_empty() {
+        // The two phases of a wave are one amplitude.
+        return match value {
+            [_, _, ..] => quantity(length, unit),
+            _ => with_sd(value[0], sds[0], unit),
+        };
+    }
     let each = axes.iter().zip(value.iter().zip(sds));
     let each = each
         .map(|(axis, (v, sd))| format!("{} {}", ["x", "y", "z"][*axis], with_sd(*v, *sd, unit)));
@@ -49,40 +59,40 @@ fn size(value: &[f64], sds: &[f64], axes: &[usize], unit: &str) -> String {
     )
 }
 
-fn unit_of(part: &Part) -> &str {
+/// SI unit of the numbers of a part.
+pub fn unit_of(part: &Part) -> &str {
     match part {
         Part::Pulley(_) | Part::TargetPlane => "m",
         Part::Effect { unit, .. } => unit,
     }
 }
 
+/// The size of a jump.
+pub fn size_of_jump(jump: &Jump, part: &Part, axes: &[usize]) -> String {
+    let variances = jump.covariance.diagonal();
+    let sds: Vec<f64> = variances.iter().map(|v| v.max(0.0).sqrt()).collect();
+    size(jump.size.as_slice(), &sds, axes, unit_of(part))
+}
+
 /// One jump: what moved, between which sessions, how certainly, by how much.
-#[must_use]
-pub fn change_sentence(record: &RobotRecord, jump: &Jump, part: &Part, axes: &[usize]) -> String {
-    let robot = record.robot();
-    let sds: Vec<f64> = jump
-        .covariance
-        .diagonal()
-        .iter()
-        .map(|v| v.sqrt())
-        .collect();
+fn change_sentence(record: &RobotRecord, jump: &Jump, part: &Part, axes: &[usize]) -> String {
     let [before, after] = jump.between.map(|k| record.sessions[k].name.as_str());
-    let name = part_name(part, robot);
+    let name = part_name(part, record.robot());
     let verb = match part {
         Part::Pulley(_) | Part::TargetPlane => "moved",
         Part::Effect { .. } => "changed",
     };
     format!(
-        "Between {before} and {after} the {} {verb} by {}, {}.",
+        "Between {before} and {after}{} the {} {verb} by {}, {}.",
+        told_between(record, jump.between),
         name.trim_start_matches("the "),
-        size(jump.size.as_slice(), &sds, axes, unit_of(part)),
+        size_of_jump(jump, part, axes),
         certainty(jump.probability)
     )
 }
 
 /// One drift: what drifts, how certainly, how fast.
-#[must_use]
-pub fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &Part, axes: &[usize]) -> String {
+fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &Part, axes: &[usize]) -> String {
     let robot = record.robot();
     let rate = &drift.rate * DAYS_PER_MONTH;
     let variances = drift.covariance.diagonal();
@@ -98,8 +108,7 @@ pub fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &Part, axes: &[
 }
 
 /// When to calibrate again.
-#[must_use]
-pub fn due_sentence(forecast: &Forecast, last: Timestamp) -> String {
+fn due_sentence(forecast: &Forecast, last: Timestamp) -> String {
     let tolerance = quantity(forecast.tolerance_m, "m");
     if forecast.at_once > OUT_OF_TOLERANCE {
         return format!(
@@ -108,8 +117,7 @@ pub fn due_sentence(forecast: &Forecast, last: Timestamp) -> String {
     }
     match forecast.due_days {
         Some(days) => {
-            let due = days_after(last, days).to_string();
-            let (date, _) = due.split_at(10);
+            let date = date(days_after(last, days));
             format!(
                 "Calibrate again by {date}: then the probability reaches {} that a pulley is more than {tolerance} from its value in \
                  the last session.",
@@ -120,4 +128,47 @@ pub fn due_sentence(forecast: &Forecast, last: Timestamp) -> String {
             format!("No pulley is expected to leave a tolerance of {tolerance} within ten years.")
         }
     }
+}
+
+/// What a record says of the time between two sessions: `(cable-2 replaced on 2026-09-03)`; empty if it says nothing.
+fn told_between(record: &RobotRecord, sessions: [usize; 2]) -> String {
+    let [Some(from), Some(to)] = sessions.map(|index| record.sessions[index].time) else {
+        return String::new();
+    };
+    let events = record.events.iter();
+    let events = events.filter(|event| from < event.time && event.time <= to);
+    let told: Vec<String> = events
+        .map(|event| format!("{} on {}", event.text, date(event.time)))
+        .collect();
+    match told.is_empty() {
+        true => String::new(),
+        false => format!(" ({})", list(&told)),
+    }
+}
+
+/// What happened over the sessions of a record: jumps, drifts, and whether any is certain.
+#[must_use]
+pub fn changes(record: &RobotRecord, found: &RobotHistory) -> Vec<String> {
+    let history = &found.history;
+    let of = |part: usize| (&history.parts[part], &history.axes[part]);
+    let mut told = Vec::new();
+    for jump in &history.jumps {
+        let (part, axes) = of(jump.part);
+        told.push(change_sentence(record, jump, part, axes));
+    }
+    for drift in history.evident_drifts().filter(|_| found.is_dated) {
+        let (part, axes) = of(drift.part);
+        told.push(drift_sentence(record, drift, part, axes));
+    }
+    if !found.is_certain() {
+        told.push("No change is certain: all sessions agree within the noise.".to_owned());
+    }
+    told
+}
+
+/// When to calibrate again; `None` if the sessions have no dates.
+#[must_use]
+pub fn next_calibration(record: &RobotRecord, found: &RobotHistory) -> Option<String> {
+    let last = record.sessions.last()?.time?;
+    Some(due_sentence(found.forecast.as_ref()?, last))
 }

@@ -6,6 +6,7 @@ use tautline_session::{Session, Timestamp};
 
 use super::choice::ReportChoice;
 use crate::documents::diagnosis::Diagnosed;
+use crate::history::{RobotHistory, RobotRecord};
 use crate::identification::{Identification, same_effect};
 
 /// Input of a report.
@@ -57,6 +58,19 @@ pub struct ComparisonInput<'a> {
     /// The comparison, second less first.
     pub comparison: &'a Comparison,
     /// The heading; a comparison has all its parts.
+    pub choice: &'a ReportChoice,
+    /// Time of the report.
+    pub now: Timestamp,
+}
+
+/// Input of the report of the record of a robot.
+#[derive(Debug, Clone, Copy)]
+pub struct HistoryInput<'a> {
+    /// The sessions.
+    pub record: &'a RobotRecord,
+    /// What changed between them.
+    pub found: &'a RobotHistory,
+    /// The heading; a history has all its parts.
     pub choice: &'a ReportChoice,
     /// Time of the report.
     pub now: Timestamp,

@@ -26,7 +26,7 @@ use tautline_session::{Timestamp, WriteError, write_bytes};
 
 pub use choice::{Part, ReportChoice};
 pub use colours::PLOT;
-pub use input::{ComparisonInput, ReportInput};
+pub use input::{ComparisonInput, HistoryInput, ReportInput};
 pub use pdf::PdfError;
 pub use results::{Results, completed};
 
@@ -127,6 +127,25 @@ pub fn render_comparison(
 /// If the name ends with neither .html nor .pdf, or the file cannot be written.
 pub fn write_comparison(path: &Path, input: &ComparisonInput<'_>) -> Result<(), ReportError> {
     write_document(path, &content::comparison::document(input), input.now)
+}
+
+/// Renders the report of the record of a robot as the bytes of a file.
+///
+/// # Errors
+/// If the PDF cannot be created.
+pub fn render_history(
+    input: &HistoryInput<'_>,
+    format: ReportFormat,
+) -> Result<Vec<u8>, ReportError> {
+    render(&content::history::document(input), format, input.now)
+}
+
+/// Writes the report of the record of a robot in the format of the file extension, atomically.
+///
+/// # Errors
+/// If the name ends with neither .html nor .pdf, or the file cannot be written.
+pub fn write_history(path: &Path, input: &HistoryInput<'_>) -> Result<(), ReportError> {
+    write_document(path, &content::history::document(input), input.now)
 }
 
 /// Writes the report in the format of the file extension, atomically.

@@ -46,6 +46,12 @@ pub fn dependence(name: &str, figure: &Figure) -> Drawing {
     drawing(label, figure, size, SCALE, &PLOT)
 }
 
+/// The course of one part of a robot over its sessions.
+pub fn course(figure: &Figure) -> Drawing {
+    let label = format!("{} over time", figure.y.title());
+    drawing(label, figure, SIZE, SCALE, &PLOT)
+}
+
 /// Number of histogram bins per standard deviation.
 const BINS: f64 = 2.0;
 /// Range of a histogram in standard deviations to either side; the outermost bins include residuals beyond.

@@ -1,7 +1,9 @@
-//! Sample sessions in folders: `NAME/session.json` with a `README.md`.
+//! Sample sessions in folders: `NAME/session.json`, or several sessions of one robot, with a `README.md`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
+
+use crate::history::is_record;
 
 /// A sample session.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -10,8 +12,10 @@ pub struct Sample {
     pub title: String,
     /// What it demonstrates, in one line.
     pub shows: String,
-    /// Its session file.
+    /// Its session file, or the folder of a record.
     pub session: PathBuf,
+    /// Whether it is the record of a robot.
+    pub is_record: bool,
 }
 
 /// Sample sessions of the first folder that contains any, sorted by folder name.
@@ -68,7 +72,14 @@ fn samples_of(folder: &Path) -> Vec<Sample> {
         title: format!("{title}{suffix}"),
         shows: shows.clone(),
         session,
+        is_record: false,
     };
+    if is_record(folder) {
+        return vec![Sample {
+            is_record: true,
+            ..sample("", folder.to_owned())
+        }];
+    }
     let pair = [
         ("session.json", ""),
         ("before.json", ", before"),

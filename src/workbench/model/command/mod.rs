@@ -7,6 +7,7 @@ pub(crate) mod file_choice;
 mod identification;
 mod import;
 mod plot;
+mod record;
 mod recording;
 mod report;
 mod robot;
@@ -22,6 +23,7 @@ pub use identification::{
 };
 pub use import::{ImportCommand, ImportOutcome};
 pub use plot::{Format, PlotCommand, PlotFile, PlotPicture};
+pub use record::{READING_RECORD, RecordCommand, RecordOutcome};
 pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
 pub use report::{ReportCommand, ReportDraft};
 pub(crate) use robot::STOP;
@@ -54,6 +56,7 @@ pub enum Command {
     Robot(RobotCommand),
     Report(ReportCommand),
     Compare(CompareCommand),
+    Record(RecordCommand),
     /// Simulating what the expected covariance answers.
     Study(StudyCommand),
     /// Asks the tasks of this title to end.
@@ -80,6 +83,8 @@ pub enum Outcome {
     Setup(SetupOutcome),
     /// Of comparing two sessions.
     Compare(CompareOutcome),
+    /// Of reading the record of a robot.
+    Record(RecordOutcome),
     /// What to do with the file that was picked in a dialog of the desktop; `None` if that was cancelled.
     Picked(Option<Box<Command>>),
     /// The desktop has no dialog for a file that is asked for.
@@ -112,6 +117,7 @@ from!(
     PlotCommand => Command::Plot,
     ReportCommand => Command::Report,
     CompareCommand => Command::Compare,
+    RecordCommand => Command::Record,
     StudyCommand => Command::Study,
     FileOutcome => Outcome::File,
     ImportOutcome => Outcome::Import,
@@ -121,6 +127,7 @@ from!(
     PlanOutcome => Outcome::Plan,
     SetupOutcome => Outcome::Setup,
     CompareOutcome => Outcome::Compare,
+    RecordOutcome => Outcome::Record,
 );
 
 /// Commands that were given in this frame; they are carried out after it was drawn.

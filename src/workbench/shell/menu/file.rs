@@ -5,7 +5,7 @@ use egui::Key;
 use super::super::state::State;
 use super::{CONTROL, CONTROL_SHIFT, Item, Menu, item, keys};
 use crate::model::command::{
-    CompareCommand, FileCommand, RecordingCommand, ReportCommand, ViewCommand,
+    CompareCommand, FileCommand, RecordCommand, RecordingCommand, ReportCommand, ViewCommand,
 };
 use crate::model::phase::Screen;
 use tautline_workflow::report::ReportFormat;
@@ -33,6 +33,7 @@ pub fn lines(state: &State) -> Vec<Item> {
     let is_compared = matches!(state.model.comparison.result(), Some(Ok(_)));
     let has_report = match state.model.screen {
         Screen::Compare => is_compared,
+        Screen::Record => state.model.record.open().is_some(),
         _ => open,
     };
     let mut items = vec![
@@ -60,6 +61,13 @@ pub fn lines(state: &State) -> Vec<Item> {
             None,
             true,
             CompareCommand::Show,
+        ),
+        item(
+            Menu::File,
+            "Record of a robot",
+            None,
+            true,
+            RecordCommand::Show,
         ),
         item(
             Menu::File,

@@ -147,10 +147,10 @@ fn wanted(picture: &Picture<'_>, rect: Rect) -> Vec<Wanted> {
         let number = view.label.clone();
         let has_moved = view.moved.and_then(|moved| moved.moved) == Some(true);
         let other = placed.other.filter(|_| picture.options.nominal);
-        let wheels = match other {
-            Some(other) if scene.besides == Besides::Other && has_moved => vec![
-                (placed.wheel, format!("{number} A")),
-                (other, format!("{number} B")),
+        let wheels = match (other, scene.besides) {
+            (Some(other), Besides::Other(names)) if has_moved => vec![
+                (placed.wheel, format!("{number} {}", names.first)),
+                (other, format!("{number} {}", names.second)),
             ],
             _ => vec![(placed.wheel, number)],
         };
@@ -211,7 +211,7 @@ mod tests {
     use crate::views::robot_3d::camera::{Camera, StandardView};
     use crate::views::robot_3d::drawing::Options;
     use crate::views::robot_3d::parts::Part;
-    use crate::views::robot_3d::scene::{Displacement, Scene, Subject};
+    use crate::views::robot_3d::scene::{Displacement, Scene, SideNames, Subject};
 
     /// A preset whose pulleys are up to 5 mm from the drawing.
     fn scene_of(name: &str, random: &mut ChaCha8Rng) -> Scene {
@@ -334,7 +334,10 @@ mod tests {
     #[test]
     fn both_places_of_a_pulley_that_moved_are_labelled() {
         let mut scene = scene_of("mini", &mut ChaCha8Rng::seed_from_u64(1));
-        scene.besides = Besides::Other;
+        scene.besides = Besides::Other(SideNames {
+            first: "A",
+            second: "B",
+        });
         for (index, cable) in scene.cables.iter_mut().enumerate() {
             if let Some(moved) = &mut cable.moved {
                 moved.moved = Some(index == 4);

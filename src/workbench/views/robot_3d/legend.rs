@@ -178,8 +178,8 @@ fn significances(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &P
         .filter(occurs)
         .map(|one| {
             let words = match (scene.besides, one) {
-                (Besides::Other, Significance::Noise) => "noise",
-                (Besides::Other, Significance::Clear) => "moved",
+                (Besides::Other(_), Significance::Noise) => "noise",
+                (Besides::Other(_), Significance::Clear) => "moved",
                 _ => one.words(),
             };
             (words, significance_colour(one, palette))

@@ -143,7 +143,7 @@ fn parts(ui: &mut Ui, options: &mut Options, scene: &Scene) {
     checkbox(ui, &mut options.errors, "Position errors")
         .on_hover_text("Errors of position before and after the adjustment, in phase 5");
     let pulleys = match besides {
-        Besides::Other => "Pulleys of B",
+        Besides::Other(names) => &format!("Pulleys of {}", names.second),
         Besides::Drawing | Besides::Nothing => "Nominal pulleys",
     };
     let of_identification = [

@@ -1,7 +1,7 @@
 //! Tooltips of the 3D view.
 
 use super::picking::Thing;
-use super::scene::{Besides, Residual, Scene, Shown};
+use super::scene::{Besides, Residual, Scene, Shown, SideNames};
 use tautline_core::geometry::Vec3;
 use tautline_workflow::wording::units::{mm, signed};
 
@@ -22,7 +22,9 @@ pub fn describe(scene: &Scene, thing: Thing) -> String {
 pub fn shown(scene: &Scene) -> String {
     let shown = pose_shown(scene);
     match scene.besides {
-        Besides::Other => format!("{shown}: A solid, B transparent"),
+        Besides::Other(SideNames { first, second }) => {
+            format!("{shown}: {first} solid, {second} transparent")
+        }
         Besides::Drawing | Besides::Nothing => shown,
     }
 }
@@ -73,7 +75,7 @@ fn pulley(scene: &Scene, index: usize) -> String {
     if let Some(moved) = &cable.moved {
         let length = moved.by.norm() * 1e3;
         text += &match scene.besides {
-            Besides::Other => format!("\n{length:.2} mm away in B"),
+            Besides::Other(names) => format!("\n{length:.2} mm away in {}", names.second),
             Besides::Drawing | Besides::Nothing => format!("\n{length:.2} mm from nominal"),
         };
         if let Some(covariance) = moved.covariance {

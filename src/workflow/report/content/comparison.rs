@@ -3,7 +3,7 @@
 use tautline_core::comparison::{Comparison, PulleyDifference};
 use tautline_core::estimation::Observation;
 
-use super::{displacements, number, signed, when};
+use super::{displacements, number, signatures, signed, titled, when};
 use crate::comparison::{differs, effect_name, unexplained, verdict};
 use crate::identification::{Identification, all_readings};
 use crate::report::deviations::Deviation;
@@ -16,36 +16,16 @@ use crate::wording::{PROGRAM, count, ratio, sentence};
 /// The whole content.
 pub fn document(input: &ComparisonInput<'_>) -> Document {
     let names = input.names;
-    let title = match input.choice.title.trim() {
-        "" => format!("Comparison: {} and {}", names[0], names[1]),
-        title => title.to_owned(),
-    };
-    let mut subtitle = Vec::new();
-    for (what, who) in [
-        ("Company", &input.choice.company),
-        ("Operator", &input.choice.operator),
-    ] {
-        if !who.trim().is_empty() {
-            subtitle.push(format!("{what}: {}", who.trim()));
-        }
-    }
-    subtitle.push(format!("Created {}", when(input.now)));
-    Document {
-        header: input.choice.header.trim().to_owned(),
-        title,
-        subtitle,
-        sections: vec![
-            result(input),
-            pulleys(input),
-            others(input.comparison),
-            residuals(input),
-            signatures(input),
-            about(input),
-        ]
-        .into_iter()
-        .filter(|section| !section.blocks.is_empty())
-        .collect(),
-    }
+    let title = format!("Comparison: {} and {}", names[0], names[1]);
+    let sections = [
+        result(input),
+        pulleys(input),
+        others(input.comparison),
+        residuals(input),
+        signatures(input.choice, "Compared by"),
+        about(input),
+    ];
+    titled(input.choice, title, input.now, sections)
 }
 
 fn result(input: &ComparisonInput<'_>) -> Section {
@@ -209,22 +189,12 @@ fn residuals(input: &ComparisonInput<'_>) -> Section {
     section
 }
 
-fn signatures(input: &ComparisonInput<'_>) -> Section {
-    let mut section = Section::new("Signatures");
-    let operator = input.choice.operator.trim();
-    section.blocks.push(Block::Signatures(vec![
-        ("Compared by".to_owned(), operator.to_owned()),
-        ("Approved by".to_owned(), String::new()),
-    ]));
-    section
-}
-
 fn about(input: &ComparisonInput<'_>) -> Section {
     let mut section = Section::new("About this report");
     let facts = [
         ("Program", PROGRAM.to_owned()),
         ("Created", when(input.now)),
-        ("Robot", input.fits[0].dataset.robot.name.clone()),
+        ("Robot", input.fits[0].dataset.robot.label()),
     ];
     let facts = facts.map(|(name, value)| (name.to_owned(), value));
     section.facts(facts);

@@ -10,20 +10,60 @@ mod data;
 mod displacements;
 mod fit;
 mod geometry;
+pub mod history;
 mod instruments;
 mod limits;
 mod method;
 mod result;
 mod robot;
 
-use super::choice::Part;
-use super::document::Document;
+use super::choice::{Part, ReportChoice};
+use super::document::{Block, Document, Section};
 use super::input::ReportInput;
+use tautline_session::Timestamp;
+
 use crate::wording::local_time::with_offset as when;
 use crate::wording::units::{fixed as number, signed};
 
 /// Placeholder of a missing number.
 const NONE: &str = "–";
+
+/// A document about several sessions: the heading as it was chosen, and the sections that have content.
+fn titled(
+    choice: &ReportChoice,
+    title: String,
+    now: Timestamp,
+    sections: impl IntoIterator<Item = Section>,
+) -> Document {
+    let people = [("Company", &choice.company), ("Operator", &choice.operator)];
+    let people = people.map(|(what, who)| (what, who.trim()));
+    let stated = people.iter().filter(|(_, who)| !who.is_empty());
+    let stated = stated.map(|(what, who)| format!("{what}: {who}"));
+    let created = format!("Created {}", when(now));
+    let sections = sections.into_iter();
+    Document {
+        header: choice.header.trim().to_owned(),
+        title: match choice.title.trim() {
+            "" => title,
+            chosen => chosen.to_owned(),
+        },
+        subtitle: stated.chain([created]).collect(),
+        sections: sections
+            .filter(|section| !section.blocks.is_empty())
+            .collect(),
+    }
+}
+
+/// Lines to sign on: who did what the report is about, and who approves it.
+fn signatures(choice: &ReportChoice, done: &str) -> Section {
+    let mut section = Section::new("Signatures");
+    let operator = choice.operator.trim();
+    section.blocks.push(Block::Signatures(vec![
+        (done.to_owned(), operator.to_owned()),
+        ("Approved by".to_owned(), String::new()),
+    ]));
+    section
+}
 
 /// The whole content.
 pub fn document(input: &ReportInput<'_>) -> Document {
@@ -84,7 +124,7 @@ pub fn document(input: &ReportInput<'_>) -> Document {
 
 /// The lines below the title.
 fn head(input: &ReportInput<'_>) -> Vec<String> {
-    let mut lines = vec![format!("Robot {}", input.session.robot.name)];
+    let mut lines = vec![format!("Robot {}", input.session.robot.label())];
     for (what, who) in [
         ("Company", &input.choice.company),
         ("Operator", &input.choice.operator),

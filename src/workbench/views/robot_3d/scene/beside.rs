@@ -2,18 +2,42 @@
 
 use tautline_core::comparison::Comparison;
 
-use super::{Besides, Displacement, Scene, Wheel};
+use super::{Besides, Displacement, Scene, SideNames, Wheel};
 
 impl Scene {
     /// Adds the second geometry of a comparison to a scene of the first. The common motion is taken
-    /// out: the home pose of the first session holds for both. Poses are left out, each session has its own.
+    /// out: the home pose of the first session holds for both.
     #[must_use]
-    pub fn compared(mut self, compared: &Comparison) -> Self {
-        self.besides = Besides::Other;
-        self.measured = Default::default();
-        for (cable, pulley) in self.cables.iter_mut().zip(&compared.pulleys) {
+    pub fn compared(self, compared: &Comparison) -> Self {
+        let names = SideNames {
+            first: "A",
+            second: "B",
+        };
+        let differences = compared.pulleys.iter().map(|pulley| {
             let difference = pulley.relative.unwrap_or(pulley.raw);
-            let by = difference.vector_m;
+            Displacement {
+                from: Default::default(),
+                by: difference.vector_m,
+                covariance: Some(difference.covariance),
+                is_explained: true,
+                moved: pulley.test.map(|_| pulley.moved),
+            }
+        });
+        self.beside(names, differences)
+    }
+
+    /// Adds the pulleys of another session to a scene, by their displacements in the order of the cables. Poses are left out,
+    /// each session has its own.
+    #[must_use]
+    pub fn beside(
+        mut self,
+        names: SideNames,
+        displacements: impl IntoIterator<Item = Displacement>,
+    ) -> Self {
+        self.besides = Besides::Other(names);
+        self.measured = Default::default();
+        for (cable, displacement) in self.cables.iter_mut().zip(displacements) {
+            let by = displacement.by;
             cable.nominal = Some(Wheel {
                 entry: cable.wheel.entry + by,
                 centre: cable.wheel.centre + by,
@@ -21,10 +45,7 @@ impl Scene {
             });
             cable.moved = Some(Displacement {
                 from: cable.wheel.entry,
-                by,
-                covariance: Some(difference.covariance),
-                is_explained: true,
-                moved: pulley.test.map(|_| pulley.moved),
+                ..displacement
             });
         }
         self

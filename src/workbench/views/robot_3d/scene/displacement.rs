@@ -133,7 +133,7 @@ impl Scene {
         };
         let by = cable.moved.map_or_else(Vec3::zeros, |moved| moved.by);
         let more = by * (magnification - 1.0);
-        if self.besides == Besides::Other {
+        if matches!(self.besides, Besides::Other(_)) {
             // The first session is drawn where it is.
             return Placed {
                 path: cable.path.clone(),

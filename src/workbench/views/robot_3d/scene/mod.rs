@@ -1,8 +1,8 @@
 //! The scene as plain data (base frame, metres), without colours, camera or graphics card.
 
+mod beside;
 mod build;
 mod cable;
-mod compared;
 mod displacement;
 pub mod errors;
 mod frame;
@@ -70,7 +70,16 @@ pub enum Besides {
     /// Those of the drawing.
     Drawing,
     /// Those of another session.
-    Other,
+    Other(SideNames),
+}
+
+/// What two sets of pulleys in one picture are called.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SideNames {
+    /// The solid ones.
+    pub first: &'static str,
+    /// The transparent ones.
+    pub second: &'static str,
 }
 
 /// How well the model predicts what was measured, in standard deviations.

@@ -1,0 +1,90 @@
+//! The record of a robot that is open: its sessions and what changed between them.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use tautline_workflow::history::{RobotHistory, RobotRecord, TOLERANCE_M};
+
+/// A record with its history.
+#[derive(Debug, Clone)]
+pub struct OpenRecord {
+    /// Its folder.
+    pub folder: PathBuf,
+    pub record: RobotRecord,
+    pub found: RobotHistory,
+}
+
+/// The record on the screen.
+#[derive(Debug)]
+pub struct RecordState {
+    folder: Option<PathBuf>,
+    /// Largest tolerable displacement of a pulley (m).
+    pub tolerance_m: f64,
+    result: Option<Result<Arc<OpenRecord>, String>>,
+    number: u64,
+}
+
+impl Default for RecordState {
+    fn default() -> Self {
+        Self {
+            folder: None,
+            tolerance_m: TOLERANCE_M,
+            result: None,
+            number: 0,
+        }
+    }
+}
+
+impl RecordState {
+    /// The folder that was chosen.
+    #[must_use]
+    pub fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
+    /// The record, or why it cannot be opened.
+    #[must_use]
+    pub fn result(&self) -> Option<&Result<Arc<OpenRecord>, String>> {
+        self.result.as_ref()
+    }
+
+    /// The record, if it is open.
+    #[must_use]
+    pub fn open(&self) -> Option<&Arc<OpenRecord>> {
+        self.result.as_ref()?.as_ref().ok()
+    }
+
+    /// Begins to read a folder: the number of its result.
+    pub fn begin(&mut self, folder: PathBuf) -> u64 {
+        self.folder = Some(folder);
+        self.result = None;
+        self.number += 1;
+        self.number
+    }
+
+    /// Closes the record.
+    pub fn clear(&mut self) {
+        (self.folder, self.result) = (None, None);
+        self.number += 1;
+    }
+
+    /// Whether the result of this number is waited for.
+    #[must_use]
+    pub fn expects(&self, number: u64) -> bool {
+        self.number == number
+    }
+
+    pub fn take(&mut self, result: Result<Arc<OpenRecord>, String>) {
+        self.result = Some(result);
+    }
+
+    /// Changes the tolerance, on which the date of the next calibration depends.
+    pub fn set_tolerance(&mut self, tolerance_m: f64) {
+        self.tolerance_m = tolerance_m;
+        if let Some(Ok(open)) = &mut self.result {
+            let mut changed = OpenRecord::clone(open);
+            changed.found.set_tolerance(tolerance_m);
+            *open = Arc::new(changed);
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! The folder of the record at the top: typed, picked, or dropped on the window.
+
+use std::path::PathBuf;
+
+use egui::{Align, Button, Key, Label, Layout, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui_material_icons::icons;
+use tautline_workflow::report::ReportFormat;
+
+use super::PanelState;
+use crate::model::Model;
+use crate::model::command::{Outbox, RecordCommand, ReportCommand, ViewCommand};
+use crate::model::phase::{Phase, Screen};
+use crate::theme::{self, GRID};
+use crate::widgets::{heading, icon_button};
+
+pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let open = model.record.open();
+    ui.horizontal(|ui| {
+        heading(ui, "Record of a robot");
+        if let Some(open) = open {
+            ui.label(RichText::new(open.record.title()).font(theme::strong(13.0)));
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
+                let back = match model.open {
+                    Some(_) => Screen::Phase(Phase::Identification),
+                    None => Screen::Start,
+                };
+                outbox.send(ViewCommand::Go(back));
+            }
+            let is_open = open.is_some();
+            let name = "Save report…";
+            if icon_button(ui, icons::ICON_DESCRIPTION, name, is_open).clicked() {
+                outbox.send(ReportCommand::AskSave(ReportFormat::Pdf));
+            }
+            if icon_button(ui, icons::ICON_DOWNLOAD, "Save table…", is_open).clicked() {
+                outbox.send(RecordCommand::AskSaveTable);
+            }
+        });
+    });
+    ui.add_space(GRID);
+    ui.horizontal(|ui| match model.record.folder() {
+        Some(folder) => {
+            if ui.button("Change").clicked() {
+                // The path stays to be changed.
+                panel.path = folder.display().to_string();
+                outbox.send(RecordCommand::Close);
+            }
+            if icon_button(ui, icons::ICON_REFRESH, "Read again", is_read(model)).clicked() {
+                outbox.send(RecordCommand::Open(folder.to_owned()));
+            }
+            let place = RichText::new(folder.display().to_string());
+            ui.add(Label::new(place.color(theme::of(ui).muted)).truncate());
+        }
+        None => choose(ui, &mut panel.path, outbox),
+    });
+}
+
+/// Whether the record is read, well or not.
+fn is_read(model: &Model) -> bool {
+    model.record.result().is_some()
+}
+
+fn choose(ui: &mut Ui, path: &mut String, outbox: &mut Outbox) {
+    let field = TextEdit::singleline(path)
+        .hint_text("Folder with the sessions of one robot, or drop it on the window")
+        .desired_width((ui.available_width() - 220.0).clamp(160.0, 560.0));
+    let field = ui.add(field);
+    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Folder of the record"));
+    let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    let typed = !path.trim().is_empty();
+    let open = ui.add_enabled(typed, Button::new("Open"));
+    if (open.clicked() || entered) && typed {
+        outbox.send(RecordCommand::Open(PathBuf::from(path.trim())));
+    }
+    if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
+        outbox.send(RecordCommand::Ask);
+    }
+}

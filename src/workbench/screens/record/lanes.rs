@@ -1,0 +1,93 @@
+//! The course of each part over the sessions, in small plots whose dates are zoomed together.
+
+use std::sync::Arc;
+
+use egui::{Grid, ScrollArea, Ui, vec2};
+use tautline_core::history::Part;
+use tautline_workflow::history::lane;
+use tautline_workflow::plot::Figure;
+
+use super::selection_of;
+use crate::model::Model;
+use crate::model::command::{Outbox, PlotCommand, ViewCommand};
+use crate::model::record::OpenRecord;
+use crate::theme::GRID;
+use crate::views::plots::small::{Linked, show_linked};
+use crate::widgets::{muted, section};
+
+/// Least width of a plot, its height, and the space between two (points).
+const WIDTH: f32 = 330.0;
+const HEIGHT: f32 = 168.0;
+const GAP: f32 = 2.0 * GRID;
+
+/// The plots of a record.
+#[derive(Debug)]
+pub(super) struct Lanes(Vec<(Part, Arc<Figure>)>);
+
+impl Lanes {
+    pub(super) fn new(open: &OpenRecord) -> Self {
+        let parts = open.found.history.parts.iter().enumerate();
+        let drawn = parts.map(|(index, part)| {
+            let figure = lane(&open.record, &open.found, index);
+            (part.clone(), Arc::new(figure))
+        });
+        Self(drawn.collect())
+    }
+}
+
+pub(super) fn show(ui: &mut Ui, model: &Model, lanes: &Lanes, outbox: &mut Outbox) {
+    ui.horizontal_wrapped(|ui| {
+        section(ui, "Courses");
+        muted(
+            ui,
+            "less the last session, with 95 % bands; shaded dates: when it jumped; dashed: events",
+        );
+    });
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let columns = (ui.available_width() / WIDTH).floor().max(1.0);
+        let width = (ui.available_width() - GAP * (columns - 1.0)) / columns;
+        Grid::new("courses").spacing(vec2(GAP, GAP)).show(ui, |ui| {
+            for (index, (part, figure)) in lanes.0.iter().enumerate() {
+                one(ui, model, (part, figure), width, outbox);
+                if (index + 1) % columns as usize == 0 {
+                    ui.end_row();
+                }
+            }
+        });
+    });
+}
+
+fn one(
+    ui: &mut Ui,
+    model: &Model,
+    (part, figure): (&Part, &Arc<Figure>),
+    width: f32,
+    outbox: &mut Outbox,
+) {
+    let name = format!("Course: {}", figure.y.title());
+    let plot = Linked {
+        name: &name,
+        figure,
+        size: vec2(width, HEIGHT),
+        link: "courses",
+    };
+    let asked = show_linked(ui, &plot, model.selection);
+    if asked.is_clicked
+        && let Some(selection) = selection_of(part)
+    {
+        outbox.send(ViewCommand::Select(selection));
+    }
+    if let Some((ending, file)) = asked.saved {
+        let name = figure.y.label.to_lowercase();
+        let name: String = (name.chars())
+            .map(|letter| {
+                if letter.is_alphanumeric() {
+                    letter
+                } else {
+                    '-'
+                }
+            })
+            .collect();
+        outbox.send(PlotCommand::AskSave(format!("{name}.{ending}"), file));
+    }
+}

@@ -1,0 +1,312 @@
+//! The record of a robot: what moved, drifted or stayed over its sessions.
+
+mod chooser;
+mod lanes;
+mod sessions;
+
+use std::sync::Arc;
+
+use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Slider, Spinner, Ui};
+use tautline_core::history::{CERTAIN, Part as RobotPart};
+use tautline_workflow::history::{changes as told, next_calibration};
+use tautline_workflow::plot::Selection;
+
+use crate::model::Model;
+use crate::model::command::{
+    Outbox, PlotCommand, PlotFile, READING_RECORD, RecordCommand, ViewCommand,
+};
+use crate::model::part::Part;
+use crate::model::record::OpenRecord;
+use crate::theme::{self, GRID};
+use crate::views::ViewStates;
+use crate::views::robot_3d::scene::{Displacement, Scene, SideNames, Subject};
+use crate::widgets::{Entered, Number, Verdict, empty, muted, number_checked, section, verdict};
+
+#[derive(Debug, Default)]
+pub struct PanelState {
+    path: String,
+    /// The session whose pulleys the 3D view shows, by its place in the order of time.
+    shown: usize,
+    /// Sessions that were clicked to be compared, the last one last.
+    chosen: Vec<usize>,
+    /// What a small window shows.
+    part: Part,
+    /// What was drawn last.
+    drawn: Option<Drawn>,
+}
+
+/// A record as it is drawn.
+#[derive(Debug)]
+struct Drawn {
+    open: Arc<OpenRecord>,
+    shown: usize,
+    /// The pulleys of the first session beside those of the one that is shown.
+    scene: Arc<Scene>,
+    lanes: lanes::Lanes,
+}
+
+impl Drawn {
+    fn new(open: &Arc<OpenRecord>, shown: usize) -> Self {
+        Self {
+            scene: Arc::new(scene(open, shown)),
+            lanes: lanes::Lanes::new(open),
+            shown,
+            open: Arc::clone(open),
+        }
+    }
+}
+
+/// Width of the window (points) below which one part is shown at a time.
+const COMPACT: f32 = 900.0;
+/// Names of the two sets of pulleys in the 3D view.
+const NAMES: SideNames = SideNames {
+    first: "first session",
+    second: "chosen session",
+};
+
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    (panel, views): (&mut PanelState, &mut ViewStates),
+    outbox: &mut Outbox,
+) {
+    Panel::top("record")
+        .frame(side(ui))
+        .show(ui, |ui| chooser::show(ui, model, panel, outbox));
+    match model.record.result() {
+        Some(Ok(open)) => opened(ui, model, open, (panel, views), outbox),
+        Some(Err(error)) => {
+            ui.add_space(6.0 * GRID);
+            ui.horizontal(|ui| {
+                ui.add_space(3.0 * GRID);
+                verdict(ui, Verdict::Bad, error);
+            });
+        }
+        None if model.tasks.runs(READING_RECORD) => {
+            ui.centered_and_justified(|ui| ui.add(Spinner::new()));
+        }
+        None => empty(
+            ui,
+            "Choose a folder with the sessions of one robot. The record shows what moved between which dates, what drifts, and when \
+             to calibrate again.",
+        ),
+    }
+}
+
+fn opened(
+    ui: &mut Ui,
+    model: &Model,
+    open: &Arc<OpenRecord>,
+    (panel, views): (&mut PanelState, &mut ViewStates),
+    outbox: &mut Outbox,
+) {
+    let last = open.record.sessions.len() - 1;
+    let known = panel.drawn.take();
+    let is_same = |drawn: &Drawn| drawn.open.folder == open.folder;
+    if !known.as_ref().is_some_and(is_same) {
+        views.record_3d.look_anew();
+        (panel.shown, panel.chosen) = (last, Vec::new());
+    }
+    panel.shown = panel.shown.min(last);
+    let known = known.filter(|drawn| Arc::ptr_eq(&drawn.open, open));
+    let mut drawn = known.unwrap_or_else(|| Drawn::new(open, panel.shown));
+    if drawn.shown != panel.shown {
+        drawn.scene = Arc::new(scene(open, panel.shown));
+        drawn.shown = panel.shown;
+    }
+    if ui.available_width() < COMPACT {
+        compact(ui, model, &drawn, (panel, views), outbox);
+    } else {
+        wide(ui, model, &drawn, (panel, views), outbox);
+    }
+    panel.drawn = Some(drawn);
+}
+
+fn side(ui: &Ui) -> Frame {
+    Frame::new()
+        .fill(theme::of(ui).panel)
+        .inner_margin(Margin::same(3 * GRID as i8))
+}
+
+/// Everything beside each other.
+fn wide(
+    ui: &mut Ui,
+    model: &Model,
+    drawn: &Drawn,
+    (panel, views): (&mut PanelState, &mut ViewStates),
+    outbox: &mut Outbox,
+) {
+    let side = side(ui);
+    Panel::right("what changed")
+        .frame(side)
+        .default_size(560.0)
+        .size_range(420.0..=760.0)
+        .show(ui, |ui| changes(ui, model, drawn, panel, outbox));
+    let height = 0.5 * ui.available_height();
+    Panel::bottom("courses")
+        .frame(side)
+        .default_size(height)
+        .size_range(160.0..=1.6 * height)
+        .show(ui, |ui| lanes::show(ui, model, &drawn.lanes, outbox));
+    CentralPanel::no_frame().show(ui, |ui| robot(ui, model, drawn, (panel, views), outbox));
+}
+
+/// One part at a time, where the window has no room for all of them.
+fn compact(
+    ui: &mut Ui,
+    model: &Model,
+    drawn: &Drawn,
+    (panel, views): (&mut PanelState, &mut ViewStates),
+    outbox: &mut Outbox,
+) {
+    let side = side(ui);
+    Panel::top("parts of the record")
+        .frame(side)
+        .show(ui, |ui| {
+            ui.horizontal(|ui| {
+                for (one, title) in [
+                    (Part::Panel, "Changes"),
+                    (Part::Robot, "3D view"),
+                    (Part::Plots, "Courses"),
+                ] {
+                    ui.selectable_value(&mut panel.part, one, title);
+                }
+            });
+        });
+    CentralPanel::no_frame()
+        .frame(side)
+        .show(ui, |ui| match panel.part {
+            Part::Panel => changes(ui, model, drawn, panel, outbox),
+            Part::Robot => robot(ui, model, drawn, (panel, views), outbox),
+            Part::Plots => lanes::show(ui, model, &drawn.lanes, outbox),
+        });
+}
+
+/// The pulleys in 3D at a date, and the slider that chooses it.
+fn robot(
+    ui: &mut Ui,
+    model: &Model,
+    drawn: &Drawn,
+    (panel, views): (&mut PanelState, &mut ViewStates),
+    outbox: &mut Outbox,
+) {
+    let sessions = &drawn.open.record.sessions;
+    Panel::bottom("date")
+        .frame(side(ui))
+        .resizable(false)
+        .show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let label = ui.label("Session");
+                ui.spacing_mut().slider_width = (ui.available_width() - 160.0).max(80.0);
+                let slider = Slider::new(&mut panel.shown, 0..=sessions.len() - 1);
+                let name = |value: f64, _: std::ops::RangeInclusive<usize>| {
+                    let session = sessions.get(value as usize);
+                    session.map_or_else(String::new, |session| session.date_or_name())
+                };
+                ui.add(slider.custom_formatter(name)).labelled_by(label.id);
+            });
+        });
+    let view = &mut views.record_3d;
+    let aim = view.toolbar(ui, &drawn.scene, (model.selection, None));
+    let touched = view.show(ui, &drawn.scene, aim, model.selection, &mut views.hovered);
+    if let Some(selection) = touched.selection {
+        outbox.send(ViewCommand::Select(selection));
+    }
+    if let Some(cable) = touched.inspected {
+        view.frame(cable);
+    }
+    if let Some(picture) = touched.picture {
+        let file = PlotFile::Screenshot(picture);
+        outbox.send(PlotCommand::AskSave("robot.png".into(), file));
+    }
+}
+
+/// The panel at the right: what changed, when to calibrate again, and the sessions.
+fn changes(ui: &mut Ui, model: &Model, drawn: &Drawn, panel: &mut PanelState, outbox: &mut Outbox) {
+    let open = &drawn.open;
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let kind = match open.found.is_certain() {
+            true => Verdict::Doubtful,
+            false => Verdict::Good,
+        };
+        for sentence in told(&open.record, &open.found) {
+            verdict(ui, kind, &sentence);
+        }
+        if let Some(sentence) = next_calibration(&open.record, &open.found) {
+            verdict(ui, Verdict::Neutral, &sentence);
+        }
+        for notice in &open.record.notices {
+            muted(ui, notice);
+        }
+        ui.add_space(GRID);
+        ui.horizontal(|ui| {
+            ui.label("Tolerance of a pulley");
+            let field = Number {
+                name: "Tolerance of a pulley",
+                value: Some(1e3 * model.record.tolerance_m),
+                decimals: 2,
+                unit: "mm",
+                optional: false,
+                width: 64.0,
+            };
+            let check = |typed: f64| match typed > 0.0 {
+                true => Ok(()),
+                false => Err(format!("found {typed}, expected a positive number")),
+            };
+            if let Some(Entered::Value(typed)) = number_checked(ui, &field, &check) {
+                outbox.send(RecordCommand::SetTolerance(1e-3 * typed));
+            }
+        });
+        section(ui, "Sessions");
+        sessions::show(ui, open, panel, outbox);
+        ui.add_space(4.0 * GRID);
+    });
+}
+
+/// The pulleys of the first session, and beside them where they are in the one that is shown.
+fn scene(open: &OpenRecord, shown: usize) -> Scene {
+    let first = &open.record.sessions[0].identification;
+    let subject = Subject {
+        fit: Some(first),
+        ..Subject::new(&first.dataset.robot, &first.dataset.measurements)
+    };
+    let cables = 0..open.record.robot().cables.len();
+    let displacements = cables.map(|cable| displacement(open, cable, shown));
+    subject.scene().beside(NAMES, displacements)
+}
+
+/// How far a pulley is from its place in the first session.
+fn displacement(open: &OpenRecord, cable: usize, shown: usize) -> Displacement {
+    let history = &open.found.history;
+    let is_it = |part: &RobotPart| *part == RobotPart::Pulley(cable);
+    let mut displacement = Displacement {
+        from: Default::default(),
+        by: Default::default(),
+        covariance: None,
+        is_explained: true,
+        moved: Some(false),
+    };
+    let Some(part) = history.parts.iter().position(is_it) else {
+        return displacement;
+    };
+    let states = &history.states[part];
+    let by = &states[shown].value - &states[0].value;
+    for (axis, value) in history.axes[part].iter().zip(by.iter()) {
+        displacement.by[*axis] = *value;
+    }
+    let mut jumps = history.jumps.iter();
+    let has_jumped = jumps
+        .any(|jump| jump.part == part && jump.between[1] <= shown && jump.probability >= CERTAIN);
+    let mut drifts = history.evident_drifts();
+    let drifts = drifts.any(|drift| drift.part == part && drift.probability >= CERTAIN);
+    displacement.moved = Some(has_jumped || drifts && shown > 0);
+    displacement
+}
+
+/// The cable of a part of the robot, for its selection.
+fn selection_of(part: &RobotPart) -> Option<Selection> {
+    match part {
+        RobotPart::Pulley(cable) => Some(Selection::cable(*cable)),
+        RobotPart::TargetPlane | RobotPart::Effect { .. } => None,
+    }
+}

@@ -1,0 +1,131 @@
+//! The course of one part of a robot over the sessions of its record.
+
+use tautline_core::history::{CERTAIN, Part};
+
+use super::{RobotHistory, RobotRecord, days_between, part_name, unit_of};
+use crate::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Ribbon, Series, Span};
+use crate::wording::sentence;
+use crate::wording::units::{display_unit, quantity};
+
+/// Half the width of a 95 % interval in standard deviations.
+const INTERVAL: f64 = 1.959_964;
+/// Colours and markers of the coordinates.
+const LOOKS: [(Ink, Marker); 3] = [
+    (Ink::Accent, Marker::Circle),
+    (Ink::Warning, Marker::Square),
+    (Ink::Text, Marker::Triangle),
+];
+
+/// The coordinates of a part over time, less those of the last session, with 95 % bands; of effects the parameter itself.
+///
+/// Ranges in which a jump happened are marked: strongly where it is certain. Lines are interrupted there. Dashed lines are events,
+/// such as values that were written to the controller. Pulleys have the tolerance besides.
+#[must_use]
+pub fn lane(record: &RobotRecord, found: &RobotHistory, part: usize) -> Figure {
+    let history = &found.history;
+    let (of, states) = (&history.parts[part], &history.states[part]);
+    let is_pulley = matches!(of, Part::Pulley(_));
+    let (factor, unit) = display_unit(unit_of(of));
+    let axes = &history.axes[part];
+    let jumps: Vec<_> = history
+        .jumps
+        .iter()
+        .filter(|jump| jump.part == part)
+        .collect();
+    let mut figure = Figure {
+        x: dates(record, found),
+        y: Axis {
+            label: match unit {
+                "" => sentence(&part_name(of, record.robot())),
+                unit => format!("{} ({unit})", sentence(&part_name(of, record.robot()))),
+            },
+            ..Axis::default()
+        },
+        has_zero_line: true,
+        ..Figure::default()
+    };
+    let count = states.first().map_or(0, |state| state.value.len());
+    for k in 0..count {
+        let (ink, marker) = LOOKS[axes.get(k).copied().unwrap_or_default()];
+        let name = axes.get(k).map_or("", |axis| ["dx", "dy", "dz"][*axis]);
+        let last = match of {
+            Part::Pulley(_) | Part::TargetPlane => states.last().map_or(0.0, |last| last.value[k]),
+            Part::Effect { .. } => 0.0,
+        };
+        let (mut edges, mut line, mut points) = (Vec::new(), Vec::new(), Vec::new());
+        for (index, (day, state)) in history.days.iter().zip(states).enumerate() {
+            let value = factor * (state.value[k] - last);
+            let half = INTERVAL * factor * state.covariance[(k, k)].max(0.0).sqrt();
+            if jumps.iter().any(|jump| is_across(jump.between, index)) {
+                edges.push([f64::NAN; 3]);
+                line.push([f64::NAN; 2]);
+            }
+            edges.push([*day, value - half, value + half]);
+            line.push([*day, value]);
+            points.push(Point::new(*day, value));
+        }
+        figure.ribbons.push(Ribbon {
+            of: name.to_owned(),
+            ink,
+            edges,
+        });
+        figure.curves.push(Curve {
+            name: String::new(),
+            ink,
+            dashed: false,
+            points: line,
+        });
+        figure.series.push(Series::new(name, ink, marker, points));
+    }
+    for jump in &jumps {
+        figure.spans.push(Span {
+            x: jump.between.map(|session| history.days[session]),
+            ink: match jump.probability >= CERTAIN {
+                true => Ink::Warning,
+                false => Ink::Muted,
+            },
+        });
+    }
+    if is_pulley {
+        let edge = 1e3 * found.tolerance_m;
+        let name = format!("within {}", quantity(found.tolerance_m, "m"));
+        figure.bands.push(Band::new(name, [-edge, edge]));
+    }
+    let [_, height] = figure.whole();
+    for (day, text) in events(record, found) {
+        figure.curves.push(Curve {
+            name: text,
+            ink: Ink::Muted,
+            dashed: true,
+            points: height.map(|y| [day, y]).into(),
+        });
+    }
+    figure
+}
+
+/// Days and texts of events: what the record says, and adjustments of the controller.
+fn events(record: &RobotRecord, found: &RobotHistory) -> Vec<(f64, String)> {
+    let first = record.sessions.first().and_then(|session| session.time);
+    let told = record.events.iter().filter(|_| found.is_dated);
+    let told =
+        told.filter_map(|event| Some((days_between(first?, event.time), event.text.clone())));
+    let sessions = record.sessions.iter().zip(&found.history.days);
+    let adjusted = sessions.filter(|(session, _)| session.adjusted);
+    let adjusted = adjusted.map(|(_, day)| (*day, "adjusted".to_owned()));
+    told.chain(adjusted).collect()
+}
+
+/// Whether a jump may have happened just before the session with this index.
+fn is_across([before, after]: [usize; 2], index: usize) -> bool {
+    before < index && index <= after
+}
+
+/// The axis of time with the dates of the sessions, or their names where dates are unknown.
+fn dates(record: &RobotRecord, found: &RobotHistory) -> Axis {
+    let sessions = record.sessions.iter().zip(&found.history.days);
+    let names = sessions.map(|(session, day)| (*day, session.date_or_name()));
+    Axis {
+        names: names.collect(),
+        ..Axis::new("Date", "")
+    }
+}

@@ -1,0 +1,89 @@
+//! Content of the report of the record of a robot.
+
+use super::{NONE, signatures, titled, when};
+use crate::history::{changes, date, lane, next_calibration, rows};
+use crate::report::document::{Block, Document, Section, Table};
+use crate::report::input::HistoryInput;
+use crate::report::plots;
+use crate::wording::PROGRAM;
+use crate::wording::units::{mm, quantity};
+
+/// The whole content.
+pub fn document(input: &HistoryInput<'_>) -> Document {
+    let title = format!("History of {}", input.record.robot().label());
+    let sections = [
+        result(input),
+        sessions(input),
+        courses(input),
+        signatures(input.choice, "Assessed by"),
+        about(input),
+    ];
+    titled(input.choice, title, input.now, sections)
+}
+
+fn result(input: &HistoryInput<'_>) -> Section {
+    let mut section = Section::new("Result");
+    section.lead(format!("{}.", input.record.title()));
+    section.list(changes(input.record, input.found));
+    if let Some(due) = next_calibration(input.record, input.found) {
+        section.paragraph(due);
+    }
+    for notice in &input.record.notices {
+        section.note(notice);
+    }
+    section
+}
+
+fn sessions(input: &HistoryInput<'_>) -> Section {
+    let mut section = Section::new("Sessions");
+    let mut table = Table::new(
+        "Standard deviations and moves are the largest of all pulleys, with all sessions taken into account".to_owned(),
+        3,
+        &[
+            "Session",
+            "measured",
+            "operator",
+            "poses",
+            "standard deviation mm",
+            "move since before mm",
+            "accuracy after mm",
+        ],
+    );
+    let millimetres = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), |m| mm(m, 2));
+    for row in rows(input.record, input.found) {
+        table.push([
+            row.name,
+            row.time.map_or_else(|| NONE.to_owned(), date),
+            row.operator.unwrap_or_default(),
+            row.poses.to_string(),
+            mm(row.largest_sd_m, 2),
+            millimetres(row.largest_move_m),
+            millimetres(row.accuracy_after_m),
+        ]);
+    }
+    section.table(table);
+    section
+}
+
+fn courses(input: &HistoryInput<'_>) -> Section {
+    let mut section = Section::new("Over time");
+    section.note(format!(
+        "Coordinates less those of the last session, with 95 % bands; the tolerance is {}. A shaded range of dates is one in \
+         which a jump happened; dashed lines are events.",
+        quantity(input.found.tolerance_m, "m")
+    ));
+    let parts = 0..input.found.history.parts.len();
+    let drawn = parts.map(|part| plots::course(&lane(input.record, input.found, part)));
+    section.blocks.push(Block::Plots(drawn.collect()));
+    section
+}
+
+fn about(input: &HistoryInput<'_>) -> Section {
+    let mut section = Section::new("About this report");
+    let facts = [
+        ("Program", PROGRAM.to_owned()),
+        ("Created", when(input.now)),
+    ];
+    section.facts(facts.map(|(name, value)| (name.to_owned(), value)));
+    section
+}
