@@ -1,11 +1,12 @@
 //! `tautline check`.
 
+mod against;
 mod not_ready;
 
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_workflow::readiness::{CheckOutcome, ReadinessDocument, check};
+use tautline_workflow::readiness::{CheckItem, CheckOutcome, ReadinessDocument, check};
 
 use crate::examples::examples;
 use crate::hypothesis_arguments::HypothesisFiles;
@@ -16,6 +17,7 @@ pub use not_ready::{EXIT_CODE, NotReady};
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
     ("Whether the readings are complete and plausible", "tautline check mini"),
+    ("Whether the robot is still as it was in March", "tautline check today --against march.json"),
     ("And which faults they would reveal", "tautline check mini --explain"),
 ]))]
 pub struct Arguments {
@@ -26,6 +28,9 @@ pub struct Arguments {
     hypotheses: HypothesisFiles,
     #[command(flatten)]
     json: JsonOutput,
+    /// Session or dataset folder of the calibration: is the robot still as it was then?
+    #[arg(long, value_name = "DATASET|SESSION")]
+    against: Option<PathBuf>,
     /// Also print which faults the poses would reveal and which of them could be confused
     #[arg(long)]
     explain: bool,
@@ -34,6 +39,9 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let mut read = input::dataset_and_lines(&arguments.dataset)?;
     arguments.hypotheses.add_to(&mut read.dataset.robot)?;
+    if let Some(baseline) = &arguments.against {
+        return against::run(arguments, &read, baseline);
+    }
     let document = check(&read.dataset, Some(&read.lines));
     arguments
         .json
@@ -46,7 +54,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn print(document: &ReadinessDocument, explain: bool) {
-    for item in &document.checks {
+    print_items(&document.checks);
+    if let Some(document) = document.isolability.as_ref().filter(|_| explain) {
+        isolability::print(document);
+    }
+}
+
+fn print_items(items: &[CheckItem]) {
+    for item in items {
         let outcome = match item.outcome {
             CheckOutcome::Pass => "pass",
             CheckOutcome::Fail => "FAIL",
@@ -56,8 +71,5 @@ fn print(document: &ReadinessDocument, explain: bool) {
         if let Some(action) = &item.action {
             say!("   {action}");
         }
-    }
-    if let Some(document) = document.isolability.as_ref().filter(|_| explain) {
-        isolability::print(document);
     }
 }

@@ -1,5 +1,6 @@
 //! `tautline plan`.
 
+mod check_against;
 mod goal;
 mod report;
 
@@ -8,7 +9,9 @@ use std::path::{Path, PathBuf};
 use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::Control;
-use tautline_core::planning::{Plan, PlanError, PlanOptions, plan};
+use tautline_core::planning::{Goal, Plan, PlanError, PlanOptions, plan};
+use tautline_core::robot::Robot;
+use tautline_workflow::health;
 use tautline_workflow::planning::HomeGain;
 
 use crate::effect_arguments::EstimatedEffects;
@@ -17,6 +20,7 @@ use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
 use crate::output::{JsonOutput, confirm, say, write_file};
 use crate::replace::Replace;
+use check_against::Detect;
 use goal::GoalName;
 use tautline_workflow::documents::isolability::IsolabilityDocument;
 use tautline_workflow::documents::plan::PlanDocument;
@@ -24,15 +28,22 @@ use tautline_workflow::documents::plan::PlanDocument;
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
     ("20 poses of the MINI robot, as a table for measure", "tautline plan mini --poses 20 -o poses.csv"),
+    ("Eight poses that show whether the robot is still as it was", "tautline plan --check-against mini --detect 2mm -o check.csv"),
     ("Which faults 12 poses reveal, and which look alike", "tautline plan planar --poses 12 --for faults --explain"),
     ("The most accurate platform in a volume", "tautline plan mini --for accuracy --volume -0.1,0.1,-0.1,0.1,-0.1,0.1"),
 ]))]
 pub struct Arguments {
-    #[arg(value_name = "NAME|FILE", help = input::robot_help("Robot"))]
-    robot: String,
-    /// Number of poses, without the home pose
-    #[arg(long, value_name = "N", default_value_t = 25)]
-    poses: usize,
+    #[arg(value_name = "NAME|FILE", required_unless_present = "check_against", help = input::robot_help("Robot"))]
+    robot: Option<String>,
+    /// Number of poses, without the home pose; 25, for a check 8
+    #[arg(long, value_name = "N")]
+    poses: Option<usize>,
+    /// Session or dataset folder of a calibration: plan the few poses that best show whether its robot has changed
+    #[arg(long, value_name = "DATASET|SESSION", conflicts_with_all = ["robot", "volume"])]
+    check_against: Option<PathBuf>,
+    /// What a check is to detect: a move of a pulley such as 2mm, or faults
+    #[arg(long, value_name = "MOVE|faults", requires = "check_against")]
+    detect: Option<Detect>,
     /// Number of feasible poses to choose from
     #[arg(long, value_name = "N", default_value_t = 3000)]
     candidates: usize,
@@ -65,31 +76,33 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let (out, json) = (arguments.out.as_deref(), &arguments.json);
     arguments.replace.permit(&[out], Some(json))?;
-    let mut robot = input::robot(&arguments.robot)?.robot;
-    arguments.hypotheses.add_to(&mut robot)?;
-    let effects = arguments.effects.bind(&robot)?;
     let goal = goal::goal(arguments.goal, arguments.volume.as_deref())?;
-    let options = PlanOptions {
-        candidates: arguments.candidates,
-        effects: &effects,
-        goal,
-        ..PlanOptions::new(arguments.poses, arguments.seed)
+    let (robot, planned, detection) = match &arguments.check_against {
+        Some(path) => {
+            let poses = arguments.poses.unwrap_or(health::POSES);
+            let size = (poses, arguments.seed);
+            let check = check_against::plan(path, size, goal, arguments.detect)?;
+            (check.robot, check.planned, check.detection)
+        }
+        None => {
+            let (robot, planned) = calibration(arguments, goal)?;
+            (robot, planned, Vec::new())
+        }
     };
-    let planned = plan(&robot, &options, &mut |_| Control::Continue).map_err(|e| match e {
-        PlanError::NoPoses => BadInput::new(format!("--poses: {e}")),
-        PlanError::Cancelled => e.into(),
-        _ => BadInput::new(format!("{}: {e}", arguments.robot)),
-    })?;
     if let Some(path) = out {
         write_poses(path, &planned)?;
     }
     let mut document = PlanDocument::of(&robot, &planned);
-    if arguments.explain {
+    document.detection = detection;
+    if arguments.explain || arguments.detect == Some(Detect::Faults) {
         let isolability = IsolabilityDocument::of_dataset(&planned.dataset);
         document.isolability = Some(isolability.map_err(BadInput::new)?);
     }
     json.deliver(&document, || {
         report::print(&document);
+        if !document.detection.is_empty() {
+            check_against::print(&document.detection);
+        }
         if let Some(sentence) = HomeGain::of(&planned).sentence() {
             say!("{sentence}");
         }
@@ -97,6 +110,26 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             confirm!("the poses are in {}", path.display());
         }
     })
+}
+
+/// The poses of a calibration.
+fn calibration(arguments: &Arguments, goal: Goal) -> Result<(Robot, Plan)> {
+    let name = arguments.robot.as_deref().unwrap_or_default();
+    let mut robot = input::robot(name)?.robot;
+    arguments.hypotheses.add_to(&mut robot)?;
+    let effects = arguments.effects.bind(&robot)?;
+    let options = PlanOptions {
+        candidates: arguments.candidates,
+        effects: &effects,
+        goal,
+        ..PlanOptions::new(arguments.poses.unwrap_or(25), arguments.seed)
+    };
+    let planned = plan(&robot, &options, &mut |_| Control::Continue).map_err(|e| match e {
+        PlanError::NoPoses => BadInput::new(format!("--poses: {e}")),
+        PlanError::Cancelled => e.into(),
+        _ => BadInput::new(format!("{name}: {e}")),
+    })?;
+    Ok((robot, planned))
 }
 
 /// `pose,x_m,y_m,z_m,qw,qx,qy,qz`.

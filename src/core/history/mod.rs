@@ -19,6 +19,7 @@
 //! one change replaced by another.
 
 mod forecast;
+mod health;
 mod search;
 mod state;
 #[cfg(test)]
@@ -29,10 +30,11 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::comparison::{ComparisonError, Identified};
 use search::Search;
-use state::{State, session_information};
+use state::{Followed, State, session_information};
 use timeline::Timeline;
 
 pub use forecast::{Forecast, OUT_OF_TOLERANCE, forecast};
+pub use health::{HealthCheck, check};
 
 /// Probability from which a change or a drift is stated as a fact.
 pub const CERTAIN: f64 = 0.95;
@@ -130,6 +132,8 @@ pub struct History {
     pub jumps: Vec<Jump>,
     /// A drift of each part with its probability, evident or not.
     pub drifts: Vec<Drift>,
+    /// Posterior probability that nothing changed.
+    pub unchanged: f64,
 }
 
 impl History {
@@ -172,7 +176,11 @@ pub fn smooth(runs: &[DatedRun<'_>]) -> Result<History, HistoryError> {
     if let Some(k) = (1..runs.len()).find(|k| runs[*k].days < runs[k - 1].days) {
         return Err(HistoryError::Disordered(k + 1));
     }
-    let state = State::of(runs)?;
+    smoothed(runs, Followed::Model)
+}
+
+fn smoothed(runs: &[DatedRun<'_>], followed: Followed) -> Result<History, HistoryError> {
+    let state = State::of(runs, followed)?;
     let mut sessions = Vec::with_capacity(runs.len());
     for (index, run) in runs.iter().enumerate() {
         let own = session_information(&state, &run.run, index);

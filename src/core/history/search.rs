@@ -27,6 +27,36 @@ const SMALL_GAIN: f64 = 1e-6;
 const MOST_STEPS: usize = 200;
 pub(super) const DAYS_PER_YEAR: f64 = 365.25;
 
+/// Prior probability that one of several parts jumps between two sessions with some days between them.
+pub(super) fn jump_probability(days: f64, is_event_between: bool, parts: usize) -> f64 {
+    let at_once = JUMPS_AT_ONCE[usize::from(is_event_between)];
+    let expected = at_once.max(JUMPS_PER_YEAR * days / DAYS_PER_YEAR);
+    (expected / parts as f64).min(0.5)
+}
+
+/// Log evidence for a change with a score and its information, summed over the scales of its prior, and the standard deviation
+/// of the best scale.
+pub(super) fn evidence(
+    score: &DVector<f64>,
+    information: &DMatrix<f64>,
+    typical: f64,
+) -> (f64, f64) {
+    let evidence = SCALES.map(|scale| {
+        let sd = scale * typical;
+        let spread = DMatrix::identity(score.len(), score.len()) + information * (sd * sd);
+        let Some(factor) = spread.cholesky() else {
+            return (f64::NEG_INFINITY, sd);
+        };
+        let half: f64 = factor.l_dirty().diagonal().map(f64::ln).sum();
+        let square = score.dot(&factor.solve(score)) * sd * sd;
+        (0.5 * square - half, sd)
+    });
+    let total = log_sum(evidence.iter().map(|(value, _)| *value));
+    let best = evidence.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    let count = (SCALES.len() as f64).ln();
+    (total - count, best.map_or(0.0, |(_, sd)| sd))
+}
+
 /// A change in a set, with its numbers and its scale.
 #[derive(Debug, Clone)]
 struct Member {
@@ -63,11 +93,12 @@ impl<'a> Search<'a> {
             };
             for after in 0..timeline.times.len() - 1 {
                 let days = timeline.times[after + 1] - timeline.times[after];
-                let at_once = JUMPS_AT_ONCE[usize::from(events[after + 1])];
-                let expected = at_once.max(JUMPS_PER_YEAR * days / DAYS_PER_YEAR);
-                push(Course::JumpAfter(after), (expected / parts as f64).min(0.5));
+                let probability = jump_probability(days, events[after + 1], parts);
+                push(Course::JumpAfter(after), probability);
             }
-            if timeline.times[timeline.times.len() - 1] > timeline.times[0] {
+            // Two sessions cannot tell a drift from a jump.
+            let sessions = timeline.times.len();
+            if sessions > 2 && timeline.times[sessions - 1] > timeline.times[0] {
                 push(Course::Drift, DRIFTING);
             }
         }
@@ -142,25 +173,12 @@ impl<'a> Search<'a> {
             };
         let log_odds = self.candidates.iter().find(|(known, _)| known == change);
         let log_odds = log_odds.map_or(f64::NEG_INFINITY, |(_, log_odds)| *log_odds);
-        let evidence = SCALES.map(|scale| {
-            let sd = scale * typical;
-            let count = numbers.len();
-            let spread = DMatrix::identity(count, count) + &information * (sd * sd);
-            let Some(factor) = spread.cholesky() else {
-                return (f64::NEG_INFINITY, sd);
-            };
-            let half = factor.l_dirty().diagonal().map(f64::ln).sum();
-            let square = score.dot(&factor.solve(&score)) * sd * sd;
-            (0.5 * square - half, sd)
-        });
-        let total = log_sum(evidence.iter().map(|(value, _)| *value));
-        let best = evidence.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-        let count = (SCALES.len() as f64).ln();
-        (log_odds + total - count, best.map_or(0.0, |(_, sd)| sd))
+        let (evidence, sd) = evidence(&score, &information, typical);
+        (log_odds + evidence, sd)
     }
 
-    /// Probability of each candidate, by the sets near the best one.
-    fn probabilities(&self) -> Vec<f64> {
+    /// Probability of each candidate, by the sets near the best one, and of no change at all.
+    fn probabilities(&self) -> (Vec<f64>, f64) {
         let gains = |set: &Set| -> Vec<f64> {
             let of = |(change, _): &(Change, f64)| match set.has(change) {
                 true => f64::NEG_INFINITY,
@@ -193,8 +211,12 @@ impl<'a> Search<'a> {
         }
         let total = log_sum(sets.iter().map(|(weight, ..)| *weight));
         let mut probability = vec![0.0; self.candidates.len()];
+        let mut unchanged = 0.0;
         for (weight, more, less) in sets {
             let share = (weight - total).exp();
+            if more.is_none() && members.len() == usize::from(less.is_some()) {
+                unchanged += share;
+            }
             for present in members.iter().filter(|k| Some(**k) != less) {
                 probability[*present] += share;
             }
@@ -202,7 +224,7 @@ impl<'a> Search<'a> {
                 probability[more] += share;
             }
         }
-        probability
+        (probability, unchanged)
     }
 
     /// The life of the robot by the best set.
@@ -233,7 +255,8 @@ impl<'a> Search<'a> {
         });
         let first = self.timeline.times[0];
         let days = self.timeline.times.iter().map(|time| time - first);
-        let (jumps, drifts) = self.changes();
+        let (probabilities, unchanged) = self.probabilities();
+        let (jumps, drifts) = self.changes(probabilities);
         History {
             days: days.collect(),
             parts: state.parts.clone(),
@@ -244,6 +267,7 @@ impl<'a> Search<'a> {
             information: information.collect(),
             jumps,
             drifts,
+            unchanged,
         }
     }
 
@@ -261,8 +285,7 @@ impl<'a> Search<'a> {
 
     /// Jumps and drifts that are listed. A jump of the best set whose session is open is stated for the range of sessions in
     /// which it happened with near certainty.
-    fn changes(&self) -> (Vec<Jump>, Vec<Drift>) {
-        let mut left = self.probabilities();
+    fn changes(&self, mut left: Vec<f64>) -> (Vec<Jump>, Vec<Drift>) {
         let mut jumps = Vec::new();
         let mut drifts = Vec::new();
         let mut order: Vec<usize> = (0..self.candidates.len()).collect();

@@ -22,6 +22,17 @@ struct StateNumber {
     reference: f64,
     /// Standard deviation of the neutral value of an effect in a session that does not have it; infinite for other parts.
     absent_sd: f64,
+    /// The deviation of a part within its tolerance that it is, with the first session that has it.
+    deviation: Option<(DeviationKey, usize)>,
+}
+
+/// Which parts may change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Followed {
+    /// Pulleys, the target plane, and the effects in the models of the sessions.
+    Model,
+    /// Also what deviates from the description within its tolerance.
+    ModelAndDeviations,
 }
 
 /// Which numbers the state has.
@@ -41,7 +52,7 @@ pub(super) struct State {
 pub(super) const TYPICAL_MOVE_M: f64 = 4e-3;
 
 impl State {
-    pub fn of(runs: &[DatedRun<'_>]) -> Result<Self, HistoryError> {
+    pub fn of(runs: &[DatedRun<'_>], followed: Followed) -> Result<Self, HistoryError> {
         let first = runs[0].run;
         let names = |run: &Identified<'_>| {
             let cables = run.problem.dataset.robot.cables.iter();
@@ -95,8 +106,12 @@ impl State {
         for (session, run) in runs.iter().enumerate() {
             for parameter in &run.run.solution.parameters {
                 if let Some(key) = deviation_key(&run.run, &parameter.id) {
-                    if state.deviations.iter().all(|(known, _)| *known != key) {
-                        state.deviations.push((key, session));
+                    match followed {
+                        _ if state.first_with(&key).is_some() => {}
+                        Followed::Model => state.deviations.push((key, session)),
+                        Followed::ModelAndDeviations => {
+                            state.follow_deviation(&run.run, &parameter.id, (key, session));
+                        }
                     }
                     continue;
                 }
@@ -118,6 +133,38 @@ impl State {
         Ok(state)
     }
 
+    /// The first session that has a deviation.
+    fn first_with(&self, key: &DeviationKey) -> Option<usize> {
+        let followed = self.numbers.iter().filter_map(|n| n.deviation.as_ref());
+        let mut known = followed.chain(&self.deviations);
+        known
+            .find(|(known, _)| known == key)
+            .map(|(_, first)| *first)
+    }
+
+    /// Adds a deviation to what may change. Numbers of one effect on one cable, such as the two phases of a wave, are one part.
+    fn follow_deviation(
+        &mut self,
+        run: &Identified<'_>,
+        id: &ParameterId,
+        deviation: (DeviationKey, usize),
+    ) {
+        let Some((part, typical)) = part_of_deviation(run, id) else {
+            return;
+        };
+        let known = self.parts.iter().position(|known| *known == part);
+        if known.is_none() {
+            self.push_part(part, typical);
+        }
+        self.numbers.push(StateNumber {
+            part: known.unwrap_or(self.parts.len() - 1),
+            axis: 0,
+            reference: 0.0,
+            absent_sd: f64::INFINITY,
+            deviation: Some(deviation),
+        });
+    }
+
     fn push_part(&mut self, part: Part, typical: f64) {
         self.parts.push(part);
         self.typical.push(typical);
@@ -129,6 +176,7 @@ impl State {
             axis,
             reference,
             absent_sd,
+            deviation: None,
         });
     }
 
@@ -168,11 +216,11 @@ impl State {
     /// Index in the state of a parameter of a run.
     fn index_of(&self, run: &Identified<'_>, id: &ParameterId) -> Option<usize> {
         if let Some(key) = deviation_key(run, id) {
-            let place = self
-                .deviations
-                .iter()
-                .position(|(known, _)| *known == key)?;
-            return Some(self.numbers.len() + place);
+            let is_it = |of: &(DeviationKey, usize)| of.0 == key;
+            let of_number = |number: &StateNumber| number.deviation.as_ref().is_some_and(is_it);
+            let mut constant = self.deviations.iter();
+            let constant = || Some(self.numbers.len() + constant.position(is_it)?);
+            return self.numbers.iter().position(of_number).or_else(constant);
         }
         let (part, axis) = match *id {
             ParameterId::EntryPoint { cable, axis } => (Part::Pulley(cable), axis),
@@ -218,6 +266,28 @@ fn effect_of(run: &Identified<'_>, id: &ParameterId) -> Option<(Part, EffectNumb
     Some((part, number))
 }
 
+/// The part whose deviation a parameter is, with the typical size of a fault of it.
+fn part_of_deviation(run: &Identified<'_>, id: &ParameterId) -> Option<(Part, f64)> {
+    let ParameterId::Deviation {
+        deviation,
+        parameter,
+    } = id
+    else {
+        return None;
+    };
+    let bound = &run.problem.deviations[*deviation].bound;
+    let description = bound.effect.parameters()[*parameter];
+    let setting = bound.setting(&run.problem.dataset.robot);
+    let part = Part::Effect {
+        effect: setting.effect,
+        targets: setting.targets,
+        parameter: description.name.to_owned(),
+        unit: description.unit,
+    };
+    let [_, largest] = description.typical_sizes();
+    Some((part, largest))
+}
+
 /// Information of one session on the state, relative to the references, and its moment.
 pub(super) struct SessionInformation {
     pub information: DMatrix<f64>,
@@ -239,8 +309,8 @@ pub(super) fn session_information(
         .collect();
     // The prior of a deviation counts once for all sessions.
     let has_prior = |k: usize| {
-        let deviation = places[k].and_then(|place| place.checked_sub(state.changeable()));
-        deviation.is_none_or(|place| state.deviations[place].1 == session)
+        let key = deviation_key(run, &parameters[k].id);
+        key.is_none_or(|key| state.first_with(&key) == Some(session))
     };
     let (full, mut moment) = data_information(run, |k| !has_prior(k));
     let reference = |place: &Option<usize>| match place {

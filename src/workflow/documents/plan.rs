@@ -43,6 +43,20 @@ pub struct PlanDocument {
     /// Faults that the poses reveal, if requested.
     #[serde(default)]
     pub isolability: Option<IsolabilityDocument>,
+    /// What the poses find as a check of a calibration, pulley by pulley; empty for other plans.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub detection: Vec<DetectionDocument>,
+}
+
+/// The move of a pulley that a check finds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DetectionDocument {
+    /// Name of its cable.
+    pub cable: String,
+    /// Move in a random direction that is found with 95 % probability (m); null if none is.
+    pub move_m: Option<f64>,
+    /// Probability that the move that was asked for is found; null if none was.
+    pub probability: Option<f64>,
 }
 
 /// Expected position error of the platform if the home pose is measured more often.
@@ -156,6 +170,7 @@ impl PlanDocument {
             goal: plan.goal.name().to_owned(),
             reached: plan.reached,
             isolability: None,
+            detection: Vec::new(),
         }
     }
 }

@@ -1,0 +1,46 @@
+//! `tautline check --against`.
+
+use std::path::Path;
+
+use anyhow::Result;
+use tautline_session::DatasetFolder;
+use tautline_workflow::health::{Baseline, HealthDocument, verdict_sentences};
+use tautline_workflow::readiness::{CheckOutcome, ReadinessDocument, check_readings};
+
+use super::{Arguments, NotReady, print_items};
+use crate::output::say;
+use crate::{BadInput, input};
+
+/// Checks readings against a calibration. Few poses need not determine the geometry by themselves.
+pub fn run(arguments: &Arguments, read: &DatasetFolder, baseline: &Path) -> Result<()> {
+    let checks = check_readings(&read.dataset, Some(&read.lines));
+    let readings = ReadinessDocument {
+        robot: read.dataset.robot.name.clone(),
+        ready: checks.iter().all(|one| one.outcome != CheckOutcome::Fail),
+        checks,
+        isolability: None,
+    };
+    if !readings.ready {
+        arguments
+            .json
+            .deliver(&readings, || print_items(&readings.checks))?;
+        return Err(NotReady.into());
+    }
+    let session = input::session(baseline)?;
+    // A dataset folder without a date was measured at an unknown time, not when it is read.
+    let is_dated = !baseline.is_dir() || input::dataset_and_lines(baseline)?.measured_at.is_some();
+    let time = session.measured().filter(|_| is_dated);
+    let failed = |path: &Path, error: &dyn std::fmt::Display| {
+        BadInput::new(format!("{}: {error}", path.display()))
+    };
+    let baseline_read = Baseline::new(&session, time).map_err(|e| failed(baseline, &e))?;
+    let checked = baseline_read.check(&read.dataset, read.measured_at);
+    let checked = checked.map_err(|e| failed(&arguments.dataset, &e))?;
+    let sentences = verdict_sentences(&baseline_read, &checked);
+    let document = HealthDocument::of(readings, &baseline_read, &checked);
+    arguments.json.deliver(&document, || {
+        for sentence in sentences {
+            say!("{sentence}");
+        }
+    })
+}

@@ -1,0 +1,122 @@
+//! `--check-against` and `--detect`: the poses of a health check.
+
+use std::path::Path;
+use std::str::FromStr;
+
+use anyhow::Result;
+use tautline_core::planning::{Goal, Plan};
+use tautline_core::robot::Robot;
+use tautline_workflow::documents::plan::DetectionDocument;
+use tautline_workflow::health::{Baseline, Checked};
+
+use crate::output::say;
+use crate::table::{self, mm};
+use crate::{BadInput, input};
+
+/// What a check is to detect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Detect {
+    /// A pulley that moved so far (m).
+    Move(f64),
+    /// Faults, seen and told from each other.
+    Faults,
+}
+
+impl FromStr for Detect {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = text
+            .strip_suffix("mm")
+            .map(|number| number.trim().parse::<f64>());
+        match (text, number) {
+            ("faults", _) => Ok(Self::Faults),
+            (_, Some(Ok(millimetres))) if millimetres > 0.0 && millimetres.is_finite() => {
+                Ok(Self::Move(1e-3 * millimetres))
+            }
+            _ => Err("expected a length such as 2mm, or faults".to_owned()),
+        }
+    }
+}
+
+/// The poses of a check with what it would find.
+pub struct CheckPlan {
+    pub robot: Robot,
+    pub planned: Plan,
+    pub detection: Vec<DetectionDocument>,
+}
+
+/// Plans the poses of a check against a calibration.
+pub fn plan(
+    path: &Path,
+    (poses, seed): (usize, u64),
+    goal: Goal,
+    detect: Option<Detect>,
+) -> Result<CheckPlan> {
+    let session = input::session(path)?;
+    let failed =
+        |error: &dyn std::fmt::Display| BadInput::new(format!("{}: {error}", path.display()));
+    let baseline = Baseline::new(&session, session.measured()).map_err(|e| failed(&e))?;
+    let goal = match detect {
+        Some(Detect::Faults) => Goal::Faults,
+        Some(Detect::Move(_)) | None => goal,
+    };
+    let planned = baseline.plan(poses, seed, goal).map_err(|e| failed(&e))?;
+    let expected = baseline.check(&planned.dataset, None);
+    let expected = expected.map_err(|e| failed(&e))?;
+    Ok(CheckPlan {
+        detection: detection(&expected, detect),
+        robot: baseline.identification.dataset.robot.clone(),
+        planned,
+    })
+}
+
+fn detection(expected: &Checked, detect: Option<Detect>) -> Vec<DetectionDocument> {
+    let moves = expected.detectable.iter();
+    let found = moves.map(|one| DetectionDocument {
+        cable: one.cable.clone(),
+        move_m: one.move_m,
+        probability: match detect {
+            Some(Detect::Move(move_m)) => expected.detection(&one.cable, move_m),
+            Some(Detect::Faults) | None => None,
+        },
+    });
+    found.collect()
+}
+
+/// Prints what the check would find.
+pub fn print(detection: &[DetectionDocument]) {
+    let is_asked = detection.iter().any(|one| one.probability.is_some());
+    let mut columns = vec!["Pulley of", "found with 95 % mm"];
+    if is_asked {
+        columns.push("probability of the move asked for");
+    }
+    let mut rows = table::numbers(&columns);
+    for one in detection {
+        let found = one.move_m.map_or_else(|| "none".to_owned(), |m| mm(m, 1));
+        let mut row = vec![one.cable.clone(), found];
+        row.extend(
+            one.probability
+                .filter(|_| is_asked)
+                .map(|p| format!("{p:.2}")),
+        );
+        table::push(&mut rows, &row);
+    }
+    say!("{rows}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Detect;
+
+    #[test]
+    fn what_is_to_be_detected_is_a_length_or_faults() {
+        assert_eq!("2mm".parse(), Ok(Detect::Move(0.002)));
+        assert_eq!("1.5 mm".parse(), Ok(Detect::Move(0.0015)));
+        assert_eq!("faults".parse(), Ok(Detect::Faults));
+        for wrong in ["2", "-1mm", "mm", "nanmm", "fault"] {
+            let error = wrong.parse::<Detect>().expect_err("refused");
+            assert_eq!(error, "expected a length such as 2mm, or faults", "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! The health check: few poses that say whether a robot is as it was at its calibration.
+
+mod document;
+mod words;
+
+use tautline_core::comparison::Identified;
+use tautline_core::estimation::{Control, Method, ParameterId};
+use tautline_core::geometry::Pose;
+use tautline_core::history::{CERTAIN, DatedRun, HealthCheck, Jump, Part, check};
+use tautline_core::measurement::Dataset;
+use tautline_core::planning::{Goal, Plan, PlanOptions, plan};
+use tautline_core::robot::{PerAxis, Robot};
+use tautline_session::{Session, Timestamp};
+
+use crate::history::{days_between, same_machine};
+use crate::identification::{
+    FitVerdict, Identification, IdentificationError, IdentificationRequest, TolerancesUsed,
+    identify,
+};
+pub use document::{DetectableMove, HealthDocument, HealthVerdict};
+pub use words::{change_names, verdict_sentences};
+
+/// Number of poses of a check if nothing else is said.
+pub const POSES: usize = 8;
+/// Number of poses that are proposed where a check is undecided.
+const MORE_POSES: usize = 2;
+/// Prior standard deviation of a coordinate of a pulley in the fit of the check (m): wider than what one moves by, so that the
+/// fit is near the present place; the comparison with the baseline takes it out again.
+const PRESENT_SD_M: f64 = 10e-3;
+/// Probability with which a stated detectable move is found.
+const FOUND: f64 = 0.95;
+/// Days between two runs of which one has no date.
+const DAYS_WITHOUT_DATE: f64 = 30.0;
+
+/// The calibration that a robot is checked against.
+#[derive(Debug, Clone)]
+pub struct Baseline {
+    /// What was identified.
+    pub identification: Identification,
+    /// When its poses were read, if known.
+    pub time: Option<Timestamp>,
+    /// Its name, for sentences without a date.
+    pub name: String,
+    /// Whether values were written to the controller in it.
+    pub adjusted: bool,
+}
+
+/// A robot that was checked.
+#[derive(Debug, Clone)]
+pub struct Checked {
+    /// The few poses with the fit to them alone.
+    pub identification: Identification,
+    /// What changed since the baseline.
+    pub found: HealthCheck,
+    /// What it comes to.
+    pub verdict: HealthVerdict,
+    /// The smallest move of each pulley that would have been found, in the order of the cables.
+    pub detectable: Vec<DetectableMove>,
+    /// Poses to measure besides, if it is undecided.
+    pub more_poses: Vec<Pose>,
+}
+
+/// Why a robot cannot be checked.
+#[derive(Debug, thiserror::Error)]
+pub enum HealthError {
+    /// The baseline or the check cannot be identified.
+    #[error(transparent)]
+    Identification(#[from] IdentificationError),
+    /// The check is of another machine, or cannot be compared; one sentence.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl Baseline {
+    /// Identifies the calibration of a session whose poses were read at a time, with typical tolerances of the parts if its robot
+    /// states none.
+    ///
+    /// # Errors
+    /// If there is no reliable identification.
+    pub fn new(session: &Session, time: Option<Timestamp>) -> Result<Self, HealthError> {
+        let request =
+            IdentificationRequest::of_session(session).map_err(IdentificationError::from)?;
+        Ok(Self {
+            identification: identified(request)?,
+            time,
+            name: session.name.clone(),
+            adjusted: !session.adjustments().is_empty(),
+        })
+    }
+
+    /// The robot as it is expected to be: as the check describes it, with the identified pulleys and target plane. Where the
+    /// pulleys are now is open.
+    fn expected(&self, described: &Robot) -> Robot {
+        let solution = &self.identification.solution;
+        let is_estimated = |id: ParameterId| solution.parameters.iter().any(|p| p.id == id);
+        let mut robot = described.clone();
+        let found = solution.globals.entry_points.iter();
+        for (cable, (pulley, found)) in robot
+            .cables
+            .iter_mut()
+            .map(|c| &mut c.pulley)
+            .zip(found)
+            .enumerate()
+        {
+            let mut sd = pulley.entry_point_sd_m.each();
+            for axis in
+                (0..3).filter(|axis| is_estimated(ParameterId::EntryPoint { cable, axis: *axis }))
+            {
+                pulley.entry_point_m[axis] = found[axis];
+                sd[axis] = Some(PRESENT_SD_M);
+            }
+            pulley.entry_point_sd_m = PerAxis::Each(sd);
+        }
+        if let Some(laser) = robot
+            .laser
+            .as_mut()
+            .filter(|_| is_estimated(ParameterId::PlaneOffset))
+        {
+            laser.target_plane.offset_m = solution.globals.plane_offset_m;
+        }
+        robot
+    }
+
+    /// Checks a robot by the readings of few poses, which were taken at a time.
+    ///
+    /// # Errors
+    /// If they are of another machine, or cannot be identified.
+    pub fn check(
+        &self,
+        dataset: &Dataset,
+        time: Option<Timestamp>,
+    ) -> Result<Checked, HealthError> {
+        let robot = &self.identification.dataset.robot;
+        same_machine(robot, &dataset.robot).map_err(HealthError::Other)?;
+        let expected = Dataset {
+            robot: self.expected(&dataset.robot),
+            measurements: dataset.measurements.clone(),
+        };
+        let effects: Vec<_> = (self.identification.free_effects().iter())
+            .map(|bound| bound.setting(robot))
+            .collect();
+        let method = self.identification.method;
+        let request = IdentificationRequest::new(expected, method, &effects);
+        let identification = identified(request.map_err(IdentificationError::from)?)?;
+        let found = self.compare(&identification, time)?;
+        let mut checked = Checked {
+            verdict: verdict(&found, &identification),
+            detectable: detectable(&found, &identification.dataset.robot),
+            more_poses: Vec::new(),
+            identification,
+            found,
+        };
+        if checked.verdict == HealthVerdict::Undecided || checked.is_unnamed() {
+            checked.more_poses = more_poses(&checked.identification, method);
+        }
+        Ok(checked)
+    }
+
+    fn compare(
+        &self,
+        identification: &Identification,
+        time: Option<Timestamp>,
+    ) -> Result<HealthCheck, HealthError> {
+        let failed = |error: &dyn std::fmt::Display| HealthError::Other(error.to_string());
+        let before = self.identification.problem().map_err(|e| failed(&e))?;
+        let now = identification.problem().map_err(|e| failed(&e))?;
+        let days = self.time.zip(time);
+        let days = days.map_or(DAYS_WITHOUT_DATE, |(from, to)| days_between(from, to));
+        let run = |problem, solution, days, follows_event| DatedRun {
+            run: Identified { problem, solution },
+            days,
+            follows_event,
+        };
+        let baseline = run(&before, &self.identification.solution, 0.0, false);
+        let present = run(&now, &identification.solution, days.max(0.0), self.adjusted);
+        check(&baseline, &present).map_err(|e| failed(&e))
+    }
+
+    /// Plans the poses of a check.
+    ///
+    /// # Errors
+    /// One sentence, if the robot can hold too few poses.
+    pub fn plan(&self, poses: usize, seed: u64, goal: Goal) -> Result<Plan, String> {
+        let robot = self.expected(&self.identification.dataset.robot);
+        let options = PlanOptions {
+            effects: self.identification.free_effects(),
+            method: self.identification.method,
+            goal,
+            ..PlanOptions::new(poses, seed)
+        };
+        let planned = plan(&robot, &options, &mut |_| Control::Continue);
+        planned.map_err(|error| error.to_string())
+    }
+}
+
+impl Checked {
+    /// Probability that a move of the pulley of a cable by so much (m) is found; `None` if its coordinates are known exactly.
+    #[must_use]
+    pub fn detection(&self, cable: &str, move_m: f64) -> Option<f64> {
+        let robot = &self.identification.dataset.robot;
+        let pulley = Part::Pulley(robot.cable_index(cable)?);
+        let mut parts = self.found.history.parts.iter();
+        let part = parts.position(|part| *part == pulley)?;
+        self.found.detection(part, move_m)
+    }
+
+    /// The change that is certain by itself, if one is.
+    #[must_use]
+    pub fn certain(&self) -> Option<&Jump> {
+        let mut jumps = self.found.history.jumps.iter();
+        jumps.find(|jump| jump.probability >= CERTAIN)
+    }
+
+    /// Whether something changed, but these poses cannot tell what.
+    fn is_unnamed(&self) -> bool {
+        self.verdict == HealthVerdict::Changed && self.certain().is_none()
+    }
+
+    /// Whether the few poses are explained by what may have changed.
+    #[must_use]
+    pub fn is_explained(&self) -> bool {
+        FitVerdict::of(self.identification.solution.p_value()).holds()
+    }
+}
+
+fn identified(mut request: IdentificationRequest) -> Result<Identification, IdentificationError> {
+    if request.dataset.robot.tolerances.is_none() {
+        request.options.tolerances = TolerancesUsed::Typical;
+    }
+    let found = identify(&request, &mut |_| Control::Continue)?.refuse_extrapolation()?;
+    match found.solution.converged() {
+        true => Ok(found),
+        false => Err(IdentificationError::NotConverged),
+    }
+}
+
+fn verdict(found: &HealthCheck, identification: &Identification) -> HealthVerdict {
+    let history = &found.history;
+    let is_explained = FitVerdict::of(identification.solution.p_value()).holds();
+    match history.jumps.is_empty() {
+        _ if history.unchanged <= 1.0 - CERTAIN || !is_explained => HealthVerdict::Changed,
+        true => HealthVerdict::Unchanged,
+        false => HealthVerdict::Undecided,
+    }
+}
+
+fn detectable(found: &HealthCheck, robot: &Robot) -> Vec<DetectableMove> {
+    let parts = 0..found.history.parts.len();
+    let moves = parts.filter_map(|part| {
+        let Part::Pulley(cable) = found.history.parts[part] else {
+            return None;
+        };
+        let has_coordinates = !found.history.axes[part].is_empty();
+        has_coordinates.then(|| DetectableMove {
+            cable: robot.cables[cable].name.clone(),
+            move_m: found.detectable_m(part, FOUND),
+        })
+    });
+    moves.collect()
+}
+
+/// The poses that most improve the geometry that the check leaves open; none if the robot holds no others.
+fn more_poses(identification: &Identification, method: Method) -> Vec<Pose> {
+    let dataset = &identification.dataset;
+    let options = PlanOptions {
+        existing: Some(&dataset.measurements),
+        effects: identification.free_effects(),
+        method,
+        ..PlanOptions::new(MORE_POSES, crate::planning::SEED)
+    };
+    let planned = plan(&dataset.robot, &options, &mut |_| Control::Continue);
+    let poses = planned.map(|planned| planned.poses).unwrap_or_default();
+    poses.into_iter().map(|planned| planned.pose).collect()
+}
