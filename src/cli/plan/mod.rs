@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::Control;
-use tautline_core::planning::{Plan, PlanError, PlanOptions, plan};
+use tautline_core::planning::{Plan, PlanError, PlanOptions, USUAL_POSES, plan};
 use tautline_workflow::planning::HomeGain;
 
 use crate::effect_arguments::EstimatedEffects;
@@ -31,7 +31,7 @@ pub struct Arguments {
     #[arg(value_name = "NAME|FILE", help = input::robot_help("Robot"))]
     robot: String,
     /// Number of poses, without the home pose
-    #[arg(long, value_name = "N", default_value_t = 25)]
+    #[arg(long, value_name = "N", default_value_t = USUAL_POSES)]
     poses: usize,
     /// Number of feasible poses to choose from
     #[arg(long, value_name = "N", default_value_t = 3000)]
