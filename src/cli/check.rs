@@ -1,17 +1,15 @@
 //! `tautline check`.
 
-mod not_ready;
-
 use std::path::PathBuf;
 
 use anyhow::Result;
 use tautline_workflow::readiness::{CheckOutcome, ReadinessDocument, check};
 
 use crate::examples::examples;
+use crate::failure::Reservation;
 use crate::hypothesis_arguments::HypothesisFiles;
 use crate::output::{JsonOutput, say};
 use crate::{input, isolability};
-pub use not_ready::{EXIT_CODE, NotReady};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -38,11 +36,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments
         .json
         .deliver(&document, || print(&document, arguments.explain))?;
-    if document.ready {
-        Ok(())
-    } else {
-        Err(NotReady.into())
-    }
+    Reservation::NotReady.unless(document.ready)
 }
 
 fn print(document: &ReadinessDocument, explain: bool) {
