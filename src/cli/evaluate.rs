@@ -9,8 +9,8 @@ use tautline_core::robot::Robot;
 use tautline_workflow::identification::{IdentificationRequest, identify};
 
 use crate::examples::examples;
+use crate::failure::Reservation;
 use crate::identify::print;
-use crate::not_converged::NotConverged;
 use crate::output::JsonOutput;
 use crate::{BadInput, input, standard_input};
 
@@ -63,5 +63,5 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments
         .json
         .deliver(&document, || print(&document, &drawing))?;
-    NotConverged::check(document.converged)
+    Reservation::NotConverged.unless(document.converged)
 }

@@ -3,7 +3,6 @@
 mod accuracy;
 mod adjust;
 mod audit;
-mod bad_input;
 mod certificate;
 mod check;
 mod compare;
@@ -14,6 +13,7 @@ mod effects;
 mod evaluate;
 mod examples;
 mod export;
+mod failure;
 mod history;
 mod home;
 mod hypothesis_arguments;
@@ -27,7 +27,6 @@ mod measure;
 mod method;
 mod mistyped;
 mod new;
-mod not_converged;
 mod output;
 mod plan;
 mod precalibrate;
@@ -36,7 +35,6 @@ mod replace;
 mod report;
 mod report_format;
 mod schemas;
-mod settled;
 mod simulate;
 mod standard_input;
 mod study;
@@ -53,11 +51,8 @@ use tautline_session::{ReadError, Session};
 use tautline_workflow::identification::Identification;
 use tautline_workflow::session_file::SessionFileError;
 
-use bad_input::BadInput;
-use check::NotReady;
 use examples::{examples, heading};
-use not_converged::NotConverged;
-use settled::Settled;
+use failure::{BadInput, Reservation};
 
 /// The forms of the command line.
 const USAGE: &str = "tautline [PATH]\n       tautline <COMMAND> [OPTIONS]";
@@ -278,15 +273,11 @@ fn finish(result: anyhow::Result<()>) -> ExitCode {
     let is_bad_file = file_error.is_some_and(SessionFileError::is_bad_input);
     ExitCode::from(
         if is_bad_file || error.is::<ReadError>() || error.is::<BadInput>() {
-            2
-        } else if error.is::<NotConverged>() {
-            not_converged::EXIT_CODE
-        } else if error.is::<Settled>() {
-            settled::EXIT_CODE
-        } else if error.is::<NotReady>() {
-            check::EXIT_CODE
+            BadInput::EXIT_CODE
         } else {
-            1
+            error
+                .downcast_ref::<Reservation>()
+                .map_or(1, |reservation| *reservation as u8)
         },
     )
 }
@@ -349,9 +340,9 @@ mod tests {
     fn the_exit_code_says_what_went_wrong() {
         for (error, code) in [
             (BadInput::new("poses.csv: not found"), 2),
-            (NotConverged.into(), 3),
-            (Settled.into(), 4),
-            (NotReady.into(), 5),
+            (Reservation::NotConverged.into(), 3),
+            (Reservation::Settled.into(), 4),
+            (Reservation::NotReady.into(), 5),
             (anyhow::anyhow!("the connection is lost"), 1),
         ] {
             assert_eq!(finish(Err(error)), ExitCode::from(code));

@@ -328,6 +328,8 @@ mod _tautline {
         read_dataset, read_robot, read_session, simulate, write_dataset, write_robot,
     };
     #[pymodule_export]
+    const USUAL_POSES: usize = tautline_core::planning::USUAL_POSES;
+    #[pymodule_export]
     #[allow(non_upper_case_globals)] // as Python calls it
     const __version__: &str = env!("CARGO_PKG_VERSION");
 }

@@ -1,6 +1,6 @@
 //! Choice of sensor and number of poses: predictions from the expected covariance alone, fast enough to follow a slider.
 
-use tautline_core::planning::{Accuracy, PoseSet, expect, random_poses};
+use tautline_core::planning::{Accuracy, PoseSet, USUAL_POSES, expect, random_poses};
 use tautline_core::robot::{Inclinometer, Robot};
 use tautline_workflow::wording::units::significant;
 
@@ -75,7 +75,7 @@ impl Advisor {
     pub fn question(&self) -> Question {
         Question {
             laser_sd_m: self.robot.laser.map(|laser| laser.sd_m),
-            poses: 25,
+            poses: USUAL_POSES,
             home_sd_m: self.robot.home.map_or(0.0, |home| home.position_sd_m),
             inclinometer_sd_rad: self.robot.inclinometer.map(|sensor| sensor.sd_rad),
         }

@@ -3,6 +3,7 @@
 use tautline_core::diagnosis::{DeviationSensitivity, deviation_sensitivities};
 use tautline_core::effect::{Effect, EffectParameter, MachineClass, every_effect};
 use tautline_core::measurement::Dataset;
+use tautline_core::planning::USUAL_POSES;
 use tautline_core::robot::{PartTolerances, Robot, StatedTolerances, Tolerance};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::Session;
@@ -10,8 +11,7 @@ use tautline_session::Session;
 use crate::wording::count;
 use crate::wording::units::{display_unit, unit_of};
 
-/// Number of poses over the workspace of a robot that has not been measured, and the seed of their choice.
-const POSES: usize = 25;
+/// Seed of the choice of poses over the workspace of a robot that has not been measured.
 const SEED: u64 = 1;
 
 /// A part that deviates from its description, named by the effect that describes the deviation.
@@ -102,7 +102,7 @@ impl DeviationsInReadings {
             }
             false => (
                 over_the_workspace(&session.robot)?,
-                format!("{POSES} poses of its workspace"),
+                format!("{USUAL_POSES} poses of its workspace"),
             ),
         };
         let sensitivities = deviation_sensitivities(&dataset);
@@ -146,7 +146,7 @@ fn over_the_workspace(robot: &Robot) -> Result<Dataset, String> {
     let options = SimulationOptions {
         geometry: TrueGeometry::Nominal,
         noise: false,
-        ..SimulationOptions::new(POSES, SEED)
+        ..SimulationOptions::new(USUAL_POSES, SEED)
     };
     let run = simulate(&described, &options).map_err(|error| error.to_string())?;
     Ok(Dataset {

@@ -8,8 +8,8 @@ use tautline_workflow::adjusting;
 use super::Arguments;
 use super::document::AdjustmentDocument;
 use super::writing::{WriteOutcome, conclude};
+use crate::failure::Reservation;
 use crate::live::{Connection, SessionFile, interrupt, link_error};
-use crate::settled::Settled;
 
 /// What remains to be done after settling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub enum Next {
 /// Reports the state of the controller, and restores the old values unless all are new or all are old.
 ///
 /// # Errors
-/// [`Settled`] if nothing else was requested; or if the controller cannot be read or still holds a mixture.
+/// [`Reservation::Settled`] if nothing else was requested; or if the controller cannot be read or still holds a mixture.
 pub fn settle(
     arguments: &Arguments,
     file: &mut SessionFile,
@@ -68,6 +68,6 @@ pub fn settle(
         Outcome::Unsettled(text) => Err(anyhow!("{text}")),
         // The old values were requested, and they are in the controller.
         _ if arguments.roll_back => Ok(Next::Done),
-        _ => Err(Settled.into()),
+        _ => Err(Reservation::Settled.into()),
     }
 }

@@ -7,9 +7,10 @@ use tautline_session::DatasetFolder;
 use tautline_workflow::health::{Baseline, HealthDocument, verdict_sentences};
 use tautline_workflow::readiness::{CheckOutcome, ReadinessDocument, check_readings};
 
-use super::{Arguments, NotReady, print_items};
+use super::{Arguments, print_items};
+use crate::failure::{BadInput, Reservation};
+use crate::input;
 use crate::output::say;
-use crate::{BadInput, input};
 
 /// Checks readings against a calibration. Few poses need not determine the geometry by themselves.
 pub fn run(arguments: &Arguments, read: &DatasetFolder, baseline: &Path) -> Result<()> {
@@ -24,7 +25,7 @@ pub fn run(arguments: &Arguments, read: &DatasetFolder, baseline: &Path) -> Resu
         arguments
             .json
             .deliver(&readings, || print_items(&readings.checks))?;
-        return Err(NotReady.into());
+        return Err(Reservation::NotReady.into());
     }
     let session = input::session(baseline)?;
     // A dataset folder without a date was measured at an unknown time, not when it is read.

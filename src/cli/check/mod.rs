@@ -1,7 +1,6 @@
 //! `tautline check`.
 
 mod against;
-mod not_ready;
 
 use std::path::PathBuf;
 
@@ -9,10 +8,10 @@ use anyhow::Result;
 use tautline_workflow::readiness::{CheckItem, CheckOutcome, ReadinessDocument, check};
 
 use crate::examples::examples;
+use crate::failure::Reservation;
 use crate::hypothesis_arguments::HypothesisFiles;
 use crate::output::{JsonOutput, say};
 use crate::{input, isolability};
-pub use not_ready::{EXIT_CODE, NotReady};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -46,11 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments
         .json
         .deliver(&document, || print(&document, arguments.explain))?;
-    if document.ready {
-        Ok(())
-    } else {
-        Err(NotReady.into())
-    }
+    Reservation::NotReady.unless(document.ready)
 }
 
 fn print(document: &ReadinessDocument, explain: bool) {

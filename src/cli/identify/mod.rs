@@ -18,10 +18,10 @@ use tautline_workflow::wording::sampling_sentence;
 
 use crate::effect_arguments::EstimatedEffects;
 use crate::examples::examples;
+use crate::failure::Reservation;
 use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
 use crate::method::MethodName;
-use crate::not_converged::NotConverged;
 use crate::output::{JsonOutput, say, write_file, write_model};
 use crate::replace::Replace;
 use crate::tolerances::TolerancesName;
@@ -132,7 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             say!("{}", request.tolerances_sentence());
         }
     })?;
-    NotConverged::check(is_usable)
+    Reservation::NotConverged.unless(is_usable)
 }
 
 /// Runs `work` `repeat` times, at least once, and returns the result with the smallest `seconds`.

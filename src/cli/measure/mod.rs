@@ -10,6 +10,7 @@ use std::path::PathBuf;
 
 use crate::BadInput;
 use anyhow::{Result, anyhow};
+use tautline_core::planning::USUAL_POSES;
 use tautline_session::{LaserSettings, Phase, Session};
 use tautline_workflow::adjusting;
 use tautline_workflow::controllers::{ConnectionSetup, ControllerChoice};
@@ -46,7 +47,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.csv")]
     plan: Option<PathBuf>,
     /// Number of poses to plan if there is no plan, without the home pose
-    #[arg(long, value_name = "N", default_value_t = 25)]
+    #[arg(long, value_name = "N", default_value_t = USUAL_POSES)]
     poses: usize,
     /// Seed of the plan and of a new simulated robot
     #[arg(long, value_name = "SEED", default_value_t = 1)]

@@ -9,9 +9,10 @@ use tautline_core::robot::Robot;
 use tautline_workflow::documents::plan::DetectionDocument;
 use tautline_workflow::health::{Baseline, Checked};
 
+use crate::failure::BadInput;
+use crate::input;
 use crate::output::say;
 use crate::table::{self, mm};
-use crate::{BadInput, input};
 
 /// What a check is to detect.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::Control;
-use tautline_core::planning::{Goal, Plan, PlanError, PlanOptions, plan};
+use tautline_core::planning::{Goal, Plan, PlanError, PlanOptions, USUAL_POSES, plan};
 use tautline_core::robot::Robot;
 use tautline_workflow::health;
 use tautline_workflow::planning::HomeGain;
@@ -122,7 +122,7 @@ fn calibration(arguments: &Arguments, goal: Goal) -> Result<(Robot, Plan)> {
         candidates: arguments.candidates,
         effects: &effects,
         goal,
-        ..PlanOptions::new(arguments.poses.unwrap_or(25), arguments.seed)
+        ..PlanOptions::new(arguments.poses.unwrap_or(USUAL_POSES), arguments.seed)
     };
     let planned = plan(&robot, &options, &mut |_| Control::Continue).map_err(|e| match e {
         PlanError::NoPoses => BadInput::new(format!("--poses: {e}")),

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use crate::BadInput;
 use anyhow::Result;
+use tautline_core::planning::USUAL_POSES;
 use tautline_core::simulation::{
     SimulationError, SimulationOptions, TrueGeometry, record, simulate,
 };
@@ -31,7 +32,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME|FILE", help = input::robot_help("Robot to simulate"))]
     robot: String,
     /// Number of poses, without the home pose
-    #[arg(long, value_name = "N", default_value_t = 25)]
+    #[arg(long, value_name = "N", default_value_t = USUAL_POSES)]
     poses: usize,
     /// Seed of all random numbers
     #[arg(long, value_name = "SEED", default_value_t = 1)]

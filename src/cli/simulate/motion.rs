@@ -11,8 +11,8 @@ const TRACKER: Tracker = Tracker {
     position_sd_m: PerAxis::Same(1e-3),
     orientation_sd_rad: Some(1e-3),
 };
-/// Largest number of samples of a recording.
-const MOST_SAMPLES: f64 = 1e6;
+/// Largest number of samples of a recording that is simulated.
+const MOST_SIMULATED_SAMPLES: f64 = 1e6;
 
 #[derive(Debug, clap::Args)]
 pub struct Motion {
@@ -51,9 +51,9 @@ impl Motion {
         };
         positive("--motion", duration_s)?;
         positive("--rate-hz", self.rate_hz)?;
-        if duration_s * self.rate_hz > MOST_SAMPLES {
+        if duration_s * self.rate_hz > MOST_SIMULATED_SAMPLES {
             let message = format!(
-                "--motion: found {} samples, expected at most {MOST_SAMPLES}",
+                "--motion: found {} samples, expected at most {MOST_SIMULATED_SAMPLES}",
                 duration_s * self.rate_hz
             );
             return Err(BadInput::new(message));

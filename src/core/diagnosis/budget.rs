@@ -56,8 +56,8 @@ pub(super) const MAX_KINDS: usize = 8;
 /// Number of steps after which a fit is abandoned if chi-square is still too large; the right exchange converges in
 /// half as many.
 pub(super) const PATIENCE_WITH_EXCHANGE: usize = 6;
-/// Maximum number of samples taken from a recording in motion.
-pub const MOST_SAMPLES: usize = 300;
+/// Maximum number of samples taken from a recording in motion: a diagnosis fits many models, and each takes time in proportion.
+pub const MOST_DIAGNOSED_SAMPLES: usize = 300;
 
 // Columns and functions.
 /// Maximum number of columns in one linearisation.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::budget::MOST_SAMPLES;
+use super::budget::MOST_DIAGNOSED_SAMPLES;
 use super::calibration::POWER;
 use super::candidates::size_parameter;
 use super::cause_posteriors::{cause_posteriors, stated_causes};
@@ -42,7 +42,7 @@ pub fn diagnose(
     let mut report = Reporter::new(observer);
     report.stage(Stage::BaseFit, 0);
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
-    let (averaged, rows) = measurements.independent(&dataset.robot, MOST_SAMPLES);
+    let (averaged, rows) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_SAMPLES);
     let are_stated = dataset.robot.tolerances.is_some();
     let dataset = Dataset {
         robot: with_assumed_tolerances(&dataset.robot),

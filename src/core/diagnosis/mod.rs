@@ -54,7 +54,7 @@ mod structured_errors;
 mod unmodelled_errors;
 mod variables;
 
-pub use budget::MOST_SAMPLES;
+pub use budget::MOST_DIAGNOSED_SAMPLES;
 pub use calibration::{NAMING_PROBABILITY, stated_probability};
 pub use deviation_sensitivity::{DeviationSensitivity, deviation_sensitivities};
 pub use discrepancy::smooth_functions;

@@ -17,8 +17,8 @@ use crate::source::{Series, Source};
 pub(crate) use clock::Times;
 use rest::Limits;
 
-/// Maximum number of samples of a recording in motion: far more than are independent.
-const MOST_SAMPLES: usize = 60_000;
+/// Maximum number of samples of a recording in motion that a dataset gets: far more than are independent.
+const MOST_IMPORTED_SAMPLES: usize = 60_000;
 /// Minimum number of rows of a recording: fewer rows are poses, one per row.
 const RECORDING: usize = 100;
 /// Minimum number of standstills of a recording of poses at rest: any recording may begin and end with one.
@@ -151,9 +151,9 @@ pub(crate) fn cut(
                 file,
                 "for a recording in motion",
             )?;
-            let every = rows.div_ceil(MOST_SAMPLES).max(1);
+            let every = rows.div_ceil(MOST_IMPORTED_SAMPLES).max(1);
             if every > 1 {
-                notices.push(format!("a recording of {rows} rows: one row in {every} is used, which leaves more than {} samples", MOST_SAMPLES / 2));
+                notices.push(format!("a recording of {rows} rows: one row in {every} is used, which leaves more than {} samples", MOST_IMPORTED_SAMPLES / 2));
             }
             (0..rows).step_by(every).map(|row| row..row + 1).collect()
         }

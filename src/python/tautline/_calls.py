@@ -13,12 +13,12 @@ from . import _tautline
 from ._data import Dataset, Effect, Robot, to_json
 from ._results import Cause, Diagnosis, Finding, Identification, Plan, Prediction, Run
 from ._table import numbers
-from ._tautline import TautlineError
+from ._tautline import USUAL_POSES, TautlineError
 
 
 def simulate(
     robot: Robot,
-    poses: int = 25,
+    poses: int = USUAL_POSES,
     seed: int = 1,
     effects: Sequence[Effect] = (),
     *,
@@ -105,7 +105,7 @@ def diagnose(
 
 
 def plan(
-    robot: Robot, poses: int = 25, *, candidates: int = 3000, seed: int = 1, explain: bool = False
+    robot: Robot, poses: int = USUAL_POSES, *, candidates: int = 3000, seed: int = 1, explain: bool = False
 ) -> Plan:
     """Chooses poses to measure; with `explain` the document says which faults they show."""
     document = json.loads(_tautline.plan(robot.text(), (poses, candidates, seed), explain))

@@ -1,6 +1,7 @@
 from os import PathLike
 
 __version__: str
+USUAL_POSES: int
 
 class TautlineError(ValueError): ...
 

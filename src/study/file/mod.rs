@@ -176,6 +176,7 @@ fn own() -> Vec<String> {
     vec!["own".to_owned()]
 }
 
+/// Part of the format: a study file without this key must stay the same study.
 fn poses() -> Vec<usize> {
     vec![25]
 }

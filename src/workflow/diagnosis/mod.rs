@@ -7,7 +7,9 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
-use tautline_core::diagnosis::{DiagnosisOptions, DiagnosisProgress, MOST_SAMPLES, diagnose};
+use tautline_core::diagnosis::{
+    DiagnosisOptions, DiagnosisProgress, MOST_DIAGNOSED_SAMPLES, diagnose,
+};
 use tautline_core::estimation::{Control, EstimationError};
 use tautline_core::measurement::Dataset;
 use tautline_session::Session;
@@ -35,7 +37,7 @@ pub fn diagnose_dataset(
     // Plots of the result use the same rows.
     let dataset = match dataset
         .measurements
-        .independent(&dataset.robot, MOST_SAMPLES)
+        .independent(&dataset.robot, MOST_DIAGNOSED_SAMPLES)
     {
         (Cow::Owned(measurements), _) => Arc::new(Dataset {
             robot: dataset.robot.clone(),

@@ -9,8 +9,8 @@ use tautline_core::measurement::Dataset;
 use tautline_core::robot::{PartTolerances, Robot};
 use tautline_session::Session;
 
-/// Largest number of samples used of a recording in motion.
-const MOST_SAMPLES: usize = 1500;
+/// Largest number of samples of a recording in motion that one fit uses; the diagnosis, which fits many models, uses fewer.
+const MOST_IDENTIFIED_SAMPLES: usize = 1500;
 
 /// A request: what to identify from which data.
 #[derive(Debug, Clone)]
@@ -135,7 +135,7 @@ impl IdentificationRequest {
         // Of a recording in motion, only samples with independent noise are used.
         if let Some(samples) = dataset
             .measurements
-            .independent_samples(&dataset.robot, MOST_SAMPLES)
+            .independent_samples(&dataset.robot, MOST_IDENTIFIED_SAMPLES)
         {
             dataset.measurements = samples;
         }

@@ -97,11 +97,9 @@ mod tests {
     use tautline_core::diagnosis::{DiagnosisOptions, Verdict, diagnose};
     use tautline_core::estimation::Control;
     use tautline_core::instrument::calibrate_winch;
+    use tautline_core::planning::USUAL_POSES;
 
     use super::*;
-
-    /// Poses as the demonstration's plan has them.
-    const POSES: usize = 25;
 
     #[test]
     fn the_hidden_fault_is_found_from_the_poses_of_a_plan() {
@@ -123,7 +121,7 @@ mod tests {
                 effects: vec![hidden.clone()],
                 workspace: Some(preset.workspace),
                 tension: Some(preset.tension),
-                ..SimulationOptions::new(POSES, seed)
+                ..SimulationOptions::new(USUAL_POSES, seed)
             };
             let dataset = simulate(&session.robot, &options)
                 .expect("simulated")

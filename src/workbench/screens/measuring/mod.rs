@@ -11,6 +11,7 @@ mod table;
 
 use egui::{Button, DragValue, Ui};
 use egui_material_icons::icons;
+use tautline_core::planning::USUAL_POSES;
 use tautline_session::PlannedPose;
 
 use crate::model::Memo;
@@ -51,7 +52,7 @@ impl PanelState {
 impl Default for PanelState {
     fn default() -> Self {
         Self {
-            poses: 25,
+            poses: USUAL_POSES,
             goal_mm: 1.0,
             asked: None,
             rows: Memo::default(),
