@@ -6,6 +6,7 @@ pub mod bad_input_cases;
 pub mod console_page;
 pub mod hangprinter;
 pub mod harness;
+pub mod health;
 pub mod hidden;
 pub mod hypotheses;
 pub mod isolability;

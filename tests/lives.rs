@@ -20,7 +20,7 @@ use tautline_workflow::templates::Template;
 use crate::hidden::{VISIBLE, clopper_pearson};
 
 /// Robots, in turn: four presets, and the template of a facade at its usual size.
-const ROBOTS: [&str; 5] = ["mini", "hall", "suspended", "planar", "facade"];
+pub(crate) const ROBOTS: [&str; 5] = ["mini", "hall", "suspended", "planar", "facade"];
 /// Number of sessions, poses of each, and days between two of them.
 const SESSIONS: usize = 12;
 const POSES: usize = 40;
@@ -85,7 +85,7 @@ pub fn study(lives: usize, first_seed: u64) -> Result<Vec<(&'static str, Counts)
     Ok(found)
 }
 
-fn drawing(name: &str) -> Result<Robot> {
+pub(crate) fn drawing(name: &str) -> Result<Robot> {
     if let Some(preset) = presets::find(name) {
         return Ok(preset.robot);
     }
@@ -355,7 +355,7 @@ pub fn markdown(found: &[(&'static str, Counts)]) -> String {
 }
 
 /// A share in percent with its 95 % interval.
-fn share(part: usize, whole: usize) -> String {
+pub(crate) fn share(part: usize, whole: usize) -> String {
     if whole == 0 {
         return "-".to_owned();
     }

@@ -20,6 +20,7 @@ use tautline_workflow::accuracy::Accuracy;
 use tautline_workflow::audit::AuditDocument;
 use tautline_workflow::documents::diagnosis::DiagnosisDocument;
 use tautline_workflow::documents::plan::PlanDocument;
+use tautline_workflow::health::HealthDocument;
 use tautline_workflow::history::HistoryDocument;
 use tautline_workflow::identification::IdentificationDocument;
 use tautline_workflow::readiness::ReadinessDocument;
@@ -47,6 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     schemas.push(tautline_session::versioned_schema::<Precalibration>());
     schemas.push(tautline_session::versioned_schema::<PlanDocument>());
     schemas.push(tautline_session::versioned_schema::<ReadinessDocument>());
+    schemas.push(tautline_session::versioned_schema::<HealthDocument>());
     schemas.push(tautline_session::versioned_schema::<ComparisonDocument>());
     schemas.push(tautline_session::versioned_schema::<HistoryDocument>());
     schemas.push(tautline_session::versioned_schema::<MeasuringDocument>());

@@ -190,7 +190,8 @@ pub fn evaluate_plan(
 }
 
 /// The poses with new labels, preceded by the home pose if that is not measured yet.
-fn with_home(session: &Session, planned: &Plan) -> Vec<PlannedPose> {
+#[must_use]
+pub fn with_home(session: &Session, planned: &Plan) -> Vec<PlannedPose> {
     let measured = &session.measurements.labels;
     let first = measured.iter().copied().fold(0, i64::max).saturating_add(1);
     let home = session.robot.home.filter(|_| !measured.contains(&0));

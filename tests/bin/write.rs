@@ -9,8 +9,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use tautline_validation::motion::{Late, RECORDING};
 use tautline_validation::{
-    adjusted, hangprinter, hypotheses, isolability, live_readings, lives, many_poses, motion, nist,
-    screenshots, sessions, study_speed, table1, tolerances, truth, which_sensor, window, your_data,
+    adjusted, hangprinter, health, hypotheses, isolability, live_readings, lives, many_poses,
+    motion, nist, screenshots, sessions, study_speed, table1, tolerances, truth, which_sensor,
+    window, your_data,
 };
 
 /// Presets of the truth study.
@@ -24,10 +25,12 @@ const TOLERANCES_SEED: u64 = 40_000;
 const MOST_FAULTS: usize = 4;
 /// Seed of the first life.
 const LIVES_SEED: u64 = 37_000;
+/// Seed of the first robot whose health is checked.
+const HEALTH_SEED: u64 = 39_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, hypotheses";
 
@@ -58,6 +61,7 @@ fn main() -> Result<()> {
         Some("isolability") => println!("{}", isolability_table()?),
         Some("motion") => println!("{}", motion_table(&arguments[1..])?),
         Some("tolerances") => println!("{}", tolerances_table(argument)?),
+        Some("health") => println!("{}", health_table(argument)?),
         Some("lives") => println!("{}", lives_table(argument)?),
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
         Some("workbench") => workbench(argument)?,
@@ -105,6 +109,11 @@ fn motion_table(numbers: &[String]) -> Result<String> {
 }
 
 /// Diagnoses so many machines of each kind, whose every part is a little off, and as many exact ones.
+fn health_table(robots: Option<&str>) -> Result<String> {
+    let robots = robots.map_or(Ok(250), str::parse)?;
+    Ok(health::markdown(&health::study(robots, HEALTH_SEED)?))
+}
+
 fn lives_table(lives: Option<&str>) -> Result<String> {
     let lives = lives.map_or(Ok(300), str::parse)?;
     Ok(lives::markdown(&lives::study(lives, LIVES_SEED)?))

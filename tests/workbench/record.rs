@@ -7,7 +7,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_validation::sessions;
 use tautline_workbench::model::command::{FileCommand, RecordCommand};
-use tautline_workbench::model::phase::Screen;
+use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
 
 use crate::measured::{give, press};
@@ -50,6 +50,9 @@ fn a_folder_that_is_typed_shows_what_changed_and_two_rows_are_compared() {
         press(&mut harness, &row);
     }
     assert!(row(&harness, "2026-04 (A)").contains("2026-04-02"));
+    press(&mut harness, "Check B against A");
+    harness.get_by_label("Health check: 2026-08 against 2026-04");
+    harness.get_by_label_contains("Something changed: pulley of cable-3 by 13");
     press(&mut harness, "Compare A and B");
     assert_eq!(harness.state().state.model.screen, Screen::Compare);
     harness.get_by_label("1 pulley has moved: cable-3. The rest agrees within the noise.");
@@ -82,4 +85,19 @@ fn a_folder_that_is_no_record_is_said_in_one_sentence() {
         RecordCommand::Open(Path::new("/no/such").to_owned()),
     );
     assert_ne!(harness.query_all_by_label_contains("/no/such: ").count(), 0);
+}
+
+#[test]
+fn a_health_check_of_the_last_session_is_planned_as_a_session_of_its_own() {
+    let mut harness = workbench();
+    settle(&mut harness);
+    give(&mut harness, FileCommand::Open(year()));
+    press(&mut harness, "Plan a health check");
+    let model = &harness.state().state.model;
+    let open = model.open.as_ref().expect("a session");
+    assert_eq!(open.session().name, "MINI, 2026-11, health check");
+    // The home pose and eight others.
+    assert_eq!(open.session().plan.len(), 9);
+    assert!(open.session().measurements.is_empty());
+    assert_eq!(model.screen, Screen::Phase(Phase::Measuring));
 }

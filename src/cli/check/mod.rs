@@ -16,7 +16,7 @@ use crate::{input, isolability};
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
     ("Whether the readings are complete and plausible", "tautline check mini"),
-    ("Whether the robot is still as it was in March", "tautline check today --against march.json"),
+    ("Whether the robot is still as it was in March", "tautline check bad --against mini"),
     ("And which faults they would reveal", "tautline check mini --explain"),
 ]))]
 pub struct Arguments {

@@ -1,7 +1,6 @@
 //! `--check-against` and `--detect`: the poses of a health check.
 
 use std::path::Path;
-use std::str::FromStr;
 
 use anyhow::Result;
 use tautline_core::planning::{Goal, Plan};
@@ -23,20 +22,18 @@ pub enum Detect {
     Faults,
 }
 
-impl FromStr for Detect {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let number = text
-            .strip_suffix("mm")
-            .map(|number| number.trim().parse::<f64>());
-        match (text, number) {
-            ("faults", _) => Ok(Self::Faults),
-            (_, Some(Ok(millimetres))) if millimetres > 0.0 && millimetres.is_finite() => {
-                Ok(Self::Move(1e-3 * millimetres))
-            }
-            _ => Err("expected a length such as 2mm, or faults".to_owned()),
+/// What `--detect` states.
+pub fn detect(text: &str) -> Result<Detect> {
+    let number = text.strip_suffix("mm");
+    let number = number.map(|number| number.trim().parse::<f64>());
+    match (text, number) {
+        ("faults", _) => Ok(Detect::Faults),
+        (_, Some(Ok(millimetres))) if millimetres > 0.0 && millimetres.is_finite() => {
+            Ok(Detect::Move(1e-3 * millimetres))
         }
+        _ => Err(BadInput::new(format!(
+            "--detect: found \"{text}\", expected a length such as 2mm, or faults"
+        ))),
     }
 }
 
@@ -108,16 +105,22 @@ pub fn print(detection: &[DetectionDocument]) {
 
 #[cfg(test)]
 mod tests {
-    use super::Detect;
+    use super::*;
 
     #[test]
     fn what_is_to_be_detected_is_a_length_or_faults() {
-        assert_eq!("2mm".parse(), Ok(Detect::Move(0.002)));
-        assert_eq!("1.5 mm".parse(), Ok(Detect::Move(0.0015)));
-        assert_eq!("faults".parse(), Ok(Detect::Faults));
+        for (text, expected) in [
+            ("2mm", Detect::Move(0.002)),
+            ("1.5 mm", Detect::Move(0.0015)),
+            ("faults", Detect::Faults),
+        ] {
+            assert_eq!(detect(text).expect("read"), expected);
+        }
         for wrong in ["2", "-1mm", "mm", "nanmm", "fault"] {
-            let error = wrong.parse::<Detect>().expect_err("refused");
-            assert_eq!(error, "expected a length such as 2mm, or faults", "{wrong}");
+            let error = detect(wrong).expect_err("refused").to_string();
+            let expected =
+                format!("--detect: found \"{wrong}\", expected a length such as 2mm, or faults");
+            assert_eq!(error, expected);
         }
     }
 }

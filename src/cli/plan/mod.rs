@@ -43,7 +43,7 @@ pub struct Arguments {
     check_against: Option<PathBuf>,
     /// What a check is to detect: a move of a pulley such as 2mm, or faults
     #[arg(long, value_name = "MOVE|faults", requires = "check_against")]
-    detect: Option<Detect>,
+    detect: Option<String>,
     /// Number of feasible poses to choose from
     #[arg(long, value_name = "N", default_value_t = 3000)]
     candidates: usize,
@@ -77,11 +77,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (out, json) = (arguments.out.as_deref(), &arguments.json);
     arguments.replace.permit(&[out], Some(json))?;
     let goal = goal::goal(arguments.goal, arguments.volume.as_deref())?;
+    let detect = arguments.detect.as_deref().map(check_against::detect);
+    let detect = detect.transpose()?;
     let (robot, planned, detection) = match &arguments.check_against {
         Some(path) => {
             let poses = arguments.poses.unwrap_or(health::POSES);
             let size = (poses, arguments.seed);
-            let check = check_against::plan(path, size, goal, arguments.detect)?;
+            let check = check_against::plan(path, size, goal, detect)?;
             (check.robot, check.planned, check.detection)
         }
         None => {
@@ -94,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let mut document = PlanDocument::of(&robot, &planned);
     document.detection = detection;
-    if arguments.explain || arguments.detect == Some(Detect::Faults) {
+    if arguments.explain || detect == Some(Detect::Faults) {
         let isolability = IsolabilityDocument::of_dataset(&planned.dataset);
         document.isolability = Some(isolability.map_err(BadInput::new)?);
     }

@@ -123,15 +123,7 @@ fn new_series(model: &mut Model, repaired: &[EffectSetting]) {
         phase: LogPhase::Session,
         text,
     });
-    leave(
-        model,
-        Leaving::Open(Box::new(Opening {
-            session: series,
-            path: None,
-            is_recovered: false,
-            is_new: false,
-        })),
-    );
+    begin(model, series, None);
 }
 
 /// Asks where to save; its own file is suggested.

@@ -1,24 +1,31 @@
 //! The record of a robot.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use tautline_core::planning::Goal;
+use tautline_session::{Import, LogEntry, Phase, Session, Timestamp, import};
 use tautline_workflow::clock;
+use tautline_workflow::comparison::as_session;
+use tautline_workflow::health::{Baseline, HealthError, POSES, verdict_sentences};
 use tautline_workflow::history::{RobotRecord, pulleys_csv};
+use tautline_workflow::planning::{SEED, with_home};
 
+use super::file::begin;
 use super::file_dialog::pick;
 use super::file_tasks::ask_save;
 use super::perform as perform_any;
 use crate::model::Model;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{
-    Command, CompareCommand, FileCommand, PlotFile, READING_RECORD, RecordCommand, RecordOutcome,
+    CHECKING_HEALTH, Command, CompareCommand, FileCommand, PLANNING, PlotFile, READING_RECORD,
+    RecordCommand, RecordOutcome,
 };
 use crate::model::comparison::{Side, Source};
 use crate::model::dialogs::SaveContent;
 use crate::model::messages::Cause;
 use crate::model::phase::Screen;
-use crate::model::record::OpenRecord;
+use crate::model::record::{CheckedPair, OpenRecord};
 
 pub(super) fn perform(model: &mut Model, command: RecordCommand) {
     match command {
@@ -34,6 +41,8 @@ pub(super) fn perform(model: &mut Model, command: RecordCommand) {
         }
         RecordCommand::SetTolerance(tolerance_m) => model.record.set_tolerance(tolerance_m),
         RecordCommand::Compare(sessions) => compare(model, sessions),
+        RecordCommand::Check(sessions) => check(model, sessions),
+        RecordCommand::PlanCheck(index) => plan_check(model, index),
         RecordCommand::OpenSession(index) => {
             if let Some(path) = path_of(model, index) {
                 perform_any(model, Command::File(FileCommand::Open(path)));
@@ -92,21 +101,104 @@ fn open(model: &mut Model, folder: PathBuf) {
             Err(_) if task.cancelled() => Err("Reading the record was stopped.".to_owned()),
             result => result.map_err(|error| format!("{error}.")),
         };
-        RecordOutcome { number, result }.into()
+        RecordOutcome::Read { number, result }.into()
     });
 }
 
-pub(super) fn receive(model: &mut Model, RecordOutcome { number, result }: RecordOutcome) {
-    if !model.record.expects(number) {
+/// A session of a file or folder with the time when its poses were read, if known.
+fn read(path: &Path) -> Result<(Session, Option<Timestamp>), String> {
+    let loaded = import(path, None).map_err(|error| error.to_string())?;
+    let date_of_folder = match &loaded.value {
+        Import::Dataset(folder) => Some(folder.measured_at),
+        _ => None,
+    };
+    let (session, _) = as_session(path, loaded.value, clock::now())?;
+    let time = date_of_folder.unwrap_or_else(|| session.measured());
+    Ok((session, time))
+}
+
+fn check(model: &mut Model, sessions: [usize; 2]) {
+    let [Some(before), Some(now)] = sessions.map(|index| path_of(model, index)) else {
         return;
-    }
-    match &result {
-        Err(error) => model.messages.failure(Cause::Opening, error.clone()),
-        Ok(open) => {
-            for notice in &open.record.notices {
-                model.messages.warning(format!("{notice}."));
-            }
+    };
+    model.tasks.cancel(CHECKING_HEALTH);
+    let number = model.record.number();
+    model.tasks.start(CHECKING_HEALTH, move |_| {
+        let told = || {
+            let named = |path: &Path| {
+                let path = path.display().to_string();
+                move |error: HealthError| format!("{path}: {error}.")
+            };
+            let (session, time) = read(&before)?;
+            let baseline = Baseline::new(&session, time).map_err(named(&before))?;
+            let (session, time) = read(&now)?;
+            let checked = baseline.check(&session.dataset(), time);
+            let checked = checked.map_err(named(&now))?;
+            Ok((checked.verdict, verdict_sentences(&baseline, &checked)))
+        };
+        let checked = CheckedPair {
+            sessions,
+            result: told(),
+        };
+        RecordOutcome::Checked {
+            number,
+            checked: Box::new(checked),
         }
+        .into()
+    });
+}
+
+/// Plans the poses of a check of a session in the record, or of the open session.
+fn plan_check(model: &mut Model, index: Option<usize>) {
+    let open = model.open.as_ref().map(|open| open.session().clone());
+    let path = index.and_then(|index| path_of(model, index));
+    model.messages.resolve(Cause::Planning);
+    model.tasks.start(PLANNING, move |_| {
+        let planned = || {
+            let (session, time) = match (path, open) {
+                (Some(path), _) => read(&path)?,
+                (None, Some(open)) => {
+                    let time = open.measured();
+                    (open, time)
+                }
+                (None, None) => return Err("There is no session to check against.".to_owned()),
+            };
+            let baseline = Baseline::new(&session, time).map_err(|error| format!("{error}."))?;
+            let plan = baseline.plan(POSES, SEED, Goal::Geometry);
+            let plan = plan.map_err(|error| format!("No plan: {error}."))?;
+            let now = clock::now();
+            let name = format!("{}, health check", session.name);
+            let mut series = session.another_series(name, now);
+            series.plan = with_home(&series, &plan);
+            series.record(LogEntry {
+                time: now,
+                phase: Phase::Poses,
+                text: format!("Planned the poses of a health check of {}.", session.name),
+            });
+            Ok(Box::new(series))
+        };
+        RecordOutcome::Planned(planned()).into()
+    });
+}
+
+pub(super) fn receive(model: &mut Model, outcome: RecordOutcome) {
+    match outcome {
+        RecordOutcome::Read { number, result } if model.record.expects(number) => {
+            match &result {
+                Err(error) => model.messages.failure(Cause::Opening, error.clone()),
+                Ok(open) => {
+                    for notice in &open.record.notices {
+                        model.messages.warning(format!("{notice}."));
+                    }
+                }
+            }
+            model.record.take(result.map(Arc::from));
+        }
+        RecordOutcome::Checked { number, checked } if model.record.expects(number) => {
+            model.record.checked = Some(*checked);
+        }
+        RecordOutcome::Read { .. } | RecordOutcome::Checked { .. } => {}
+        RecordOutcome::Planned(Ok(series)) => begin(model, *series, None),
+        RecordOutcome::Planned(Err(error)) => model.messages.failure(Cause::Planning, error),
     }
-    model.record.take(result.map(Arc::from));
 }

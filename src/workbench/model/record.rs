@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use tautline_workflow::health::HealthVerdict;
 use tautline_workflow::history::{RobotHistory, RobotRecord, TOLERANCE_M};
 
 /// A record with its history.
@@ -14,6 +15,15 @@ pub struct OpenRecord {
     pub found: RobotHistory,
 }
 
+/// A session of the record that was checked against another one.
+#[derive(Debug, Clone)]
+pub struct CheckedPair {
+    /// Baseline and check, by their places in the order of time.
+    pub sessions: [usize; 2],
+    /// The verdict with its sentences, or why there is none.
+    pub result: Result<(HealthVerdict, Vec<String>), String>,
+}
+
 /// The record on the screen.
 #[derive(Debug)]
 pub struct RecordState {
@@ -21,6 +31,8 @@ pub struct RecordState {
     /// Largest tolerable displacement of a pulley (m).
     pub tolerance_m: f64,
     result: Option<Result<Arc<OpenRecord>, String>>,
+    /// The last health check.
+    pub checked: Option<CheckedPair>,
     number: u64,
 }
 
@@ -30,6 +42,7 @@ impl Default for RecordState {
             folder: None,
             tolerance_m: TOLERANCE_M,
             result: None,
+            checked: None,
             number: 0,
         }
     }
@@ -57,15 +70,21 @@ impl RecordState {
     /// Begins to read a folder: the number of its result.
     pub fn begin(&mut self, folder: PathBuf) -> u64 {
         self.folder = Some(folder);
-        self.result = None;
+        (self.result, self.checked) = (None, None);
         self.number += 1;
         self.number
     }
 
     /// Closes the record.
     pub fn clear(&mut self) {
-        (self.folder, self.result) = (None, None);
+        (self.folder, self.result, self.checked) = (None, None, None);
         self.number += 1;
+    }
+
+    /// The number of what is read now, for what is computed from it.
+    #[must_use]
+    pub fn number(&self) -> u64 {
+        self.number
     }
 
     /// Whether the result of this number is waited for.

@@ -236,10 +236,13 @@ impl RobotRecord {
         };
         let identification = identify_to_compare(session, &mut |_| Control::Continue);
         let identification = identification.map_err(|error| failed(error.to_string()))?;
-        if let Some(first) = self.sessions.first() {
-            let other = &first.identification.dataset.robot;
-            same_machine(other, &session.robot)
-                .map_err(|why| failed(format!("{why} as in {}", first.path.display())))?;
+        // Not all sessions need to have a serial number.
+        for known in &self.sessions {
+            let robot = &known.identification.dataset.robot;
+            same_machine(robot, &session.robot).map_err(|why| {
+                let known = known.path.display();
+                failed(format!("is of another robot: {why} as in {known}"))
+            })?;
         }
         self.sessions.push(RecordedSession {
             name: name_of(&path),

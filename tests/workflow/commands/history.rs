@@ -120,3 +120,41 @@ fn what_has_no_common_history_is_refused() {
     tautline(&["history", &folder.join("nothing")]).refused(&["nothing"]);
     tautline(&["history", &life, "--tolerance", "0"]).refused(&["--tolerance", "found 0"]);
 }
+
+#[test]
+fn events_and_serial_numbers_of_a_record_are_read_and_a_report_and_a_table_are_written() {
+    let folder = Folder::new();
+    let life = record(&folder, DATES);
+    let events = folder.join("life/events.csv");
+    std::fs::write(&events, "time,event\n2026-03-20,crash at the north wall\n").expect("written");
+    let [report, table] = ["year.html", "year.csv"].map(|name| folder.join(name));
+    let told = tautline(&["history", &life, "--report", &report, "--csv", &table])
+        .succeeded()
+        .stdout;
+    let expected =
+        "Between c and b (crash at the north wall on 2026-03-20) the pulley of cable-5 moved by ";
+    assert!(told.contains(expected), "{told}");
+    let report = std::fs::read_to_string(&report).expect("a report");
+    for text in [
+        "History of mini",
+        "crash at the north wall",
+        "Pulley of cable-5 (mm) over time",
+    ] {
+        assert!(report.contains(text), "{text}");
+    }
+    let table = std::fs::read_to_string(&table).expect("a table");
+    assert_eq!(table.lines().count(), 1 + 5 * 8);
+
+    std::fs::write(&events, "time,event\nMarch,crash\n").expect("written");
+    tautline(&["history", &life])
+        .refused(&["events.csv, line 2, column \"time\"", "found \"March\""]);
+    std::fs::remove_file(&events).expect("removed");
+    for (run, number) in [("e", "T-17"), ("c", "T-18")] {
+        let path = folder.join(&format!("life/{run}/robot.json"));
+        let text = std::fs::read_to_string(&path).expect("a robot");
+        let mut robot: Value = serde_json::from_str(&text).expect("JSON");
+        robot["serial_number"] = json!(number);
+        std::fs::write(&path, robot.to_string()).expect("written");
+    }
+    tautline(&["history", &life]).refused(&["is of another robot", "serial_number: found"]);
+}

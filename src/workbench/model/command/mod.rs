@@ -23,7 +23,7 @@ pub use identification::{
 };
 pub use import::{ImportCommand, ImportOutcome};
 pub use plot::{Format, PlotCommand, PlotFile, PlotPicture};
-pub use record::{READING_RECORD, RecordCommand, RecordOutcome};
+pub use record::{CHECKING_HEALTH, READING_RECORD, RecordCommand, RecordOutcome};
 pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
 pub use report::{ReportCommand, ReportDraft};
 pub(crate) use robot::STOP;

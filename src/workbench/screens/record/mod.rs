@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Slider, Spinner, Ui};
 use tautline_core::history::{CERTAIN, Part as RobotPart};
+use tautline_workflow::health::HealthVerdict;
 use tautline_workflow::history::{changes as told, next_calibration};
 use tautline_workflow::plot::Selection;
 
@@ -16,7 +17,7 @@ use crate::model::command::{
     Outbox, PlotCommand, PlotFile, READING_RECORD, RecordCommand, ViewCommand,
 };
 use crate::model::part::Part;
-use crate::model::record::OpenRecord;
+use crate::model::record::{CheckedPair, OpenRecord};
 use crate::theme::{self, GRID};
 use crate::views::ViewStates;
 use crate::views::robot_3d::scene::{Displacement, Scene, SideNames, Subject};
@@ -259,8 +260,36 @@ fn changes(ui: &mut Ui, model: &Model, drawn: &Drawn, panel: &mut PanelState, ou
         });
         section(ui, "Sessions");
         sessions::show(ui, open, panel, outbox);
+        if let Some(checked) = &model.record.checked {
+            health(ui, open, checked);
+        }
         ui.add_space(4.0 * GRID);
     });
+}
+
+/// What a health check came to.
+fn health(ui: &mut Ui, open: &OpenRecord, checked: &CheckedPair) {
+    let [before, now] = checked
+        .sessions
+        .map(|k| open.record.sessions[k].name.as_str());
+    section(ui, &format!("Health check: {now} against {before}"));
+    match &checked.result {
+        Ok((found, sentences)) => {
+            let kind = match found {
+                HealthVerdict::Unchanged => Verdict::Good,
+                HealthVerdict::Changed => Verdict::Bad,
+                HealthVerdict::Undecided => Verdict::Doubtful,
+            };
+            let mut sentences = sentences.iter();
+            if let Some(first) = sentences.next() {
+                verdict(ui, kind, first);
+            }
+            for sentence in sentences {
+                muted(ui, sentence);
+            }
+        }
+        Err(error) => verdict(ui, Verdict::Bad, error),
+    }
 }
 
 /// The pulleys of the first session, and beside them where they are in the one that is shown.

@@ -50,6 +50,18 @@ pub(super) fn show(
         if let Some(pair) = pair.filter(|_| button.clicked()) {
             outbox.send(RecordCommand::Compare(pair));
         }
+        let button = ui.add_enabled(pair.is_some(), Button::new("Check B against A"));
+        let button = button.on_disabled_hover_text("Click two sessions");
+        if let Some(pair) = pair.filter(|_| button.clicked()) {
+            outbox.send(RecordCommand::Check(pair));
+        }
+        let button = ui.button("Plan a health check");
+        let button = button.on_hover_text(
+            "Eight poses that show whether the robot is still as in the session that is shown",
+        );
+        if button.clicked() {
+            outbox.send(RecordCommand::PlanCheck(Some(panel.shown)));
+        }
         muted(
             ui,
             "Click two sessions to compare them, double-click one to open it.",

@@ -7,7 +7,8 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::state::State;
 use crate::model::command::{
-    Command, DIAGNOSING, IDENTIFYING, IdentificationCommand, RobotCommand, STOP, Setup, ViewCommand,
+    Command, DIAGNOSING, IDENTIFYING, IdentificationCommand, RecordCommand, RobotCommand, STOP,
+    Setup, ViewCommand,
 };
 use crate::model::manual::Page;
 use crate::model::next_step;
@@ -249,6 +250,8 @@ fn robot(state: &State) -> Vec<Item> {
     let lost = state.model.link.lost().is_some();
     let armed = state.model.link.is_armed();
     let busy = state.model.link.is_busy();
+    let session = state.model.open.as_ref().map(|open| open.session());
+    let measured = session.is_some_and(|session| session.measurements.len() > 1);
     let robot = |title: &str, enabled, command: RobotCommand| {
         item(Menu::Robot, title, None, enabled, command)
     };
@@ -273,6 +276,13 @@ fn robot(state: &State) -> Vec<Item> {
             Some(STOP),
             connected,
             RobotCommand::Stop,
+        ),
+        item(
+            Menu::Robot,
+            "Plan a health check",
+            None,
+            measured,
+            RecordCommand::PlanCheck(None),
         ),
     ]
 }
