@@ -28,7 +28,7 @@ use tautline_workflow::documents::plan::PlanDocument;
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
     ("20 poses of the MINI robot, as a table for measure", "tautline plan mini --poses 20 -o poses.csv"),
-    ("Eight poses that show whether the robot is still as it was", "tautline plan --check-against mini --detect 2mm -o check.csv"),
+    ("Eight poses that show whether the robot is still as it was", "tautline plan --check-against mini --detect 2mm -o health.csv"),
     ("Which faults 12 poses reveal, and which look alike", "tautline plan planar --poses 12 --for faults --explain"),
     ("The most accurate platform in a volume", "tautline plan mini --for accuracy --volume -0.1,0.1,-0.1,0.1,-0.1,0.1"),
 ]))]
@@ -42,7 +42,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DATASET|SESSION", conflicts_with_all = ["robot", "volume"])]
     check_against: Option<PathBuf>,
     /// What a check is to detect: a move of a pulley such as 2mm, or faults
-    #[arg(long, value_name = "MOVE|faults", requires = "check_against")]
+    #[arg(long, value_name = "MOVE|faults")]
     detect: Option<String>,
     /// Number of feasible poses to choose from
     #[arg(long, value_name = "N", default_value_t = 3000)]
@@ -79,6 +79,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let goal = goal::goal(arguments.goal, arguments.volume.as_deref())?;
     let detect = arguments.detect.as_deref().map(check_against::detect);
     let detect = detect.transpose()?;
+    if detect.is_some() && arguments.check_against.is_none() {
+        return Err(BadInput::new(
+            "--detect: expected only with --check-against",
+        ));
+    }
     let (robot, planned, detection) = match &arguments.check_against {
         Some(path) => {
             let poses = arguments.poses.unwrap_or(health::POSES);
