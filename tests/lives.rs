@@ -9,6 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, UnitSphere};
 use tautline_core::comparison::Identified;
+use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::estimation::{Control, Options, Problem, Solution, solve};
 use tautline_core::history::{CERTAIN, DatedRun, History, Part, forecast, smooth};
 use tautline_core::robot::{Robot, presets};
@@ -31,6 +32,11 @@ const JUMP_M: [f64; 2] = [1e-3, 1e-2];
 /// Share of the pulleys that drift, and the largest rate (m per day).
 const DRIFTING: f64 = 0.1;
 const DRIFT_M: f64 = 0.5e-3 / 30.0;
+/// Share of the robots of which a drum winds differently from some session on, as after a new cable, and of those of which
+/// it changes once more; sizes of the effect, log-uniform. The model of these sessions has it.
+const REWOUND: f64 = 0.4;
+const REWOUND_AGAIN: f64 = 0.5;
+const WINCH_SCALE: [f64; 2] = [1e-3, 2e-2];
 /// Tolerance of a pulley for the date of the next calibration (m).
 const TOLERANCE_M: f64 = 5e-3;
 /// Two-sided 95 %.
@@ -45,6 +51,55 @@ struct Truth {
     jumps: Vec<(usize, usize, Vector3<f64>)>,
     /// Rate of each pulley (m per day).
     rates: Vec<Vector3<f64>>,
+    drum: Option<Drum>,
+}
+
+/// A drum that winds differently from some session on.
+struct Drum {
+    cable: usize,
+    /// Winch scale in each session; 0 where the model has none.
+    scales: Vec<f64>,
+}
+
+impl Drum {
+    fn draw(cables: usize, rng: &mut ChaCha8Rng) -> Self {
+        let scale = |rng: &mut ChaCha8Rng| {
+            let size = rng
+                .random_range(WINCH_SCALE[0].ln()..WINCH_SCALE[1].ln())
+                .exp();
+            if rng.random_bool(0.5) { size } else { -size }
+        };
+        let first = rng.random_range(1..SESSIONS);
+        let mut scales = vec![0.0; SESSIONS];
+        scales[first..].fill(scale(rng));
+        if rng.random_bool(REWOUND_AGAIN) && first + 1 < SESSIONS {
+            let again = rng.random_range(first + 1..SESSIONS);
+            scales[again..].fill(scale(rng));
+        }
+        Self {
+            cable: rng.random_range(0..cables),
+            scales,
+        }
+    }
+
+    /// The effect in a session, if it has it.
+    fn effect(&self, robot: &Robot, session: usize) -> Option<EffectSetting> {
+        let scale = self.scales[session];
+        (scale != 0.0).then(|| EffectSetting {
+            effect: "winch_scale".to_owned(),
+            targets: vec![robot.cables[self.cable].name.clone()],
+            parameters: [("scale".to_owned(), scale)].into(),
+        })
+    }
+
+    /// Sessions before a change, with its size.
+    fn changes(&self) -> impl Iterator<Item = (usize, f64)> {
+        let pairs = self.scales.windows(2).enumerate();
+        pairs.filter_map(|(before, pair)| {
+            let by = pair[1] - pair[0];
+            (by != 0.0).then_some((before, by))
+        })
+    }
 }
 
 /// Counts over lives.
@@ -57,6 +112,9 @@ pub struct Counts {
     /// Intervals of a pulley without a jump, and those with a certain one.
     quiet: usize,
     false_jumps: usize,
+    /// Changes of a drum that are visible, and those found.
+    drums: usize,
+    drums_found: usize,
     numbers: usize,
     covered: usize,
     /// Drifts found, those of pulleys that do not drift, and coordinates of rates with those covered.
@@ -117,6 +175,9 @@ fn draw(drawing: &Robot, seed: u64) -> Result<Truth> {
         days: Vec::new(),
         jumps: Vec::new(),
         rates: vec![Vector3::zeros(); count],
+        drum: rng
+            .random_bool(REWOUND)
+            .then(|| Drum::draw(count, &mut rng)),
     };
     for rate in &mut truth.rates {
         if rng.random_bool(DRIFTING) {
@@ -136,7 +197,12 @@ fn draw(drawing: &Robot, seed: u64) -> Result<Truth> {
             }
         }
         truth.days.push(days);
-        truth.robots.push(truth.robot_at(&first, session, days));
+        let mut robot = truth.robot_at(&first, session, days);
+        let drum = truth.drum.as_ref();
+        robot
+            .effects
+            .extend(drum.and_then(|drum| drum.effect(drawing, session)));
+        truth.robots.push(robot);
     }
     Ok(truth)
 }
@@ -175,8 +241,12 @@ fn follow(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
         datasets.push(dataset);
     }
     let mut solved: Vec<(Problem<'_>, Solution)> = Vec::with_capacity(SESSIONS);
-    for dataset in &datasets {
-        let problem = Problem::new(dataset)?;
+    for (session, dataset) in datasets.iter().enumerate() {
+        let mut problem = Problem::new(dataset)?;
+        let drum = truth.drum.as_ref();
+        if let Some(effect) = drum.and_then(|drum| drum.effect(&drawing, session)) {
+            problem = problem.with_effects(vec![BoundEffect::to_estimate(&effect, &drawing)?]);
+        }
         let solution = solve(&problem, &Options::default(), &mut |_| Control::Continue)?;
         ensure!(solution.converged(), "no convergence");
         solved.push((problem, solution));
@@ -200,17 +270,43 @@ fn follow(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
     Ok(())
 }
 
-/// Whether the sessions can show a jump: its noncentrality is at least [`VISIBLE`], given the other changes that were found.
-fn is_visible(history: &History, cable: usize, after: usize, by: &Vector3<f64>) -> bool {
-    let part = history
-        .parts
-        .iter()
-        .position(|part| *part == Part::Pulley(cable));
-    part.is_some_and(|part| {
-        let axes = &history.axes[part];
-        let by = DVector::from_iterator(axes.len(), axes.iter().map(|axis| by[*axis]));
-        by.dot(&(&history.information[part][after] * &by)) >= VISIBLE
-    })
+/// Whether the sessions can show a jump of a part: its noncentrality is at least [`VISIBLE`], given the other changes that were
+/// found.
+fn is_visible(history: &History, part: usize, after: usize, by: &DVector<f64>) -> bool {
+    by.dot(&(&history.information[part][after] * by)) >= VISIBLE
+}
+
+/// The part that a pulley is, with the coordinates of a vector that are followed.
+fn pulley_part(
+    history: &History,
+    cable: usize,
+    by: &Vector3<f64>,
+) -> Option<(usize, DVector<f64>)> {
+    let is_it = |part: &Part| *part == Part::Pulley(cable);
+    let part = history.parts.iter().position(is_it)?;
+    let axes = &history.axes[part];
+    let by = DVector::from_iterator(axes.len(), axes.iter().map(|axis| by[*axis]));
+    Some((part, by))
+}
+
+/// The changes of a drum: those that are visible, and found in their interval.
+fn count_drums(truth: &Truth, history: &History, counts: &mut Counts) -> usize {
+    let is_effect = |part: &Part| matches!(part, Part::Effect { .. });
+    let part = history.parts.iter().position(is_effect);
+    let Some((drum, part)) = truth.drum.as_ref().zip(part) else {
+        return 0;
+    };
+    for (before, by) in drum.changes() {
+        if is_visible(history, part, before, &DVector::from_element(1, by)) {
+            counts.drums += 1;
+            let found = history.jumps.iter().any(|jump| {
+                let contains = jump.between[0] <= before && before < jump.between[1];
+                jump.part == part && contains && jump.probability >= CERTAIN
+            });
+            counts.drums_found += usize::from(found);
+        }
+    }
+    drum.changes().count()
 }
 
 fn count_jumps(truth: &Truth, history: &History, counts: &mut Counts) {
@@ -225,7 +321,8 @@ fn count_jumps(truth: &Truth, history: &History, counts: &mut Counts) {
         Part::TargetPlane | Part::Effect { .. } => None,
     };
     for (cable, after, by) in &truth.jumps {
-        if !is_visible(history, *cable, *after, by) {
+        let of_pulley = pulley_part(history, *cable, by);
+        if !of_pulley.is_some_and(|(part, by)| is_visible(history, part, *after, &by)) {
             continue;
         }
         counts.visible += 1;
@@ -234,8 +331,14 @@ fn count_jumps(truth: &Truth, history: &History, counts: &mut Counts) {
         counts.found += usize::from(own.clone().any(|jump| contains(&jump.between)));
         counts.dated += usize::from(own.clone().any(|jump| jump.between == [*after, *after + 1]));
     }
-    counts.quiet += history.parts.len() * (SESSIONS - 1) - truth.jumps.len();
+    let rewound = count_drums(truth, history, counts);
+    counts.quiet += history.parts.len() * (SESSIONS - 1) - truth.jumps.len() - rewound;
     let is_false = |jump: &&tautline_core::history::Jump| {
+        if let (Part::Effect { .. }, Some(drum)) = (&history.parts[jump.part], &truth.drum) {
+            let mut changes = drum.changes();
+            return changes
+                .all(|(before, _)| before < jump.between[0] || before >= jump.between[1]);
+        }
         let own = truth
             .jumps
             .iter()
@@ -324,8 +427,8 @@ fn count_dates(truth: &Truth, history: &History, seed: u64, counts: &mut Counts)
 #[must_use]
 pub fn markdown(found: &[(&'static str, Counts)]) -> String {
     let mut text = String::from(
-        "| robot | lives | jumps visible | found | dated between two sessions | false among quiet intervals | values covered | drifts found | of pulleys at rest | rates covered | out of tolerance at the date | median ms |\n\
-         |---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+        "| robot | lives | jumps visible | found | dated between two sessions | drums that changed visibly, found | false among quiet intervals | values covered | drifts found | of pulleys at rest | rates covered | out of tolerance at the date | median ms |\n\
+         |---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     let mut all = Counts::default();
     for (_, counts) in found {
@@ -337,11 +440,12 @@ pub fn markdown(found: &[(&'static str, Counts)]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "| {name} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.1} |",
+            "| {name} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.1} |",
             counts.lives,
             counts.visible,
             share(counts.found, counts.visible),
             share(counts.dated, counts.visible),
+            share(counts.drums_found, counts.drums),
             share(counts.false_jumps, counts.quiet),
             share(counts.covered, counts.numbers),
             counts.drifts,
@@ -372,6 +476,8 @@ impl Counts {
         self.dated += other.dated;
         self.quiet += other.quiet;
         self.false_jumps += other.false_jumps;
+        self.drums += other.drums;
+        self.drums_found += other.drums_found;
         self.numbers += other.numbers;
         self.covered += other.covered;
         self.drifts += other.drifts;

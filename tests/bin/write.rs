@@ -24,7 +24,7 @@ const FIRST_SEED: u64 = 1000;
 const TOLERANCES_SEED: u64 = 40_000;
 const MOST_FAULTS: usize = 4;
 /// Seed of the first life.
-const LIVES_SEED: u64 = 37_000;
+const LIVES_SEED: u64 = 43_000;
 /// Seed of the first robot whose health is checked.
 const HEALTH_SEED: u64 = 39_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
