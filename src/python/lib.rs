@@ -20,14 +20,18 @@ use tautline_core::measurement::Dataset;
 use tautline_core::planning::{PlanOptions, plan as plan_poses};
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate as simulate_readings};
-use tautline_session::VersionedFile;
+use tautline_session::{Session, VersionedFile};
+use tautline_workflow::clock;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 use tautline_workflow::documents::isolability::IsolabilityDocument;
 use tautline_workflow::documents::plan::PlanDocument;
+use tautline_workflow::health::{Baseline, HealthDocument, verdict_sentences};
+use tautline_workflow::history::{HistoryDocument, RobotRecord};
 use tautline_workflow::identification::{
     IdentificationRequest, identified, identify as identify_robot,
 };
 use tautline_workflow::machines;
+use tautline_workflow::readiness::{CheckOutcome, readings_readiness};
 
 create_exception!(
     _tautline,
@@ -315,6 +319,55 @@ fn plan(
     json(&document)
 }
 
+/// The result of the command `history`, and what the operator should know.
+#[pyfunction]
+fn history(py: Python<'_>, folder: PathBuf, tolerance_m: f64) -> PyResult<(String, Vec<String>)> {
+    if !(tolerance_m > 0.0 && tolerance_m.is_finite()) {
+        return Err(error(format!(
+            "tolerance_m: found {tolerance_m}, expected a positive number"
+        )));
+    }
+    let (document, notices) = detached(py, |interrupt| {
+        let mut observe = |_: usize, _: usize| interrupt.control();
+        let record = RobotRecord::open(&folder, clock::now(), &mut observe);
+        let record = record.map_err(|e| e.to_string())?;
+        let found = record
+            .history(&folder, tolerance_m)
+            .map_err(|e| e.to_string())?;
+        Ok((HistoryDocument::of(&record, &found), record.notices))
+    })?;
+    Ok((json(&document)?, notices))
+}
+
+/// The result of the command `check --against`, for a baseline in memory, and its sentences.
+#[pyfunction]
+fn check_health(
+    py: Python<'_>,
+    dataset: (String, String),
+    baseline: (String, String),
+) -> PyResult<(String, Vec<String>)> {
+    let [dataset, baseline] =
+        [dataset, baseline].map(|(robot, poses)| parsed_dataset(&robot, &poses));
+    let (dataset, baseline) = (dataset?, baseline?);
+    let readings = readings_readiness(&dataset, None);
+    if let Some(fault) = readings
+        .checks
+        .iter()
+        .find(|one| one.outcome == CheckOutcome::Fail)
+    {
+        return Err(error(&fault.sentence));
+    }
+    let (document, sentences) = detached(py, |_| {
+        let mut session = Session::new("the baseline", baseline.robot, clock::now());
+        session.measurements = baseline.measurements;
+        let baseline = Baseline::new(&session, None).map_err(|e| format!("baseline: {e}"))?;
+        let checked = baseline.check(&dataset, None).map_err(|e| e.to_string())?;
+        let sentences = verdict_sentences(&baseline, &checked);
+        Ok((HealthDocument::of(readings, &baseline, &checked), sentences))
+    })?;
+    Ok((json(&document)?, sentences))
+}
+
 #[pymodule]
 mod _tautline {
     #[pymodule_export]
@@ -324,8 +377,9 @@ mod _tautline {
     };
     #[pymodule_export]
     use super::{
-        TautlineError, checked_robot, diagnose, identify, plan, predict, preset, presets_names,
-        read_dataset, read_robot, read_session, simulate, write_dataset, write_robot,
+        TautlineError, check_health, checked_robot, diagnose, history, identify, plan, predict,
+        preset, presets_names, read_dataset, read_robot, read_session, simulate, write_dataset,
+        write_robot,
     };
     #[pymodule_export]
     const USUAL_POSES: usize = tautline_core::planning::USUAL_POSES;

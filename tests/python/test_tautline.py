@@ -165,3 +165,34 @@ def test_ctrl_c_ends_a_long_call() -> None:
     threading.Timer(0.2, _thread.interrupt_main).start()
     with pytest.raises(KeyboardInterrupt):
         tautline.plan(robot, poses=64, candidates=20_000)
+
+
+def test_the_record_of_a_robot_is_arrays_with_dated_changes() -> None:
+    record = tautline.history(Path(__file__).parents[2] / "sessions" / "year-of-mini")
+    assert record.entry_points_m.shape == (7, 8, 3)
+    assert record.times[3] == np.datetime64("2026-06-18T10:00:00")
+    certain = [change for change in record.changes if change.probability > 0.95]
+    assert [(change.targets, change.effect, change.between) for change in certain] == [
+        (["cable-3"], None, (2, 3)),
+        (["cable-6"], "winch_scale", (4, 5)),
+    ]
+    # The states before and after it differ by the jump.
+    moved = record.entry_points_m[3, 2] - record.entry_points_m[2, 2]
+    np.testing.assert_allclose(moved, certain[0].displacement_m, atol=1e-9)
+    with pytest.raises(tautline.TautlineError, match="tolerance_m: found 0, expected a positive number"):
+        tautline.history(Path(), tolerance_m=0.0)
+
+
+def test_a_health_check_sees_a_drum_that_winds_differently() -> None:
+    robot = tautline.Robot.preset("mini")
+    baseline = tautline.simulate(robot, poses=40, seed=1, nominal=True).dataset
+    same = tautline.simulate(robot, poses=10, seed=2, nominal=True).dataset
+    checked = tautline.check(same, baseline)
+    assert checked.verdict == "unchanged", checked
+    assert set(checked.detectable_m) == {f"cable-{k}" for k in range(1, 9)}
+    fault = tautline.Effect("winch_scale", ["cable-3"], {"scale": 0.01})
+    wound = tautline.simulate(robot, poses=10, seed=3, effects=[fault], nominal=True).dataset
+    checked = tautline.check(wound, baseline)
+    assert checked.verdict == "changed"
+    assert (checked.changes[0].effect, checked.changes[0].targets) == ("winch_scale", ["cable-3"])
+    assert "winch scale (cable-3)" in repr(checked)

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use tautline_session::DatasetFolder;
 use tautline_workflow::health::{Baseline, HealthDocument, verdict_sentences};
-use tautline_workflow::readiness::{CheckOutcome, ReadinessDocument, check_readings};
+use tautline_workflow::readiness::readings_readiness;
 
 use super::{Arguments, print_items};
 use crate::failure::{BadInput, Reservation};
@@ -14,13 +14,7 @@ use crate::output::say;
 
 /// Checks readings against a calibration. Few poses need not determine the geometry by themselves.
 pub fn run(arguments: &Arguments, read: &DatasetFolder, baseline: &Path) -> Result<()> {
-    let checks = check_readings(&read.dataset, Some(&read.lines));
-    let readings = ReadinessDocument {
-        robot: read.dataset.robot.name.clone(),
-        ready: checks.iter().all(|one| one.outcome != CheckOutcome::Fail),
-        checks,
-        isolability: None,
-    };
+    let readings = readings_readiness(&read.dataset, Some(&read.lines));
     if !readings.ready {
         arguments
             .json

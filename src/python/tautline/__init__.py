@@ -11,18 +11,21 @@ Lengths are in metres, angles in radians, forces in newtons; quaternions have w 
 that the command of the same name writes, as `document`.
 """
 
-from ._calls import diagnose, identify, plan, predict, simulate
+from ._calls import check, diagnose, history, identify, plan, predict, simulate
 from ._data import Dataset, Effect, Robot, presets, read_dataset, read_robot, read_session
-from ._results import Cause, Diagnosis, Finding, Identification, Plan, Prediction, Run
+from ._results import Cause, Change, Check, Diagnosis, Finding, History, Identification, Plan, Prediction, Run
 from ._study import Study, StudyResult
 from ._tautline import TautlineError, __version__
 
 __all__ = [
     "Cause",
+    "Change",
+    "Check",
     "Dataset",
     "Diagnosis",
     "Effect",
     "Finding",
+    "History",
     "Identification",
     "Plan",
     "Prediction",
@@ -32,7 +35,9 @@ __all__ = [
     "StudyResult",
     "TautlineError",
     "__version__",
+    "check",
     "diagnose",
+    "history",
     "identify",
     "plan",
     "predict",

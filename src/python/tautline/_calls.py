@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,18 @@ from numpy.typing import ArrayLike
 
 from . import _tautline
 from ._data import Dataset, Effect, Robot, to_json
-from ._results import Cause, Diagnosis, Finding, Identification, Plan, Prediction, Run
+from ._results import (
+    Cause,
+    Change,
+    Check,
+    Diagnosis,
+    Finding,
+    History,
+    Identification,
+    Plan,
+    Prediction,
+    Run,
+)
 from ._table import numbers
 from ._tautline import USUAL_POSES, TautlineError
 
@@ -113,5 +125,56 @@ def plan(
         positions_m=numbers([pose["position_m"] for pose in document["poses"]]).reshape(-1, 3),
         orientations_wxyz=numbers([pose["orientation_wxyz"] for pose in document["poses"]]).reshape(-1, 4),
         entry_point_sd_after_m=numbers(document["entry_point_sd_after_m"]),
+        document=document,
+    )
+
+
+def _change(document: dict[str, Any]) -> Change:
+    def array(values: list[float] | None) -> Any:
+        return None if values is None else numbers(values)
+
+    between = document.get("between")
+    return Change(
+        targets=document["targets"],
+        effect=document["effect"],
+        between=None if between is None else (between[0], between[1]),
+        probability=document["probability"],
+        displacement_m=array(document["displacement_m"]),
+        displacement_sd_m=array(document["sd_m"]),
+        change=document["change"],
+        change_sd=document["change_sd"],
+    )
+
+
+def history(folder: str | PathLike[str], tolerance_m: float = 5e-3) -> History:
+    """Follows one robot over all sessions and dataset folders in a folder.
+
+    `tolerance_m` is the largest tolerable displacement of a pulley, for the date of the next calibration.
+    """
+    text, notices = _tautline.history(folder, tolerance_m)
+    document = json.loads(text)
+    sessions = document["sessions"]
+    times = [np.datetime64(one["time"].removesuffix("Z") if one["time"] else "NaT", "s") for one in sessions]
+    return History(
+        sessions=[one["path"] for one in sessions],
+        times=np.array(times, dtype="datetime64[s]"),
+        entry_points_m=numbers([one["entry_points_m"] for one in sessions]),
+        entry_points_sd_m=numbers([one["entry_points_sd_m"] for one in sessions]),
+        changes=[_change(one) for one in document["changes"]],
+        notices=notices,
+        document=document,
+    )
+
+
+def check(dataset: Dataset, against: Dataset) -> Check:
+    """Says by few poses whether a robot is still as it was at a calibration."""
+    text, sentences = _tautline.check_health(dataset.texts(), against.texts())
+    document = json.loads(text)
+    return Check(
+        verdict=document["verdict"],
+        probability_unchanged=document["probability_unchanged"],
+        changes=[_change(one) for one in document["changes"]],
+        detectable_m={one["cable"]: one["move_m"] for one in document["detectable"]},
+        sentences=sentences,
         document=document,
     )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._data import Dataset, Robot
 from ._table import Array
@@ -139,3 +140,58 @@ class Plan:
     def __repr__(self) -> str:
         sd = self.entry_point_sd_after_m[-1] * 1e3
         return f"Plan({len(self.positions_m)} poses, entry points to {sd:.2g} mm)"
+
+
+@dataclass
+class Change:
+    """A part that moved or changed between two sessions, or since a baseline."""
+
+    targets: list[str]
+    """Names of its cables; none for the target plane and effects of the whole robot."""
+    effect: str | None
+    """None for a moved pulley or target plane."""
+    between: tuple[int, int] | None
+    """Indices of the sessions before and after it; None for a health check."""
+    probability: float
+    displacement_m: Array | None
+    """Along x, y, z (m); None for an effect."""
+    displacement_sd_m: Array | None
+    change: float | None
+    """Change of the effect's parameter (SI unit); None for a displacement."""
+    change_sd: float | None
+
+
+@dataclass(repr=False)
+class History:
+    """The life of one robot."""
+
+    sessions: list[str]
+    """Names of files or folders, in the order of time."""
+    times: NDArray[np.datetime64]
+    """When their poses were read, as datetime64 (UTC); NaT where unknown."""
+    entry_points_m: Array
+    """Sessions by cables by 3 (m), with all sessions taken into account; NaN for coordinates that are known exactly."""
+    entry_points_sd_m: Array
+    changes: list[Change]
+    notices: list[str]
+    document: dict[str, Any]
+
+    def __repr__(self) -> str:
+        return f"History({len(self.sessions)} sessions, {len(self.changes)} changes)"
+
+
+@dataclass(repr=False)
+class Check:
+    """Whether a robot is as it was at its calibration."""
+
+    verdict: str
+    """`unchanged`, `changed` or `undecided`."""
+    probability_unchanged: float
+    changes: list[Change]
+    detectable_m: dict[str, float | None]
+    """Move of each pulley that would be found with 95 % probability (m); None if none would."""
+    sentences: list[str]
+    document: dict[str, Any]
+
+    def __repr__(self) -> str:
+        return f"Check({self.verdict}: {self.sentences[0]})"

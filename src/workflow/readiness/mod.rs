@@ -132,6 +132,18 @@ pub fn check(dataset: &Dataset, table: Option<&PoseLines>) -> ReadinessDocument 
     }
 }
 
+/// The check of the readings alone, of a dataset that need not determine its geometry by itself.
+#[must_use]
+pub fn readings_readiness(dataset: &Dataset, table: Option<&PoseLines>) -> ReadinessDocument {
+    let checks = check_readings(dataset, table);
+    ReadinessDocument {
+        robot: dataset.robot.name.clone(),
+        ready: checks.iter().all(|one| one.outcome != CheckOutcome::Fail),
+        checks,
+        isolability: None,
+    }
+}
+
 /// The parts that need no fit: they take no time.
 #[must_use]
 pub fn check_readings(dataset: &Dataset, table: Option<&PoseLines>) -> Vec<CheckItem> {
