@@ -221,6 +221,7 @@ fn write(folder: Option<&str>) -> Result<()> {
     replace(&mut text, "motion", &motion_table(&[])?)?;
     replace(&mut text, "isolability", &isolability_table()?)?;
     replace(&mut text, "lives", &lives_table(None)?)?;
+    replace(&mut text, "health", &health_table(None)?)?;
     replace(&mut text, "hidden_effects", &hidden::tables()?)?;
     match hangprinter_table(folder) {
         Ok(table) => replace(&mut text, "hangprinter", &table)?,
