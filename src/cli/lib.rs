@@ -14,6 +14,7 @@ mod evaluate;
 mod examples;
 mod export;
 mod failure;
+mod formulas;
 mod history;
 mod home;
 mod hypothesis_arguments;
@@ -127,6 +128,8 @@ enum Command {
     Identify(identify::Arguments),
     /// Diagnose the model: whether it explains a dataset, what is wrong and what to do about it
     Diagnose(diagnose::Arguments),
+    /// Look for patterns of an error that no cause explains; the likeliest becomes a hypothesis file
+    Formulas(formulas::Arguments),
     /// Estimate poses only, with the geometry and effects of a model kept fixed
     Evaluate(evaluate::Arguments),
     /// Export a dataset or its results as a table for other programs: CSV, Parquet, MATLAB
@@ -230,6 +233,7 @@ pub fn run(window: &Window) -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
+        Command::Formulas(arguments) => formulas::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),

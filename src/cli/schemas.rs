@@ -20,6 +20,7 @@ use tautline_workflow::accuracy::Accuracy;
 use tautline_workflow::audit::AuditDocument;
 use tautline_workflow::documents::diagnosis::DiagnosisDocument;
 use tautline_workflow::documents::plan::PlanDocument;
+use tautline_workflow::formulas::FormulasDocument;
 use tautline_workflow::health::HealthDocument;
 use tautline_workflow::history::HistoryDocument;
 use tautline_workflow::identification::IdentificationDocument;
@@ -49,6 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     schemas.push(tautline_session::versioned_schema::<PlanDocument>());
     schemas.push(tautline_session::versioned_schema::<ReadinessDocument>());
     schemas.push(tautline_session::versioned_schema::<HealthDocument>());
+    schemas.push(tautline_session::versioned_schema::<FormulasDocument>());
     schemas.push(tautline_session::versioned_schema::<ComparisonDocument>());
     schemas.push(tautline_session::versioned_schema::<HistoryDocument>());
     schemas.push(tautline_session::versioned_schema::<MeasuringDocument>());

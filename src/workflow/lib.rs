@@ -13,6 +13,7 @@ pub mod documents;
 pub mod exporting;
 pub mod fonts;
 pub mod foreign_writes;
+pub mod formulas;
 pub mod health;
 pub mod history;
 pub mod identification;

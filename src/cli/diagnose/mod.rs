@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Robot and measurements of a session; effects that were added to its model are identified first.
-fn model_to_diagnose(session: &Session) -> Result<Dataset, IdentificationError> {
+pub fn model_to_diagnose(session: &Session) -> Result<Dataset, IdentificationError> {
     if session.measurements.is_empty() {
         return Err(IdentificationError::NoPoses);
     }
