@@ -4,6 +4,7 @@ pub mod adjusted;
 pub mod ads;
 pub mod bad_input_cases;
 pub mod console_page;
+pub mod formulas;
 pub mod hangprinter;
 pub mod harness;
 pub mod health;

@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use tautline_validation::motion::{Late, RECORDING};
 use tautline_validation::{
-    adjusted, hangprinter, health, hypotheses, isolability, live_readings, lives, many_poses,
-    motion, nist, screenshots, sessions, study_speed, table1, tolerances, truth, which_sensor,
-    window, your_data,
+    adjusted, formulas, hangprinter, health, hypotheses, isolability, live_readings, lives,
+    many_poses, motion, nist, screenshots, sessions, study_speed, table1, tolerances, truth,
+    which_sensor, window, your_data,
 };
 
 /// Presets of the truth study.
@@ -25,12 +25,14 @@ const TOLERANCES_SEED: u64 = 40_000;
 const MOST_FAULTS: usize = 4;
 /// Seed of the first life.
 const LIVES_SEED: u64 = 43_000;
+/// Seed of the first data set with a hidden pattern.
+const FORMULAS_SEED: u64 = 44_000;
 /// Seed of the first robot whose health is checked.
 const HEALTH_SEED: u64 = 39_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, hypotheses";
 
@@ -61,6 +63,7 @@ fn main() -> Result<()> {
         Some("isolability") => println!("{}", isolability_table()?),
         Some("motion") => println!("{}", motion_table(&arguments[1..])?),
         Some("tolerances") => println!("{}", tolerances_table(argument)?),
+        Some("formulas") => println!("{}", formulas_table(argument)?),
         Some("health") => println!("{}", health_table(argument)?),
         Some("lives") => println!("{}", lives_table(argument)?),
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
@@ -109,6 +112,11 @@ fn motion_table(numbers: &[String]) -> Result<String> {
 }
 
 /// Diagnoses so many machines of each kind, whose every part is a little off, and as many exact ones.
+fn formulas_table(sets: Option<&str>) -> Result<String> {
+    let sets = sets.map_or(Ok(100), str::parse)?;
+    Ok(formulas::markdown(&formulas::study(sets, FORMULAS_SEED)?))
+}
+
 fn health_table(robots: Option<&str>) -> Result<String> {
     let robots = robots.map_or(Ok(250), str::parse)?;
     Ok(health::markdown(&health::study(robots, HEALTH_SEED)?))
