@@ -113,7 +113,7 @@ fn one(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
         return Ok(());
     }
     counts.unexplained += 1;
-    let found = find_formulas(diagnosed, &mut |_| Control::Continue)?;
+    let found = find_formulas(&diagnosed, &mut |_| Control::Continue)?;
     counts.seconds += started.elapsed().as_secs_f64();
     let patterns = found.map(|found| found.patterns()).unwrap_or_default();
     let is_it =

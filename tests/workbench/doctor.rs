@@ -1,11 +1,18 @@
 //! The model doctor.
 
 use egui_kittest::kittest::Queryable;
-use tautline_workbench::model::command::IdentificationCommand;
+use tautline_core::effect::{EffectSetting, Hypothesis};
+use tautline_core::robot::presets;
+use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
+use tautline_session::{Session, Timestamp, write_session};
+use tautline_workbench::model::command::{
+    Command, FileCommand, IdentificationCommand, ViewCommand,
+};
+use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::State;
 
 use crate::measured::{Measured, document, give, press};
-use crate::support::settle;
+use crate::support::{settle, workbench};
 
 /// The button that asks.
 const ASK: &str = "Diagnose model";
@@ -147,4 +154,61 @@ fn a_diagnosis_that_is_cancelled_finds_nothing() {
     assert!(document(&harness).diagnosis().is_none());
     give(&mut harness, IdentificationCommand::Diagnose);
     assert!(document(&harness).diagnosis().is_some());
+}
+
+/// Depends on two quantities together, which no effect of the catalogue does.
+const HIDDEN: &str = r#"
+id = "hidden"
+title = "Hidden"
+scope = "cable"
+cause = "Hidden in {cable}: {size}."
+workshop = "None."
+[parameters.size]
+unit = "1/rad"
+typical = [1e-3, 1e-1]
+[change]
+paid = "paid + size * wrap * position_z"
+"#;
+
+#[test]
+fn an_error_without_a_name_gets_a_pattern_that_extends_the_model_and_can_be_undone() {
+    let preset = presets::find("mini").expect("a preset");
+    let mut truth = preset.robot.clone();
+    let hypothesis = Hypothesis::parse(HIDDEN).expect("a hypothesis");
+    truth.add_hypothesis(&hypothesis).expect("known");
+    truth.effects.push(EffectSetting {
+        effect: "hidden".into(),
+        targets: vec!["cable-3".into()],
+        parameters: [("size".to_owned(), 0.02)].into(),
+    });
+    let options = SimulationOptions {
+        geometry: TrueGeometry::Nominal,
+        ..SimulationOptions::new(40, 4)
+    };
+    let run = simulate(&truth, &options).expect("a run");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("bad.json");
+    let mut session = Session::new("bad", preset.robot, Timestamp::from_unix_seconds(0));
+    session.measurements = run.dataset.measurements;
+    write_session(&path, &session).expect("written");
+    let mut harness = workbench();
+    settle(&mut harness);
+    give(&mut harness, FileCommand::Open(path));
+    give(
+        &mut harness,
+        ViewCommand::Go(Screen::Phase(Phase::Identification)),
+    );
+    press(&mut harness, "Identify");
+    press(&mut harness, ASK);
+    press(&mut harness, "What does it look like?");
+    harness.get_by_label_contains("None of them is a cause");
+    let extend = "Extend the model by position_z * wrap (cable-3)";
+    press(&mut harness, extend);
+    let pattern = "pattern_paid_position_z_wrap";
+    assert_eq!(effects(&harness.state().state), [pattern]);
+    harness.get_by_label("The model explains the data.");
+    give(&mut harness, Command::Undo);
+    assert!(effects(&harness.state().state).is_empty());
+    let robot = &document(&harness).session().robot;
+    assert!(robot.hypotheses.is_empty());
 }

@@ -16,7 +16,21 @@ const REDO: Modifiers = Modifiers {
     ..Modifiers::COMMAND
 };
 /// Kinds of edits.
-const KINDS: usize = 11;
+const KINDS: usize = 12;
+
+/// What a pattern of unexplained errors becomes in the model.
+const PATTERN: &str = r#"
+id = "pattern"
+title = "Pattern"
+scope = "cable"
+cause = "{cable}: {size}"
+workshop = "None."
+[parameters.size]
+unit = "1"
+typical = [1e-3, 1e-1]
+[change]
+paid = "paid + size * position_x"
+"#;
 
 /// Number of the kind; a new kind does not compile before it has one here, and one in the list below.
 fn kind(edit: &Edit) -> usize {
@@ -32,6 +46,7 @@ fn kind(edit: &Edit) -> usize {
         Edit::SetRobot(..) => 8,
         Edit::SetPhases(..) => 9,
         Edit::SetConnection(_) => 10,
+        Edit::AddPattern { .. } => 11,
         // It needs a session without poses: the tests of importing undo it.
         Edit::Import(..) => KINDS,
     }
@@ -72,6 +87,15 @@ fn edits(harness: &Harness<'_, App>) -> Vec<Edit> {
         Edit::SetPlan(vec![planned], "add a pose".into()),
         Edit::SetRobot(Box::new(robot), "change a radius".into()),
         Edit::SetPhases(Box::new(phases), "add a pair".into()),
+        Edit::AddPattern {
+            hypothesis: PATTERN.into(),
+            effect: Box::new(EffectSetting {
+                effect: "pattern".into(),
+                targets: vec!["cable-3".into()],
+                parameters: [("size".into(), 0.01)].into(),
+            }),
+            name: "a pattern".into(),
+        },
         Edit::SetConnection(Box::new((Connection::default(), LaserSettings::Manual))),
     ]
 }

@@ -6,6 +6,7 @@ mod command_line;
 mod compare;
 mod diagnose;
 mod errors;
+mod formulas;
 mod health;
 mod history;
 mod hypotheses;

@@ -73,6 +73,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 fn document(diagnosed: Diagnosed) -> Result<FormulasDocument> {
     let unexplained = unexplained_sentences(&diagnosed);
-    let found = find_formulas(diagnosed, &mut |_| Control::Continue)?;
+    let found = find_formulas(&diagnosed, &mut |_| Control::Continue)?;
     Ok(FormulasDocument::of(unexplained, found.as_ref()))
 }

@@ -479,9 +479,9 @@ fn first_phase(session: &Session) -> Phase {
         session.measurements.is_empty(),
         missing_labels(session).next(),
     ) {
-        (true, _) => Phase::Precalibration,
+        (_, Some(_)) => Phase::Measuring,
+        (true, None) => Phase::Precalibration,
         (false, None) => Phase::Identification,
-        (false, Some(_)) => Phase::Measuring,
     }
 }
 

@@ -9,8 +9,8 @@ use tautline_core::measurement::Dataset;
 use tautline_session::{Method, Phase as LogPhase, ResultRecord, Session, VersionedFile as _};
 
 use crate::model::command::{
-    DIAGNOSING, DiagnosisResult, IDENTIFYING, IdentificationCommand, IdentificationOutcome,
-    READINESS, Readiness,
+    DIAGNOSING, DiagnosisResult, FORMULAS, IDENTIFYING, IdentificationCommand,
+    IdentificationOutcome, READINESS, Readiness,
 };
 use crate::model::edit::Edit;
 use crate::model::fit_progress::{Adding, Before, FitProgress};
@@ -23,6 +23,7 @@ use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_d
 use tautline_workflow::documents::diagnosis::{DiagnosisDocument, stage};
 use tautline_workflow::documents::isolability::IsolabilityTable;
 use tautline_workflow::documents::record;
+use tautline_workflow::formulas::find_formulas;
 use tautline_workflow::identification::{
     Identification, IdentificationRequest, identify as identify_request, identify_published,
 };
@@ -41,7 +42,9 @@ pub(super) fn perform(model: &mut Model, command: IdentificationCommand) {
             model.request(UiRequest::ShowDoctor);
             start_diagnosis(model, true);
         }
+        IdentificationCommand::FindFormulas => find_patterns(model),
         IdentificationCommand::Stop => {
+            model.tasks.cancel(FORMULAS);
             model.identification.progress.stop();
             model.tasks.cancel(IDENTIFYING);
             model.tasks.cancel(DIAGNOSING);
@@ -243,6 +246,28 @@ fn diagnosed(
     })))
 }
 
+/// Looks for patterns of what the last diagnosis leaves unexplained.
+fn find_patterns(model: &mut Model) {
+    let Some(open) = &model.open else {
+        return;
+    };
+    let Some(diagnosed) = open.diagnosis().filter(|_| !model.tasks.runs(FORMULAS)) else {
+        return;
+    };
+    let (diagnosed, inputs) = (Arc::clone(diagnosed), open.inputs());
+    model.tasks.start(FORMULAS, move |task| {
+        let found = find_formulas(&diagnosed, &mut |_| task.control());
+        let result = match found {
+            _ if task.cancelled() => Ok(None),
+            Ok(found) => Ok(Some(
+                found.map(|found| found.patterns()).unwrap_or_default(),
+            )),
+            Err(error) => Err(format!("Patterns cannot be tried: {error}.")),
+        };
+        IdentificationOutcome::Formulas { inputs, result }.into()
+    });
+}
+
 fn examined(dataset: Dataset, alpha: f64, task: &TaskHandle) -> Result<Option<Diagnosed>, String> {
     let terms = (alpha, TIME_LIMIT_S);
     let found = diagnose_dataset(Arc::new(dataset), terms, &mut |progress| {
@@ -272,6 +297,7 @@ pub(super) fn receive(model: &mut Model, outcome: IdentificationOutcome) {
         IdentificationOutcome::Checked { inputs, .. } => (*inputs, "The check"),
         IdentificationOutcome::Identified { inputs, .. } => (*inputs, "Identification"),
         IdentificationOutcome::Diagnosed { inputs, .. } => (*inputs, "Diagnosis"),
+        IdentificationOutcome::Formulas { inputs, .. } => (*inputs, "The search for patterns"),
     };
     let Some(open) = &model.open else {
         return;
@@ -295,6 +321,11 @@ pub(super) fn receive(model: &mut Model, outcome: IdentificationOutcome) {
     let said = match outcome {
         IdentificationOutcome::Checked { readiness, .. } => {
             model.identification.readiness = Some((inputs, *readiness));
+            return;
+        }
+        IdentificationOutcome::Formulas { result, .. } => {
+            let result = result.transpose();
+            model.identification.patterns = result.map(|result| (inputs, result));
             return;
         }
         IdentificationOutcome::Identified {

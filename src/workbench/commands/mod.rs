@@ -46,6 +46,7 @@ pub fn perform(model: &mut Model, command: Command) {
         Command::Edit(edit) => {
             let adds = match &edit {
                 Edit::AddEffects(effects, _) => Some(effects.clone()),
+                Edit::AddPattern { effect, .. } => Some(vec![EffectSetting::clone(effect)]),
                 _ => None,
             };
             changed(model, (None, adds), |open| {

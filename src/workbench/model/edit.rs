@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use tautline_core::effect::EffectSetting;
+use tautline_core::effect::{EffectSetting, Hypothesis};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 use tautline_session::{
@@ -21,6 +21,13 @@ pub enum Edit {
     SetAlpha(f64),
     /// Adds effects to the model: their parameters are identified, too. The text says which, for the undo menu.
     AddEffects(Vec<EffectSetting>, String),
+    /// Makes a pattern of unexplained errors known to the robot and adds it to the model.
+    AddPattern {
+        /// The text of its hypothesis.
+        hypothesis: String,
+        effect: Box<EffectSetting>,
+        name: String,
+    },
     /// Takes effects out of the model, whatever their values; the text says which, for the undo menu.
     RemoveEffects(Vec<EffectSetting>, String),
     /// Leaves a pose out.
@@ -50,6 +57,7 @@ impl Edit {
             Self::SetAlpha(_) => "choose false alarm probability".into(),
             Self::Exclude(label) => format!("exclude pose {label}"),
             Self::Include(label) => format!("include pose {label}"),
+            Self::AddPattern { name, .. } => format!("extend the model by {name}"),
             Self::AddEffects(_, what)
             | Self::RemoveEffects(_, what)
             | Self::SetPlan(_, what)
@@ -66,6 +74,16 @@ impl Edit {
             Self::AddEffects(added, _) => {
                 effects.retain(|old| !added.iter().any(|new| same_effect(old, new)));
                 effects.extend(added);
+            }
+            Self::AddPattern {
+                hypothesis, effect, ..
+            } => {
+                // A text that the robot does not take, because there are too many, changes nothing.
+                let parsed = Hypothesis::parse(&hypothesis);
+                if parsed.is_ok_and(|parsed| session.robot.add_hypothesis(&parsed).is_ok()) {
+                    effects.retain(|old| !same_effect(old, &effect));
+                    effects.push(*effect);
+                }
             }
             Self::RemoveEffects(removed, _) => {
                 effects.retain(|one| !removed.iter().any(|other| same_effect(one, other)));

@@ -6,6 +6,7 @@ use tautline_core::effect::EffectSetting;
 use tautline_core::measurement::Dataset;
 
 use super::command::Readiness;
+use tautline_workflow::formulas::PatternDocument;
 
 /// Residuals after each step, shared with the task.
 #[derive(Debug, Clone, Default)]
@@ -84,6 +85,8 @@ pub struct IdentificationState {
     pub(crate) not_added: Option<(Vec<EffectSetting>, String)>,
     /// The check before it, with the number of the inputs that were checked.
     pub readiness: Option<(u64, Readiness)>,
+    /// Patterns of what is unexplained, or one sentence, with the number of the inputs.
+    pub patterns: Option<(u64, Result<Vec<PatternDocument>, String>)>,
 }
 
 /// Number of lengths, distances and angles that were read.

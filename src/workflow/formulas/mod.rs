@@ -28,8 +28,6 @@ const LISTED: usize = 8;
 /// What the unexplained errors of a diagnosis look like.
 #[derive(Debug)]
 pub struct FoundFormulas {
-    /// The diagnosis in which something is unexplained.
-    pub before: Diagnosed,
     /// The diagnosis with the formulas.
     pub after: Diagnosed,
     /// The formulas that took part in it, by their identifiers.
@@ -79,10 +77,10 @@ pub fn unexplained_sentences(diagnosed: &Diagnosed) -> Vec<String> {
 /// # Errors
 /// If the data cannot be used for an identification.
 pub fn find_formulas(
-    before: Diagnosed,
+    before: &Diagnosed,
     observe: &mut dyn FnMut(&DiagnosisProgress) -> Control,
 ) -> Result<Option<FoundFormulas>, EstimationError> {
-    let readings = unexplained(&before);
+    let readings = unexplained(before);
     let solution = &before.diagnosis.extended_solution;
     let all: Vec<Formula> = (readings.iter())
         .flat_map(|reading| formulas(*reading, &before.dataset, solution))
@@ -97,7 +95,7 @@ pub fn find_formulas(
     while round.len() > room {
         let mut best = Vec::new();
         for some in round.chunks(room) {
-            let diagnosed = with(&before, some, observe)?;
+            let diagnosed = with(before, some, observe)?;
             best.extend(ranked(&diagnosed, some).into_iter().take(KEPT));
         }
         // Fewer in each round, whatever is kept of each part.
@@ -106,9 +104,8 @@ pub fn find_formulas(
         }
         round = best;
     }
-    let after = with(&before, &round, observe)?;
+    let after = with(before, &round, observe)?;
     Ok(Some(FoundFormulas {
-        before,
         after,
         formulas: round.into_iter().map(|one| (one.id.clone(), one)).collect(),
     }))

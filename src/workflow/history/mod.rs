@@ -252,7 +252,7 @@ impl RobotRecord {
             operator: operator(session),
             accuracy_after_m: accuracy_after_m(session),
             effects: (session.settings.identification.effects.iter())
-                .map(|effect| effects_title(slice::from_ref(effect)))
+                .map(|effect| effects_title(&session.robot, slice::from_ref(effect)))
                 .collect(),
             path,
         });

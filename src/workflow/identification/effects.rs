@@ -2,6 +2,7 @@
 
 use tautline_core::effect::{BoundEffect, EffectSetting, find};
 use tautline_core::estimation::ParameterId;
+use tautline_core::robot::Robot;
 
 use super::Identification;
 use crate::wording::list;
@@ -18,13 +19,14 @@ pub fn same_effect(one: &EffectSetting, other: &EffectSetting) -> bool {
     one.effect == other.effect && one.targets == other.targets && pose(one) == pose(other)
 }
 
-/// Title of settings of one effect with their cables: `Winch scale (cable-1 and cable-3)`.
+/// Title of settings of one effect, of the catalogue or a hypothesis of the robot, with their cables:
+/// `Winch scale (cable-1 and cable-3)`.
 #[must_use]
-pub fn effects_title(settings: &[EffectSetting]) -> String {
+pub fn effects_title(robot: &Robot, settings: &[EffectSetting]) -> String {
     let id = settings
         .first()
         .map_or("", |setting| setting.effect.as_str());
-    let name = find(id).map_or(id, |effect| effect.title());
+    let name = robot.effect(id).map_or(id, |effect| effect.title());
     let targets: Vec<String> = settings.iter().flat_map(|s| s.targets.clone()).collect();
     if targets.is_empty() {
         name.to_owned()

@@ -5,6 +5,7 @@ use tautline_session::ResultRecord;
 
 use crate::model::open_session::PlottedDiagnosis;
 use tautline_workflow::documents::isolability::IsolabilityTable;
+use tautline_workflow::formulas::PatternDocument;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::readiness::CheckItem;
 
@@ -12,6 +13,9 @@ pub const IDENTIFYING: &str = "Identifying";
 
 /// Title of the task that looks for what the model lacks.
 pub const DIAGNOSING: &str = "Looking for what the model lacks";
+
+/// Title of the task that looks for patterns of what is unexplained.
+pub const FORMULAS: &str = "Trying patterns";
 
 /// Title of the task that checks the readings before identification.
 pub const READINESS: &str = "Checking the readings";
@@ -23,6 +27,8 @@ pub enum IdentificationCommand {
     Identify,
     /// Asks what the model gets wrong.
     Diagnose,
+    /// Asks what errors look like that no cause explains.
+    FindFormulas,
     /// Ends what is being computed.
     Stop,
 }
@@ -46,6 +52,12 @@ pub enum IdentificationOutcome {
         inputs: u64,
         /// The diagnosis, or one sentence; `None` if it was stopped.
         result: Result<Option<Box<DiagnosisResult>>, String>,
+    },
+    /// Patterns of what is unexplained.
+    Formulas {
+        inputs: u64,
+        /// The patterns, or one sentence; `None` if it was stopped.
+        result: Result<Option<Vec<PatternDocument>>, String>,
     },
 }
 

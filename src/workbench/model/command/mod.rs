@@ -18,8 +18,8 @@ mod view;
 pub use compare::{COMPARING, CompareCommand, CompareOutcome};
 pub use file::{Answer, FileCommand, FileOutcome, Leaving, Opening};
 pub use identification::{
-    DIAGNOSING, DiagnosisResult, IDENTIFYING, IdentificationCommand, IdentificationOutcome,
-    READINESS, Readiness,
+    DIAGNOSING, DiagnosisResult, FORMULAS, IDENTIFYING, IdentificationCommand,
+    IdentificationOutcome, READINESS, Readiness,
 };
 pub use import::{ImportCommand, ImportOutcome};
 pub use plot::{Format, PlotCommand, PlotFile, PlotPicture};

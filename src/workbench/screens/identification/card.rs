@@ -8,7 +8,7 @@ use tautline_core::diagnosis::{Cause, Evidence, Finding, FoundParameter, Verdict
 use tautline_core::effect::{EffectSetting, Search};
 
 use super::check::back_to_import;
-use super::{Panel, ambiguous, discrepancy, effects, gain};
+use super::{Panel, ambiguous, discrepancy, effects, gain, patterns};
 use crate::model::command::{FileCommand, ViewCommand};
 use crate::model::edit::{Edit, same_effect};
 use crate::model::findings;
@@ -146,7 +146,7 @@ fn unknown(
     verdict(
         ui,
         Verdict::Doubtful,
-        "No cause is named: only which readings depend on which variable. There is nothing to add to the model.",
+        "No cause is named: only which readings depend on which variable.",
     );
     let found = &diagnosed.diagnosis.discrepancies;
     if let Some(index) = of_finding(found, finding) {
@@ -158,6 +158,11 @@ fn unknown(
     if !finding.advice.is_empty() {
         muted(ui, "What helps");
         paragraph(ui, &finding.advice);
+    }
+    // The patterns are of all unexplained errors together: they stand once, below the last of them.
+    let mut later = diagnosed.diagnosis.findings.iter().skip(number + 1);
+    if later.all(|other| other.verdict() != Sure::Unknown) {
+        patterns::show(ui, panel);
     }
 }
 

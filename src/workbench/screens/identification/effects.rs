@@ -9,7 +9,8 @@ use crate::widgets::muted;
 use tautline_workflow::identification::{effect_sizes, effects_title};
 
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let described = &panel.open.session().robot.effects;
+    let robot = &panel.open.session().robot;
+    let described = &robot.effects;
     let added = &panel.open.session().settings.identification.effects;
     if described.is_empty() && added.is_empty() {
         muted(
@@ -19,12 +20,12 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         return;
     }
     for setting in described {
-        ui.label(effects_title(std::slice::from_ref(setting)));
+        ui.label(effects_title(robot, std::slice::from_ref(setting)));
         muted(ui, "held at the value in the robot description");
     }
     let fit = panel.open.fit().filter(|_| panel.open.fit_is_current());
     for group in added.chunk_by(|one, other| one.effect == other.effect) {
-        let title = effects_title(group);
+        let title = effects_title(robot, group);
         ui.horizontal(|ui| {
             ui.add(egui::Label::new(egui::RichText::new(&title).font(theme::strong(13.0))).wrap());
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

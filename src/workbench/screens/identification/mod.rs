@@ -8,6 +8,7 @@ mod doctor;
 mod effects;
 mod gain;
 mod identify;
+mod patterns;
 mod results;
 mod rows;
 mod suspects;

@@ -130,7 +130,7 @@ fn added(session: &Session, fit: &Identification, effects: &[EffectSetting]) -> 
     });
     format!(
         "{}: {}{origin}.",
-        effects_title(effects),
+        effects_title(&session.robot, effects),
         effect_sizes(fit, effects).join("; ")
     )
 }

@@ -1,0 +1,103 @@
+//! What an error without a name looks like, and how the model takes it in.
+
+use egui::{Button, Spinner, Ui};
+use egui_material_icons::icons;
+use tautline_core::effect::EffectSetting;
+use tautline_workflow::formulas::PatternDocument;
+use tautline_workflow::wording::list;
+use tautline_workflow::wording::units::with_sd;
+
+use super::Panel;
+use super::card::paragraph;
+use crate::model::command::{FORMULAS, IdentificationCommand};
+use crate::model::edit::Edit;
+use crate::theme::GRID;
+use crate::widgets::{Verdict, icon_button, muted, probability, verdict};
+
+/// The button that asks, and the patterns once they were found.
+pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
+    ui.add_space(GRID);
+    if panel.tasks.runs(FORMULAS) {
+        ui.horizontal(|ui| {
+            ui.add(Spinner::new());
+            muted(ui, "Trying patterns…");
+        });
+        return;
+    }
+    let inputs = panel.open.inputs();
+    let found = panel.run.patterns.as_ref();
+    match found.filter(|(of, _)| *of == inputs) {
+        None => {
+            let title = "What does it look like?";
+            let button = icon_button(ui, icons::ICON_FUNCTION, title, true);
+            if button
+                .on_hover_text("Weighs formulas of position, tension, time and other quantities beside the catalogue")
+                .clicked()
+            {
+                panel.outbox.send(IdentificationCommand::FindFormulas);
+            }
+        }
+        Some((_, Err(error))) => verdict(ui, Verdict::Bad, error),
+        Some((_, Ok(patterns))) if patterns.is_empty() => {
+            muted(ui, "No pattern of the quantities at hand describes it.");
+        }
+        Some((_, Ok(patterns))) => {
+            muted(
+                ui,
+                "It looks like one of these patterns. None of them is a cause: what depends on these quantities?",
+            );
+            for pattern in patterns {
+                one(ui, panel, pattern);
+            }
+        }
+    }
+}
+
+fn name_of(pattern: &PatternDocument) -> String {
+    match pattern.targets.as_slice() {
+        [] => pattern.expression.clone(),
+        targets => format!("{} ({})", pattern.expression, list(targets)),
+    }
+}
+
+fn one(ui: &mut Ui, panel: &mut Panel<'_>, pattern: &PatternDocument) {
+    let name = name_of(pattern);
+    ui.add_space(GRID);
+    paragraph(ui, &name);
+    probability(ui, &name, pattern.probability);
+    let sizes = pattern.parameters.iter().map(|parameter| {
+        let sd = parameter.sd.unwrap_or(f64::NAN);
+        with_sd(parameter.value, sd, &parameter.unit)
+    });
+    let sizes: Vec<String> = sizes.collect();
+    if !sizes.is_empty() {
+        muted(ui, &format!("Size: {}", sizes.join(", ")));
+    }
+    let gain = pattern.gain.as_ref();
+    if let Some((after, before)) = gain.and_then(|g| g.holdout_after.zip(g.holdout_before)) {
+        muted(
+            ui,
+            &format!(
+                "At poses held out of the fit, residuals are {after:.2} instead of {before:.2} times the expected noise."
+            ),
+        );
+    }
+    let button = ui.add(Button::new("Extend the model by this pattern"));
+    button.widget_info(|| {
+        let name = format!("Extend the model by {name}");
+        egui::WidgetInfo::labeled(egui::Role::Button, true, name)
+    });
+    if button.clicked() {
+        let sizes = pattern.parameters.iter();
+        let effect = EffectSetting {
+            effect: pattern.effect.clone(),
+            targets: pattern.targets.clone(),
+            parameters: sizes.map(|p| (p.name.clone(), p.value)).collect(),
+        };
+        panel.outbox.send(Edit::AddPattern {
+            hypothesis: pattern.hypothesis.clone(),
+            effect: Box::new(effect),
+            name,
+        });
+    }
+}
