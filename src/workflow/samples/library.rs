@@ -74,18 +74,19 @@ fn samples_of(folder: &Path) -> Vec<Sample> {
         session,
         is_record: false,
     };
-    if is_record(folder) {
-        return vec![Sample {
-            is_record: true,
-            ..sample("", folder.to_owned())
-        }];
-    }
     let pair = [
         ("session.json", ""),
         ("before.json", ", before"),
         ("after.json", ", after"),
     ];
-    pair.iter()
-        .filter_map(|(name, suffix)| Some(sample(suffix, session(name)?)))
-        .collect()
+    let named = pair.iter();
+    let named = named.filter_map(|(name, suffix)| Some(sample(suffix, session(name)?)));
+    let found: Vec<Sample> = named.collect();
+    if found.is_empty() && is_record(folder) {
+        return vec![Sample {
+            is_record: true,
+            ..sample("", folder.to_owned())
+        }];
+    }
+    found
 }
