@@ -62,11 +62,11 @@ pub(super) fn show(
         if button.clicked() {
             outbox.send(RecordCommand::PlanCheck(Some(panel.shown)));
         }
-        muted(
-            ui,
-            "Click two sessions to compare them, double-click one to open it.",
-        );
     });
+    muted(
+        ui,
+        "Click two sessions to compare them, double-click one to open it.",
+    );
 }
 
 /// A column of the table.
