@@ -14,7 +14,7 @@ use tautline_core::measurement::Dataset;
 use tautline_core::planning::Goal;
 use tautline_core::robot::{PartTolerances, Robot};
 use tautline_core::simulation::{
-    SimulationOptions, TensionRange, TrueGeometry, Workspace, simulate,
+    Recording, SimulationOptions, TensionRange, TrueGeometry, Workspace, record, simulate,
 };
 use tautline_session::{Session, Timestamp};
 use tautline_workflow::health::{Baseline, Checked, HealthVerdict, POSES};
@@ -47,6 +47,9 @@ pub struct Counts {
     unchanged: usize,
     alarms: usize,
     undecided: usize,
+    /// Recordings of unchanged robots at work, and alarms.
+    worked: usize,
+    work_alarms: usize,
     moves: Outcomes,
     faults: Outcomes,
     /// Moves by their predicted probability: sum of the predictions, number, found.
@@ -103,6 +106,20 @@ impl Machine {
         })
     }
 
+    /// A minute of ordinary work without the laser.
+    fn work(&self, number: u64) -> Result<Checked> {
+        let options = settled(&self.drawing, SimulationOptions::new(0, self.seed + number));
+        let recording = Recording {
+            duration_s: 60.0,
+            rate_hz: 20.0,
+            correlation_s: 0.02,
+        };
+        let mut dataset = record(&self.truth, &options, &recording)?.dataset;
+        dataset.robot = self.drawing.clone();
+        dataset.measurements.laser_m.fill(f64::NAN);
+        Ok(self.baseline.check(&dataset, None)?)
+    }
+
     fn check(&self, truth: &Robot, number: u64) -> Result<Checked> {
         let options = SimulationOptions::new(POSES, self.seed + number);
         let options = options.commanding(self.poses.clone());
@@ -111,13 +128,18 @@ impl Machine {
     }
 }
 
-fn readings(drawing: &Robot, truth: &Robot, options: SimulationOptions) -> Result<Dataset> {
-    let options = SimulationOptions {
+/// Options for the robot as it is, within the limits of its drawing.
+fn settled(drawing: &Robot, options: SimulationOptions) -> SimulationOptions {
+    SimulationOptions {
         geometry: TrueGeometry::Nominal,
         workspace: Some(Workspace::of(drawing)),
         tension: Some(TensionRange::of(drawing)),
         ..options
-    };
+    }
+}
+
+fn readings(drawing: &Robot, truth: &Robot, options: SimulationOptions) -> Result<Dataset> {
+    let options = settled(drawing, options);
     let mut dataset = simulate(truth, &options)?.dataset;
     dataset.robot = drawing.clone();
     Ok(dataset)
@@ -138,6 +160,9 @@ fn one(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
         // The prediction needs no readings of its own: it is the same with all of an unchanged robot.
         expected.get_or_insert(checked);
     }
+    let worked = machine.work(9)?;
+    counts.worked += 1;
+    counts.work_alarms += usize::from(worked.verdict == HealthVerdict::Changed);
     let (cable, by) = moved(&machine.drawing, &mut rng);
     let mut truth = machine.truth.clone();
     let entry = &mut truth.cables[cable].pulley.entry_point_m;
@@ -233,8 +258,8 @@ impl Outcomes {
 #[must_use]
 pub fn markdown(found: &[(&'static str, Counts)]) -> String {
     let mut text = String::from(
-        "| robot | unchanged: alarm | undecided | pulley moved: found | undecided | named | named wrongly | fault: found | undecided | named | named wrongly | median ms |\n\
-         |---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+        "| robot | unchanged: alarm | undecided | at work without laser, unchanged: alarm | pulley moved: found | undecided | named | named wrongly | fault: found | undecided | named | named wrongly | median ms |\n\
+         |---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     let mut all = Counts::default();
     for (_, counts) in found {
@@ -255,9 +280,10 @@ pub fn markdown(found: &[(&'static str, Counts)]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "| {name} | {} | {} | {} | {} | {:.0} |",
+            "| {name} | {} | {} | {} | {} | {} | {:.0} |",
             share(counts.alarms, counts.unchanged),
             counts.undecided,
+            share(counts.work_alarms, counts.worked),
             of(&counts.moves),
             of(&counts.faults),
             1e3 * seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN),
@@ -283,6 +309,8 @@ impl Counts {
         self.unchanged += other.unchanged;
         self.alarms += other.alarms;
         self.undecided += other.undecided;
+        self.worked += other.worked;
+        self.work_alarms += other.work_alarms;
         self.moves = self.moves.sum(other.moves);
         self.faults = self.faults.sum(other.faults);
         for (own, other) in self.predicted.iter_mut().zip(&other.predicted) {

@@ -28,7 +28,7 @@ const LIVES_SEED: u64 = 43_000;
 /// Seed of the first data set with a hidden pattern.
 const FORMULAS_SEED: u64 = 44_000;
 /// Seed of the first robot whose health is checked.
-const HEALTH_SEED: u64 = 39_000;
+const HEALTH_SEED: u64 = 45_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
 
@@ -230,6 +230,7 @@ fn write(folder: Option<&str>) -> Result<()> {
     replace(&mut text, "isolability", &isolability_table()?)?;
     replace(&mut text, "lives", &lives_table(None)?)?;
     replace(&mut text, "health", &health_table(None)?)?;
+    replace(&mut text, "formulas", &formulas_table(None)?)?;
     replace(&mut text, "hidden_effects", &hidden::tables()?)?;
     match hangprinter_table(folder) {
         Ok(table) => replace(&mut text, "hangprinter", &table)?,

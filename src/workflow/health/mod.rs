@@ -4,6 +4,7 @@ mod document;
 mod words;
 
 use tautline_core::comparison::Identified;
+use tautline_core::effect::EffectSetting;
 use tautline_core::estimation::{Control, Method, ParameterId};
 use tautline_core::geometry::Pose;
 use tautline_core::history::{CERTAIN, DatedRun, HealthCheck, Jump, Part, check};
@@ -15,7 +16,7 @@ use tautline_session::{Session, Timestamp};
 use crate::history::{days_between, same_machine};
 use crate::identification::{
     FitVerdict, Identification, IdentificationError, IdentificationRequest, TolerancesUsed,
-    identify,
+    identify, same_effect,
 };
 pub use document::{DetectableMove, HealthDocument, HealthVerdict};
 pub use words::{change_names, verdict_sentences};
@@ -24,9 +25,13 @@ pub use words::{change_names, verdict_sentences};
 pub const POSES: usize = 8;
 /// Number of poses that are proposed where a check is undecided.
 const MORE_POSES: usize = 2;
-/// Prior standard deviation of a coordinate of a pulley in the fit of the check (m): wider than what one moves by, so that the
-/// fit is near the present place; the comparison with the baseline takes it out again.
-const PRESENT_SD_M: f64 = 10e-3;
+/// Prior standard deviations of a coordinate of a pulley in the fits of the check (m): first wider than what one moves by, then
+/// about the place that baseline and check together give. The comparison is linear, so that both must be solved near the same
+/// place; it takes the prior out again.
+const PRESENT_SD_M: [f64; 2] = [10e-3, 2e-3];
+/// Most samples that are used of a recording in motion: with many more than the poses of a baseline, what the linear comparison
+/// neglects would exceed the noise.
+const MOST_SAMPLES: usize = 60;
 /// Probability with which a stated detectable move is found.
 const FOUND: f64 = 0.95;
 /// Days between two runs of which one has no date.
@@ -107,7 +112,7 @@ impl Baseline {
                 (0..3).filter(|axis| is_estimated(ParameterId::EntryPoint { cable, axis: *axis }))
             {
                 pulley.entry_point_m[axis] = found[axis];
-                sd[axis] = Some(PRESENT_SD_M);
+                sd[axis] = Some(PRESENT_SD_M[0]);
             }
             pulley.entry_point_sd_m = PerAxis::Each(sd);
         }
@@ -132,28 +137,60 @@ impl Baseline {
     ) -> Result<Checked, HealthError> {
         let robot = &self.identification.dataset.robot;
         same_machine(robot, &dataset.robot).map_err(HealthError::Other)?;
+        let samples = dataset
+            .measurements
+            .independent_samples(&dataset.robot, MOST_SAMPLES);
         let expected = Dataset {
             robot: self.expected(&dataset.robot),
-            measurements: dataset.measurements.clone(),
+            measurements: samples.unwrap_or_else(|| dataset.measurements.clone()),
         };
         let effects: Vec<_> = (self.identification.free_effects().iter())
             .map(|bound| bound.setting(robot))
             .collect();
+        let mut checked = self.checked(&expected, &effects, time)?;
+        // The tolerance of a part holds the fit back from a change beyond it, and the comparison is linear: what is certain is
+        // estimated freely.
+        if let Some(effect) = checked.certain_effect() {
+            let effects = [effects, vec![effect.clone()]].concat();
+            let freed = self.checked(&expected, &effects, time)?;
+            if freed
+                .certain_effect()
+                .is_some_and(|same| same_effect(&same, &effect))
+            {
+                checked = freed;
+            }
+        }
+        if checked.verdict == HealthVerdict::Undecided || checked.is_unnamed() {
+            let method = self.identification.method;
+            checked.more_poses = more_poses(&checked.identification, method);
+        }
+        Ok(checked)
+    }
+
+    /// Checks a robot with some effects in its model.
+    fn checked(
+        &self,
+        expected: &Dataset,
+        effects: &[EffectSetting],
+        time: Option<Timestamp>,
+    ) -> Result<Checked, HealthError> {
         let method = self.identification.method;
-        let request = IdentificationRequest::new(expected, method, &effects);
-        let identification = identified(request.map_err(IdentificationError::from)?)?;
+        let fit = |dataset: Dataset| {
+            let request = IdentificationRequest::new(dataset, method, effects);
+            identified(request.map_err(IdentificationError::from)?)
+        };
+        let first = self.compare(&fit(expected.clone())?, time)?;
+        let mut together = expected.clone();
+        place(&mut together.robot, &first);
+        let identification = fit(together)?;
         let found = self.compare(&identification, time)?;
-        let mut checked = Checked {
+        Ok(Checked {
             verdict: verdict(&found, &identification),
             detectable: detectable(&found, &identification.dataset.robot),
             more_poses: Vec::new(),
             identification,
             found,
-        };
-        if checked.verdict == HealthVerdict::Undecided || checked.is_unnamed() {
-            checked.more_poses = more_poses(&checked.identification, method);
-        }
-        Ok(checked)
+        })
     }
 
     fn compare(
@@ -211,6 +248,25 @@ impl Checked {
         jumps.find(|jump| jump.probability >= CERTAIN)
     }
 
+    /// The effect that has certainly changed, if it is one: as large as it is now.
+    fn certain_effect(&self) -> Option<EffectSetting> {
+        let jump = self.certain()?;
+        let Part::Effect {
+            effect,
+            targets,
+            parameter,
+            ..
+        } = &self.found.history.parts[jump.part]
+        else {
+            return None;
+        };
+        Some(EffectSetting {
+            effect: effect.clone(),
+            targets: targets.clone(),
+            parameters: [(parameter.clone(), jump.size[0])].into(),
+        })
+    }
+
     /// Whether something changed, but these poses cannot tell what.
     fn is_unnamed(&self) -> bool {
         self.verdict == HealthVerdict::Changed && self.certain().is_none()
@@ -220,6 +276,33 @@ impl Checked {
     #[must_use]
     pub fn is_explained(&self) -> bool {
         FitVerdict::of(self.identification.solution.p_value()).holds()
+    }
+}
+
+/// Puts pulleys and target plane where baseline and check together have them.
+fn place(robot: &mut Robot, found: &HealthCheck) {
+    let history = &found.history;
+    for (part, of) in history.parts.iter().enumerate() {
+        let Some(now) = history.states[part].last() else {
+            continue;
+        };
+        match of {
+            Part::Pulley(cable) => {
+                let pulley = &mut robot.cables[*cable].pulley;
+                let mut sd = pulley.entry_point_sd_m.each();
+                for (axis, value) in history.axes[part].iter().zip(now.value.iter()) {
+                    pulley.entry_point_m[*axis] = *value;
+                    sd[*axis] = Some(PRESENT_SD_M[1]);
+                }
+                pulley.entry_point_sd_m = PerAxis::Each(sd);
+            }
+            Part::TargetPlane => {
+                if let Some(laser) = &mut robot.laser {
+                    laser.target_plane.offset_m = now.value[0];
+                }
+            }
+            Part::Effect { .. } => {}
+        }
     }
 }
 
@@ -237,10 +320,14 @@ fn identified(mut request: IdentificationRequest) -> Result<Identification, Iden
 fn verdict(found: &HealthCheck, identification: &Identification) -> HealthVerdict {
     let history = &found.history;
     let is_explained = FitVerdict::of(identification.solution.p_value()).holds();
-    match history.jumps.is_empty() {
-        _ if history.unchanged <= 1.0 - CERTAIN || !is_explained => HealthVerdict::Changed,
-        true => HealthVerdict::Unchanged,
-        false => HealthVerdict::Undecided,
+    let is_in_motion = identification.dataset.measurements.rates.is_some();
+    match (is_explained, history.jumps.is_empty()) {
+        // What the model of motion lacks is no change of the robot.
+        (false, _) if is_in_motion => HealthVerdict::Undecided,
+        (false, _) => HealthVerdict::Changed,
+        (true, _) if history.unchanged <= 1.0 - CERTAIN => HealthVerdict::Changed,
+        (true, true) => HealthVerdict::Unchanged,
+        (true, false) => HealthVerdict::Undecided,
     }
 }
 

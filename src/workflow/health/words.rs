@@ -35,6 +35,9 @@ pub fn verdict_sentences(baseline: &Baseline, checked: &Checked) -> Vec<String> 
             percent(1.0 - history.unchanged),
             list(&change_names(checked))
         )],
+        (HealthVerdict::Undecided, _) if !checked.is_explained() => vec![
+            "Not decidable: the model does not explain the motion in this recording. Measure poses at rest.".to_owned(),
+        ],
         (HealthVerdict::Undecided, _) => vec![format!(
             "Not decidable with these poses: perhaps {}.",
             list(&change_names(checked))
