@@ -41,6 +41,7 @@ pub mod measurement;
 pub mod planning;
 pub mod real;
 pub mod robot;
+pub mod sequential;
 pub mod simulation;
 mod small_cholesky;
 pub mod statistics;

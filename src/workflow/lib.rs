@@ -25,6 +25,7 @@ pub mod precalibration;
 pub mod readiness;
 pub mod report;
 pub mod samples;
+pub mod sequential;
 pub mod session_file;
 pub mod templates;
 pub mod tolerances;

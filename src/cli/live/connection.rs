@@ -97,6 +97,16 @@ impl Connection {
         }
     }
 
+    /// Whether time stands still for a moment while something is computed: otherwise hours would pass meanwhile for a robot
+    /// that runs as fast as it can be computed.
+    pub fn stands_still(&self) -> bool {
+        let stands = self.pace == Pace::Computed;
+        if stands {
+            thread::sleep(SHORTEST_TICK);
+        }
+        stands
+    }
+
     /// Moves home and waits until the platform is there; `false` if the operator interrupted it.
     pub fn go_home(&mut self) -> Result<bool> {
         let begun_s = self.now_s();

@@ -4,16 +4,18 @@ use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tautline_core::sequential::Goal;
 use tautline_session::{Session, VersionedFile};
 
 use super::drive::{RunEnd, RunOutcome};
 use crate::output::say;
+use tautline_workflow::sequential::UntilDocument;
 use tautline_workflow::wording::{count, count_are, units};
 
 /// Result of a measuring run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuringDocument {
-    /// How it ended: finished, good_enough, stopped (by the operator) or failed.
+    /// How it ended: finished, good_enough, decided (see until), stopped (by the operator) or failed.
     pub end: String,
     /// Labels of all measured poses, in the order of measurement.
     pub measured: Vec<i64>,
@@ -34,6 +36,9 @@ pub struct MeasuringDocument {
     /// What somebody else changed in the controller while poses were measured, one sentence each.
     #[serde(default)]
     pub foreign_writes: Vec<String>,
+    /// Goals and decisions; null without --until.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<UntilDocument>,
 }
 
 /// A pose that was skipped.
@@ -53,7 +58,12 @@ impl VersionedFile for MeasuringDocument {
 
 impl MeasuringDocument {
     /// The document of a run and its session.
-    pub fn of(session: &Session, ended: &RunOutcome, lacking: Option<String>) -> Self {
+    pub fn of(
+        session: &Session,
+        goals: &[Goal],
+        ended: &RunOutcome,
+        lacking: Option<String>,
+    ) -> Self {
         let measured = session.measurements.labels.clone();
         let planned = session.plan.iter().map(|pose| pose.label);
         let skipped = ended.skipped.iter();
@@ -61,6 +71,7 @@ impl MeasuringDocument {
             end: match ended.end {
                 RunEnd::Finished => "finished",
                 RunEnd::GoodEnough => "good_enough",
+                RunEnd::Decided => "decided",
                 RunEnd::Interrupted => "stopped",
                 RunEnd::Failed(_) | RunEnd::NotTyped(_) => "failed",
             }
@@ -78,6 +89,10 @@ impl MeasuringDocument {
             lacking,
             largest_sd_m: ended.largest_sd_m,
             foreign_writes: ended.foreign_writes.clone(),
+            until: ended.until.as_ref().map(|decided| {
+                let last = decided.last.as_ref();
+                UntilDocument::of(&session.robot, goals, last, decided.poses.clone())
+            }),
         }
     }
 }
@@ -105,5 +120,25 @@ pub fn print(document: &MeasuringDocument, session: &Path) {
     if document.end == "good_enough" {
         let rest = count_are(document.missing.len(), "planned pose");
         say!("the requested precision is reached: {rest} not needed");
+    }
+    if let Some(until) = &document.until {
+        print_until(until);
+    }
+}
+
+fn print_until(until: &UntilDocument) {
+    for goal in &until.goals {
+        let is = if goal.reached {
+            "reached"
+        } else {
+            "not reached"
+        };
+        say!("{}: {is}", goal.goal);
+    }
+    for set in &until.sets {
+        say!("{:5.1} % {}", 100.0 * set.probability, set.causes);
+    }
+    for help in &until.help {
+        say!("{help}");
     }
 }

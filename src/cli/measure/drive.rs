@@ -7,16 +7,20 @@ use crate::BadInput;
 use anyhow::{Context, Result, anyhow};
 use tautline_core::estimation::Control;
 use tautline_core::geometry::Pose;
+use tautline_core::sequential::{Decision, NextStep};
 use tautline_link::ParameterInfo;
 use tautline_link::laser::ManualLaser;
 use tautline_link::measuring::{
     MeasuringEvent, MeasuringOptions, MeasuringRun, Stage, largest_sd_m, predict_by,
 };
-use tautline_session::{MeasuredPose, Phase, RecoveryWriter, Session};
+use tautline_session::{MeasuredPose, Phase, PlannedPose, RecoveryWriter, Session, SessionChanges};
 use tautline_workflow::clock;
 use tautline_workflow::controllers::ConnectionSetup;
 use tautline_workflow::foreign_writes::{ValuesRead, begin_run, end_run};
 use tautline_workflow::identification::identify_session;
+use tautline_workflow::sequential::{
+    DecidedPose, SequentialPlanner, planned_label, progress_in_words, reason_in_words,
+};
 use tautline_workflow::wording::sentence;
 
 use crate::live::{Connection, SessionFile, interrupt, typed};
@@ -31,6 +35,8 @@ pub enum RunEnd {
     Finished,
     /// The requested precision is reached.
     GoodEnough,
+    /// No pose was needed any more for the goals, or none would help.
+    Decided,
     /// The operator interrupted it.
     Interrupted,
     /// The run failed; one sentence.
@@ -54,6 +60,30 @@ pub struct RunOutcome {
     pub restarted: bool,
     /// What somebody else changed in the controller while poses were measured, one sentence each.
     pub foreign_writes: Vec<String>,
+    /// The last decision, and the poses chosen in this run, if it measures until it is certain.
+    pub until: Option<Decided>,
+}
+
+/// Decisions of a run.
+#[derive(Debug, Clone, Default)]
+pub struct Decided {
+    /// The last one.
+    pub last: Option<Decision>,
+    /// The poses chosen, with the reasons.
+    pub poses: Vec<DecidedPose>,
+}
+
+/// Decisions on the next pose.
+#[derive(Debug)]
+pub struct Until {
+    /// Decides in a thread of its own.
+    pub planner: SequentialPlanner,
+    /// Largest number of poses.
+    pub at_most: usize,
+    /// Poses that could not be measured.
+    pub excluded: Vec<Pose>,
+    /// Number of poses that were measured before this run.
+    pub rows: usize,
 }
 
 /// A run with its stop criteria.
@@ -61,27 +91,33 @@ pub struct Drive {
     run: MeasuringRun,
     poses: usize,
     stop_at_m: Option<f64>,
+    until: Option<Until>,
     retries: usize,
     tried: HashMap<i64, usize>,
     ended: RunOutcome,
 }
 
 impl Drive {
-    /// A run over the planned poses that are not measured yet.
+    /// A run over the planned poses that are not measured yet, or over those that `until` decides on.
     pub fn new(
         session: &Session,
         setup: &ConnectionSetup,
-        stop_at_m: Option<f64>,
+        (stop_at_m, until): (Option<f64>, Option<Until>),
         retries: usize,
     ) -> Self {
         let planned = session.plan.iter();
+        // Poses are decided on only after home, to which all lengths refer.
+        let planned = planned.filter(|pose| until.is_none() || pose.label == 0);
         let plan: Vec<(i64, Pose)> = planned.map(|pose| (pose.label, pose.pose())).collect();
         let mut options = MeasuringOptions::of(setup.robot());
         options.tension = setup.tension();
-        let poses = plan.len();
-        let run = MeasuringRun::new(plan, setup.robot(), options)
+        let poses = until.as_ref().map_or(plan.len(), |until| until.at_most);
+        let mut run = MeasuringRun::new(plan, setup.robot(), options)
             .predicting(predict_by(setup.robot(), setup.tension()))
             .continuing(&session.measurements.labels);
+        if until.is_some() {
+            run = run.open_ended();
+        }
         Self {
             run,
             poses,
@@ -95,7 +131,9 @@ impl Drive {
                 largest_sd_m: None,
                 restarted: false,
                 foreign_writes: Vec::new(),
+                until: until.is_some().then(Decided::default),
             },
+            until,
         }
     }
 
@@ -140,9 +178,21 @@ impl Drive {
         if self.is_good_enough(&file.session) {
             return Ok(RunEnd::GoodEnough);
         }
+        if self.run.remaining() == 0 {
+            self.ask(&file.session);
+        }
         loop {
             if interrupt::requested() {
                 return Ok(RunEnd::Interrupted);
+            }
+            if let Some(decision) = self.until.as_mut().and_then(|until| until.planner.poll()) {
+                let decision = decision.map_err(|error| anyhow!("{}", sentence(&error)))?;
+                if !self.follow(decision, file, keeper)? {
+                    return Ok(RunEnd::Decided);
+                }
+            }
+            if self.is_deciding() && connection.stands_still() {
+                continue;
             }
             connection.step();
             let now_s = connection.now_s();
@@ -164,7 +214,9 @@ impl Drive {
                         if self.is_good_enough(&file.session) {
                             return Ok(RunEnd::GoodEnough);
                         }
+                        self.ask(&file.session);
                     }
+                    MeasuringEvent::Skipped { label } => self.leave_out(label, &file.session),
                     MeasuringEvent::Warning(warning) => note!("{}", sentence(&warning.text)),
                     MeasuringEvent::LaserWanted { label } => {
                         if let Some(laser) = &connection.manual_laser {
@@ -180,11 +232,67 @@ impl Drive {
                     MeasuringEvent::Failed(text) => return Ok(RunEnd::Failed(text)),
                     MeasuringEvent::Commanded { .. }
                     | MeasuringEvent::Settling { .. }
-                    | MeasuringEvent::Sampling { .. }
-                    | MeasuringEvent::Skipped { .. } => {}
+                    | MeasuringEvent::Sampling { .. } => {}
                 }
             }
         }
+    }
+
+    fn is_deciding(&self) -> bool {
+        let until = self.until.as_ref();
+        until.is_some_and(|until| until.planner.is_deciding())
+    }
+
+    /// Asks for the next pose, if poses are decided on one by one.
+    fn ask(&mut self, session: &Session) {
+        if let Some(until) = &mut self.until {
+            until.planner.ask(session, &until.excluded);
+        }
+    }
+
+    /// Excludes a skipped pose from the decisions.
+    fn leave_out(&mut self, label: i64, session: &Session) {
+        let Some(until) = &mut self.until else {
+            return;
+        };
+        let planned = session.plan.iter().find(|planned| planned.label == label);
+        until.excluded.extend(planned.map(PlannedPose::pose));
+        until.planner.ask(session, &until.excluded);
+    }
+
+    /// Follows a decision; `false` if it ends the run. The pose and its reason are on disk before the robot moves.
+    fn follow(
+        &mut self,
+        decision: Decision,
+        file: &mut SessionFile,
+        keeper: &mut RecoveryWriter,
+    ) -> Result<bool> {
+        let robot = file.session.robot.clone();
+        if let Some(known) = &decision.assessment {
+            note!("{}", progress_in_words(&robot, known));
+        }
+        let step = decision.step.clone();
+        let decided = self.ended.until.get_or_insert_default();
+        decided.last = Some(decision);
+        let NextStep::Measure { pose, reason } = step else {
+            self.run.close();
+            return Ok(false);
+        };
+        let label = planned_label(&mut file.session, &pose);
+        let reason = reason_in_words(&robot, &reason);
+        note!("next: pose {label} {reason}");
+        file.log(
+            Phase::Poses,
+            format!("Pose {label} was chosen: it {reason}."),
+        );
+        decided.poses.push(DecidedPose {
+            pose: label,
+            reason,
+        });
+        let before = self.until.as_ref().map_or(0, |until| until.rows);
+        keeper.write_changes(SessionChanges::of(&file.session, before))?;
+        self.run.add(label, pose);
+        Ok(true)
     }
 
     /// Saves a pose to disk before it is reported, and reports it before the next one is commanded.

@@ -11,11 +11,13 @@ use std::path::PathBuf;
 use crate::BadInput;
 use anyhow::{Result, anyhow};
 use tautline_core::planning::USUAL_POSES;
-use tautline_session::{LaserSettings, Phase, Session};
+use tautline_core::sequential::{AT_MOST, Goal, NextStep};
+use tautline_session::{LaserSettings, Phase, PlannedPose, Session};
 use tautline_workflow::adjusting;
 use tautline_workflow::controllers::{ConnectionSetup, ControllerChoice};
 use tautline_workflow::identification::{Identification, identify_session};
-use tautline_workflow::wording::count;
+use tautline_workflow::sequential::{SequentialPlanner, UntilRequest};
+use tautline_workflow::wording::{count, list};
 
 use crate::effect_arguments::HiddenEffects;
 use crate::examples::examples;
@@ -24,11 +26,12 @@ use crate::input;
 use crate::live::{Connection, RobotArguments, SessionFile, interrupt, link_error, typed};
 use crate::output::{JsonOutput, note, notice};
 pub use document::MeasuringDocument;
-use drive::{Drive, RunEnd};
+use drive::{Drive, RunEnd, Until};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
     ("25 poses of a simulated robot", "tautline measure run.json --controller sim --robot mini --arm"),
+    ("Until it is known what is wrong, be it nothing", "tautline measure until.json --controller sim --robot mini --until cause=95% --at-most 30 --arm"),
     ("An OPC UA controller and the poses of a plan; the session exists", "tautline measure cell.json --controller opc.tcp://plc --plan poses.csv --arm"),
 ]))]
 pub struct Arguments {
@@ -59,6 +62,14 @@ pub struct Arguments {
     /// Stop as soon as all coordinates of all entry points have standard deviations below this (mm)
     #[arg(long, value_name = "MM")]
     stop_at: Option<f64>,
+    /// Decide on every next pose by what is known, until accuracy=0.3mm (all pulleys that accurate), cause=95% (it is known
+    /// what is wrong, be it nothing) or fault-free=95% (no fault of typical size); may be repeated, until all are reached.
+    /// With --plan, only its poses are measured
+    #[arg(long, value_name = "GOAL", conflicts_with_all = ["stop_at", "poses"])]
+    until: Vec<Goal>,
+    /// Largest number of poses with --until, without the home pose
+    #[arg(long, value_name = "N", default_value_t = AT_MOST, requires = "until")]
+    at_most: usize,
     /// Source of laser distances: controller, manual (typed at each pose), tcp:HOST:PORT or serial:PORT[:BAUD],
     /// both with ?pattern=..&unit=mm; stored in the session
     #[arg(long, value_name = "SOURCE")]
@@ -80,11 +91,53 @@ impl Arguments {
             limit => Ok(limit.map(|mm| mm * 1e-3)),
         }
     }
+
+    /// Rejects goals that no pose can serve.
+    fn check_until(&self, choice: &ControllerChoice) -> Result<()> {
+        if self.until.is_empty() {
+            return Ok(());
+        }
+        if let ControllerChoice::Replay(folder) = choice {
+            return Err(BadInput::new(format!(
+                "--until: {} is a recording, which cannot go to new poses; expected a controller or sim",
+                folder.display()
+            )));
+        }
+        if self.at_most == 0 {
+            return Err(BadInput::new(
+                "--at-most: found 0, expected at least 1 pose",
+            ));
+        }
+        Ok(())
+    }
+
+    /// The decisions for a session with its plan.
+    fn until(&self, session: &Session) -> Result<Option<Until>> {
+        if self.until.is_empty() {
+            return Ok(None);
+        }
+        let planned = session.plan.iter().filter(|planned| planned.label != 0);
+        let request = UntilRequest {
+            goals: self.until.clone(),
+            at_most: self.at_most,
+            seed: self.seed,
+            among: (self.plan.as_ref()).map(|_| planned.map(PlannedPose::pose).collect()),
+        };
+        let planner = SequentialPlanner::start(session, request)
+            .map_err(|error| BadInput::new(format!("no pose can be decided on: {error}")))?;
+        Ok(Some(Until {
+            planner,
+            at_most: self.at_most,
+            excluded: Vec::new(),
+            rows: session.measurements.len(),
+        }))
+    }
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let choice = arguments.robot_arguments.choice()?;
     let stop_at_m = arguments.stop_at_m()?;
+    arguments.check_until(&choice)?;
     arguments
         .robot_arguments
         .require_arm("The robot was not moved")?;
@@ -121,10 +174,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     interrupt::listen()?;
     file.save()?;
     connection.controller.arm().map_err(link_error)?;
-    let drive = Drive::new(&file.session, &setup, stop_at_m, arguments.retries);
+    let stops = (stop_at_m, arguments.until(&file.session)?);
+    let drive = Drive::new(&file.session, &setup, stops, arguments.retries);
     let ended = drive.run(&mut file, &mut connection)?;
     let lacking = lacking(&file.session);
-    let document = MeasuringDocument::of(&file.session, &ended, lacking);
+    let document = MeasuringDocument::of(&file.session, &arguments.until, &ended, lacking);
     arguments
         .json
         .deliver(&document, || document::print(&document, &arguments.session))?;
@@ -223,8 +277,8 @@ fn result(
             "{} {place} has {on_disk}; the same command continues",
             ensure_full_stop(why)
         ))),
-        RunEnd::Finished | RunEnd::GoodEnough => match &document.lacking {
-            None => Ok(()),
+        RunEnd::Finished | RunEnd::GoodEnough | RunEnd::Decided => match &document.lacking {
+            None => require_goals(document, &place.to_string()),
             Some(lacking) => Err(anyhow!(
                 "{place} has {on_disk}, not enough to identify the robot: {lacking}"
             )),
@@ -244,10 +298,38 @@ fn log(file: &mut SessionFile, ended: &drive::RunOutcome) {
         match &ended.end {
             RunEnd::Finished => String::new(),
             RunEnd::GoodEnough => ", precision reached".to_owned(),
+            RunEnd::Decided => format!(", {}", decided(ended)),
             RunEnd::Interrupted => ", then stopped by the operator".to_owned(),
             RunEnd::Failed(why) | RunEnd::NotTyped(why) =>
                 format!(", then it failed: {}", why.trim_end_matches('.')),
         }
     );
     file.log(Phase::Poses, text);
+}
+
+/// Fails if a goal of --until is not reached.
+fn require_goals(document: &MeasuringDocument, place: &str) -> Result<()> {
+    let goals = document.until.iter().flat_map(|until| &until.goals);
+    let open: Vec<String> = goals
+        .filter(|goal| !goal.reached)
+        .map(|goal| goal.goal.clone())
+        .collect();
+    if open.is_empty() {
+        return Ok(());
+    }
+    Err(anyhow!(
+        "{place} has {}, and {} is not reached",
+        count(document.measured.len(), "pose"),
+        list(&open)
+    ))
+}
+
+/// How the decisions ended a run.
+fn decided(ended: &drive::RunOutcome) -> &'static str {
+    let last = ended.until.as_ref().and_then(|until| until.last.as_ref());
+    match last.map(|decision| &decision.step) {
+        Some(NextStep::Reached) => "all goals reached",
+        Some(NextStep::AtLimit) => "the largest number of poses reached",
+        _ => "no pose would bring the goals closer",
+    }
 }

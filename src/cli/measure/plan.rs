@@ -27,6 +27,11 @@ pub fn complete(
         }
         return take(session, read.value, &path.display().to_string());
     }
+    if !arguments.until.is_empty() {
+        // Poses are decided on one by one, after home.
+        add_home(session);
+        return Ok(());
+    }
     if !session.plan.is_empty() {
         return Ok(());
     }
@@ -47,6 +52,18 @@ pub fn complete(
         ))
     })?;
     Ok(())
+}
+
+/// Plans the home pose, unless it is planned or measured.
+fn add_home(session: &mut Session) {
+    let planned = session.plan.iter().map(|planned| planned.label);
+    let mut known = planned.chain(session.measurements.labels.iter().copied());
+    if known.any(|label| label == 0) {
+        return;
+    }
+    if let Some(home) = session.robot.home {
+        session.plan.insert(0, PlannedPose::new(0, &home.pose()));
+    }
 }
 
 /// Adopts the poses of a table after the home pose; measured poses stay.

@@ -126,6 +126,10 @@ pub(super) const SEPARATING_SEED: u64 = 41;
 pub(super) const MAX_REPEATS: usize = 40;
 /// Number of points of the sequence over which isolability is averaged, for a single fault and for a pair.
 pub(super) const ISOLABILITY_POINTS: [usize; 2] = [4096, 1024];
+/// Number of points over which the size of an unseen fault with several coordinates is averaged.
+pub(super) const UNSEEN_POINTS: usize = 256;
+/// Odds below which an unseen fault is left out at a scale: thousands of them add up to less than one in a hundred.
+pub(super) const NEGLIGIBLE_ODDS: f64 = 1e-6;
 /// Noncentrality that a candidate leaves unexplained above which it is ruled out without sampling: the log odds are
 /// then above 100, with a standard deviation of 14.
 pub(super) const RULED_OUT: f64 = 200.0;

@@ -246,7 +246,7 @@ pub(super) fn size_parameter(effect: &'static Effect) -> Option<&'static EffectP
 }
 
 /// Geometric mean of the smallest and the largest typical size.
-fn typical_size(parameter: &EffectParameter) -> f64 {
+pub(super) fn typical_size(parameter: &EffectParameter) -> f64 {
     let [least, largest] = parameter.typical_sizes();
     if least > 0.0 {
         (least * largest).sqrt()

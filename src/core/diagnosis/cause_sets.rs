@@ -2,13 +2,29 @@
 
 use super::fit::Fit;
 use super::priors::IMPOSSIBLE_FACTOR;
-use super::report::Cause;
+use super::report::{Cause, CauseSet};
+use crate::statistics::log_sum;
 
 /// A set of causes with its posterior.
 #[derive(Debug, Clone)]
 pub(super) struct RankedSet {
     pub causes: Vec<Cause>,
     pub log_posterior: f64,
+}
+
+/// Probabilities of ranked sets, most probable first; empty if no set makes the readings possible.
+pub(super) fn set_probabilities(ranking: &[RankedSet]) -> Vec<CauseSet> {
+    let total = log_sum(ranking.iter().map(|set| set.log_posterior));
+    if !total.is_finite() {
+        return Vec::new();
+    }
+    let of = |set: &RankedSet| CauseSet {
+        causes: set.causes.clone(),
+        probability: (set.log_posterior - total).exp(),
+    };
+    let mut sets: Vec<CauseSet> = ranking.iter().map(of).collect();
+    sets.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+    sets
 }
 
 /// Whether all parameter values of a fit are physically possible.

@@ -6,6 +6,7 @@ use super::budget::MOST_DIAGNOSED_SAMPLES;
 use super::calibration::POWER;
 use super::candidates::size_parameter;
 use super::cause_posteriors::{cause_posteriors, stated_causes};
+use super::cause_sets::set_probabilities;
 use super::confidence::{
     ConfirmedCauses, allow_for_errors, assess_fit, confirm_causes, reject_replaceable_causes,
     state_probabilities,
@@ -16,11 +17,13 @@ use super::finding::FindingBuilder;
 use super::fit::Fit;
 use super::gain::Prediction;
 use super::inference::{Inference, infer, inference_at_fit};
+use super::linear_fit::LinearFit;
 use super::noise::noise_statements;
 use super::priors::FACTORS;
 use super::progress::Reporter;
 use super::report::{Diagnosis, Finding, Invisible, ToleranceFactor};
 use super::unmodelled_errors::WeighedError;
+use super::unseen::{UnseenFault, unseen_faults};
 use super::{DiagnosisOptions, Observer, Stage};
 use crate::effect::{BoundEffect, CablePorts, Dual, measurements_as_modelled};
 use crate::estimation::{EstimationError, Problem};
@@ -106,6 +109,7 @@ fn examine(
 ) -> Result<Diagnosis, EstimationError> {
     let (problem, inference, visibility) = infer(problem.clone(), options, report)?;
     let (posteriors, possible) = cause_posteriors(&inference.ranking);
+    let sets = set_probabilities(&inference.ranking);
     let factor = FACTORS[inference.hyper.factor];
     let first = match factor > 0.0 {
         true => &Fit::new(&with_deviations(first, factor), &[])?,
@@ -126,6 +130,7 @@ fn examine(
     } = confirmed;
     report.stage(Stage::HeldOut, findings.len());
     let fit = &inference.fit;
+    let unseen = unseen_beside(&inference);
     let sd_ratios = inference.sd_ratios();
     let mut before = Prediction::new(&Fit::new(problem, &[])?);
     for (index, posterior) in posteriors.iter().enumerate() {
@@ -170,6 +175,8 @@ fn examine(
         invisible: invisible_effects(problem, &visibility, options),
         findings,
         possible,
+        sets,
+        unseen,
         tolerances: ToleranceFactor {
             factor: inference.tolerance_factor(),
             are_stated: false,
@@ -179,6 +186,14 @@ fn examine(
         extended_solution: fit.solution.clone(),
         cancelled: report.cancelled,
     })
+}
+
+/// Faults that the readings do not exclude beside the causes of an inference.
+fn unseen_beside(inference: &Inference<'_>) -> Vec<UnseenFault> {
+    let at = LinearFit::new(&inference.fit, true);
+    let gram = at.gram_beside_present(&inference.hyper);
+    let present: Vec<usize> = at.present.iter().map(|member| member.0).collect();
+    unseen_faults(&gram, &present)
 }
 
 /// The problem of a fit without causes, with the deviations of the parts estimated, whose priors are the tolerances times a factor.

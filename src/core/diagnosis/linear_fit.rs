@@ -114,6 +114,11 @@ impl<'f, 'a> LinearFit<'f, 'a> {
         self.gram_of(self.linear.reduced(at, &none))
     }
 
+    /// All candidates beside the causes of the fit, which are estimated with each.
+    pub fn gram_beside_present(&self, at: &Hyperparameters) -> Gram<'_> {
+        self.gram_of(self.linear.reduced(at, &self.columns(&self.present)))
+    }
+
     fn gram_of<'l>(&'l self, base: ReducedProblem<'l>) -> Gram<'l> {
         Gram::new(&self.linear, base, &self.catalogue, &self.generators)
     }

@@ -52,6 +52,7 @@ mod separation;
 mod set_comparison;
 mod structured_errors;
 mod unmodelled_errors;
+mod unseen;
 mod variables;
 
 pub use budget::MOST_DIAGNOSED_SAMPLES;
@@ -60,16 +61,19 @@ pub use deviation_sensitivity::{DeviationSensitivity, deviation_sensitivities};
 pub use discrepancy::smooth_functions;
 pub use doctor::diagnose;
 pub use isolability::{
-    ExpectedFault, ExpectedPair, Isolability, is_confused, is_seen, isolability, log_odds,
+    ExpectedFault, ExpectedPair, Isolability, ShownFault, is_confused, is_seen, isolability,
+    log_odds, shown_faults,
 };
 pub use reading_id::ReadingId;
 pub use report::{
-    Adequacy, Alternative, Cause, Diagnosis, Discrepancy, ErrorForm, Evidence, Finding,
+    Adequacy, Alternative, Cause, CauseSet, Diagnosis, Discrepancy, ErrorForm, Evidence, Finding,
     FoundParameter, Gain, GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement,
     PositionChange, PossibleCause, Quantity, Rival, Separation, Subject, ToleranceFactor,
     UnmodelledError, Verdict,
 };
 
+pub use separation::expected_separation;
+pub use unseen::UnseenFault;
 pub use variables::Variables;
 
 use crate::estimation::Control;

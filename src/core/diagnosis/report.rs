@@ -2,6 +2,7 @@
 
 use super::calibration::NAMING_PROBABILITY;
 use super::reading_id::ReadingId;
+use super::unseen::UnseenFault;
 use crate::effect::{BoundEffect, Effect};
 use crate::estimation::Solution;
 use crate::geometry::Pose;
@@ -233,6 +234,15 @@ pub struct PossibleCause {
     pub probability: f64,
 }
 
+/// Causes that are present together, and no others, with their joint posterior probability.
+#[derive(Debug, Clone)]
+pub struct CauseSet {
+    /// The causes; empty if nothing is wrong.
+    pub causes: Vec<Cause>,
+    /// Posterior probability, as computed.
+    pub probability: f64,
+}
+
 /// How certain the name of a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
@@ -427,6 +437,10 @@ pub struct Diagnosis {
     pub findings: Vec<Finding>,
     /// Causes that are possible but too improbable for a finding, most probable first.
     pub possible: Vec<PossibleCause>,
+    /// The sets of causes that the search compared, most probable first; exchanged channels are undone before.
+    pub sets: Vec<CauseSet>,
+    /// Faults that are not among the findings, with what the readings leave of their probability.
+    pub unseen: Vec<UnseenFault>,
     /// By what the parts scatter, in units of their tolerances.
     pub tolerances: ToleranceFactor,
     /// Noise that differs from the description.

@@ -4,13 +4,17 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::budget::{
-    MAX_REPEATS, MAX_SEPARATING_POSES, MIN_SEPARATING_POSES, PROPOSED_POSES, SEPARATING_SEED,
+    MAX_REPEATS, MAX_SEPARATING_POSES, MIN_SEPARATING_POSES, MOST_SAMPLES, PROPOSED_POSES,
+    SEPARATING_SEED,
 };
 use super::calibration::DECISIVE_CHI2;
+use super::doctor::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::fit::Fit;
-use super::report::Separation;
-use crate::effect::Search;
-use crate::estimation::{Control, Geometry, Linearisation, Options, Problem, Solution, solve};
+use super::report::{Cause, Separation};
+use crate::effect::{Search, measurements_as_modelled};
+use crate::estimation::{
+    Control, EstimationError, Geometry, Linearisation, Options, Problem, Solution, solve,
+};
 use crate::geometry::Pose;
 use crate::measurement::{Dataset, Measurements};
 use crate::robot::Robot;
@@ -29,7 +33,7 @@ fn robot_of(fit: &Fit<'_>) -> Robot {
 /// known.
 pub(super) fn separation(one: &Fit<'_>, other: &Fit<'_>) -> Option<Separation> {
     let checks = checks(one, other);
-    let candidates = candidates(one, other);
+    let candidates = candidates((one, other), None);
     if candidates.is_none() && checks.is_empty() {
         return None;
     }
@@ -53,6 +57,47 @@ pub(super) fn separation(one: &Fit<'_>, other: &Fit<'_>) -> Option<Separation> {
     })
 }
 
+/// Expected excess chi-square of one set of causes over another at each of some poses, if the other set is true and the pose is
+/// measured once in addition to the data; the mean of both directions. One row for each pair of sets, in the order (0, 1),
+/// (0, 2), .., (1, 2), ..; `None` where a set cannot be simulated at these poses.
+///
+/// # Errors
+/// If the data cannot be used with the robot.
+pub fn expected_separation(
+    dataset: &Dataset,
+    sets: &[&[Cause]],
+    poses: &[Pose],
+) -> Result<Vec<Option<Vec<f64>>>, EstimationError> {
+    let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
+    let (averaged, _) = measurements.independent(&dataset.robot, MOST_SAMPLES);
+    let dataset = Dataset {
+        robot: with_assumed_tolerances(&dataset.robot),
+        measurements: averaged.into_owned(),
+    };
+    let problem = problem_at_fitted_poses(&dataset)?;
+    let fits: Result<Vec<Fit<'_>>, _> = sets.iter().map(|set| Fit::new(&problem, set)).collect();
+    let fits = fits?;
+    let towards = |one: usize, other: usize| {
+        let found = candidates((&fits[one], &fits[other]), Some(poses))?;
+        let information = &fits[other].solution.information;
+        let each = found.iter();
+        let each = each.map(|candidate| expected_difference(&[candidate], 1.0, information));
+        Some(each.collect::<Vec<f64>>())
+    };
+    let mut pairs = Vec::new();
+    for one in 0..sets.len() {
+        for other in one + 1..sets.len() {
+            let both = towards(one, other).zip(towards(other, one));
+            let mean = |(there, back): (Vec<f64>, Vec<f64>)| {
+                let both = there.iter().zip(&back);
+                both.map(|(there, back)| 0.5 * (there + back)).collect()
+            };
+            pairs.push(both.map(mean));
+        }
+    }
+    Ok(pairs)
+}
+
 /// A pose, with the prediction of the second model if the first one is true.
 struct CandidatePose {
     pose: Pose,
@@ -62,8 +107,12 @@ struct CandidatePose {
     design: DMatrix<f64>,
 }
 
-fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<CandidatePose>> {
-    let (measurements, poses) = predicted_readings(one)?;
+/// The given poses, else poses drawn from the workspace of the data.
+fn candidates(
+    (one, other): (&Fit<'_>, &Fit<'_>),
+    given: Option<&[Pose]>,
+) -> Option<Vec<CandidatePose>> {
+    let (measurements, poses) = predicted_readings(one, given)?;
     let dataset = Dataset {
         robot: robot_of(other),
         measurements,
@@ -96,11 +145,14 @@ fn candidates(one: &Fit<'_>, other: &Fit<'_>) -> Option<Vec<CandidatePose>> {
             design: linear.design.rows(first, count).into_owned(),
         }
     };
-    Some(linear.poses.iter().map(of).collect())
+    let wanted = given.map_or(linear.poses.len(), <[Pose]>::len);
+    // Poses that only fill the time until the last event come first.
+    let before = linear.poses.len().checked_sub(wanted)?;
+    Some(linear.poses[before..].iter().map(of).collect())
 }
 
 /// Noise-free readings of a fit at further poses, for the instruments that its data have, and the poses.
-fn predicted_readings(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
+fn predicted_readings(fit: &Fit<'_>, given: Option<&[Pose]>) -> Option<(Measurements, Vec<Pose>)> {
     let events = fit.solution.globals.effects.iter();
     let labels = events.filter_map(|bound| Some(bound.values[bound.effect.pose_parameter()?]));
     // The poses must go on until after the last event.
@@ -114,6 +166,13 @@ fn predicted_readings(fit: &Fit<'_>) -> Option<(Measurements, Vec<Pose>)> {
             (last + PROPOSED_POSES).clamp(MIN_SEPARATING_POSES, MAX_SEPARATING_POSES),
             SEPARATING_SEED,
         )
+    };
+    let options = match given {
+        Some(poses) => {
+            let before = std::iter::repeat_n(*poses.first()?, last);
+            options.commanding(before.chain(poses.iter().copied()).collect())
+        }
+        None => options,
     };
     let run = simulate(&robot_of(fit), &options).ok()?;
     let mut further = run.dataset.measurements;

@@ -84,6 +84,16 @@ impl<'a> InformationModel<'a> {
         Ok(problem.with_stated_tolerances())
     }
 
+    /// Effects of the model and those to be estimated.
+    pub fn acting(&self) -> &[BoundEffect] {
+        &self.acting
+    }
+
+    /// Number of effects to be estimated, which come before the faults.
+    pub fn free_effects(&self) -> usize {
+        self.free.len()
+    }
+
     /// Pose of the platform before the first pose of the plan.
     pub fn start(&self) -> Pose {
         self.robot

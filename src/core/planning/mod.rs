@@ -12,6 +12,7 @@ mod information_model;
 mod order;
 mod pose_set;
 mod position_error;
+mod prospects;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +22,7 @@ pub use goal::{Goal, Volume};
 pub use order::Order;
 pub use pose_set::{PoseSet, expect, iso_9283_poses, random_poses};
 pub use position_error::position_jacobians;
+pub use prospects::{Prospects, expected_dataset, prospects};
 
 use nalgebra::DMatrix;
 

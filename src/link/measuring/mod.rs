@@ -142,6 +142,8 @@ pub struct MeasuringRun {
     current: Option<(i64, Pose)>,
     stage: Stage,
     paused: bool,
+    /// Whether poses may still be added, so that the run does not end when all are measured.
+    is_open: bool,
     window: SettlingWindow,
     samples: Vec<Sample>,
     motion: Option<MotionRecord>,
@@ -174,6 +176,7 @@ impl MeasuringRun {
             current: None,
             stage: Stage::Ready,
             paused: false,
+            is_open: false,
             window: SettlingWindow::default(),
             samples: Vec::new(),
             motion: None,
@@ -208,6 +211,24 @@ impl MeasuringRun {
     pub fn continuing(mut self, measured: &[i64]) -> Self {
         self.queue.retain(|(label, _)| !measured.contains(label));
         self
+    }
+
+    /// Goes on after the last pose until [`Self::close`], because poses are added one by one.
+    #[must_use]
+    pub fn open_ended(mut self) -> Self {
+        self.is_open = true;
+        self
+    }
+
+    /// Adds a pose to the end of the plan.
+    pub fn add(&mut self, label: i64, pose: Pose) {
+        self.plan.push((label, pose));
+        self.queue.push_back((label, pose));
+    }
+
+    /// Ends an open-ended run after the poses that it has.
+    pub fn close(&mut self) {
+        self.is_open = false;
     }
 
     /// The stage of the run.
@@ -475,6 +496,9 @@ impl MeasuringRun {
             return self.read_first_values(controller);
         }
         let Some((label, pose)) = self.queue.pop_front() else {
+            if self.is_open {
+                return;
+            }
             self.stage = Stage::Ended;
             self.pending.push(MeasuringEvent::Finished);
             return;

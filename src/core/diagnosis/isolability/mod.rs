@@ -36,7 +36,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::budget::{ISOLABILITY_POINTS, RULED_OUT};
 use super::calibration::NAMING_PROBABILITY;
-use super::candidates::Candidate;
+use super::candidates::{Candidate, size_parameter, typical_size};
 use super::doctor::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::fit::Fit;
 use super::gram::{CandidateScore, Gram};
@@ -48,7 +48,8 @@ use crate::effect::measurements_as_modelled;
 use crate::estimation::EstimationError;
 use crate::measurement::Dataset;
 use odds::Evidence;
-use points::{covariance_root, normal_points};
+use points::covariance_root;
+pub(super) use points::normal_points;
 
 /// A fault of typical size, with its probability of detection.
 #[derive(Debug, Clone)]
@@ -116,6 +117,46 @@ pub fn isolability(dataset: &Dataset) -> Result<Isolability, EstimationError> {
         .map(|index| CandidateFault::new(&gram, index))
         .collect();
     Ok(ExpectedScores::new(&mut gram, candidates).isolability())
+}
+
+/// How well the poses of a dataset show a fault.
+#[derive(Debug, Clone)]
+pub struct ShownFault {
+    /// Effect and target, at typical size.
+    pub cause: Cause,
+    /// Chi-square of a model without the fault for data without noise, at typical size.
+    pub noncentrality: f64,
+    /// Smallest and largest typical size, as multiples of this one.
+    pub typical_range: [f64; 2],
+}
+
+/// How well the poses of a dataset show each fault. As for [`isolability`], the values of the readings do not matter.
+///
+/// # Errors
+/// If the readings cannot be used with the robot.
+pub fn shown_faults(dataset: &Dataset) -> Result<Vec<ShownFault>, EstimationError> {
+    let dataset = Dataset {
+        robot: with_assumed_tolerances(&dataset.robot),
+        measurements: dataset.measurements.clone(),
+    };
+    let problem = problem_at_fitted_poses(&dataset)?;
+    let fit = Fit::new(&problem, &[])?;
+    let at = LinearFit::new(&fit, true);
+    let gram = at.gram(&at.linear.described(AS_STATED));
+    let of = |index: usize| {
+        let parameter = size_parameter(gram.candidates[index].effect())?;
+        let fault = CandidateFault::new(&gram, index);
+        let square = &gram.scores[index].information * &fault.size;
+        Some(ShownFault {
+            noncentrality: fault.size.dot(&square),
+            typical_range: parameter
+                .typical_sizes()
+                .map(|size| size / typical_size(parameter)),
+            cause: fault.cause,
+        })
+    };
+    let all = representatives(gram.candidates).into_iter();
+    Ok(all.filter_map(of).collect())
 }
 
 /// Log posterior odds of single causes against no cause in the readings of a dataset, with noise as described: the

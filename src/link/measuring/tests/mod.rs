@@ -125,6 +125,38 @@ fn continues_repeats_skips_and_pauses() {
 }
 
 #[test]
+fn an_open_ended_run_waits_for_poses_until_it_is_closed() {
+    let preset = preset("mini");
+    let (mut robot, clock) = armed(&preset, |_| ());
+    let mut run = run_of(&preset, 1, 1).open_ended();
+    let mut tick = |run: &mut MeasuringRun| {
+        clock.advance(0.05);
+        let events = run.tick(&mut robot, clock.now_s());
+        if let Some(label) = run.current().filter(|_| run.stage() == Stage::Storing) {
+            run.confirm_stored(label);
+        }
+        events
+    };
+    while run.remaining() > 0 {
+        tick(&mut run);
+    }
+    for _ in 0..200 {
+        assert_eq!(tick(&mut run), Vec::new());
+    }
+    assert_eq!(run.stage(), Stage::Ready);
+    let home = preset.robot.home.unwrap().pose();
+    run.add(9, home);
+    assert_eq!(tick(&mut run), vec![MeasuringEvent::Commanded { label: 9 }]);
+    while run.remaining() > 0 {
+        tick(&mut run);
+    }
+    run.close();
+    let ended = tick(&mut run);
+    assert_eq!(ended.last(), Some(&MeasuringEvent::Finished));
+    assert_eq!(run.stage(), Stage::Ended);
+}
+
+#[test]
 fn values_are_read_before_anything_moves_and_at_the_end() {
     let preset = preset("mini");
     let (mut robot, clock) = armed(&preset, |_| ());

@@ -2,6 +2,7 @@
 
 use tautline_core::diagnosis::{Cause, Subject, UnmodelledError};
 use tautline_core::effect::{Scope, Search};
+use tautline_core::robot::Robot;
 
 use super::Diagnosed;
 use crate::wording::{count, list, readings};
@@ -26,29 +27,39 @@ impl Diagnosed {
     /// Title and cables of a cause: `Winch scale (cable-3)`.
     #[must_use]
     pub fn title(&self, cause: &Cause) -> String {
-        format!("{}{}", cause.effect().title(), self.on(cause))
-    }
-
-    /// Cables and pose of a cause in brackets, after a space: ` (cable-3, from pose 17)`.
-    fn on(&self, cause: &Cause) -> String {
-        let cables = self.cables(cause, &self.targets(cause));
-        let words: Vec<_> = cables.into_iter().chain(event(cause)).collect();
-        if words.is_empty() {
-            return String::new();
-        }
-        format!(" ({})", words.join(", "))
+        cause_title(self.robot(), cause)
     }
 
     /// The cables `targets` of a cause in words; `None` for an effect of the robot or an instrument.
     #[must_use]
     pub fn cables(&self, cause: &Cause, targets: &[String]) -> Option<String> {
-        match targets.len() {
-            0 if cause.effect().scope() == Scope::CableOrAll => Some("all cables".to_owned()),
-            0 => None,
-            all if all > 1 && all == self.robot().cable_count() => Some("each cable".to_owned()),
-            1..=4 => Some(list(targets)),
-            several => Some(count(several, "cable")),
-        }
+        cables_in_words(self.robot(), cause, targets)
+    }
+}
+
+/// Title, cables and pose of a cause of a robot: `Cable slip (cable-3, from pose 17)`.
+#[must_use]
+pub fn cause_title(robot: &Robot, cause: &Cause) -> String {
+    let cables = cause.cables().into_iter();
+    let targets: Vec<String> = cables
+        .map(|index| robot.cables[index].name.clone())
+        .collect();
+    let cables = cables_in_words(robot, cause, &targets);
+    let words: Vec<_> = cables.into_iter().chain(event(cause)).collect();
+    let title = cause.effect().title();
+    if words.is_empty() {
+        return title.to_owned();
+    }
+    format!("{title} ({})", words.join(", "))
+}
+
+fn cables_in_words(robot: &Robot, cause: &Cause, targets: &[String]) -> Option<String> {
+    match targets.len() {
+        0 if cause.effect().scope() == Scope::CableOrAll => Some("all cables".to_owned()),
+        0 => None,
+        all if all > 1 && all == robot.cable_count() => Some("each cable".to_owned()),
+        1..=4 => Some(list(targets)),
+        several => Some(count(several, "cable")),
     }
 }
 

@@ -17,6 +17,7 @@ use tautline_core::diagnosis::{Cause, Diagnosis};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 
+pub use cause::cause_title;
 pub use document::{DiagnosisDocument, FindingDocument, GainDocument, ParameterDocument};
 pub use finding::{gain, is_improvement};
 pub use invisible::{HIDDEN, Undetectable};

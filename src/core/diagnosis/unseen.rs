@@ -1,0 +1,177 @@
+//! Faults that the readings do not exclude, by their size.
+//!
+//! A diagnosis that finds nothing says little as long as the readings could not show a fault. Beside the causes found, the
+//! posterior odds that one more cause is present with at least some size are, with the evidence of [`super::evidence`],
+//!
+//! ```text
+//! odds = sum over scales of  prior odds x evidence x P(|phi| >= size | readings)
+//! ```
+//!
+//! where the coordinates `phi` are normal given the readings, and sizes are compared in units of the prior. A cause on which the
+//! readings do not depend keeps the odds that it has before them.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::budget::{NEGLIGIBLE_ODDS, UNSEEN_POINTS};
+use super::candidates::Candidate;
+use super::gram::{CandidateScore, Gram};
+use super::isolability::normal_points;
+use super::relations::is_same_effect_and_targets;
+use super::report::Cause;
+use crate::statistics::normal_cdf;
+
+/// A fault that may be present without having been found.
+#[derive(Debug, Clone)]
+pub struct UnseenFault {
+    /// Effect and target, at typical size.
+    pub cause: Cause,
+    sizes: Vec<SizePosterior>,
+}
+
+impl UnseenFault {
+    /// Posterior odds that it is present with at least `factor` times its typical size, against nothing beside what was found.
+    #[must_use]
+    pub fn odds_beyond(&self, factor: f64) -> f64 {
+        self.sizes.iter().map(|size| size.odds_beyond(factor)).sum()
+    }
+}
+
+/// All faults that are not among the causes of the fit, in the order of the catalogue.
+pub(super) fn unseen_faults(gram: &Gram<'_>, present: &[usize]) -> Vec<UnseenFault> {
+    let mut found: Vec<UnseenFault> = Vec::new();
+    for (index, candidate) in gram.candidates.iter().enumerate() {
+        let is_known = present
+            .iter()
+            .any(|own| *own == index || gram.candidates[*own].excludes(candidate));
+        if candidate.is_family() || is_known {
+            continue;
+        }
+        let sizes = SizePosterior::at_scales(candidate, &gram.scores[index]);
+        match found.last_mut() {
+            // Poses of an event and periods of a wave share the prior probability of one fault.
+            Some(last) if is_same_effect_and_targets(&last.cause, &candidate.cause) => {
+                last.sizes.extend(sizes);
+            }
+            _ => found.push(UnseenFault {
+                cause: candidate.typical(),
+                sizes,
+            }),
+        }
+    }
+    found
+}
+
+/// Posterior of the coordinates of a candidate at one scale, in units of its prior there.
+#[derive(Debug, Clone)]
+struct SizePosterior {
+    /// Posterior odds of any size.
+    odds: f64,
+    /// The typical size.
+    typical: f64,
+    is_positive: bool,
+    mean: DVector<f64>,
+    /// `R` with `R R^T` equal to the covariance.
+    root: DMatrix<f64>,
+}
+
+impl SizePosterior {
+    /// Without the scales at which the candidate is too improbable to matter.
+    fn at_scales(candidate: &Candidate, own: &CandidateScore) -> Vec<Self> {
+        let typical = DVector::from_vec(candidate.coordinates(&candidate.typical()));
+        let Some(typical) = candidate.prior.clone().lu().solve(&typical) else {
+            return Vec::new();
+        };
+        let all = candidate.scales.iter();
+        let all = all.filter_map(|scale| Self::new(candidate, own, *scale, typical.norm()));
+        all.filter(|size| size.odds >= NEGLIGIBLE_ODDS).collect()
+    }
+
+    fn new(
+        candidate: &Candidate,
+        own: &CandidateScore,
+        (scale, log_weight): (f64, f64),
+        typical: f64,
+    ) -> Option<Self> {
+        let prior = &candidate.prior * scale;
+        let mut precision = prior.tr_mul(&own.information) * &prior;
+        for k in 0..precision.nrows() {
+            precision[(k, k)] += 1.0;
+        }
+        let factor = precision.cholesky()?;
+        let score = prior.tr_mul(&own.score);
+        // Residuals are predictions minus readings.
+        let mean = -factor.solve(&score);
+        let count = mean.len();
+        let log_determinant = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
+        let root = factor
+            .l()
+            .tr_solve_lower_triangular(&DMatrix::identity(count, count))?;
+        let log_evidence = -0.5 * (score.dot(&mean) + log_determinant);
+        Some(Self {
+            odds: (candidate.log_odds + log_weight + log_evidence).exp(),
+            typical: typical / scale,
+            is_positive: candidate.is_positive,
+            mean,
+            root,
+        })
+    }
+
+    fn odds_beyond(&self, factor: f64) -> f64 {
+        self.odds * self.share_beyond(factor * self.typical)
+    }
+
+    /// Probability of coordinates whose norm is at least `least`; twice that of positive ones where only those are possible.
+    fn share_beyond(&self, least: f64) -> f64 {
+        if self.mean.len() == 1 {
+            let beyond = |mean: f64| normal_cdf((mean - least) / self.root[(0, 0)]);
+            let mean = self.mean[0];
+            return if self.is_positive {
+                2.0 * beyond(mean)
+            } else {
+                beyond(mean) + beyond(-mean)
+            };
+        }
+        let mut points = &self.root * normal_points(self.mean.len(), UNSEEN_POINTS);
+        let beyond = points.column_iter_mut().filter_map(|mut point| {
+            point += &self.mean;
+            (point.norm() >= least).then_some(())
+        });
+        beyond.count() as f64 / UNSEEN_POINTS as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn posterior(is_positive: bool) -> SizePosterior {
+        SizePosterior {
+            odds: 0.5,
+            typical: 0.3,
+            is_positive,
+            mean: DVector::from_element(1, 0.4),
+            root: DMatrix::from_element(1, 1, 0.7),
+        }
+    }
+
+    #[test]
+    fn one_coordinate_is_shared_as_points_of_it_are() {
+        let points = normal_points(1, 4096) * 0.7;
+        let share = |is_beyond: &dyn Fn(f64) -> bool| {
+            let beyond = points.iter().filter(|point| is_beyond(**point + 0.4));
+            beyond.count() as f64 / 4096.0
+        };
+        let both = share(&|value| value.abs() >= 0.9);
+        assert!((posterior(false).odds_beyond(3.0) - 0.5 * both).abs() < 1e-3);
+        let above = 2.0 * share(&|value| value >= 0.9);
+        assert!((posterior(true).odds_beyond(3.0) - 0.5 * above).abs() < 1e-3);
+    }
+
+    #[test]
+    fn larger_faults_are_less_probable() {
+        let odds = [0.0, 0.5, 1.0, 4.0, 20.0].map(|factor| posterior(false).odds_beyond(factor));
+        assert!((odds[0] - 0.5).abs() < 1e-12, "{odds:?}");
+        assert!(odds.is_sorted_by(|a, b| a > b), "{odds:?}");
+        assert!(odds[4] < 1e-12);
+    }
+}

@@ -1,0 +1,99 @@
+//! What single further poses would add to the information that the measured poses have given.
+
+use super::candidates::Candidate;
+use super::goal::faults;
+use super::information_model::InformationModel;
+use super::{PlanError, PlanOptions, with_tension_margin};
+use crate::effect::BoundEffect;
+use crate::estimation::ExpectedInformation;
+use crate::geometry::Pose;
+use crate::measurement::Dataset;
+use crate::robot::Robot;
+
+/// Information of some poses, beside that of the measured ones, which is part of the prior information.
+#[derive(Debug, Clone)]
+pub struct Prospects {
+    /// The poses that can be held.
+    pub poses: Vec<Pose>,
+    /// Information on the geometry.
+    pub geometry: ExpectedInformation,
+    /// Information on geometry and faults together.
+    pub with_faults: ExpectedInformation,
+    /// The faults, in the order of their parameters; each has its own effect, from this one on.
+    pub faults: Vec<BoundEffect>,
+    /// Index of the first fault among the effects of the parameters.
+    pub first_fault: usize,
+}
+
+/// Robot and expected readings at those of some poses that can be held, together with the measured ones, as input of
+/// [`shown_faults`](crate::diagnosis::shown_faults).
+///
+/// # Errors
+/// If the robot cannot be simulated.
+pub fn expected_dataset(
+    robot: &Robot,
+    poses: &[Pose],
+    options: &PlanOptions<'_>,
+) -> Result<Dataset, PlanError> {
+    let options = PlanOptions {
+        poses: poses.len(),
+        ..options.clone()
+    };
+    with_tension_margin(robot, &options, |options, range| {
+        let model = InformationModel::new(robot, options, range)?;
+        let held = held(&model, poses)?;
+        model.dataset(
+            model
+                .labels()
+                .zip(&held)
+                .map(|(label, held)| held.row(label)),
+        )
+    })
+}
+
+/// Information that each of these poses would add; effects, method, existing measurements and limits are those of the options.
+///
+/// # Errors
+/// If none of the poses can be held, there is nothing to identify, or the existing measurements cannot be used.
+pub fn prospects(
+    robot: &Robot,
+    poses: &[Pose],
+    options: &PlanOptions<'_>,
+) -> Result<Prospects, PlanError> {
+    let options = PlanOptions {
+        poses: poses.len(),
+        ..options.clone()
+    };
+    with_tension_margin(robot, &options, |options, range| {
+        let model = InformationModel::new(robot, options, range)?;
+        let held = held(&model, poses)?;
+        let rows = || {
+            model
+                .labels()
+                .zip(&held)
+                .map(|(label, held)| held.row(label))
+        };
+        let geometry = model.information(rows())?;
+        if geometry.parameters.is_empty() {
+            return Err(PlanError::NothingToEstimate);
+        }
+        Ok(Prospects {
+            poses: held.iter().map(|held| held.pose).collect(),
+            geometry,
+            with_faults: model.information_with_faults(rows())?,
+            faults: faults(&model.robot, model.acting()),
+            first_fault: model.free_effects(),
+        })
+    })
+}
+
+/// The poses that can be held.
+fn held(model: &InformationModel<'_>, poses: &[Pose]) -> Result<Vec<Candidate>, PlanError> {
+    let held: Vec<Candidate> = (poses.iter())
+        .filter_map(|pose| Candidate::chosen(model, *pose))
+        .collect();
+    match held.is_empty() {
+        true => Err(PlanError::NotHeld { number: 1 }),
+        false => Ok(held),
+    }
+}

@@ -1,0 +1,124 @@
+//! Decisions in words.
+
+use tautline_core::diagnosis::Cause;
+use tautline_core::robot::Robot;
+use tautline_core::sequential::{Assessment, Obstacle, Reason};
+
+use crate::documents::diagnosis::cause_title;
+use crate::wording::{count, list, units};
+
+/// Why a pose was chosen, to be put after its label: `separates winch scale (cable-3) from platform anchor (cable-3)`.
+#[must_use]
+pub fn reason_in_words(robot: &Robot, reason: &Reason) -> String {
+    match reason {
+        Reason::First => "determines the geometry".to_owned(),
+        Reason::Narrows(cable) => format!("narrows the pulley of {}", robot.cables[*cable].name),
+        Reason::Separates(one, other) => format!(
+            "separates {} from {}",
+            set_in_words(robot, one),
+            set_in_words(robot, other)
+        ),
+        Reason::Tests(cause) => format!("shows whether there is {}", name(robot, cause)),
+    }
+}
+
+/// A set of causes in the middle of a sentence.
+#[must_use]
+pub fn set_in_words(robot: &Robot, causes: &[Cause]) -> String {
+    if causes.is_empty() {
+        return "no fault".to_owned();
+    }
+    let names: Vec<String> = causes.iter().map(|cause| name(robot, cause)).collect();
+    list(&names)
+}
+
+fn name(robot: &Robot, cause: &Cause) -> String {
+    let title = cause_title(robot, cause);
+    let mut letters = title.chars();
+    let first = letters.next().map(char::to_lowercase);
+    first.into_iter().flatten().chain(letters).collect()
+}
+
+/// What keeps a goal from being reached, and what would help, in one sentence.
+#[must_use]
+pub fn obstacle_in_words(robot: &Robot, obstacle: &Obstacle) -> String {
+    match obstacle {
+        Obstacle::Accuracy {
+            reachable_m,
+            with_home_m,
+        } => {
+            let mm = |value_m: f64| units::mm(value_m, 2);
+            let home = match with_home_m < &(WORTH_SAYING * reachable_m) {
+                true => format!(
+                    "a more exact home pose would ({} mm if it were known exactly), or ",
+                    mm(*with_home_m)
+                ),
+                false => String::new(),
+            };
+            format!(
+                "However many poses are measured, the pulleys stay uncertain by {} mm: {home}another instrument would help.",
+                mm(*reachable_m)
+            )
+        }
+        Obstacle::Present(cause) => format!(
+            "The robot is not free of faults: there is {}. Mend it and measure another series, or add it to the model.",
+            name(robot, cause)
+        ),
+        Obstacle::Inseparable(one, other) => {
+            let checks = checks(one, other);
+            let help = match checks.is_empty() {
+                true => "a wider workspace or a reading of another kind would".to_owned(),
+                false => format!("a check in the workshop does: {}", checks.join(" ")),
+            };
+            format!(
+                "No pose of this workspace tells {} from {}; {help}{}",
+                set_in_words(robot, one),
+                set_in_words(robot, other),
+                if help.ends_with('.') { "" } else { "." }
+            )
+        }
+        Obstacle::NoPoseLeft => {
+            "All poses that may be measured are measured: a wider workspace would help.".to_owned()
+        }
+    }
+}
+
+/// Share of the uncertainty above which a more exact home pose is no help.
+const WORTH_SAYING: f64 = 0.95;
+
+/// The checks that confirm the causes by which two sets differ.
+fn checks(one: &[Cause], other: &[Cause]) -> Vec<&'static str> {
+    let mut checks: Vec<&str> = one
+        .iter()
+        .chain(other)
+        .filter_map(|cause| cause.effect().check())
+        .collect();
+    checks.dedup();
+    checks
+}
+
+/// What is known after some poses, in one line.
+#[must_use]
+pub fn progress_in_words(robot: &Robot, known: &Assessment) -> String {
+    let mut parts = Vec::new();
+    if let Some(sd_m) = known.largest_sd_m {
+        parts.push(format!("pulleys to {} mm", units::mm(sd_m, 2)));
+    }
+    let percent = |probability: f64| format!("{:.0} %", 100.0 * probability);
+    if known.no_further_fault > 0.0 {
+        let causes: Vec<Cause> = known
+            .findings
+            .iter()
+            .filter_map(|finding| finding.cause().cloned())
+            .collect();
+        parts.push(match known.findings.is_empty() {
+            true => format!("free of faults {}", percent(known.fault_free())),
+            false => format!(
+                "{} and nothing else {}",
+                set_in_words(robot, &causes),
+                percent(known.explained)
+            ),
+        });
+    }
+    format!("after {}: {}", count(known.poses, "pose"), parts.join(", "))
+}
