@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use tautline_workflow::report::ReportFormat;
+use tautline_workflow::report::{ReportError, ReportFormat};
 
 use crate::BadInput;
 use crate::output::is_standard;
@@ -13,10 +13,15 @@ pub fn report_format(option: &str, path: &Path) -> Result<ReportFormat> {
     if is_standard(path) {
         return Ok(ReportFormat::Html);
     }
-    ReportFormat::of(path).ok_or_else(|| {
-        BadInput::new(format!(
-            "{option}: found {}, expected a name that ends with .html or .pdf",
-            path.display()
-        ))
-    })
+    let found = format!("{option}: found {}", path.display());
+    match ReportFormat::of(path) {
+        None => Err(BadInput::new(format!(
+            "{found}, expected a name that ends with .html or .pdf"
+        ))),
+        Some(format) if !format.is_available() => Err(BadInput::new(format!(
+            "{found}; {}",
+            ReportError::PdfLeftOut
+        ))),
+        Some(format) => Ok(format),
+    }
 }

@@ -39,7 +39,7 @@ pub use document::{
     ChannelReport, ImportDocument, PoseReport, Reading, SeriesReport, SourceReport,
 };
 pub use draft::{Draft, clock_times, uses};
-pub use formats::{is_robot_description, read_source};
+pub use formats::{HAS_MORE_FORMATS, is_robot_description, read_source};
 pub use importing::{ImportError, Imported, found, import, import_corrected};
 pub use memory::{MemoryBudget, OverBudget};
 pub use naming::pattern_of;

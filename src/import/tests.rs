@@ -260,7 +260,7 @@ fn xlsx(columns: &Columns) -> Vec<u8> {
 }
 
 /// A bag of ROS 1 that was not closed, with a message for each row.
-#[cfg(feature = "ros")]
+#[cfg(feature = "more-formats")]
 fn bag(columns: &Columns) -> Vec<u8> {
     let counted = |bytes: &[u8]| [&(bytes.len() as u32).to_le_bytes(), bytes].concat();
     let field = |name: &str, value: &[u8]| counted(&[name.as_bytes(), b"=", value].concat());
@@ -410,7 +410,7 @@ fn every_format_gives_the_same_identification() {
         ("log.npz", npz(&columns)),
         ("log.mat", mat(&columns)),
         ("log.xlsx", xlsx(&columns)),
-        #[cfg(feature = "ros")]
+        #[cfg(feature = "more-formats")]
         ("log.bag", bag(&columns)),
     ] {
         let imported = imported(&dataset, &[(name, bytes)]);

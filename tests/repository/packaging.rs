@@ -58,3 +58,10 @@ fn files_of_the_debian_package_are_there() {
     }
     assert!(count > 6, "only {count} files");
 }
+
+#[test]
+fn packages_have_all_formats() {
+    let builds = text(".ci/package");
+    let mut builds = builds.lines().filter(|line| line.contains("cargo build"));
+    assert!(builds.all(|line| line.ends_with(" --features more-formats")));
+}

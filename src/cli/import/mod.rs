@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use tautline_core::robot::Robot;
 use tautline_import::{
-    AngleOrder, Assignment, ImportDocument, ImportError, Imported, MemoryBudget, Recipe, Source,
-    align_clocks, arrange_per_cable, channel_names, import, import_corrected, is_robot_description,
-    propose_around, read_robot_description, read_sources,
+    AngleOrder, Assignment, HAS_MORE_FORMATS, ImportDocument, ImportError, Imported, MemoryBudget,
+    Recipe, Source, align_clocks, arrange_per_cable, channel_names, import, import_corrected,
+    is_robot_description, propose_around, read_robot_description, read_sources,
 };
 use tautline_session::{
     Loaded, ReadError, read_robot, versioned, write_robot, write_text, write_versioned,
@@ -37,9 +37,7 @@ const POSES: &str = "poses.csv";
     ("With the mistakes corrected that the check reports", "tautline import log.csv --robot mini -o cell --apply-suggestions"),
 ]))]
 pub struct Arguments {
-    /// Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .c3d, .mat, .h5, .npy, .npz, .parquet, .mcap, .bag,
-    /// .lvm, .tdms, .mf4, .xlsx; or a robot description: cables and bodies of CASPR, a model of WireX
-    #[arg(value_name = "SOURCE", required = true)]
+    #[arg(value_name = "SOURCE", required = true, help = sources_help())]
     sources: Vec<PathBuf>,
     /// Recipe that assigns channels to quantities; - is standard input; without it, one is proposed from names, units and ranges
     #[arg(long, value_name = "FILE")]
@@ -82,6 +80,21 @@ pub struct Arguments {
     replace: Replace,
     #[command(flatten)]
     json: JsonOutput,
+}
+
+/// Which files are read, and how to get what this build leaves out.
+fn sources_help() -> String {
+    let (more, left_out) = match HAS_MORE_FORMATS {
+        true => (", .h5, .mcap, .bag", ""),
+        false => (
+            "",
+            "; this build leaves out .h5, .mcap, .bag and MATLAB 7.3: build it with --features more-formats",
+        ),
+    };
+    format!(
+        "Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .c3d, .mat, .npy, .npz, .parquet, .lvm, .tdms, \
+         .mf4, .xlsx{more}; or a robot description: cables and bodies of CASPR, a model of WireX{left_out}"
+    )
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {

@@ -5,12 +5,9 @@ mod c3d;
 mod delimited;
 mod excel;
 mod fault;
-#[cfg(feature = "hdf5")]
+#[cfg(feature = "more-formats")]
 mod hdf5;
-#[cfg(not(feature = "hdf5"))]
-#[path = "hdf5_left_out.rs"]
-mod hdf5;
-#[cfg(feature = "hdf5")]
+#[cfg(feature = "more-formats")]
 mod hdf5_elements;
 mod labview;
 mod matlab;
@@ -19,7 +16,7 @@ mod motive;
 mod nexus;
 mod numpy;
 mod parquet;
-#[cfg(feature = "ros")]
+#[cfg(feature = "more-formats")]
 mod ros;
 mod scope;
 mod tdms;
@@ -39,6 +36,13 @@ use crate::text::decoded;
 const HEAD: u64 = 64 << 10;
 /// Largest file (bytes) in a format that has to be read as a whole.
 const MAX_WHOLE: u64 = 2 << 30;
+
+/// Whether this build has the feature `more-formats`.
+pub const HAS_MORE_FORMATS: bool = cfg!(feature = "more-formats");
+
+/// What to do about a format that this build leaves out.
+const LEFT_OUT: &str = "which this build leaves out, expected the program of a release or \
+                        `cargo build --release --features more-formats`";
 
 /// Beginning of a MATLAB file that is an HDF5 file.
 const MATLAB_73: &[u8] = b"MATLAB 7.3";
@@ -97,23 +101,31 @@ fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
         Format::Motive => motive::read(&head, input, &file),
         Format::Nexus => nexus::read(&head, input, &file),
         Format::C3d => c3d::read(input, &file, &stem(&file)),
+        #[cfg(feature = "more-formats")]
         Format::Hdf5 => hdf5::read(&mut input, format, &file),
+        #[cfg(feature = "more-formats")]
         Format::Matlab if head.starts_with(MATLAB_73) => hdf5::read(&mut input, format, &file),
+        #[cfg(not(feature = "more-formats"))]
+        Format::Hdf5 => refuse(&format!("is an HDF5 file, {LEFT_OUT}, or a table as CSV")),
+        #[cfg(not(feature = "more-formats"))]
+        Format::Matlab if head.starts_with(MATLAB_73) => refuse(&format!(
+            "is a MATLAB file of version 7.3, {LEFT_OUT}, or version 7: save(name, vars{{:}}, '-v7')"
+        )),
         Format::Matlab => matlab::read(&mut input, &file),
         Format::NumPy => numpy::read(input, &head, &file),
         Format::Parquet => parquet::read(&mut input, &file),
-        #[cfg(feature = "ros")]
+        #[cfg(feature = "more-formats")]
         Format::Mcap => ros::mcap::read(&mut input, &file),
-        #[cfg(feature = "ros")]
+        #[cfg(feature = "more-formats")]
         Format::RosBag => ros::bag::read(&mut input, &file),
-        #[cfg(not(feature = "ros"))]
-        Format::Mcap => refuse(
-            "is an MCAP recording of ROS 2, which this build cannot read, expected its topics as CSV (ros2 topic echo --csv)",
-        ),
-        #[cfg(not(feature = "ros"))]
-        Format::RosBag => refuse(
-            "is a bag of ROS 1, which this build cannot read, expected its topics as CSV (rostopic echo -b <bag> -p <topic>)",
-        ),
+        #[cfg(not(feature = "more-formats"))]
+        Format::Mcap => refuse(&format!(
+            "is an MCAP recording of ROS 2, {LEFT_OUT}, or its topics as CSV (ros2 topic echo --csv)"
+        )),
+        #[cfg(not(feature = "more-formats"))]
+        Format::RosBag => refuse(&format!(
+            "is a bag of ROS 1, {LEFT_OUT}, or its topics as CSV (rostopic echo -b <bag> -p <topic>)"
+        )),
         Format::Tdms => tdms::read(input, &file),
         Format::Mdf => mdf::read(input, &file),
         Format::LabView => labview::read(&head, input, &file),

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 
-use parquet::basic::{ConvertedType, LogicalType, TimeUnit};
+use parquet::basic::{Compression, ConvertedType, LogicalType, TimeUnit};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
@@ -10,7 +10,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 use tautline_session::{Place, ReadError, quoted, read_damaged};
 
-use super::{over_budget, stem};
+use super::{HAS_MORE_FORMATS, LEFT_OUT, over_budget, stem};
 use crate::input::Input;
 use crate::memory::MemoryBudget;
 use crate::source::{Channel, FillingTexts, Format, Series, Source};
@@ -43,10 +43,29 @@ pub(super) fn read(input: &mut Input<'_>, file: &str) -> Result<Source, ReadErro
     })
 }
 
+/// Fails if cells are compressed with something that this build cannot undo.
+fn check_compressor(compression: Compression) -> Result<(), String> {
+    let name = match compression {
+        Compression::UNCOMPRESSED | Compression::SNAPPY => return Ok(()),
+        Compression::GZIP(_) => "gzip",
+        Compression::LZ4 | Compression::LZ4_RAW => "LZ4",
+        Compression::ZSTD(_) => "Zstandard",
+        Compression::BROTLI(_) | Compression::LZO => {
+            let expected = "Snappy, gzip, LZ4 or Zstandard";
+            return Err(format!(
+                "is compressed with {compression}, expected {expected}"
+            ));
+        }
+    };
+    if HAS_MORE_FORMATS {
+        return Ok(());
+    }
+    Err(format!("is compressed with {name}, {LEFT_OUT}, or Snappy"))
+}
+
 fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
     let damaged = |error: ParquetError| {
         let message = match error {
-            // The message names the compressor.
             ParquetError::NYI(what) => format!("uses an unsupported feature ({what})"),
             error => format!("is damaged, expected Parquet ({error})"),
         };
@@ -64,6 +83,8 @@ fn read_table(input: &mut Input<'_>, file: &str) -> Result<Source, ReadError> {
         let count = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
         for column in &mut columns {
             let chunk = group.metadata().column(column.number);
+            check_compressor(chunk.compression())
+                .map_err(|message| ReadError::new(file, Place::File, message))?;
             // Pages are decompressed as a whole.
             let content = u64::try_from(chunk.uncompressed_size()).unwrap_or(u64::MAX);
             let _memory = input.budget().lease(content).map_err(over)?;

@@ -11,7 +11,7 @@ use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 
 use crate::error::{Loaded, Place, ReadError};
-use crate::table::{FromRows, Row, Table, TableWriter};
+use crate::table::{Row, Table, TableWriter};
 pub(crate) use column::{Column, Group};
 pub(crate) use columns::{Columns, Fault};
 pub(crate) use plausible::check_plausible;
@@ -54,17 +54,17 @@ pub(crate) fn read_poses_and_lines(
     robot: &Robot,
 ) -> Result<Loaded<(Measurements, PoseLines)>, ReadError> {
     let mut table = Table::open(reader, file)?;
-    let (places, columns) = read_header(&table, robot)?;
+    let (places, mut columns) = read_header(&table, robot)?;
     let mut notices: Vec<String> = columns
         .other
         .iter()
         .map(|(name, _)| table.unknown_column(name, "kept"))
         .collect();
-    let PoseRows { columns, lines, .. } = table.read_all(PoseRows {
-        places: &places,
-        lines: Vec::new(),
-        columns,
-    })?;
+    let mut lines = Vec::new();
+    while let Some(row) = table.next_row()? {
+        lines.push(row.line());
+        columns.add_row(&row, &places)?;
+    }
     let measurements = columns
         .into_measurements(robot)
         .and_then(|measurements| check_home(&measurements, robot).map(|()| measurements))
@@ -114,54 +114,20 @@ struct Places {
     other: Vec<usize>,
 }
 
-/// Rows as columns, with the line of each row.
-struct PoseRows<'a> {
-    places: &'a Places,
-    lines: Vec<u64>,
-    columns: Columns,
-}
-
-impl FromRows for PoseRows<'_> {
-    fn empty(&self, rows: usize) -> Self {
-        let (numbers, other) = (self.columns.numbers.iter(), self.columns.other.iter());
-        let numbers = numbers.map(|(column, _)| (*column, Vec::with_capacity(rows)));
-        let other = other.map(|(name, _)| (name.clone(), Vec::with_capacity(rows)));
-        Self {
-            places: self.places,
-            lines: Vec::with_capacity(rows),
-            columns: Columns {
-                numbers: numbers.collect(),
-                other: other.collect(),
-                ..Columns::default()
-            },
-        }
-    }
-
-    fn add(&mut self, row: &Row<'_>) -> Result<(), ReadError> {
-        let (places, columns) = (self.places, &mut self.columns);
-        self.lines.push(row.line());
-        columns.labels.push(row.integer(places.label)?);
+impl Columns {
+    /// Adds a row of a table.
+    fn add_row(&mut self, row: &Row<'_>, places: &Places) -> Result<(), ReadError> {
+        self.labels.push(row.integer(places.label)?);
         if let Some(cell) = places.group {
-            columns.groups.push(row.text(cell).to_string());
+            self.groups.push(row.text(cell).to_string());
         }
-        for (cell, (_, values)) in places.numbers.iter().zip(&mut columns.numbers) {
+        for (cell, (_, values)) in places.numbers.iter().zip(&mut self.numbers) {
             values.push(row.number(*cell)?);
         }
-        for (cell, (_, texts)) in places.other.iter().zip(&mut columns.other) {
+        for (cell, (_, texts)) in places.other.iter().zip(&mut self.other) {
             texts.push(row.text(*cell).to_string());
         }
         Ok(())
-    }
-
-    fn append(&mut self, next: Self) {
-        let (columns, next_columns) = (&mut self.columns, next.columns);
-        self.lines.extend(next.lines);
-        columns.labels.extend(next_columns.labels);
-        columns.groups.extend(next_columns.groups);
-        let numbers = columns.numbers.iter_mut().zip(next_columns.numbers);
-        numbers.for_each(|((_, values), (_, more))| values.extend(more));
-        let other = columns.other.iter_mut().zip(next_columns.other);
-        other.for_each(|((_, texts), (_, more))| texts.extend(more));
     }
 }
 

@@ -9,8 +9,6 @@ mod write;
 use std::collections::HashMap;
 use std::io::BufRead;
 
-use tautline_core::threads;
-
 use crate::error::{Place, ReadError, quoted};
 pub use formula::escape_formula;
 use formula::unescape_formula;
@@ -18,9 +16,6 @@ use lines::Lines;
 pub(crate) use quaternion::quaternion_fault;
 pub(crate) use write::TableWriter;
 pub use write::csv_row;
-
-/// Number of bytes that one thread parses at a time. Smaller tables are read without starting threads.
-const BATCH: usize = 1 << 22;
 
 /// A table that is read row by row.
 pub(crate) struct Table<R> {
@@ -42,7 +37,6 @@ struct Header {
 /// The fields of one record: their concatenated text, and the end of each.
 struct Cells {
     parser: csv_core::Reader,
-    delimiter: u8,
     text: Vec<u8>,
     ends: Vec<usize>,
 }
@@ -53,23 +47,6 @@ pub(crate) struct Row<'a> {
     line: u64,
     text: &'a str,
     ends: &'a [usize],
-}
-
-/// Builds a value from the rows of a table.
-pub(crate) trait FromRows: Send + Sync {
-    /// An empty value with space for `rows` rows.
-    fn empty(&self, rows: usize) -> Self;
-    /// Adds a row.
-    fn add(&mut self, row: &Row<'_>) -> Result<(), ReadError>;
-    /// Appends the value of the rows that follow.
-    fn append(&mut self, next: Self);
-}
-
-/// Records parsed together: their concatenated text, and line and end of each.
-#[derive(Default)]
-struct Batch {
-    text: Vec<u8>,
-    records: Vec<(u64, usize)>,
 }
 
 impl<R: BufRead> Table<R> {
@@ -98,50 +75,33 @@ impl<R: BufRead> Table<R> {
 
     /// The next row, which must have as many cells as the header.
     pub fn next_row(&mut self) -> Result<Option<Row<'_>>, ReadError> {
-        let Some((line, record)) = self.lines.next_record()? else {
-            return self.header.check_rows(self.rows).map(|()| None);
+        let Self {
+            lines,
+            header,
+            cells,
+            ..
+        } = self;
+        let Some((line, record)) = lines.next_record()? else {
+            if self.rows > 0 {
+                return Ok(None);
+            }
+            let message = "found a header row only, expected rows of data after it";
+            return Err(ReadError::new(
+                &header.file,
+                Place::Line(header.line),
+                message,
+            ));
         };
         self.rows += 1;
-        self.header.row(&mut self.cells, line, record).map(Some)
-    }
-
-    /// Adds all rows to `all`, one batch of rows per thread at a time. Errors are those of reading row by row.
-    pub fn read_all<B: FromRows>(&mut self, mut all: B) -> Result<B, ReadError> {
-        // Only tables of more than one batch justify threads. Batches are reused to keep their memory.
-        let mut batches = vec![Batch::default()];
-        let mut more = Ok(true);
-        while let Ok(true) = more {
-            for batch in &mut batches {
-                batch.clear();
-                if let Ok(true) = more {
-                    more = self.fill(batch);
-                }
-            }
-            let parse = |index: usize| {
-                let batch = &batches[index];
-                batch.parse(&self.header, all.empty(batch.records.len()))
-            };
-            for parsed in threads::map(batches.len(), batches.len(), parse) {
-                all.append(parsed?);
-            }
-            batches.resize_with(threads::available(), Batch::default);
-        }
-        more?;
-        self.header.check_rows(self.rows)?;
-        Ok(all)
-    }
-
-    /// Fills a batch; returns whether more rows may follow.
-    fn fill(&mut self, batch: &mut Batch) -> Result<bool, ReadError> {
-        while batch.text.len() < BATCH {
-            let Some((line, record)) = self.lines.next_record()? else {
-                return Ok(false);
-            };
-            self.rows += 1;
-            batch.text.extend_from_slice(record);
-            batch.records.push((line, batch.text.len()));
-        }
-        Ok(true)
+        cells.split(record, &header.file, line)?;
+        let text = utf8(&cells.text, &header.file, line)?;
+        header.check_count(line, cells.ends.len())?;
+        Ok(Some(Row {
+            header,
+            line,
+            text,
+            ends: &cells.ends,
+        }))
     }
 
     /// Names of the columns in the order of the file.
@@ -224,32 +184,6 @@ impl Header {
         ReadError::new(&self.file, place, message)
     }
 
-    /// The row of a record, which must have as many cells as the header.
-    fn row<'a>(
-        &'a self,
-        cells: &'a mut Cells,
-        line: u64,
-        record: &[u8],
-    ) -> Result<Row<'a>, ReadError> {
-        cells.split(record, &self.file, line)?;
-        let text = utf8(&cells.text, &self.file, line)?;
-        self.check_count(line, cells.ends.len())?;
-        Ok(Row {
-            header: self,
-            line,
-            text,
-            ends: &cells.ends,
-        })
-    }
-
-    fn check_rows(&self, count: u64) -> Result<(), ReadError> {
-        if count > 0 {
-            return Ok(());
-        }
-        let message = "found a header row only, expected rows of data after it";
-        Err(ReadError::new(&self.file, Place::Line(self.line), message))
-    }
-
     fn check_count(&self, line: u64, found: usize) -> Result<(), ReadError> {
         let expected = self.names.len();
         if found == expected {
@@ -265,29 +199,10 @@ impl Header {
     }
 }
 
-impl Batch {
-    fn clear(&mut self) {
-        self.text.clear();
-        self.records.clear();
-    }
-
-    /// Adds the rows of the batch to `parsed`.
-    fn parse<B: FromRows>(&self, header: &Header, mut parsed: B) -> Result<B, ReadError> {
-        let mut cells = Cells::new(header.decimal_comma);
-        let mut start = 0;
-        for (line, end) in &self.records {
-            parsed.add(&header.row(&mut cells, *line, &self.text[start..*end])?)?;
-            start = *end;
-        }
-        Ok(parsed)
-    }
-}
-
 impl Cells {
     fn new(decimal_comma: bool) -> Self {
         let delimiter = if decimal_comma { b';' } else { b',' };
         Self {
-            delimiter,
             parser: csv_core::ReaderBuilder::new()
                 .delimiter(delimiter)
                 .terminator(csv_core::Terminator::Any(b'\n'))
@@ -299,10 +214,6 @@ impl Cells {
 
     /// Splits one record into its cells.
     fn split(&mut self, record: &[u8], file: &str, line: u64) -> Result<(), ReadError> {
-        if !record.contains(&b'"') {
-            self.split_plain(record);
-            return Ok(());
-        }
         // Unquoting only shortens the text, and there is at most one cell more than there are bytes.
         self.text.resize(record.len() + 1, 0);
         self.ends.resize(record.len() + 2, 0);
@@ -321,18 +232,6 @@ impl Cells {
         self.text.truncate(written + more);
         self.ends.truncate(cells + last);
         Ok(())
-    }
-}
-
-impl Cells {
-    /// Splits a record without quotation marks. Nearly all records are like this, and it is several times faster than a parser.
-    fn split_plain(&mut self, record: &[u8]) {
-        self.text.clear();
-        self.ends.clear();
-        for cell in record.split(|byte| *byte == self.delimiter) {
-            self.text.extend_from_slice(cell);
-            self.ends.push(self.text.len());
-        }
     }
 }
 

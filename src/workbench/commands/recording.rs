@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use tautline_core::robot::Robot;
 use tautline_import::{
-    AlignedClock, Imported, MemoryBudget, Recipe, Source, Suggestion, align_clocks, clock_times,
-    read_recipe, read_sources,
+    AlignedClock, HAS_MORE_FORMATS, Imported, MemoryBudget, Recipe, Source, Suggestion,
+    align_clocks, clock_times, read_recipe, read_sources,
 };
 use tautline_session::{Loaded, Phase as LogPhase, Session, write_versioned};
 
@@ -27,17 +27,23 @@ use tautline_workflow::wording::sentence;
 use tautline_workflow::{clock, importing};
 
 /// Endings of the files that are read, for dialogs; what a file is shows its content.
-const ENDINGS: [&str; 18] = [
-    "csv", "txt", "tsv", "c3d", "mat", "h5", "hdf5", "npy", "npz", "parquet", "mcap", "bag",
-    "xlsx", "asc", "dat", "lvm", "tdms", "mf4",
+const ENDINGS: &[&str] = &[
+    "csv", "txt", "tsv", "c3d", "mat", "npy", "npz", "parquet", "xlsx", "asc", "dat", "lvm",
+    "tdms", "mf4", "h5", "hdf5", "mcap", "bag",
 ];
+/// Number of the last of them whose formats a build may leave out.
+const MORE: usize = 4;
 
 pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
     match command {
         RecordingCommand::Show => model.screen = Screen::Import,
         RecordingCommand::Correct => correct(model),
         RecordingCommand::Ask => {
-            let request = FileRequest::file("Import", &ENDINGS);
+            let endings = match HAS_MORE_FORMATS {
+                true => ENDINGS,
+                false => &ENDINGS[..ENDINGS.len() - MORE],
+            };
+            let request = FileRequest::file("Import", endings);
             pick(model, request, RecordingCommand::Read);
         }
         RecordingCommand::Read(path) => read(model, path),

@@ -12,6 +12,7 @@ mod deviations;
 pub mod document;
 mod html;
 mod input;
+#[cfg(feature = "pdf")]
 mod pdf;
 mod plots;
 mod results;
@@ -27,6 +28,7 @@ use tautline_session::{Timestamp, WriteError, write_bytes};
 pub use choice::{Part, ReportChoice};
 pub use colours::PLOT;
 pub use input::{ComparisonInput, HistoryInput, ReportInput};
+#[cfg(feature = "pdf")]
 pub use pdf::PdfError;
 pub use results::{Results, completed};
 
@@ -49,6 +51,19 @@ impl ReportFormat {
             "pdf" => Some(Self::Pdf),
             _ => None,
         }
+    }
+
+    /// The format for paper: PDF, or HTML in a build without it.
+    pub const FOR_PAPER: Self = if cfg!(feature = "pdf") {
+        Self::Pdf
+    } else {
+        Self::Html
+    };
+
+    /// Whether this build writes the format.
+    #[must_use]
+    pub fn is_available(self) -> bool {
+        self == Self::Html || cfg!(feature = "pdf")
     }
 
     /// Title in reports and on screen.
@@ -76,7 +91,14 @@ pub enum ReportError {
     /// The file extension is not that of a report.
     #[error("{}: expected a name that ends with .html or .pdf", .0.display())]
     Extension(PathBuf),
+    /// A PDF is asked for in a build without it.
+    #[error(
+        "a PDF is what this build leaves out, expected the program of a release, one built with `cargo build --release \
+         --features more-formats`, or HTML"
+    )]
+    PdfLeftOut,
     /// The PDF cannot be created.
+    #[cfg(feature = "pdf")]
     #[error(transparent)]
     Pdf(#[from] PdfError),
     /// The file cannot be written.
@@ -106,7 +128,13 @@ pub fn render(
 ) -> Result<Vec<u8>, ReportError> {
     Ok(match format {
         ReportFormat::Html => html::render(document).into_bytes(),
+        #[cfg(feature = "pdf")]
         ReportFormat::Pdf => pdf::render(document, now)?,
+        #[cfg(not(feature = "pdf"))]
+        ReportFormat::Pdf => {
+            let _only_a_pdf_is_dated = now;
+            return Err(ReportError::PdfLeftOut);
+        }
     })
 }
 

@@ -633,6 +633,17 @@ fn parquet_of_pandas_has_times_gaps_and_texts() {
     );
 }
 
+#[cfg(not(feature = "more-formats"))]
+#[test]
+fn parquet_in_other_compressors_says_what_to_do() {
+    for (name, compressor) in [("polars.parquet", "Zstandard"), ("groups.parquet", "gzip")] {
+        let sentence = refusal(name, seed(name));
+        let expected = format!("is compressed with {compressor}, which this build leaves out");
+        assert!(sentence.contains(&expected), "{sentence}");
+    }
+}
+
+#[cfg(feature = "more-formats")]
 #[test]
 fn parquet_of_other_writers_in_other_compressors_and_groups() {
     let source = parquet("polars.parquet");

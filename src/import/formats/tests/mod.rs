@@ -3,12 +3,12 @@
 mod binary;
 mod c3d;
 mod damaged;
-#[cfg(feature = "hdf5")]
+#[cfg(feature = "more-formats")]
 mod hdf5;
 mod laboratory;
-#[cfg(feature = "hdf5")]
+#[cfg(feature = "more-formats")]
 mod memory;
-#[cfg(feature = "ros")]
+#[cfg(feature = "more-formats")]
 mod ros;
 mod scope;
 mod tables;
@@ -129,19 +129,27 @@ fn what_is_not_read_says_what_to_do() {
         (
             "a.mat",
             b"MATLAB 7.3 MAT-file, Platform",
-            if cfg!(feature = "hdf5") {
+            if HAS_MORE_FORMATS {
                 "expected HDF5"
             } else {
-                "expected version 7: save(name, vars{:}, '-v7')"
+                "--features more-formats`, or version 7: save(name, vars{:}, '-v7')"
             },
         ),
-        ("a.h5", b"\x89HDF\r\n\x1a\n", "HDF5"),
+        (
+            "a.h5",
+            b"\x89HDF\r\n\x1a\n",
+            if HAS_MORE_FORMATS {
+                "expected HDF5"
+            } else {
+                "expected the program of a release or `cargo build --release --features more-formats`, or a table as CSV"
+            },
+        ),
         ("a.parquet", b"PAR1\x15\x04", "is damaged, expected Parquet"),
         ("b.parquet", b"PARE\x15\x04", "is an encrypted Parquet file"),
         (
             "a.mcap",
             b"\x89MCAP0\r\n",
-            if cfg!(feature = "ros") {
+            if HAS_MORE_FORMATS {
                 "has no end: the recorder was stopped, or the file was cut off, expected a readable MCAP recording"
             } else {
                 "ros2 topic echo --csv"
@@ -150,7 +158,7 @@ fn what_is_not_read_says_what_to_do() {
         (
             "a.bag",
             b"#ROSBAG V2.0\n",
-            if cfg!(feature = "ros") {
+            if HAS_MORE_FORMATS {
                 "has no end: the recorder was stopped, or the file was cut off, expected a readable ROS 1 bag"
             } else {
                 "rostopic echo -b <bag> -p <topic>"

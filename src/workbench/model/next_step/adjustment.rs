@@ -33,8 +33,11 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     let next = checks.iter().find(|check| check.state == CheckState::Next);
     let Some(next) = next.map(|check| check.item) else {
         let action = Action::new(
-            "Save report as PDF…",
-            ReportCommand::AskSave(ReportFormat::Pdf),
+            match ReportFormat::FOR_PAPER {
+                ReportFormat::Html => "Save report as HTML…",
+                ReportFormat::Pdf => "Save report as PDF…",
+            },
+            ReportCommand::AskSave(ReportFormat::FOR_PAPER),
         );
         let status = PhaseStatus::new(
             Progress::Done,

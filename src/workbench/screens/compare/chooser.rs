@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
             let is_compared = matches!(model.comparison.result(), Some(Ok(_)));
             let name = "Save report…";
             if icon_button(ui, icons::ICON_DESCRIPTION, name, is_compared).clicked() {
-                outbox.send(ReportCommand::AskSave(ReportFormat::Pdf));
+                outbox.send(ReportCommand::AskSave(ReportFormat::FOR_PAPER));
             }
             let is_any = Side::ALL
                 .iter()

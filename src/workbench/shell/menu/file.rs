@@ -92,9 +92,12 @@ pub fn lines(state: &State) -> Vec<Item> {
         ),
         item(
             Menu::File,
-            "Save report as PDF…",
+            match ReportFormat::Pdf.is_available() {
+                true => "Save report as PDF…",
+                false => "Save report as PDF (left out of this build)",
+            },
             None,
-            has_report,
+            has_report && ReportFormat::Pdf.is_available(),
             ReportCommand::AskSave(ReportFormat::Pdf),
         ),
         item(
