@@ -34,6 +34,7 @@ use std::path::PathBuf;
 
 use super::caught_panic::CaughtPanic;
 use super::edit::Edit;
+use super::link::LinkRequest;
 use super::plot_preparation::Preparation;
 use file_choice::FileChoice;
 
@@ -122,6 +123,12 @@ from!(
     SetupOutcome => Outcome::Setup,
     CompareOutcome => Outcome::Compare,
 );
+
+impl From<LinkRequest> for Command {
+    fn from(request: LinkRequest) -> Self {
+        Self::Robot(RobotCommand::Link(request))
+    }
+}
 
 /// Commands that were given in this frame; they are carried out after it was drawn.
 #[derive(Debug, Default)]

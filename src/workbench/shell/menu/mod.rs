@@ -9,6 +9,7 @@ use super::state::State;
 use crate::model::command::{
     Command, DIAGNOSING, IDENTIFYING, IdentificationCommand, RobotCommand, STOP, Setup, ViewCommand,
 };
+use crate::model::link::LinkRequest;
 use crate::model::manual::Page;
 use crate::model::next_step;
 use crate::model::phase::Screen;
@@ -249,9 +250,8 @@ fn robot(state: &State) -> Vec<Item> {
     let lost = state.model.link.lost().is_some();
     let armed = state.model.link.is_armed();
     let busy = state.model.link.is_busy();
-    let robot = |title: &str, enabled, command: RobotCommand| {
-        item(Menu::Robot, title, None, enabled, command)
-    };
+    let robot =
+        |title: &str, enabled, command: Command| item(Menu::Robot, title, None, enabled, command);
     vec![
         item(
             Menu::Robot,
@@ -263,10 +263,14 @@ fn robot(state: &State) -> Vec<Item> {
         robot(
             "Disconnect",
             (connected && !busy) || lost,
-            RobotCommand::Disconnect,
+            LinkRequest::Disconnect.into(),
         ),
-        robot("Arm the robot", connected && !armed, RobotCommand::Arm),
-        robot("Disarm the robot", armed, RobotCommand::Disarm),
+        robot(
+            "Arm the robot",
+            connected && !armed,
+            RobotCommand::Arm.into(),
+        ),
+        robot("Disarm the robot", armed, LinkRequest::Disarm.into()),
         item(
             Menu::Robot,
             "Stop the robot",
