@@ -11,6 +11,7 @@ use tautline_workbench::model::command::{
 };
 use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::link::LinkRequest;
 use tautline_workbench::model::manual::Page;
 use tautline_workbench::model::part::Part;
 use tautline_workbench::model::phase::{Phase, Screen};
@@ -253,7 +254,7 @@ fn demo(looks: &mut Looks) -> Result<()> {
     ));
     looks.at("demo-error")?;
     looks.stage.give(ViewCommand::Dismiss);
-    looks.stage.give(RobotCommand::Disconnect);
+    looks.stage.give(LinkRequest::Disconnect);
     looks.stage.give(FileCommand::Answer(Answer::Discard));
     Ok(())
 }

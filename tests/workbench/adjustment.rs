@@ -10,6 +10,7 @@ use tautline_workbench::model::command::{
     Answer, Export, FileCommand, IdentificationCommand, RobotCommand,
 };
 use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::link::LinkRequest;
 use tautline_workbench::model::phase::Phase;
 
 use crate::demo::Bench;
@@ -140,7 +141,7 @@ fn writing_identified_values_improves_the_accuracy() {
         assert!((now.value - change.before).abs() < 1e-9, "{}", change.name);
     }
     // Without a connection the table has the values that the session recorded.
-    bench.give(RobotCommand::Disconnect);
+    bench.give(LinkRequest::Disconnect);
     bench.give(FileCommand::Answer(Answer::Discard));
     bench.wait("no controller", |state| !state.model.link.is_connected());
     let differences = bench.state().model.differences();

@@ -13,6 +13,7 @@ use tautline_session::{
 use tautline_validation::harness::words;
 use tautline_workbench::model::command::{Answer, Command, FileCommand, RobotCommand, Setup};
 use tautline_workbench::model::link::Doing;
+use tautline_workbench::model::link::LinkRequest;
 use tautline_workbench::model::phase::Phase;
 use tautline_workbench::shell::State;
 use tautline_workflow::adjusting::Purpose;
@@ -382,7 +383,7 @@ fn a_connection_lost_while_writing_reports_what_the_controller_holds() {
         .expect("a record")
         .clone();
     let mut reader = plant.client();
-    bench.give(RobotCommand::Disconnect);
+    bench.give(LinkRequest::Disconnect);
     bench.give(FileCommand::Answer(Answer::Discard));
     bench.wait("the end", |state| !state.model.link.is_connected());
     tautline_link::Controller::connect(&mut reader).expect("connected");

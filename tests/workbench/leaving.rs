@@ -3,6 +3,7 @@
 use egui_kittest::kittest::Queryable;
 use tautline_workbench::model::command::{Command, FileCommand, RobotCommand};
 use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::link::LinkRequest;
 use tautline_workflow::samples;
 use tautline_workflow::templates::Template;
 
@@ -37,7 +38,7 @@ fn nothing_disconnects_an_armed_controller_without_a_question() {
         FileCommand::Open(sample).into(),
         FileCommand::TryDemo.into(),
         RobotCommand::Connect.into(),
-        RobotCommand::Disconnect.into(),
+        LinkRequest::Disconnect.into(),
     ];
     for leave in leaves {
         let what = format!("{leave:?}");
@@ -50,13 +51,13 @@ fn nothing_disconnects_an_armed_controller_without_a_question() {
         assert!(model.link.is_armed(), "{what}");
         assert_eq!(model.open.as_ref().map(|open| open.id()), id, "{what}");
     }
-    bench.give(RobotCommand::Disconnect);
+    bench.give(LinkRequest::Disconnect);
     assert!(is_asked(&mut bench, QUESTION));
     bench.press("Disconnect");
     bench.wait("the end", |state| !state.model.link.is_connected());
     bench.give(RobotCommand::Connect);
     bench.wait("a connection", |state| state.model.link.is_connected());
-    bench.give(RobotCommand::Disconnect);
+    bench.give(LinkRequest::Disconnect);
     bench.wait("the end", |state| !state.model.link.is_connected());
 }
 

@@ -10,6 +10,7 @@ use tautline_validation::ads::symbols::global;
 use tautline_validation::ads::unruly::{Action, Kind, Unruly};
 use tautline_validation::ads::{Host, Plant};
 use tautline_workbench::model::command::{Answer, FileCommand, RobotCommand};
+use tautline_workbench::model::link::LinkRequest;
 use tautline_workbench::model::link::scope::Scope;
 use tautline_workbench::model::phase::Phase;
 use tautline_workbench::shell::State;
@@ -97,7 +98,7 @@ fn a_half_written_adjustment_is_settled_when_the_operator_arms_again() {
     assert!(matches!(open.outcome, Outcome::Unsettled(_)), "{open:?}");
     let unsettled = adjusting::unsettled(bench.session()).expect("a sentence");
     plant.server.up();
-    bench.give(RobotCommand::TryNow);
+    bench.give(LinkRequest::TryNow);
     bench.wait("the connection", |state| state.model.link.is_connected());
     let mixed = ControllerValues::Mixed(vec![new[0].0.clone()]);
     let found = adjusting::found(&open, &mixed);
@@ -173,14 +174,14 @@ fn an_overload_waits_for_the_operator_each_time() {
     });
     assert!(measured(bench.state()) < 3);
     // The operator goes on; what gets worse stops it again.
-    bench.give(RobotCommand::Resume);
+    bench.give(LinkRequest::Resume);
     bench.wait("going on", |state| paused(state).is_none());
     plant.show_force(Some((2, 600.0)));
     bench.wait("another stop", |state| {
         paused(state).is_some_and(|why| why.contains(overload))
     });
     plant.show_force(None);
-    bench.give(RobotCommand::Resume);
+    bench.give(LinkRequest::Resume);
     bench.wait("the end", |state| !state.model.link.is_measuring());
     assert_eq!(measured(bench.state()), 3);
 }
@@ -252,7 +253,7 @@ fn readings_that_are_sent_reach_the_scope() {
     // Far more are shown than were asked for.
     let asked = plant.server.count(Kind::Read) - asked;
     assert!(asked < 50, "{asked} requests");
-    bench.give(RobotCommand::Disconnect);
+    bench.give(LinkRequest::Disconnect);
     bench.give(FileCommand::Answer(Answer::Discard));
     bench.wait("the end", |state| !state.model.link.is_connected());
     assert_eq!(plant.server.subscriptions(), 0);

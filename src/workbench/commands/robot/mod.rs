@@ -10,7 +10,7 @@ use tautline_session::{NamedValue, Phase as LogPhase};
 
 use crate::commands::setup;
 use crate::model::command::RobotCommand;
-use crate::model::link::{Connected, DriverCommand, DriverEvent};
+use crate::model::link::{Connected, DriverCommand, DriverEvent, LinkRequest};
 use crate::model::messages::{Cause, full_sentence};
 use crate::model::{ConnectionRequest, Model, OpenSession, UiRequest};
 use tautline_workflow::adjusting::held;
@@ -29,21 +29,11 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::Setup(setup) => setup::perform(model, setup),
         RobotCommand::Connect => connect(model, false),
         RobotCommand::ConnectAndArm => connect(model, true),
-        RobotCommand::TryNow => model.link.send(DriverCommand::TryNow),
-        RobotCommand::LaserDistance(label, distance_m) => {
-            model
-                .link
-                .send(DriverCommand::LaserDistance(label, distance_m));
-        }
-        RobotCommand::TypedPose(number, pose) => {
-            model.link.send(DriverCommand::TypedPose(number, pose));
-        }
-        RobotCommand::Disconnect => model.link.send(DriverCommand::Disconnect),
+        RobotCommand::Link(request) => model.link.send(request),
         RobotCommand::Arm => {
             model.link.send(DriverCommand::Arm);
             adjust::settle(model);
         }
-        RobotCommand::Disarm => model.link.send(DriverCommand::Disarm),
         RobotCommand::PollWhenIdle(polls_when_idle) => {
             model.link.poll_when_idle(polls_when_idle);
             if polls_when_idle {
@@ -52,9 +42,6 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         }
         RobotCommand::Speed(speed) => model.link.set_speed(speed),
         RobotCommand::Start => run::start(model),
-        RobotCommand::Pause => model.link.send(DriverCommand::Pause),
-        RobotCommand::Resume => model.link.send(DriverCommand::Resume),
-        RobotCommand::Skip => model.link.send(DriverCommand::Skip),
         RobotCommand::Repeat(label) => run::repeat(model, label),
         RobotCommand::Stop => {
             model.link.stop();
@@ -64,7 +51,6 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::Verify(stage) => adjust::verify(model, stage),
         RobotCommand::TakeCheck(stage) => adjust::take_check(model, stage),
         RobotCommand::SetOperator(name) => model.change_preferences(|p| p.operator = name),
-        RobotCommand::ReadBack => model.link.send(DriverCommand::ReadParameters),
         RobotCommand::Write => adjust::write(model),
         RobotCommand::WriteValues(values, purpose) => adjust::give(model, values, purpose),
         RobotCommand::ConfirmWrite(operator) => adjust::confirm_write(model, operator),
@@ -235,7 +221,7 @@ pub fn follow(model: &mut Model) {
     let session_id = model.open.as_ref().map(OpenSession::id);
     let connected = model.link.connected.as_ref();
     if connected.is_some_and(|connected| Some(connected.session_id) != session_id) {
-        model.link.send(DriverCommand::Disconnect);
+        model.link.send(LinkRequest::Disconnect);
         model.link.forget();
         model.link.run = None;
         model.link.pending = None;

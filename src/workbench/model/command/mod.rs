@@ -36,6 +36,7 @@ use std::path::PathBuf;
 
 use super::caught_panic::CaughtPanic;
 use super::edit::Edit;
+use super::link::LinkRequest;
 use super::plot_preparation::Preparation;
 use file_choice::FileChoice;
 
@@ -129,6 +130,12 @@ from!(
     CompareOutcome => Outcome::Compare,
     RecordOutcome => Outcome::Record,
 );
+
+impl From<LinkRequest> for Command {
+    fn from(request: LinkRequest) -> Self {
+        Self::Robot(RobotCommand::Link(request))
+    }
+}
 
 /// Commands that were given in this frame; they are carried out after it was drawn.
 #[derive(Debug, Default)]

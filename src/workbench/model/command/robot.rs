@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
-use tautline_session::{CheckPose, PlannedPose, Stage};
+use tautline_session::{PlannedPose, Stage};
 
 use super::Setup;
 use crate::model::OpenSession;
+use crate::model::link::LinkRequest;
 use tautline_workflow::adjusting::{Doubt, Purpose};
 use tautline_workflow::planning::PlanSummary;
 
@@ -34,27 +35,16 @@ pub enum RobotCommand {
     Connect,
     /// Connects to the simulated robot of the session and arms it; any other controller is only connected.
     ConnectAndArm,
-    TryNow,
-    /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
-    LaserDistance(i64, Option<f64>),
-    /// Where the platform is at the target of this number of a verification, as the operator reads it.
-    TypedPose(usize, CheckPose),
-    Disconnect,
+    /// Goes to the thread of the controller as it is.
+    Link(LinkRequest),
     /// Allows motion and writing.
     Arm,
-    /// Forbids motion and writing.
-    Disarm,
     /// Switches readings on or off while the controller is idle.
     PollWhenIdle(bool),
     /// Sets the time lapse of a simulated robot.
     Speed(f64),
     /// Measures the planned poses that are not measured yet.
     Start,
-    /// Lets the run wait.
-    Pause,
-    Resume,
-    /// Leaves out the pose under way.
-    Skip,
     /// Measures a pose again.
     Repeat(i64),
     /// Ends the current operation and stops the platform.
@@ -67,8 +57,6 @@ pub enum RobotCommand {
     TakeCheck(Stage),
     /// Keeps the name of the operator, who is responsible for what is written.
     SetOperator(String),
-    /// Reads the controller's values.
-    ReadBack,
     /// Asks whether the identified values are to be written to the controller, and who writes them.
     Write,
     WriteValues(Vec<(String, f64)>, Purpose),
@@ -88,7 +76,10 @@ pub enum RobotCommand {
 impl RobotCommand {
     /// Whether a connection ends with it.
     pub(crate) fn disconnects(&self) -> bool {
-        matches!(self, Self::Connect | Self::ConnectAndArm | Self::Disconnect)
+        matches!(
+            self,
+            Self::Connect | Self::ConnectAndArm | Self::Link(LinkRequest::Disconnect)
+        )
     }
 }
 

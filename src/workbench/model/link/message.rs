@@ -14,37 +14,50 @@ use tautline_session::{CheckPose, CheckRow, MeasuredPose, Stage};
 use tautline_workflow::adjusting::Purpose;
 use tautline_workflow::controllers::ConnectionSetup;
 
-pub enum DriverCommand {
-    /// Connects, for the session of this id.
-    Connect(Box<ConnectionSetup>, u64),
+/// What the operator asks the thread of the controller for, with nothing else to be done.
+#[derive(Debug, Clone)]
+pub enum LinkRequest {
     /// Ends the connection; a run ends with it.
     Disconnect,
-    /// Allows motion and writing.
-    Arm,
     /// Forbids motion and writing.
     Disarm,
-    /// Whether the sensors are read without an operation.
-    PollWhenIdle(bool),
-    Speed(f64),
-    Measure(Box<MeasuringRequest>),
     Pause,
     Resume,
     /// The run leaves out the pose under way.
     Skip,
+    /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
+    LaserDistance(i64, Option<f64>),
+    /// The pose at the target of this number of the verification, from 1, as the operator reads it.
+    TypedPose(usize, CheckPose),
+    /// Tries to reach a lost controller now.
+    TryNow,
+    ReadParameters,
+}
+
+impl From<LinkRequest> for DriverCommand {
+    fn from(request: LinkRequest) -> Self {
+        Self::Requested(request)
+    }
+}
+
+pub enum DriverCommand {
+    /// Connects, for the session of this id.
+    Connect(Box<ConnectionSetup>, u64),
+    Requested(LinkRequest),
+    /// Allows motion and writing.
+    Arm,
+    /// Whether the sensors are read without an operation.
+    PollWhenIdle(bool),
+    Speed(f64),
+    Measure(Box<MeasuringRequest>),
     /// The run measures the pose of this label again, next.
     Repeat(i64),
     /// Ends whatever is going on and stops the platform.
     Abort,
     /// The pose of this label is stored.
     Stored(i64),
-    /// The laser distance (m) at the pose of this label as the operator reads it; `None`: it has no return.
-    LaserDistance(i64, Option<f64>),
     /// Drives to targets for a verification.
     Verify(Vec<CheckTarget>, Stage),
-    /// The pose at the target of this number of the verification, from 1, as the operator reads it.
-    TypedPose(usize, CheckPose),
-    TryNow,
-    ReadParameters,
     /// Writes values instead of the old ones, unless the controller holds others.
     Write {
         /// Values on the controller before writing.

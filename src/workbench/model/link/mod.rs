@@ -30,7 +30,8 @@ use self::worker::serve;
 use tautline_workflow::controllers::ConnectionSetup;
 
 pub use self::message::{
-    Doing, DriverCommand, DriverEvent, Live, LivePlatform, Lost, MeasuringRequest, Surprise,
+    Doing, DriverCommand, DriverEvent, LinkRequest, Live, LivePlatform, Lost, MeasuringRequest,
+    Surprise,
 };
 pub use self::progress::duration;
 pub use self::run::{Pending, RunLog};
@@ -327,10 +328,10 @@ impl Link {
     }
 
     /// Sends a command to the thread of the controller, once there is one.
-    pub fn send(&self, command: DriverCommand) {
+    pub fn send(&self, command: impl Into<DriverCommand>) {
         if let Some(commands) = &self.commands {
             // The thread ends with the program only.
-            let _ = commands.send(command);
+            let _ = commands.send(command.into());
         }
     }
 }

@@ -14,7 +14,7 @@ use tautline_link::{Activity, Clock, Controller, LinkError};
 use tautline_session::Stage;
 
 use super::connection::{Connection, ReconnectWhileWriting};
-use super::message::{DriverCommand, DriverEvent, Live, Lost};
+use super::message::{DriverCommand, DriverEvent, LinkRequest, Live, Lost};
 use super::operation::{Operation, Verifying};
 use super::publisher::{PICTURE, StatusPublisher};
 use tautline_workflow::adjusting::Purpose;
@@ -196,7 +196,7 @@ impl Worker {
     fn perform(&mut self, command: DriverCommand) -> Result<(), LinkError> {
         match command {
             DriverCommand::Connect(rig, session_id) => self.connect(rig, session_id)?,
-            DriverCommand::Disconnect => self.end(None),
+            DriverCommand::Requested(LinkRequest::Disconnect) => self.end(None),
             DriverCommand::PollWhenIdle(polls_when_idle) => self.polls_when_idle = polls_when_idle,
             DriverCommand::Speed(speed) => {
                 self.speed = speed;
@@ -220,7 +220,7 @@ impl Worker {
         let controller = &mut connection.controller;
         match command {
             DriverCommand::Arm => controller.arm()?,
-            DriverCommand::Disarm => controller.disarm(),
+            DriverCommand::Requested(LinkRequest::Disarm) => controller.disarm(),
             DriverCommand::Abort => {
                 let stopped = controller.stop();
                 // What is shown afterwards is where it is now; what is wrong with a reading shows in the state.
@@ -234,34 +234,36 @@ impl Worker {
                 self.operation = Operation::Measuring(Box::new(connection.measuring(*command)));
             }
             DriverCommand::Verify(targets, stage) => self.verify(targets, stage),
-            DriverCommand::TypedPose(number, pose) => {
+            DriverCommand::Requested(LinkRequest::TypedPose(number, pose)) => {
                 if let Operation::Verifying(verifying) = &self.operation
                     && let Some(typed) = &verifying.typed
                 {
                     typed.answer(number, pose)?;
                 }
             }
-            DriverCommand::TryNow => connection.try_now(),
-            DriverCommand::ReadParameters => {
+            DriverCommand::Requested(LinkRequest::TryNow) => connection.try_now(),
+            DriverCommand::Requested(LinkRequest::ReadParameters) => {
                 let parameters = read_parameters(controller)?;
                 self.publisher.report(DriverEvent::Parameters(parameters));
             }
             DriverCommand::Write { old, new, purpose } => self.write(&old, new, purpose),
             DriverCommand::Settle { old, new } => self.settle(&old, &new)?,
-            DriverCommand::Pause => self.operation.measuring(|m| m.run.pause()),
-            DriverCommand::Resume => {
+            DriverCommand::Requested(LinkRequest::Pause) => {
+                self.operation.measuring(|m| m.run.pause())
+            }
+            DriverCommand::Requested(LinkRequest::Resume) => {
                 controller.accept_overload();
                 self.operation.measuring(|m| m.run.resume());
                 self.publisher.report(DriverEvent::Resumed);
             }
-            DriverCommand::Skip => {
+            DriverCommand::Requested(LinkRequest::Skip) => {
                 controller.accept_overload();
                 self.operation.measuring(|m| m.run.skip());
             }
             DriverCommand::Repeat(label) => self.operation.measuring(|m| {
                 m.run.repeat(label);
             }),
-            DriverCommand::LaserDistance(label, distance_m) => {
+            DriverCommand::Requested(LinkRequest::LaserDistance(label, distance_m)) => {
                 if let Some(laser) = &connection.asked {
                     laser.answer(label, distance_m)?;
                 }
@@ -270,7 +272,7 @@ impl Worker {
                 self.operation.measuring(|m| m.run.confirm_stored(label));
             }
             DriverCommand::Connect(..)
-            | DriverCommand::Disconnect
+            | DriverCommand::Requested(LinkRequest::Disconnect)
             | DriverCommand::PollWhenIdle(_)
             | DriverCommand::Speed(_) => {}
         }

@@ -2,6 +2,7 @@
 
 use super::{Action, NextStep, connecting, identify, plan, waits};
 use crate::model::command::{PLANNING, RobotCommand};
+use crate::model::link::LinkRequest;
 use crate::model::phase::{Phase, Progress};
 use crate::model::{Model, OpenSession, phase_status};
 use tautline_workflow::wording::sentence;
@@ -56,7 +57,7 @@ fn running(model: &Model) -> Option<NextStep> {
         let text = format!("{}.", words.join("; "));
         return Some(NextStep::wait(text, share, "Then: identify the pulleys."));
     };
-    let resume = Action::new("Resume", RobotCommand::Resume);
+    let resume = Action::new("Resume", LinkRequest::Resume);
     let arm = Action::new("Arm the controller", RobotCommand::Arm);
     let action = match (model.link.is_connected(), model.link.is_armed()) {
         (false, _) => None,

@@ -19,6 +19,7 @@ use crate::model::Model;
 use crate::model::accuracy_figures::Figures;
 use crate::model::command::Outbox;
 use crate::model::command::{Export, IdentificationCommand, RobotCommand, ViewCommand};
+use crate::model::link::LinkRequest;
 use crate::model::phase::{Phase, Screen};
 use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
@@ -174,7 +175,7 @@ fn compare(
     ui.horizontal_wrapped(|ui| {
         let connected = model.link.is_connected() && !model.link.is_busy();
         if icon_button(ui, icons::ICON_SYNC, "Read back", connected).clicked() {
-            outbox.send(RobotCommand::ReadBack);
+            outbox.send(LinkRequest::ReadParameters);
         }
         if icon_button(ui, icons::ICON_DOWNLOAD, "Export table…", true).clicked() {
             outbox.send(RobotCommand::AskExport(Export::Differences));

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::PanelState;
 use crate::model::Model;
 use crate::model::command::Outbox;
-use crate::model::command::RobotCommand;
+use crate::model::link::LinkRequest;
 use crate::theme;
 use crate::widgets::{PoseFields, Verdict, muted, primary, verdict};
 use tautline_workflow::wording::units::mm;
@@ -73,7 +73,7 @@ pub(super) fn show(
             }
             if good && (entered || pressed) {
                 memory.sent = true;
-                outbox.send(RobotCommand::TypedPose(number, pose));
+                outbox.send(LinkRequest::TypedPose(number, pose));
             }
         }
         Err(problem) => {

@@ -4,7 +4,7 @@ use egui::{Align, FontId, Key, RichText, TextEdit, Ui, WidgetInfo};
 
 use super::PanelState;
 use crate::model::command::Outbox;
-use crate::model::command::RobotCommand;
+use crate::model::link::LinkRequest;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, parse_number, primary, verdict};
 
@@ -80,7 +80,7 @@ pub(super) fn show(
     judge(ui, &memory.text, expected_m);
     if let Some(distance_m) = answer {
         memory.sent = true;
-        let command = RobotCommand::LaserDistance(label, distance_m);
+        let command = LinkRequest::LaserDistance(label, distance_m);
         outbox.send(command);
     }
 }

@@ -9,6 +9,7 @@ use tautline_link::Activity;
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{RobotCommand, Setup};
+use crate::model::link::LinkRequest;
 use crate::model::link::Lost;
 use crate::theme;
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
@@ -58,14 +59,14 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) 
         if controller.armed {
             let text = "Disarm";
             if icon_button(ui, icons::ICON_LOCK, text, true).clicked() {
-                outbox.send(RobotCommand::Disarm);
+                outbox.send(LinkRequest::Disarm);
             }
         } else if ui.button("Arm").clicked() {
             outbox.send(RobotCommand::Arm);
         }
         let free = !model.link.is_busy();
         if icon_button(ui, icons::ICON_LINK_OFF, "Disconnect", free).clicked() {
-            outbox.send(RobotCommand::Disconnect);
+            outbox.send(LinkRequest::Disconnect);
         }
         if kind != Kind::Real {
             speed(ui, model, outbox);
@@ -118,10 +119,10 @@ fn gone(ui: &mut Ui, outbox: &mut Outbox, lost: &Lost) {
     ui.add(egui::Label::new(why).wrap());
     ui.horizontal_wrapped(|ui| {
         if icon_button(ui, icons::ICON_SYNC, "Reconnect now", true).clicked() {
-            outbox.send(RobotCommand::TryNow);
+            outbox.send(LinkRequest::TryNow);
         }
         if icon_button(ui, icons::ICON_LINK_OFF, "Stop reconnecting", true).clicked() {
-            outbox.send(RobotCommand::Disconnect);
+            outbox.send(LinkRequest::Disconnect);
         }
     });
 }

@@ -8,6 +8,7 @@ use super::{asking, motion, readings};
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{FileCommand, RobotCommand, ViewCommand};
+use crate::model::link::LinkRequest;
 use crate::model::link::{Doing, RunLog};
 use crate::model::messages::full_sentence;
 use crate::theme::{self, GRID};
@@ -86,14 +87,14 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         if paused {
             let ready = model.link.is_armed();
             if ui.add_enabled(ready, Button::new("Resume")).clicked() {
-                outbox.send(RobotCommand::Resume);
+                outbox.send(LinkRequest::Resume);
             }
         } else if icon_button(ui, icons::ICON_PAUSE, "Pause", true).clicked() {
-            outbox.send(RobotCommand::Pause);
+            outbox.send(LinkRequest::Pause);
         }
         let skip = icon_button(ui, icons::ICON_SKIP_NEXT, "Skip pose", true);
         if skip.clicked() {
-            outbox.send(RobotCommand::Skip);
+            outbox.send(LinkRequest::Skip);
         }
         let last = model.link.run.as_ref().and_then(|run| run.last_measured());
         let repeat = icon_button(ui, icons::ICON_REPLAY, "Repeat last pose", last.is_some());

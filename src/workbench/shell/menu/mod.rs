@@ -10,6 +10,7 @@ use crate::model::command::{
     Command, DIAGNOSING, IDENTIFYING, IdentificationCommand, RecordCommand, RobotCommand, STOP,
     Setup, ViewCommand,
 };
+use crate::model::link::LinkRequest;
 use crate::model::manual::Page;
 use crate::model::next_step;
 use crate::model::phase::Screen;
@@ -252,9 +253,8 @@ fn robot(state: &State) -> Vec<Item> {
     let busy = state.model.link.is_busy();
     let session = state.model.open.as_ref().map(|open| open.session());
     let measured = session.is_some_and(|session| session.measurements.len() > 1);
-    let robot = |title: &str, enabled, command: RobotCommand| {
-        item(Menu::Robot, title, None, enabled, command)
-    };
+    let robot =
+        |title: &str, enabled, command: Command| item(Menu::Robot, title, None, enabled, command);
     vec![
         item(
             Menu::Robot,
@@ -266,10 +266,14 @@ fn robot(state: &State) -> Vec<Item> {
         robot(
             "Disconnect",
             (connected && !busy) || lost,
-            RobotCommand::Disconnect,
+            LinkRequest::Disconnect.into(),
         ),
-        robot("Arm the robot", connected && !armed, RobotCommand::Arm),
-        robot("Disarm the robot", armed, RobotCommand::Disarm),
+        robot(
+            "Arm the robot",
+            connected && !armed,
+            RobotCommand::Arm.into(),
+        ),
+        robot("Disarm the robot", armed, LinkRequest::Disarm.into()),
         item(
             Menu::Robot,
             "Stop the robot",
