@@ -10,7 +10,8 @@ use anyhow::{Context, Result, bail};
 use tautline_validation::motion::{Late, RECORDING};
 use tautline_validation::{
     adjusted, hangprinter, hypotheses, isolability, live_readings, lives, many_poses, motion, nist,
-    screenshots, sessions, study_speed, table1, tolerances, truth, which_sensor, window, your_data,
+    screenshots, sessions, study_speed, table1, tolerances, truth, until, which_sensor, window,
+    your_data,
 };
 
 /// Presets of the truth study.
@@ -24,10 +25,12 @@ const TOLERANCES_SEED: u64 = 40_000;
 const MOST_FAULTS: usize = 4;
 /// Seed of the first life.
 const LIVES_SEED: u64 = 37_000;
+/// Seed of the first robot that is measured until it is certain.
+const UNTIL_SEED: u64 = 38_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, hypotheses";
 
@@ -59,6 +62,7 @@ fn main() -> Result<()> {
         Some("motion") => println!("{}", motion_table(&arguments[1..])?),
         Some("tolerances") => println!("{}", tolerances_table(argument)?),
         Some("lives") => println!("{}", lives_table(argument)?),
+        Some("until") => println!("{}", until_table(&arguments[1..])?),
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
         Some("workbench") => workbench(argument)?,
         Some("hidden") => hidden::command(&arguments[1..])?,
@@ -108,6 +112,13 @@ fn motion_table(numbers: &[String]) -> Result<String> {
 fn lives_table(lives: Option<&str>) -> Result<String> {
     let lives = lives.map_or(Ok(300), str::parse)?;
     Ok(lives::markdown(&lives::study(lives, LIVES_SEED)?))
+}
+
+/// Measures so many robots until it is certain what is wrong with them, from a seed on.
+fn until_table(numbers: &[String]) -> Result<String> {
+    let robots = numbers.first().map_or(Ok(300), |text| text.parse())?;
+    let first_seed = numbers.get(1).map_or(Ok(UNTIL_SEED), |text| text.parse())?;
+    Ok(until::markdown(&until::study(robots, first_seed)?))
 }
 
 fn tolerances_table(machines: Option<&str>) -> Result<String> {
@@ -212,6 +223,7 @@ fn write(folder: Option<&str>) -> Result<()> {
     replace(&mut text, "motion", &motion_table(&[])?)?;
     replace(&mut text, "isolability", &isolability_table()?)?;
     replace(&mut text, "lives", &lives_table(None)?)?;
+    replace(&mut text, "until", &until_table(&[])?)?;
     replace(&mut text, "hidden_effects", &hidden::tables()?)?;
     match hangprinter_table(folder) {
         Ok(table) => replace(&mut text, "hangprinter", &table)?,
