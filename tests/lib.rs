@@ -24,6 +24,7 @@ pub mod table1;
 pub mod tables;
 pub mod tolerances;
 pub mod truth;
+pub mod until;
 pub mod which_sensor;
 pub mod window;
 pub mod your_data;

@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use tautline_validation::motion::{Late, RECORDING};
 use tautline_validation::{
     adjusted, formulas, hangprinter, health, hypotheses, isolability, live_readings, lives,
-    many_poses, motion, nist, screenshots, sessions, study_speed, table1, tolerances, truth,
+    many_poses, motion, nist, screenshots, sessions, study_speed, table1, tolerances, truth, until,
     which_sensor, window, your_data,
 };
 
@@ -29,10 +29,12 @@ const LIVES_SEED: u64 = 43_000;
 const FORMULAS_SEED: u64 = 44_000;
 /// Seed of the first robot whose health is checked.
 const HEALTH_SEED: u64 = 45_000;
+/// Seed of the first robot that is measured until it is certain.
+const UNTIL_SEED: u64 = 38_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, hypotheses";
 
@@ -66,6 +68,7 @@ fn main() -> Result<()> {
         Some("formulas") => println!("{}", formulas_table(argument)?),
         Some("health") => println!("{}", health_table(argument)?),
         Some("lives") => println!("{}", lives_table(argument)?),
+        Some("until") => println!("{}", until_table(&arguments[1..])?),
         Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
         Some("workbench") => workbench(argument)?,
         Some("hidden") => hidden::command(&arguments[1..])?,
@@ -125,6 +128,13 @@ fn health_table(robots: Option<&str>) -> Result<String> {
 fn lives_table(lives: Option<&str>) -> Result<String> {
     let lives = lives.map_or(Ok(300), str::parse)?;
     Ok(lives::markdown(&lives::study(lives, LIVES_SEED)?))
+}
+
+/// Measures so many robots until it is certain what is wrong with them, from a seed on.
+fn until_table(numbers: &[String]) -> Result<String> {
+    let robots = numbers.first().map_or(Ok(300), |text| text.parse())?;
+    let first_seed = numbers.get(1).map_or(Ok(UNTIL_SEED), |text| text.parse())?;
+    Ok(until::markdown(&until::study(robots, first_seed)?))
 }
 
 fn tolerances_table(machines: Option<&str>) -> Result<String> {
@@ -231,6 +241,7 @@ fn write(folder: Option<&str>) -> Result<()> {
     replace(&mut text, "lives", &lives_table(None)?)?;
     replace(&mut text, "health", &health_table(None)?)?;
     replace(&mut text, "formulas", &formulas_table(None)?)?;
+    replace(&mut text, "until", &until_table(&[])?)?;
     replace(&mut text, "hidden_effects", &hidden::tables()?)?;
     match hangprinter_table(folder) {
         Ok(table) => replace(&mut text, "hangprinter", &table)?,

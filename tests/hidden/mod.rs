@@ -28,7 +28,7 @@ mod template;
 mod visibility;
 
 pub use calibration::{Calibration, Statement, calibration};
-pub use conditions::{Circumstances, Conditions, NoiseFactors};
+pub use conditions::{Circumstances, Conditions, NoiseFactors, add_noise};
 pub use draw::{Drawn, draw};
 pub use exchange::Channels;
 pub use interval::{binomial_tail, clopper_pearson};
@@ -40,6 +40,7 @@ pub use plans::{
 };
 pub use records::{Change, Records};
 pub use robots::{TestRobot, robot, robots};
+pub(crate) use run::Started;
 pub use run::{
     Candidate, FindingRecord, Outcome, Study, Sure, WithoutHoles, draw_all, run, run_all,
 };

@@ -185,14 +185,14 @@ pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
 }
 
 /// Start time of an operation on this thread.
-struct Started {
+pub(crate) struct Started {
     at: Instant,
     /// Processor time of the thread until then (s), if the system reports it.
     spent_s: Option<f64>,
 }
 
 impl Started {
-    fn now() -> Self {
+    pub(crate) fn now() -> Self {
         Self {
             at: Instant::now(),
             spent_s: Self::spent_s(),
@@ -206,7 +206,7 @@ impl Started {
     }
 
     /// Processor time since then (s), or elapsed time if the system does not report it.
-    fn elapsed_s(&self) -> f64 {
+    pub(crate) fn elapsed_s(&self) -> f64 {
         let spent = Self::spent_s().zip(self.spent_s);
         spent.map_or_else(|| self.at.elapsed().as_secs_f64(), |(now, then)| now - then)
     }

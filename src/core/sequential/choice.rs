@@ -202,13 +202,31 @@ impl Hypotheses {
         rivals.max_by(|a, b| removed(a).total_cmp(&removed(b)))
     }
 
-    /// The most probable set that no pose, measured `times` times, tells from the first one by `decisive` of chi-square.
+    /// The most probable set that no pose, measured `times` times, tells from the first one by `decisive` of chi-square. A set with
+    /// causes in addition is none: if they are not there, more readings make them smaller until they are no longer worth their prior.
     pub fn inseparable(&self, times: f64, decisive: f64) -> Option<usize> {
+        let [first, ..] = self.sets.as_slice() else {
+            return None;
+        };
         (1..self.sets.len()).find(|other| {
+            let set = &self.sets[*other];
             let most = (0..self.poses()).map(|pose| self.lambda((0, *other), pose));
-            most.fold(0.0, f64::max) * times < decisive
+            let is_other = !contains(first, set) && !contains(set, first);
+            is_other && most.fold(0.0, f64::max) * times < decisive
         })
     }
+}
+
+/// Whether every effect of a set on its cables is in another one.
+fn contains(all: &[Cause], some: &[Cause]) -> bool {
+    let of = |set: &[Cause]| -> Vec<(&str, Vec<usize>)> {
+        let instances = set.iter().flat_map(|cause| &cause.instances);
+        instances
+            .map(|bound| (bound.effect.id(), bound.cables.clone()))
+            .collect()
+    };
+    let all = of(all);
+    of(some).iter().all(|one| all.contains(one))
 }
 
 /// How faults of typical size show at the poses, with the geometry adapted to them.

@@ -50,7 +50,7 @@ pub fn obstacle_in_words(robot: &Robot, obstacle: &Obstacle) -> String {
             let mm = |value_m: f64| units::mm(value_m, 2);
             let home = match with_home_m < &(WORTH_SAYING * reachable_m) {
                 true => format!(
-                    "a more exact home pose would ({} mm if it were known exactly), or ",
+                    "a more exact home pose ({} mm if it were known exactly) or ",
                     mm(*with_home_m)
                 ),
                 false => String::new(),

@@ -10,11 +10,10 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-pub use noise::{NoiseFactors, normal};
+pub use noise::{NoiseFactors, add_noise, normal};
 
 pub(super) use holes::empty_cells;
 pub(super) use model_error::add_model_error;
-pub(super) use noise::add_noise;
 pub(super) use standstills::{REPEATS, add_shared_errors, repeated};
 
 use super::template::log_uniform;

@@ -4,6 +4,7 @@ mod audit;
 mod kill_adjust;
 mod kill_measure;
 mod refusals;
+mod until;
 mod whole_loop;
 
 use std::io::Read;

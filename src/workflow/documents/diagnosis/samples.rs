@@ -231,6 +231,8 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         } else {
             vec![possible(robot)]
         },
+        sets: Vec::new(),
+        unseen: Vec::new(),
         noise: if is_clean { Vec::new() } else { vec![noise] },
         invisible: invisible(robot),
         sets: Vec::new(),
