@@ -290,7 +290,8 @@ impl<'p> FaultSignatures<'p> {
         }
         let pull = (&all.common * &size).select_rows(&self.geometry);
         let adapted = self.of_geometry.solve(&pull);
-        let at = |((own, factor), rows): (&(DMatrix<f64>, Cholesky<f64, Dyn>), &DMatrix<f64>)| {
+        let at = |(pose, rows): (_, &DMatrix<f64>)| {
+            let (own, factor): &(DMatrix<f64>, Cholesky<f64, Dyn>) = pose;
             let left = rows * &size - own * &adapted;
             left.dot(&factor.solve(&left))
         };

@@ -55,7 +55,7 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
             }
         }
         FileCommand::Open(path) if is_record(&path) => {
-            record::perform(model, RecordCommand::Open(path))
+            record::perform(model, RecordCommand::Open(path));
         }
         // Behind a link is the same file, which is open once and saved in its place.
         FileCommand::Open(path) => read(model, link_target(&path)),

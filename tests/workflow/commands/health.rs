@@ -48,7 +48,7 @@ fn an_unchanged_robot_is_as_it_was_and_a_moved_pulley_and_a_drum_are_told_apart(
     .expect("an effect");
     let before = run(&folder, "before", &robot, (40, 1));
     edit(&before, |robot| {
-        robot["measured_at"] = json!("2026-03-12T09:00:00Z")
+        robot["measured_at"] = json!("2026-03-12T09:00:00Z");
     });
     let same = run(&folder, "same", &robot, (12, 2));
     let moved = run(&folder, "moved", &moved, (12, 3));

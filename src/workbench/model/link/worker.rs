@@ -249,7 +249,7 @@ impl Worker {
             DriverCommand::Write { old, new, purpose } => self.write(&old, new, purpose),
             DriverCommand::Settle { old, new } => self.settle(&old, &new)?,
             DriverCommand::Requested(LinkRequest::Pause) => {
-                self.operation.measuring(|m| m.run.pause())
+                self.operation.measuring(|m| m.run.pause());
             }
             DriverCommand::Requested(LinkRequest::Resume) => {
                 controller.accept_overload();

@@ -235,8 +235,6 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         unseen: Vec::new(),
         noise: if is_clean { Vec::new() } else { vec![noise] },
         invisible: invisible(robot),
-        sets: Vec::new(),
-        unseen: Vec::new(),
         tolerances: ToleranceFactor {
             factor: 0.6,
             are_stated: false,

@@ -231,7 +231,7 @@ impl Drawing {
         if let Some(other) = placed.other.filter(|_| options.nominal) {
             match scene.besides {
                 Besides::Other(_) if !look.fades => {
-                    self.glass_wheel(&other, look.colour, INSPECTED)
+                    self.glass_wheel(&other, look.colour, INSPECTED);
                 }
                 _ => self.glass_wheel(&other, tone(palette.ghost), GHOST),
             }
