@@ -123,7 +123,7 @@ enum Command {
     /// Plan the poses to measure and predict the standard deviations
     Plan(plan::Arguments),
     /// Move a robot to the planned poses and measure; continues an interrupted run
-    Measure(measure::Arguments),
+    Measure(Box<measure::Arguments>),
     /// Create a dataset from files of other programs: logs, motion capture, point lists, spreadsheets
     Import(import::Arguments),
     /// Check a dataset before identification: readings, geometry, and the faults it would reveal

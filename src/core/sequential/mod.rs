@@ -366,7 +366,7 @@ impl<'a> SequentialDesign<'a> {
             }
             match (goal, &hypotheses) {
                 (Goal::Accuracy(limit_m), _) => {
-                    gains.push((goal, gains_of_accuracy(limit_m, &prospects.geometry)))
+                    gains.push((goal, gains_of_accuracy(limit_m, &prospects.geometry)));
                 }
                 // Both goals ask the same of the poses.
                 (_, Some(hypotheses)) if !are_causes_valued => {
