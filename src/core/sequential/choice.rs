@@ -290,12 +290,12 @@ impl<'p> FaultSignatures<'p> {
         }
         let pull = (&all.common * &size).select_rows(&self.geometry);
         let adapted = self.of_geometry.solve(&pull);
-        let at = |(pose, rows): (_, &DMatrix<f64>)| {
-            let (own, factor): &(DMatrix<f64>, Cholesky<f64, Dyn>) = pose;
+        let mut at_poses = Vec::with_capacity(self.poses.len());
+        for ((own, factor), rows) in self.poses.iter().zip(&all.poses) {
             let left = rows * &size - own * &adapted;
-            left.dot(&factor.solve(&left))
-        };
-        Some(self.poses.iter().zip(&all.poses).map(at).collect())
+            at_poses.push(left.dot(&factor.solve(&left)));
+        }
+        Some(at_poses)
     }
 }
 

@@ -111,7 +111,7 @@ fn a_fault_is_named_before_the_limit_and_the_robot_is_not_free_of_it() {
 
 #[test]
 fn the_limit_ends_a_run_and_excluded_poses_are_not_chosen() {
-    let design = design("planar", &[Goal::FaultFree(0.98)], 9);
+    let design = design("planar", &[Goal::Accuracy(1.4e-3)], 9);
     let (reasons, decision, measured) = run(&design, "planar", &[], 610_004);
     assert!(matches!(decision.step, NextStep::AtLimit), "{decision:?}");
     assert_eq!(reasons.len(), 9);
