@@ -132,7 +132,7 @@ fn lives_table(lives: Option<&str>) -> Result<String> {
 
 /// Measures so many robots until it is certain what is wrong with them, from a seed on.
 fn until_table(numbers: &[String]) -> Result<String> {
-    let robots = numbers.first().map_or(Ok(300), |text| text.parse())?;
+    let robots = numbers.first().map_or(Ok(45), |text| text.parse())?;
     let first_seed = numbers.get(1).map_or(Ok(UNTIL_SEED), |text| text.parse())?;
     Ok(until::markdown(&until::study(robots, first_seed)?))
 }

@@ -2,8 +2,8 @@
 
 use super::budget::MOST_DIAGNOSED_SAMPLES;
 use super::deviation_columns::linearised;
-use super::doctor::problem_at_fitted_poses;
 use super::fit::Fit;
+use super::fitted_problem::problem_at_fitted_poses;
 use crate::effect::{Effect, every_effect, measurements_as_modelled, part_deviations};
 use crate::estimation::{EstimationError, LinearRow, ObservationKind, ParameterId, RowKind};
 use crate::measurement::Dataset;

@@ -15,20 +15,20 @@ use super::exchange::find_exchange;
 use super::exploration::Visibility;
 use super::finding::FindingBuilder;
 use super::fit::Fit;
+use super::fitted_problem::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::gain::Prediction;
 use super::inference::{Inference, infer, inference_at_fit};
 use super::linear_fit::LinearFit;
 use super::noise::noise_statements;
 use super::priors::FACTORS;
 use super::progress::Reporter;
-use super::report::{Diagnosis, Finding, Invisible, ToleranceFactor};
+use super::report::{Diagnosis, Finding, Invisible, ToleranceFactor, UnseenFault};
 use super::unmodelled_errors::WeighedError;
-use super::unseen::{UnseenFault, unseen_faults};
+use super::unseen::unseen_faults;
 use super::{DiagnosisOptions, Observer, Stage};
-use crate::effect::{BoundEffect, CablePorts, Dual, measurements_as_modelled};
+use crate::effect::{CablePorts, Dual, measurements_as_modelled};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
-use crate::robot::{PartTolerances, Robot};
 use crate::statistics::normal_quantile;
 
 /// Diagnoses a dataset with the joint problem of its robot. The effects of its model are estimated in every set of
@@ -65,37 +65,6 @@ pub fn diagnose(
     let mut found = examine(&after, (&first, rows), exchanged, options, &mut report)?;
     found.tolerances.are_stated = are_stated;
     Ok(found)
-}
-
-/// The robot with the tolerances that a diagnosis assumes: no machine is exact, so what is not stated is typical. The
-/// deviations that a model states are estimated anew.
-pub(super) fn with_assumed_tolerances(robot: &Robot) -> Robot {
-    let mut robot = robot.clone();
-    robot.deviations.clear();
-    robot.tolerances.get_or_insert_with(PartTolerances::typical);
-    robot
-}
-
-/// The problem with the effects of the model estimated, as far as readings depend on them, and evaluated at the poses of
-/// its own solution.
-pub(super) fn problem_at_fitted_poses(dataset: &Dataset) -> Result<Problem<'_>, EstimationError> {
-    let mut problem = Problem::new(dataset)?;
-    let is_free = |bound: &BoundEffect| {
-        bound.effect.is_estimable() && bound.check_poses(&dataset.measurements).is_ok()
-    };
-    (problem.free_effects, problem.held_effects) =
-        problem.held_effects.into_iter().partition(is_free);
-    loop {
-        match Fit::new(&problem, &[]) {
-            Ok(first) => return Ok(problem.at_poses_of(&first.solution)),
-            Err(EstimationError::Unobservable(id)) => {
-                let is_unread = |bound: &mut BoundEffect| bound.effect.id() == id;
-                let unread = problem.free_effects.extract_if(.., is_unread);
-                problem.held_effects.extend(unread);
-            }
-            Err(error) => return Err(error),
-        }
-    }
 }
 
 /// Examines a problem. `first` is the fit of the model as supplied, `rows` the largest number of averaged rows of a

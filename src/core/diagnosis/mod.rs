@@ -28,6 +28,7 @@ mod exchange;
 mod exploration;
 mod finding;
 mod fit;
+mod fitted_problem;
 mod gain;
 mod gram;
 mod grouping;
@@ -38,6 +39,7 @@ mod initial_fit;
 mod isolability;
 mod linear_fit;
 mod noise;
+mod normal_points;
 mod priors;
 mod progress;
 mod projector;
@@ -50,6 +52,7 @@ mod residual_space;
 mod search;
 mod separation;
 mod set_comparison;
+mod size_posterior;
 mod structured_errors;
 mod unmodelled_errors;
 mod unseen;
@@ -69,11 +72,10 @@ pub use report::{
     Adequacy, Alternative, Cause, CauseSet, Diagnosis, Discrepancy, ErrorForm, Evidence, Finding,
     FoundParameter, Gain, GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement,
     PositionChange, PossibleCause, Quantity, Rival, Separation, Subject, ToleranceFactor,
-    UnmodelledError, Verdict,
+    UnmodelledError, UnseenFault, Verdict,
 };
 
 pub use separation::expected_separation;
-pub use unseen::UnseenFault;
 pub use variables::Variables;
 
 use crate::estimation::Control;

@@ -2,7 +2,7 @@
 
 use super::calibration::NAMING_PROBABILITY;
 use super::reading_id::ReadingId;
-use super::unseen::UnseenFault;
+use super::size_posterior::SizePosterior;
 use crate::effect::{BoundEffect, Effect};
 use crate::estimation::Solution;
 use crate::geometry::Pose;
@@ -420,6 +420,22 @@ pub struct ToleranceFactor {
     pub factor: f64,
     /// Whether the robot states its tolerances; otherwise those of the catalogue are meant.
     pub are_stated: bool,
+}
+
+/// A fault that may be present without having been found.
+#[derive(Debug, Clone)]
+pub struct UnseenFault {
+    /// Effect and target, at typical size.
+    pub cause: Cause,
+    pub(super) sizes: Vec<SizePosterior>,
+}
+
+impl UnseenFault {
+    /// Posterior odds that it is present with at least `factor` times its typical size, against nothing beside what was found.
+    #[must_use]
+    pub fn odds_beyond(&self, factor: f64) -> f64 {
+        self.sizes.iter().map(|size| size.odds_beyond(factor)).sum()
+    }
 }
 
 /// Result of a diagnosis.

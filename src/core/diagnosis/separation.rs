@@ -8,8 +8,8 @@ use super::budget::{
     PROPOSED_POSES, SEPARATING_SEED,
 };
 use super::calibration::DECISIVE_CHI2;
-use super::doctor::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::fit::Fit;
+use super::fitted_problem::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::report::{Cause, Separation};
 use crate::effect::{Search, measurements_as_modelled};
 use crate::estimation::{

@@ -12,29 +12,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::budget::{NEGLIGIBLE_ODDS, UNSEEN_POINTS};
+use super::budget::NEGLIGIBLE_ODDS;
 use super::candidates::Candidate;
 use super::gram::{CandidateScore, Gram};
-use super::isolability::normal_points;
 use super::relations::is_same_effect_and_targets;
-use super::report::Cause;
-use crate::statistics::normal_cdf;
-
-/// A fault that may be present without having been found.
-#[derive(Debug, Clone)]
-pub struct UnseenFault {
-    /// Effect and target, at typical size.
-    pub cause: Cause,
-    sizes: Vec<SizePosterior>,
-}
-
-impl UnseenFault {
-    /// Posterior odds that it is present with at least `factor` times its typical size, against nothing beside what was found.
-    #[must_use]
-    pub fn odds_beyond(&self, factor: f64) -> f64 {
-        self.sizes.iter().map(|size| size.odds_beyond(factor)).sum()
-    }
-}
+use super::report::UnseenFault;
+use super::size_posterior::SizePosterior;
 
 /// All faults that are not among the causes of the fit, in the order of the catalogue.
 pub(super) fn unseen_faults(gram: &Gram<'_>, present: &[usize]) -> Vec<UnseenFault> {
@@ -59,19 +42,6 @@ pub(super) fn unseen_faults(gram: &Gram<'_>, present: &[usize]) -> Vec<UnseenFau
         }
     }
     found
-}
-
-/// Posterior of the coordinates of a candidate at one scale, in units of its prior there.
-#[derive(Debug, Clone)]
-struct SizePosterior {
-    /// Posterior odds of any size.
-    odds: f64,
-    /// The typical size.
-    typical: f64,
-    is_positive: bool,
-    mean: DVector<f64>,
-    /// `R` with `R R^T` equal to the covariance.
-    root: DMatrix<f64>,
 }
 
 impl SizePosterior {
@@ -115,34 +85,12 @@ impl SizePosterior {
             root,
         })
     }
-
-    fn odds_beyond(&self, factor: f64) -> f64 {
-        self.odds * self.share_beyond(factor * self.typical)
-    }
-
-    /// Probability of coordinates whose norm is at least `least`; twice that of positive ones where only those are possible.
-    fn share_beyond(&self, least: f64) -> f64 {
-        if self.mean.len() == 1 {
-            let beyond = |mean: f64| normal_cdf((mean - least) / self.root[(0, 0)]);
-            let mean = self.mean[0];
-            return if self.is_positive {
-                2.0 * beyond(mean)
-            } else {
-                beyond(mean) + beyond(-mean)
-            };
-        }
-        let mut points = &self.root * normal_points(self.mean.len(), UNSEEN_POINTS);
-        let beyond = points.column_iter_mut().filter_map(|mut point| {
-            point += &self.mean;
-            (point.norm() >= least).then_some(())
-        });
-        beyond.count() as f64 / UNSEEN_POINTS as f64
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::normal_points::normal_points;
 
     fn posterior(is_positive: bool) -> SizePosterior {
         SizePosterior {

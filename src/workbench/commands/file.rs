@@ -12,10 +12,11 @@ use tautline_session::{
 
 use super::file_dialog::pick;
 use super::file_tasks::{ask_save, written};
-use super::{record, recording, robot, tables};
+use super::{recording, robot, tables};
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{
-    Answer, FileCommand, FileOutcome, Leaving, Opening, Outcome, RecordCommand, RobotCommand,
+    Answer, Command, FileCommand, FileOutcome, Leaving, Opening, Outcome, RecordCommand,
+    RobotCommand,
 };
 use crate::model::dialogs::{LeavingDraft, SaveContent};
 use crate::model::edit::same_effect;
@@ -55,7 +56,8 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
             }
         }
         FileCommand::Open(path) if is_record(&path) => {
-            record::perform(model, RecordCommand::Open(path));
+            let open = RecordCommand::Open(path);
+            super::perform(model, Command::Record(open));
         }
         // Behind a link is the same file, which is open once and saved in its place.
         FileCommand::Open(path) => read(model, link_target(&path)),

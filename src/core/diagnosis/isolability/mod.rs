@@ -28,7 +28,6 @@
 //! Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods, 1992).
 
 mod odds;
-mod points;
 #[cfg(test)]
 mod tests;
 
@@ -37,10 +36,11 @@ use nalgebra::{DMatrix, DVector};
 use super::budget::{ISOLABILITY_POINTS, RULED_OUT};
 use super::calibration::NAMING_PROBABILITY;
 use super::candidates::{Candidate, size_parameter, typical_size};
-use super::doctor::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::fit::Fit;
+use super::fitted_problem::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::gram::{CandidateScore, Gram};
 use super::linear_fit::LinearFit;
+use super::normal_points::{covariance_root, normal_points};
 use super::priors::AS_STATED;
 use super::relations::is_same_effect_and_targets;
 use super::report::Cause;
@@ -48,8 +48,6 @@ use crate::effect::measurements_as_modelled;
 use crate::estimation::EstimationError;
 use crate::measurement::Dataset;
 use odds::Evidence;
-use points::covariance_root;
-pub(super) use points::normal_points;
 
 /// A fault of typical size, with its probability of detection.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! What an error without a name looks like, and how the model takes it in.
 
-use egui::{Button, Spinner, Ui};
+use egui::{Button, Label, Spinner, Ui};
 use egui_material_icons::icons;
 use tautline_core::effect::EffectSetting;
 use tautline_workflow::formulas::PatternDocument;
@@ -8,7 +8,6 @@ use tautline_workflow::wording::list;
 use tautline_workflow::wording::units::with_sd;
 
 use super::Panel;
-use super::card::paragraph;
 use crate::model::command::{FORMULAS, IdentificationCommand};
 use crate::model::edit::Edit;
 use crate::theme::GRID;
@@ -63,7 +62,7 @@ fn name_of(pattern: &PatternDocument) -> String {
 fn one(ui: &mut Ui, panel: &mut Panel<'_>, pattern: &PatternDocument) {
     let name = name_of(pattern);
     ui.add_space(GRID);
-    paragraph(ui, &name);
+    ui.add(Label::new(&name).wrap());
     probability(ui, &name, pattern.probability);
     let sizes = pattern.parameters.iter().map(|parameter| {
         let sd = parameter.sd.unwrap_or(f64::NAN);

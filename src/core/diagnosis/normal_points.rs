@@ -18,7 +18,7 @@ pub(super) fn covariance_root(covariance: &DMatrix<f64>) -> DMatrix<f64> {
 const PRIMES: [u32; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
 
 /// Halton sequence of independent standard normal variables, one point per column.
-pub(in crate::diagnosis) fn normal_points(dimensions: usize, count: usize) -> DMatrix<f64> {
+pub(super) fn normal_points(dimensions: usize, count: usize) -> DMatrix<f64> {
     DMatrix::from_fn(dimensions, count, |row, point| {
         normal_quantile(radical_inverse(
             point as u32 + 1,
