@@ -18,6 +18,23 @@ use tautline_workflow::formulas::{Formula, Reading, find_formulas, formulas, une
 
 use crate::lives::{ROBOTS, drawing, share};
 
+/// A hypothesis that no effect of the catalogue looks like: an error that depends on two quantities together, with another id and
+/// order of factors than the grammar's.
+pub const UNNAMED: &str = r#"
+id = "oval_groove"
+title = "Groove that widens towards one side"
+scope = "cable"
+cause = "The groove of the pulley of {cable} widens: {size}."
+workshop = "Measure the groove."
+
+[parameters.size]
+unit = "1/rad"
+typical = [1e-3, 1e-1]
+
+[change]
+paid = "paid + size * wrap * position_z"
+"#;
+
 /// Poses of a data set.
 const POSES: usize = 40;
 /// Root mean square of the hidden error over the noise of the readings, log-uniform.

@@ -11,7 +11,7 @@ use tautline_core::effect::{EffectSetting, every_effect};
 use tautline_core::geometry::Pose;
 use tautline_core::history::Part;
 use tautline_core::measurement::Dataset;
-use tautline_core::planning::Goal;
+use tautline_core::planning::PlanOptions;
 use tautline_core::robot::{PartTolerances, Robot};
 use tautline_core::simulation::{
     Recording, SimulationOptions, TensionRange, TrueGeometry, Workspace, record, simulate,
@@ -95,7 +95,7 @@ impl Machine {
             Session::new("baseline", drawing.clone(), Timestamp::from_unix_seconds(0));
         session.measurements = measured.measurements;
         let baseline = Baseline::new(&session, None)?;
-        let planned = baseline.plan(POSES, seed, Goal::Geometry);
+        let planned = baseline.plan(&PlanOptions::new(POSES, seed));
         let planned = planned.map_err(anyhow::Error::msg)?;
         Ok(Self {
             poses: planned.poses.iter().map(|planned| planned.pose).collect(),

@@ -8,11 +8,13 @@ use crate::{BadInput, standard_input};
 use anyhow::Result;
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
-use tautline_session::{DatasetFolder, Loaded, PoseLines, Session, import, read_dataset};
+use tautline_session::{
+    DatasetFolder, Loaded, PoseLines, Session, Timestamp, import, read_dataset,
+};
 use tautline_workflow::clock;
 use tautline_workflow::comparison::as_session;
 use tautline_workflow::machines::{self, Machine};
-use tautline_workflow::readiness::reading_faults;
+use tautline_workflow::readiness::{ReadingFault, reading_faults};
 
 /// Prints the notices and returns what was read.
 pub fn noticed<T>(read: Loaded<T>) -> T {
@@ -50,6 +52,15 @@ pub fn dataset(folder: &Path) -> Result<Dataset> {
     Ok(read.dataset)
 }
 
+/// A session, or a dataset folder as one, with the time when its poses were read, if known: a folder without a date was not
+/// measured when it is read.
+pub fn dated_session(path: &Path) -> Result<(Session, Option<Timestamp>)> {
+    let session = session(path)?;
+    let is_dated = !path.is_dir() || read_dataset(path)?.measured_at.is_some();
+    let time = session.measured().filter(|_| is_dated);
+    Ok((session, time))
+}
+
 /// Reads a dataset folder from which a robot can be identified.
 pub fn identifiable_dataset(folder: &Path) -> Result<Dataset> {
     let read = dataset_and_lines(folder)?;
@@ -58,7 +69,7 @@ pub fn identifiable_dataset(folder: &Path) -> Result<Dataset> {
         let error = read.lines.error(fault.row, &fault.column, &fault.message);
         return Err(error.into());
     }
-    note_faults(&read.dataset, Some(&read.lines));
+    note_sentences(&faults, &read.dataset, Some(&read.lines));
     Ok(read.dataset)
 }
 
@@ -72,7 +83,11 @@ pub fn dataset_and_lines(folder: &Path) -> Result<DatasetFolder> {
 }
 
 fn note_faults(dataset: &Dataset, table: Option<&PoseLines>) {
-    for fault in reading_faults(dataset) {
+    note_sentences(&reading_faults(dataset), dataset, table);
+}
+
+fn note_sentences(faults: &[ReadingFault], dataset: &Dataset, table: Option<&PoseLines>) {
+    for fault in faults {
         note!("{}", fault.sentence(dataset, table));
     }
 }

@@ -1,5 +1,6 @@
 //! Probability distributions for tests and intervals.
 
+use nalgebra::{DMatrix, SymmetricEigen};
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
 /// Logarithm of the sum of numbers given by their logarithms; minus infinity for none.
@@ -74,6 +75,16 @@ pub fn log_normal_cdf(value: f64) -> f64 {
 #[must_use]
 pub fn normal_quantile(probability: f64) -> f64 {
     Normal::standard().inverse_cdf(probability)
+}
+
+/// A matrix `R` with `R R^T` equal to a covariance, which may be singular.
+pub(crate) fn covariance_root(covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = SymmetricEigen::new(covariance.clone());
+    let mut root = eigen.eigenvectors;
+    for (mut column, value) in root.column_iter_mut().zip(eigen.eigenvalues.iter()) {
+        column *= value.max(0.0).sqrt();
+    }
+    root
 }
 
 #[cfg(test)]

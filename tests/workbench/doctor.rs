@@ -5,6 +5,7 @@ use tautline_core::effect::{EffectSetting, Hypothesis};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{Session, Timestamp, write_session};
+use tautline_validation::formulas::UNNAMED;
 use tautline_workbench::model::command::{
     Command, FileCommand, IdentificationCommand, ViewCommand,
 };
@@ -156,28 +157,14 @@ fn a_diagnosis_that_is_cancelled_finds_nothing() {
     assert!(document(&harness).diagnosis().is_some());
 }
 
-/// Depends on two quantities together, which no effect of the catalogue does.
-const HIDDEN: &str = r#"
-id = "hidden"
-title = "Hidden"
-scope = "cable"
-cause = "Hidden in {cable}: {size}."
-workshop = "None."
-[parameters.size]
-unit = "1/rad"
-typical = [1e-3, 1e-1]
-[change]
-paid = "paid + size * wrap * position_z"
-"#;
-
 #[test]
 fn an_error_without_a_name_gets_a_pattern_that_extends_the_model_and_can_be_undone() {
     let preset = presets::find("mini").expect("a preset");
     let mut truth = preset.robot.clone();
-    let hypothesis = Hypothesis::parse(HIDDEN).expect("a hypothesis");
+    let hypothesis = Hypothesis::parse(UNNAMED).expect("a hypothesis");
     truth.add_hypothesis(&hypothesis).expect("known");
     truth.effects.push(EffectSetting {
-        effect: "hidden".into(),
+        effect: "oval_groove".into(),
         targets: vec!["cable-3".into()],
         parameters: [("size".to_owned(), 0.02)].into(),
     });

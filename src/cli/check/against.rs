@@ -21,10 +21,7 @@ pub fn run(arguments: &Arguments, read: &DatasetFolder, baseline: &Path) -> Resu
             .deliver(&readings, || print_items(&readings.checks))?;
         return Err(Reservation::NotReady.into());
     }
-    let session = input::session(baseline)?;
-    // A dataset folder without a date was measured at an unknown time, not when it is read.
-    let is_dated = !baseline.is_dir() || input::dataset_and_lines(baseline)?.measured_at.is_some();
-    let time = session.measured().filter(|_| is_dated);
+    let (session, time) = input::dated_session(baseline)?;
     let failed = |path: &Path, error: &dyn std::fmt::Display| {
         BadInput::new(format!("{}: {error}", path.display()))
     };

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use tautline_core::planning::{Goal, Plan};
+use tautline_core::planning::{Goal, Plan, PlanOptions};
 use tautline_core::robot::Robot;
 use tautline_workflow::documents::plan::DetectionDocument;
 use tautline_workflow::health::{Baseline, Checked};
@@ -45,21 +45,17 @@ pub struct CheckPlan {
 }
 
 /// Plans the poses of a check against a calibration.
-pub fn plan(
-    path: &Path,
-    (poses, seed): (usize, u64),
-    goal: Goal,
-    detect: Option<Detect>,
-) -> Result<CheckPlan> {
-    let session = input::session(path)?;
+pub fn plan(path: &Path, options: PlanOptions<'_>, detect: Option<Detect>) -> Result<CheckPlan> {
+    let (session, time) = input::dated_session(path)?;
     let failed =
         |error: &dyn std::fmt::Display| BadInput::new(format!("{}: {error}", path.display()));
-    let baseline = Baseline::new(&session, session.measured()).map_err(|e| failed(&e))?;
+    let baseline = Baseline::new(&session, time).map_err(|e| failed(&e))?;
     let goal = match detect {
         Some(Detect::Faults) => Goal::Faults,
-        Some(Detect::Move(_)) | None => goal,
+        Some(Detect::Move(_)) | None => options.goal,
     };
-    let planned = baseline.plan(poses, seed, goal).map_err(|e| failed(&e))?;
+    let planned = baseline.plan(&PlanOptions { goal, ..options });
+    let planned = planned.map_err(|e| failed(&e))?;
     let expected = baseline.check(&planned.dataset, None);
     let expected = expected.map_err(|e| failed(&e))?;
     Ok(CheckPlan {

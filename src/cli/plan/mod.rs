@@ -87,8 +87,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (robot, planned, detection) = match &arguments.check_against {
         Some(path) => {
             let poses = arguments.poses.unwrap_or(health::POSES);
-            let size = (poses, arguments.seed);
-            let check = check_against::plan(path, size, goal, detect)?;
+            let options = PlanOptions {
+                candidates: arguments.candidates,
+                goal,
+                ..PlanOptions::new(poses, arguments.seed)
+            };
+            let check = check_against::plan(path, options, detect)?;
             (check.robot, check.planned, check.detection)
         }
         None => {

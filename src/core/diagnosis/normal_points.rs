@@ -1,18 +1,8 @@
 //! Low-discrepancy normal variables for averaging over noise.
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::DMatrix;
 
 use crate::statistics::normal_quantile;
-
-/// A matrix `R` with `R R^T` equal to a covariance, which may be singular.
-pub(super) fn covariance_root(covariance: &DMatrix<f64>) -> DMatrix<f64> {
-    let eigen = SymmetricEigen::new(covariance.clone());
-    let mut root = eigen.eigenvectors;
-    for (mut column, value) in root.column_iter_mut().zip(eigen.eigenvalues.iter()) {
-        column *= value.max(0.0).sqrt();
-    }
-    root
-}
 
 /// Bases of the sequence, one prime number for each dimension.
 const PRIMES: [u32; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];

@@ -12,6 +12,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::search::{evidence, jump_probability};
 use super::state::{Followed, TYPICAL_MOVE_M};
 use super::{CERTAIN, DatedRun, History, HistoryError, Part, smoothed};
+use crate::statistics::covariance_root;
 
 /// Number of random moves from which a probability of detection is computed, and their seed.
 const MOVES: usize = 400;
@@ -83,9 +84,7 @@ impl HealthCheck {
             direction.normalize_mut();
         }
         // The information may be singular where the poses do not see a direction.
-        let eigen = information.clone().symmetric_eigen();
-        let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
-        let root = &eigen.eigenvectors * DMatrix::from_diagonal(&roots);
+        let root = covariance_root(information);
         Some(Moves {
             information,
             scores: information * directions,

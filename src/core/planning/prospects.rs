@@ -9,6 +9,7 @@ use crate::estimation::ExpectedInformation;
 use crate::geometry::Pose;
 use crate::measurement::Dataset;
 use crate::robot::Robot;
+use crate::simulation::PlannedRow;
 
 /// Information of some poses, beside that of the measured ones, which is part of the prior information.
 #[derive(Debug, Clone)]
@@ -35,19 +36,8 @@ pub fn expected_dataset(
     poses: &[Pose],
     options: &PlanOptions<'_>,
 ) -> Result<Dataset, PlanError> {
-    let options = PlanOptions {
-        poses: poses.len(),
-        ..options.clone()
-    };
-    with_tension_margin(robot, &options, |options, range| {
-        let model = InformationModel::new(robot, options, range)?;
-        let held = held(&model, poses)?;
-        model.dataset(
-            model
-                .labels()
-                .zip(&held)
-                .map(|(label, held)| held.row(label)),
-        )
+    at_held(robot, poses, options, |model, held| {
+        model.dataset(rows(model, held))
     })
 }
 
@@ -60,6 +50,28 @@ pub fn prospects(
     poses: &[Pose],
     options: &PlanOptions<'_>,
 ) -> Result<Prospects, PlanError> {
+    at_held(robot, poses, options, |model, held| {
+        let geometry = model.information(rows(model, held))?;
+        if geometry.parameters.is_empty() {
+            return Err(PlanError::NothingToEstimate);
+        }
+        Ok(Prospects {
+            poses: held.iter().map(|held| held.pose).collect(),
+            geometry,
+            with_faults: model.information_with_faults(rows(model, held))?,
+            faults: faults(&model.robot, model.acting()),
+            first_fault: model.free_effects(),
+        })
+    })
+}
+
+/// Does `work` with the model and those of the poses that can be held.
+fn at_held<T>(
+    robot: &Robot,
+    poses: &[Pose],
+    options: &PlanOptions<'_>,
+    work: impl Fn(&InformationModel<'_>, &[Candidate]) -> Result<T, PlanError>,
+) -> Result<T, PlanError> {
     let options = PlanOptions {
         poses: poses.len(),
         ..options.clone()
@@ -67,24 +79,14 @@ pub fn prospects(
     with_tension_margin(robot, &options, |options, range| {
         let model = InformationModel::new(robot, options, range)?;
         let held = held(&model, poses)?;
-        let rows = || {
-            model
-                .labels()
-                .zip(&held)
-                .map(|(label, held)| held.row(label))
-        };
-        let geometry = model.information(rows())?;
-        if geometry.parameters.is_empty() {
-            return Err(PlanError::NothingToEstimate);
-        }
-        Ok(Prospects {
-            poses: held.iter().map(|held| held.pose).collect(),
-            geometry,
-            with_faults: model.information_with_faults(rows())?,
-            faults: faults(&model.robot, model.acting()),
-            first_fault: model.free_effects(),
-        })
+        work(&model, &held)
     })
+}
+
+/// Expected readings at poses that can be held.
+fn rows(model: &InformationModel<'_>, held: &[Candidate]) -> impl Iterator<Item = PlannedRow> {
+    let labelled = model.labels().zip(held);
+    labelled.map(|(label, held)| held.row(label))
 }
 
 /// The poses that can be held.

@@ -3,12 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use tautline_core::planning::Goal;
-use tautline_session::{Import, LogEntry, Phase, Session, Timestamp, import};
+use tautline_core::planning::PlanOptions;
+use tautline_session::{LogEntry, Phase, Session, Timestamp};
 use tautline_workflow::clock;
-use tautline_workflow::comparison::as_session;
 use tautline_workflow::health::{Baseline, HealthError, POSES, verdict_sentences};
-use tautline_workflow::history::{RobotRecord, pulleys_csv};
+use tautline_workflow::history::{RobotRecord, dated_session, pulleys_csv};
 use tautline_workflow::planning::{SEED, with_home};
 
 use super::file::begin;
@@ -107,14 +106,9 @@ fn open(model: &mut Model, folder: PathBuf) {
 
 /// A session of a file or folder with the time when its poses were read, if known.
 fn read(path: &Path) -> Result<(Session, Option<Timestamp>), String> {
-    let loaded = import(path, None).map_err(|error| error.to_string())?;
-    let date_of_folder = match &loaded.value {
-        Import::Dataset(folder) => Some(folder.measured_at),
-        _ => None,
-    };
-    let (session, _) = as_session(path, loaded.value, clock::now())?;
-    let time = date_of_folder.unwrap_or_else(|| session.measured());
-    Ok((session, time))
+    let read = dated_session(path, clock::now());
+    read.map(|read| read.value)
+        .map_err(|error| format!("{error}."))
 }
 
 fn check(model: &mut Model, sessions: [usize; 2]) {
@@ -164,7 +158,7 @@ fn plan_check(model: &mut Model, index: Option<usize>) {
                 (None, None) => return Err("There is no session to check against.".to_owned()),
             };
             let baseline = Baseline::new(&session, time).map_err(|error| format!("{error}."))?;
-            let plan = baseline.plan(POSES, SEED, Goal::Geometry);
+            let plan = baseline.plan(&PlanOptions::new(POSES, SEED));
             let plan = plan.map_err(|error| format!("No plan: {error}."))?;
             let now = clock::now();
             let name = format!("{}, health check", session.name);

@@ -6,6 +6,8 @@ use tautline_session::VersionedFile;
 
 use super::FoundFormulas;
 use crate::documents::diagnosis::{GainDocument, ParameterDocument};
+use crate::wording::list;
+use crate::wording::units::with_sd;
 
 /// What unexplained errors look like.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -35,6 +37,35 @@ pub struct PatternDocument {
     pub gain: Option<GainDocument>,
     /// The text of a hypothesis file with it.
     pub hypothesis: String,
+}
+
+impl PatternDocument {
+    /// The formula with its cables.
+    #[must_use]
+    pub fn title(&self) -> String {
+        match self.targets.as_slice() {
+            [] => self.expression.clone(),
+            targets => format!("{} ({})", self.expression, list(targets)),
+        }
+    }
+
+    /// Its sizes with standard deviations; empty where they are not known.
+    #[must_use]
+    pub fn sizes(&self) -> String {
+        let sizes = self.parameters.iter().map(|parameter| {
+            let sd = parameter.sd.unwrap_or(f64::NAN);
+            with_sd(parameter.value, sd, &parameter.unit)
+        });
+        sizes.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Residuals at held-out poses with it instead of without it, over the noise: `1.08 instead of 4.87`.
+    #[must_use]
+    pub fn held_out(&self) -> Option<String> {
+        let gain = self.gain.as_ref()?;
+        let (after, before) = gain.holdout_after.zip(gain.holdout_before)?;
+        Some(format!("{after:.2} instead of {before:.2}"))
+    }
 }
 
 impl VersionedFile for FormulasDocument {

@@ -9,17 +9,17 @@ use tautline_core::estimation::{Control, Method, ParameterId};
 use tautline_core::geometry::Pose;
 use tautline_core::history::{CERTAIN, DatedRun, HealthCheck, Jump, Part, check};
 use tautline_core::measurement::Dataset;
-use tautline_core::planning::{Goal, Plan, PlanOptions, plan};
+use tautline_core::planning::{Plan, PlanOptions, plan};
 use tautline_core::robot::{PerAxis, Robot};
 use tautline_session::{Session, Timestamp};
 
-use crate::history::{days_between, same_machine};
+use crate::history::{DAYS_WITHOUT_DATE, days_between, same_machine};
 use crate::identification::{
     FitVerdict, Identification, IdentificationError, IdentificationRequest, TolerancesUsed,
     identify, same_effect,
 };
 pub use document::{DetectableMove, HealthDocument, HealthVerdict};
-pub use words::{change_names, verdict_sentences};
+pub use words::verdict_sentences;
 
 /// Number of poses of a check if nothing else is said.
 pub const POSES: usize = 8;
@@ -34,8 +34,6 @@ const PRESENT_SD_M: [f64; 2] = [10e-3, 2e-3];
 const MOST_SAMPLES: usize = 60;
 /// Probability with which a stated detectable move is found.
 const FOUND: f64 = 0.95;
-/// Days between two runs of which one has no date.
-const DAYS_WITHOUT_DATE: f64 = 30.0;
 
 /// The calibration that a robot is checked against.
 #[derive(Debug, Clone)]
@@ -213,17 +211,16 @@ impl Baseline {
         check(&baseline, &present).map_err(|e| failed(&e))
     }
 
-    /// Plans the poses of a check.
+    /// Plans the poses of a check; effects and method are those of the baseline.
     ///
     /// # Errors
     /// One sentence, if the robot can hold too few poses.
-    pub fn plan(&self, poses: usize, seed: u64, goal: Goal) -> Result<Plan, String> {
+    pub fn plan(&self, options: &PlanOptions<'_>) -> Result<Plan, String> {
         let robot = self.expected(&self.identification.dataset.robot);
         let options = PlanOptions {
             effects: self.identification.free_effects(),
             method: self.identification.method,
-            goal,
-            ..PlanOptions::new(poses, seed)
+            ..options.clone()
         };
         let planned = plan(&robot, &options, &mut |_| Control::Continue);
         planned.map_err(|error| error.to_string())

@@ -49,8 +49,7 @@ pub fn verdict_sentences(baseline: &Baseline, checked: &Checked) -> Vec<String> 
 }
 
 /// The changes that are possible, each with its probability.
-#[must_use]
-pub fn change_names(checked: &Checked) -> Vec<String> {
+fn change_names(checked: &Checked) -> Vec<String> {
     let mut jumps: Vec<&Jump> = checked.found.history.jumps.iter().collect();
     jumps.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     let shown = jumps.into_iter().take(LISTED);

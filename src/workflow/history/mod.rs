@@ -16,7 +16,8 @@ use tautline_core::geometry::Vec3;
 use tautline_core::history::{CERTAIN, DatedRun, Forecast, History, forecast, smooth};
 use tautline_core::robot::Robot;
 use tautline_session::{
-    EVENTS, Import, RobotEvent, Session, Stage, Timestamp, import, is_own, open_input, read_events,
+    EVENTS, Import, Loaded, RobotEvent, Session, Stage, Timestamp, import, is_own, open_input,
+    read_events,
 };
 
 use crate::accuracy;
@@ -36,7 +37,7 @@ pub const TOLERANCE_M: f64 = 5e-3;
 /// Distance between pulleys of two descriptions, over the size of the frame, from which they are of different robots.
 const OTHER_FRAME: f64 = 0.1;
 /// Days between sessions without dates, of which only the order is known.
-const DAYS_WITHOUT_DATE: f64 = 30.0;
+pub(crate) const DAYS_WITHOUT_DATE: f64 = 30.0;
 const SECONDS_PER_DAY: f64 = 86_400.0;
 
 /// One session of a record.
@@ -183,19 +184,9 @@ impl RobotRecord {
                 ));
                 continue;
             }
-            let loaded = import(path, None)?;
-            record.notices.extend(loaded.notices);
-            let date_of_folder = match &loaded.value {
-                Import::Dataset(folder) => Some(folder.measured_at),
-                _ => None,
-            };
-            let session =
-                as_session(path, loaded.value, now).map_err(|message| RecordError::Session {
-                    path: path.clone(),
-                    message,
-                });
-            let (session, _) = session?;
-            let time = date_of_folder.unwrap_or_else(|| session.measured());
+            let read = dated_session(path, now)?;
+            record.notices.extend(read.notices);
+            let (session, time) = read.value;
             record.add(path.clone(), &session, time)?;
         }
         record.sort();
@@ -384,6 +375,32 @@ fn name_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = name.strip_suffix(".json").unwrap_or(&name);
     name.strip_suffix(".tautline").unwrap_or(name).to_owned()
+}
+
+/// Reads a session, or a dataset folder as one, with the time when its poses were read, if known.
+///
+/// # Errors
+/// If it cannot be read, or is neither.
+pub fn dated_session(
+    path: &Path,
+    now: Timestamp,
+) -> Result<Loaded<(Session, Option<Timestamp>)>, RecordError> {
+    let loaded = import(path, None)?;
+    // A folder without a date was measured at an unknown time, not when it is read.
+    let of_folder = match &loaded.value {
+        Import::Dataset(folder) => Some(folder.measured_at),
+        _ => None,
+    };
+    let session = as_session(path, loaded.value, now);
+    let (session, _) = session.map_err(|message| RecordError::Session {
+        path: path.to_owned(),
+        message,
+    })?;
+    let time = of_folder.unwrap_or_else(|| session.measured());
+    Ok(Loaded {
+        value: (session, time),
+        notices: loaded.notices,
+    })
 }
 
 /// Checks that two descriptions are of one machine: the same serial number, if both have one, and pulleys at about the same

@@ -5,7 +5,7 @@ use tautline_core::robot::Robot;
 use tautline_core::sequential::{Assessment, Obstacle, Reason};
 
 use crate::documents::diagnosis::cause_title;
-use crate::wording::{count, list, units};
+use crate::wording::{count, first_lower, list, units};
 
 /// Why a pose was chosen, to be put after its label: `separates winch scale (cable-3) from platform anchor (cable-3)`.
 #[must_use]
@@ -33,10 +33,7 @@ pub fn set_in_words(robot: &Robot, causes: &[Cause]) -> String {
 }
 
 fn name(robot: &Robot, cause: &Cause) -> String {
-    let title = cause_title(robot, cause);
-    let mut letters = title.chars();
-    let first = letters.next().map(char::to_lowercase);
-    first.into_iter().flatten().chain(letters).collect()
+    first_lower(&cause_title(robot, cause))
 }
 
 /// What keeps a goal from being reached, and what would help, in one sentence.

@@ -1,30 +1,15 @@
 //! formulas: an error that no cause explains, the pattern that it looks like, and the model extended by it.
 
 use serde_json::{Value, json};
+use tautline_validation::formulas::UNNAMED;
 
 use super::program::{Folder, assert_number, assert_valid, tautline};
-
-/// A hypothesis with another id, words and order of factors than the grammar's.
-const HIDDEN: &str = r#"
-id = "oval_groove"
-title = "Groove that widens towards one side"
-scope = "cable"
-cause = "The groove of the pulley of {cable} widens: {size}."
-workshop = "Measure the groove."
-
-[parameters.size]
-unit = "1/rad"
-typical = [1e-3, 1e-1]
-
-[change]
-paid = "paid + size * wrap * position_z"
-"#;
 
 #[test]
 fn an_unexplained_error_gets_a_pattern_which_as_a_hypothesis_explains_it() {
     let folder = Folder::new();
     let [hidden, bad, out] = ["hidden.toml", "bad", "pattern.toml"].map(|name| folder.join(name));
-    std::fs::write(&hidden, HIDDEN).expect("written");
+    std::fs::write(&hidden, UNNAMED).expect("written");
     let effect = "oval_groove:cable-3:size=0.02";
     tautline(&[
         "simulate",

@@ -40,13 +40,14 @@ use super::fit::Fit;
 use super::fitted_problem::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::gram::{CandidateScore, Gram};
 use super::linear_fit::LinearFit;
-use super::normal_points::{covariance_root, normal_points};
+use super::normal_points::normal_points;
 use super::priors::AS_STATED;
 use super::relations::is_same_effect_and_targets;
 use super::report::Cause;
 use crate::effect::measurements_as_modelled;
 use crate::estimation::EstimationError;
 use crate::measurement::Dataset;
+use crate::statistics::covariance_root;
 use odds::Evidence;
 
 /// A fault of typical size, with its probability of detection.

@@ -6,19 +6,18 @@ mod pulleys;
 
 use std::sync::Arc;
 
-use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Spinner, Ui};
+use egui::{CentralPanel, Panel, ScrollArea, Spinner, Ui};
 
-use crate::model::command::{
-    COMPARING, CompareCommand, Outbox, PlotCommand, PlotFile, ViewCommand,
-};
+use crate::model::command::{COMPARING, CompareCommand, Outbox, ViewCommand};
 use crate::model::comparison::{Compared, Source};
 use crate::model::part::Part;
 use crate::model::{Model, OpenSession};
-use crate::theme::{self, GRID};
+use crate::theme::GRID;
 use crate::views::ViewStates;
 use crate::views::plots::{residuals_of_both, small};
 use crate::views::robot_3d::scene::{Scene, Subject};
-use crate::widgets::{Verdict, empty, muted, section, verdict};
+use crate::views::robot_3d::show_beside;
+use crate::widgets::{Verdict, empty, muted, panel_frame, section, verdict};
 use tautline_workflow::comparison::{unexplained, verdict as in_words};
 use tautline_workflow::plot::figure::Figure;
 use tautline_workflow::samples::Sample;
@@ -70,7 +69,7 @@ pub fn show(
     outbox: &mut Outbox,
 ) {
     Panel::top("compared sessions")
-        .frame(side(ui))
+        .frame(panel_frame(ui))
         .show(ui, |ui| chooser::show(ui, model, panel, outbox));
     match model.comparison.result() {
         Some(Ok(compared)) => {
@@ -104,15 +103,9 @@ pub fn show(
     }
 }
 
-fn side(ui: &Ui) -> Frame {
-    Frame::new()
-        .fill(theme::of(ui).panel)
-        .inner_margin(Margin::same(3 * GRID as i8))
-}
-
 /// Everything beside each other.
 fn wide(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {
-    let side = side(ui);
+    let side = panel_frame(ui);
     Panel::right("differences")
         .frame(side)
         .default_size(600.0)
@@ -134,7 +127,7 @@ fn compact(
     (part, views): (&mut Part, &mut ViewStates),
     outbox: &mut Outbox,
 ) {
-    let side = side(ui);
+    let side = panel_frame(ui);
     Panel::top("parts of the comparison")
         .frame(side)
         .show(ui, |ui| {
@@ -158,22 +151,8 @@ fn compact(
 }
 
 fn robots(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {
-    let view = &mut views.compared_3d;
-    let aim = view.toolbar(ui, &drawn.scene, (model.selection, None));
-    let selection = model.selection;
-    let touched = view.show(ui, &drawn.scene, aim, selection, &mut views.hovered);
-    if let Some(selection) = touched.selection {
-        outbox.send(ViewCommand::Select(selection));
-    }
-    if let Some(cable) = touched.inspected {
-        view.frame(cable);
-    }
-    if let Some(picture) = touched.picture {
-        outbox.send(PlotCommand::AskSave(
-            "robot.png".into(),
-            PlotFile::Screenshot(picture),
-        ));
-    }
+    let view = (&mut views.compared_3d, &mut views.hovered);
+    show_beside(ui, &drawn.scene, model.selection, view, outbox);
 }
 
 /// The panel at the right: the verdict, then everything that differs.

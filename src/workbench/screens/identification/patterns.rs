@@ -4,8 +4,6 @@ use egui::{Button, Label, Spinner, Ui};
 use egui_material_icons::icons;
 use tautline_core::effect::EffectSetting;
 use tautline_workflow::formulas::PatternDocument;
-use tautline_workflow::wording::list;
-use tautline_workflow::wording::units::with_sd;
 
 use super::Panel;
 use crate::model::command::{FORMULAS, IdentificationCommand};
@@ -52,32 +50,20 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-fn name_of(pattern: &PatternDocument) -> String {
-    match pattern.targets.as_slice() {
-        [] => pattern.expression.clone(),
-        targets => format!("{} ({})", pattern.expression, list(targets)),
-    }
-}
-
 fn one(ui: &mut Ui, panel: &mut Panel<'_>, pattern: &PatternDocument) {
-    let name = name_of(pattern);
+    let name = pattern.title();
     ui.add_space(GRID);
     ui.add(Label::new(&name).wrap());
     probability(ui, &name, pattern.probability);
-    let sizes = pattern.parameters.iter().map(|parameter| {
-        let sd = parameter.sd.unwrap_or(f64::NAN);
-        with_sd(parameter.value, sd, &parameter.unit)
-    });
-    let sizes: Vec<String> = sizes.collect();
+    let sizes = pattern.sizes();
     if !sizes.is_empty() {
-        muted(ui, &format!("Size: {}", sizes.join(", ")));
+        muted(ui, &format!("Size: {sizes}"));
     }
-    let gain = pattern.gain.as_ref();
-    if let Some((after, before)) = gain.and_then(|g| g.holdout_after.zip(g.holdout_before)) {
+    if let Some(residuals) = pattern.held_out() {
         muted(
             ui,
             &format!(
-                "At poses held out of the fit, residuals are {after:.2} instead of {before:.2} times the expected noise."
+                "At poses held out of the fit, residuals are {residuals} times the expected noise."
             ),
         );
     }

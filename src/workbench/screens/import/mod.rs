@@ -18,7 +18,8 @@ use crate::model::Model;
 use crate::model::command::{Outbox, RecordingCommand};
 use crate::model::importing::{ChannelPlace, OpenImport};
 use crate::model::part::Part;
-use crate::theme::{self, GRID};
+use crate::theme::GRID;
+use crate::widgets::panel_frame;
 
 #[derive(Debug, Default)]
 pub struct PanelState {
@@ -79,7 +80,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         return begin::show(ui, model, panel, outbox);
     };
     Panel::top("imported files")
-        .frame(side(ui))
+        .frame(panel_frame(ui))
         .show(ui, |ui| files::show(ui, import, panel, outbox));
     let mut bench = Bench {
         robot: &session.session().robot,
@@ -93,15 +94,9 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     }
 }
 
-fn side(ui: &Ui) -> Frame {
-    Frame::new()
-        .fill(theme::of(ui).panel)
-        .inner_margin(Margin::same(3 * GRID as i8))
-}
-
 /// Everything beside each other.
 fn wide(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
-    let side = side(ui);
+    let side = panel_frame(ui);
     let width = (0.36 * ui.available_width()).clamp(360.0, 520.0);
     Panel::right("recipe of the import")
         .frame(side)
@@ -121,7 +116,7 @@ fn wide(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelStat
 
 /// One part at a time, where the window has no room for all of them.
 fn compact(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
-    let side = side(ui);
+    let side = panel_frame(ui);
     Panel::top("parts of the import")
         .frame(side)
         .show(ui, |ui| {

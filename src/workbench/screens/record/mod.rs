@@ -6,22 +6,23 @@ mod sessions;
 
 use std::sync::Arc;
 
-use egui::{CentralPanel, Frame, Margin, Panel, ScrollArea, Slider, Spinner, Ui};
+use egui::{CentralPanel, Panel, ScrollArea, Slider, Spinner, Ui};
 use tautline_core::history::{CERTAIN, Part as RobotPart};
 use tautline_workflow::health::HealthVerdict;
 use tautline_workflow::history::{changes as told, next_calibration};
 use tautline_workflow::plot::Selection;
 
 use crate::model::Model;
-use crate::model::command::{
-    Outbox, PlotCommand, PlotFile, READING_RECORD, RecordCommand, ViewCommand,
-};
+use crate::model::command::{Outbox, READING_RECORD, RecordCommand};
 use crate::model::part::Part;
 use crate::model::record::{CheckedPair, OpenRecord};
-use crate::theme::{self, GRID};
+use crate::theme::GRID;
 use crate::views::ViewStates;
 use crate::views::robot_3d::scene::{Displacement, Scene, SideNames, Subject};
-use crate::widgets::{Entered, Number, Verdict, empty, muted, number_checked, section, verdict};
+use crate::views::robot_3d::show_beside;
+use crate::widgets::{
+    Entered, Number, Verdict, empty, muted, number_checked, panel_frame, section, verdict,
+};
 
 #[derive(Debug, Default)]
 pub struct PanelState {
@@ -72,7 +73,7 @@ pub fn show(
     outbox: &mut Outbox,
 ) {
     Panel::top("record")
-        .frame(side(ui))
+        .frame(panel_frame(ui))
         .show(ui, |ui| chooser::show(ui, model, panel, outbox));
     match model.record.result() {
         Some(Ok(open)) => opened(ui, model, open, (panel, views), outbox),
@@ -123,12 +124,6 @@ fn opened(
     panel.drawn = Some(drawn);
 }
 
-fn side(ui: &Ui) -> Frame {
-    Frame::new()
-        .fill(theme::of(ui).panel)
-        .inner_margin(Margin::same(3 * GRID as i8))
-}
-
 /// Everything beside each other.
 fn wide(
     ui: &mut Ui,
@@ -137,7 +132,7 @@ fn wide(
     (panel, views): (&mut PanelState, &mut ViewStates),
     outbox: &mut Outbox,
 ) {
-    let side = side(ui);
+    let side = panel_frame(ui);
     Panel::right("what changed")
         .frame(side)
         .default_size(560.0)
@@ -160,7 +155,7 @@ fn compact(
     (panel, views): (&mut PanelState, &mut ViewStates),
     outbox: &mut Outbox,
 ) {
-    let side = side(ui);
+    let side = panel_frame(ui);
     Panel::top("parts of the record")
         .frame(side)
         .show(ui, |ui| {
@@ -193,7 +188,7 @@ fn robot(
 ) {
     let sessions = &drawn.open.record.sessions;
     Panel::bottom("date")
-        .frame(side(ui))
+        .frame(panel_frame(ui))
         .resizable(false)
         .show(ui, |ui| {
             ui.horizontal(|ui| {
@@ -207,19 +202,8 @@ fn robot(
                 ui.add(slider.custom_formatter(name)).labelled_by(label.id);
             });
         });
-    let view = &mut views.record_3d;
-    let aim = view.toolbar(ui, &drawn.scene, (model.selection, None));
-    let touched = view.show(ui, &drawn.scene, aim, model.selection, &mut views.hovered);
-    if let Some(selection) = touched.selection {
-        outbox.send(ViewCommand::Select(selection));
-    }
-    if let Some(cable) = touched.inspected {
-        view.frame(cable);
-    }
-    if let Some(picture) = touched.picture {
-        let file = PlotFile::Screenshot(picture);
-        outbox.send(PlotCommand::AskSave("robot.png".into(), file));
-    }
+    let view = (&mut views.record_3d, &mut views.hovered);
+    show_beside(ui, &drawn.scene, model.selection, view, outbox);
 }
 
 /// The panel at the right: what changed, when to calibrate again, and the sessions.

@@ -258,6 +258,22 @@ pub fn inspect(
     send(touched, outbox);
 }
 
+/// Draws the pulleys of two sessions with the toolbar; what would be inspected fills the view.
+pub fn show_beside(
+    ui: &mut Ui,
+    scene: &Arc<Scene>,
+    selection: Selection,
+    (view, hovered): (&mut Robot3d, &mut Selection),
+    outbox: &mut Outbox,
+) {
+    let aim = view.toolbar(ui, scene, (selection, None));
+    let mut touched = view.show(ui, scene, aim, selection, hovered);
+    if let Some(cable) = touched.inspected.take() {
+        view.frame(cable);
+    }
+    send(touched, outbox);
+}
+
 fn send(touched: Touched, outbox: &mut Outbox) {
     if let Some(selection) = touched.selection {
         outbox.send(ViewCommand::Select(selection));

@@ -1,14 +1,13 @@
 //! Plots that have windows of their own.
 
-use egui::{CentralPanel, Frame, Margin, Ui, ViewportBuilder, ViewportClass, ViewportId};
+use egui::{CentralPanel, Ui, ViewportBuilder, ViewportClass, ViewportId};
 use egui_material_icons::icons;
 
 use super::super::pane;
 use super::Panes;
 use crate::model::command::{Outbox, RobotCommand, STOP, ViewCommand};
 use crate::model::{Model, Selection};
-use crate::theme::{self, GRID};
-use crate::widgets::icon_button;
+use crate::widgets::{icon_button, panel_frame};
 
 /// Size of the window of a plot (points).
 const WINDOW: [f32; 2] = [720.0, 460.0];
@@ -47,10 +46,9 @@ pub(crate) fn show_detached(
                 content(ui);
                 return is_docked;
             }
-            let frame = Frame::new()
-                .fill(theme::of(ui).panel)
-                .inner_margin(Margin::same(3 * GRID as i8));
-            CentralPanel::no_frame().frame(frame).show(ui, content);
+            CentralPanel::no_frame()
+                .frame(panel_frame(ui))
+                .show(ui, content);
             is_docked || ui.input(|input| input.viewport().close_requested())
         };
         if ui.ctx().show_viewport_immediate(viewport, builder, draw) {
