@@ -594,7 +594,8 @@ fn workbooks_that_are_broken() {
 
 /// The content of a file that another program has written.
 pub(super) fn seed(name: &str) -> Vec<u8> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fuzz/seeds/foreign_file");
+    let folder =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/suites/fuzz/seeds/foreign_file");
     std::fs::read(folder.join(name)).expect("a seed")
 }
 

@@ -9,7 +9,8 @@ use super::*;
 use crate::propose;
 
 fn seed(name: &str) -> Vec<u8> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fuzz/seeds/foreign_file");
+    let folder =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/suites/fuzz/seeds/foreign_file");
     std::fs::read(folder.join(name)).expect("a seed")
 }
 

@@ -5,7 +5,8 @@ use super::*;
 /// Every file of the fuzzing seeds with bytes changed, left out, doubled and cut off at random places.
 #[test]
 fn damaged_files_are_read_or_refused_in_one_sentence() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fuzz/seeds/foreign_file");
+    let folder =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/suites/fuzz/seeds/foreign_file");
     let bench = Bench::new();
     let mut state = 1_u64;
     let mut random = |below: usize| {

@@ -6,7 +6,7 @@ use tautline_core::kinematics::inverse_kinematics;
 use super::read;
 
 /// One cable over a pulley whose axis is x, one from a point of radius 0; as WireX writes them.
-const WIREX: &str = include_str!("../../../../tests/fuzz/seeds/foreign_file/model.wcrfx");
+const WIREX: &str = include_str!("../../../../tests/suites/fuzz/seeds/foreign_file/model.wcrfx");
 
 /// Length of a cable of WireX: the arc from the base point to the tangent point, by the law of cosines in the triangle of
 /// base point, centre of the pulley and anchor, and the straight rest.

@@ -16,7 +16,8 @@ const BEGIN_S: f64 = 1_717_149_600.0;
 const DELAY_S: f64 = 1e-3;
 
 fn seed(name: &str) -> Vec<u8> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fuzz/seeds/foreign_file");
+    let folder =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/suites/fuzz/seeds/foreign_file");
     std::fs::read(folder.join(name)).expect("a seed")
 }
 

@@ -1,0 +1,267 @@
+//! Validation tables: each on its own, or all of them into docs/VALIDATION.md. Also the sample sessions
+//! and the screenshots.
+
+mod hidden;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use tautline_validation::generators::{hypotheses, screenshots, sessions, your_data};
+use tautline_validation::support::window;
+use tautline_validation::tables::motion::{Late, RECORDING};
+use tautline_validation::tables::{
+    adjusted, formulas, hangprinter, health, isolability, live_readings, lives, many_poses, motion,
+    nist, study_speed, table1, tolerances, truth, until, which_sensor,
+};
+
+/// Presets of the truth study.
+const ROBOTS: [&str; 4] = ["mini", "hall", "suspended", "planar"];
+/// Seed of the study of isolability.
+const ISOLABILITY_SEED: u64 = 2027;
+/// Seed of the first data set of the truth study.
+const FIRST_SEED: u64 = 1000;
+/// First seed of the machines whose parts are a little off, and the most faults that are hidden in one.
+const TOLERANCES_SEED: u64 = 40_000;
+const MOST_FAULTS: usize = 4;
+/// Seed of the first life.
+const LIVES_SEED: u64 = 43_000;
+/// Seed of the first data set with a hidden pattern.
+const FORMULAS_SEED: u64 = 44_000;
+/// Seed of the first robot whose health is checked.
+const HEALTH_SEED: u64 = 45_000;
+/// Seed of the first robot that is measured until it is certain.
+const UNTIL_SEED: u64 = 38_000;
+/// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
+const RECORDS: &str = "target/studies.jsonl";
+
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
+             studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
+             your-data, hypotheses";
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let is_option = |argument: &String| argument.starts_with('-');
+    // Only studies have options; for others one is no name of a folder.
+    if arguments.first().is_some_and(|first| first != "hidden") && arguments.iter().any(is_option) {
+        bail!(USAGE);
+    }
+    let argument = arguments.get(1).map(String::as_str);
+    match arguments.first().map(String::as_str) {
+        Some("truth") => println!("{}", truth_table(argument)?),
+        Some("table1") => println!("{}", table1::markdown(&table1::study(10)?)),
+        Some("adjusted") => println!("{}", adjusted::markdown(&adjusted::study()?)),
+        Some("many-poses") => {
+            let poses = argument.map_or(Ok(1_000_000), str::parse)?;
+            println!("{}", many_poses::markdown(&many_poses::identify(poses)?));
+        }
+        Some("live-readings") => {
+            let seconds = argument.map_or(Ok(20.0), str::parse)?;
+            println!(
+                "{}",
+                live_readings::markdown(&live_readings::study(seconds)?)
+            );
+        }
+        Some("hangprinter") => println!("{}", hangprinter_table(argument)?),
+        Some("isolability") => println!("{}", isolability_table()?),
+        Some("motion") => println!("{}", motion_table(&arguments[1..])?),
+        Some("tolerances") => println!("{}", tolerances_table(argument)?),
+        Some("formulas") => println!("{}", formulas_table(argument)?),
+        Some("health") => println!("{}", health_table(argument)?),
+        Some("lives") => println!("{}", lives_table(argument)?),
+        Some("until") => println!("{}", until_table(&arguments[1..])?),
+        Some("nist") => println!("{}", nist::markdown(&nist::table()?)),
+        Some("workbench") => workbench(argument)?,
+        Some("hidden") => hidden::command(&arguments[1..])?,
+        Some("studies") => studies(argument)?,
+        Some("which-sensor") => which_sensor_tables(argument)?,
+        Some("study-speed") => study_speed(argument)?,
+        Some("write") => write(argument)?,
+        Some("hypotheses") => hypotheses::write()?,
+        Some("your-data") => your_data::write()?,
+        Some("sessions") => sessions::write_all(argument.map_or(sessions::folder(), Path::new))?,
+        Some("screenshots") => {
+            screenshots::write_all(argument.map_or(screenshots::folder(), Path::new))?;
+        }
+        Some("looks") => {
+            let folder = argument.context("looks: the folder to write to is missing")?;
+            screenshots::looks::write_all(Path::new(folder), arguments.get(2).map(String::as_str))?;
+        }
+        _ => bail!(USAGE),
+    }
+    Ok(())
+}
+
+fn isolability_table() -> Result<String> {
+    let pairs = isolability::study(30, 60, ISOLABILITY_SEED)?;
+    Ok(isolability::markdown(&pairs))
+}
+
+/// Identifies so many recordings of each robot, and asks the doctor about so many.
+fn motion_table(numbers: &[String]) -> Result<String> {
+    let number = |k: usize| numbers.get(k).map(|text| text.parse::<usize>());
+    let recordings = number(0).unwrap_or(Ok(300))?;
+    let asked = number(1).unwrap_or(Ok(recordings))?;
+    let robots = ["mini", "planar"];
+    let rows = [Late::Instrument, Late::Forces]
+        .into_iter()
+        .flat_map(|late| robots.map(|name| motion::study(name, late, recordings, FIRST_SEED)));
+    let rows: Vec<_> = rows.collect::<Result<_>>()?;
+    let doctor = robots.map(|name| motion::doctor_study(name, asked, FIRST_SEED, &RECORDING));
+    let doctor: Vec<_> = doctor.into_iter().collect::<Result<_>>()?;
+    for row in &doctor {
+        eprintln!("{}, other causes named: {:?}", row.robot, row.others);
+    }
+    Ok(motion::markdown(&rows, &doctor))
+}
+
+/// Diagnoses so many machines of each kind, whose every part is a little off, and as many exact ones.
+fn formulas_table(sets: Option<&str>) -> Result<String> {
+    let sets = sets.map_or(Ok(100), str::parse)?;
+    Ok(formulas::markdown(&formulas::study(sets, FORMULAS_SEED)?))
+}
+
+fn health_table(robots: Option<&str>) -> Result<String> {
+    let robots = robots.map_or(Ok(250), str::parse)?;
+    Ok(health::markdown(&health::study(robots, HEALTH_SEED)?))
+}
+
+fn lives_table(lives: Option<&str>) -> Result<String> {
+    let lives = lives.map_or(Ok(300), str::parse)?;
+    Ok(lives::markdown(&lives::study(lives, LIVES_SEED)?))
+}
+
+/// Measures so many robots until it is certain what is wrong with them, from a seed on.
+fn until_table(numbers: &[String]) -> Result<String> {
+    let robots = numbers.first().map_or(Ok(45), |text| text.parse())?;
+    let first_seed = numbers.get(1).map_or(Ok(UNTIL_SEED), |text| text.parse())?;
+    Ok(until::markdown(&until::study(robots, first_seed)?))
+}
+
+fn tolerances_table(machines: Option<&str>) -> Result<String> {
+    let machines = machines.map_or(Ok(60), str::parse)?;
+    let rows = tolerances::study(machines, MOST_FAULTS, TOLERANCES_SEED)?;
+    Ok(tolerances::markdown(&rows))
+}
+
+fn truth_table(data_sets: Option<&str>) -> Result<String> {
+    let data_sets = data_sets.map_or(Ok(16_000), str::parse)?;
+    let rows: Result<Vec<_>> = ROBOTS
+        .iter()
+        .map(|name| truth::study(name, data_sets, FIRST_SEED))
+        .collect();
+    Ok(truth::markdown(&rows?))
+}
+
+fn hangprinter_table(folder: Option<&str>) -> Result<String> {
+    let folder = folder.unwrap_or("../shared/data/hangprinter");
+    let table = hangprinter::markdown(&hangprinter::study(folder.as_ref())?);
+    let opinion = hangprinter::opinion(folder.as_ref())?;
+    Ok(format!(
+        "{table}\n{}",
+        hangprinter::opinion_markdown(&opinion)
+    ))
+}
+
+/// Speed of the window; written only on request, because nothing else may run on the machine meanwhile.
+fn workbench(what: Option<&str>) -> Result<()> {
+    if let Some(part) = what.filter(|what| *what != "write") {
+        println!("{}", window::speed::part(part)?);
+        return Ok(());
+    }
+    let table = window::speed::measure()?;
+    println!("{table}");
+    if what == Some("write") {
+        let path = document();
+        let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
+        replace(&mut text, "workbench", &table)?;
+        tautline_session::write_text(&path, &text)?;
+    }
+    Ok(())
+}
+
+/// Puts the studies of hidden effects, or their first data sets, into the document, with their diagram beside it.
+fn studies(first: Option<&str>) -> Result<()> {
+    let first = first.map(str::parse).transpose()?;
+    let (table, diagram) = hidden::studies(Path::new(RECORDS), first)?;
+    let path = document();
+    let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
+    replace(&mut text, "hidden_studies", &table)?;
+    tautline_session::write_text(&path, &text)?;
+    tautline_session::write_text(&path.with_file_name("reliability.svg"), &diagram)?;
+    Ok(())
+}
+
+/// The studies of the documentation, printed, or put between their marks in docs/WHICH-SENSOR.md.
+fn which_sensor_tables(what: Option<&str>) -> Result<()> {
+    let path = document().with_file_name("WHICH-SENSOR.md");
+    for name in ["mini", "suspended-15m", "size"] {
+        let (plan, result) = which_sensor::study(name)?;
+        let table = which_sensor::markdown(&plan, &result)?;
+        println!("{table}");
+        if what == Some("write") {
+            let mut text = fs::read_to_string(&path).context("docs/WHICH-SENSOR.md")?;
+            replace(&mut text, name, &table)?;
+            tautline_session::write_text(&path, &text)?;
+        }
+    }
+    Ok(())
+}
+
+/// Speed and memory of studies, printed, or put into docs/STUDIES.md, because nothing else may run on the machine meanwhile.
+fn study_speed(what: Option<&str>) -> Result<()> {
+    let is_written = what == Some("write");
+    let calibrations = what.filter(|_| !is_written);
+    let table = study_speed::table(calibrations.map_or(Ok(1_000_000), str::parse)?)?;
+    println!("{table}");
+    if is_written {
+        let path = document().with_file_name("STUDIES.md");
+        let mut text = fs::read_to_string(&path).context("docs/STUDIES.md")?;
+        replace(&mut text, "speed", &table)?;
+        tautline_session::write_text(&path, &text)?;
+    }
+    Ok(())
+}
+
+fn document() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/VALIDATION.md")
+}
+
+/// Puts every table between its marks in docs/VALIDATION.md. The Hangprinter's stays as it is where
+/// its data are absent.
+fn write(folder: Option<&str>) -> Result<()> {
+    let path = document();
+    let mut text = fs::read_to_string(&path).context("docs/VALIDATION.md")?;
+    replace(&mut text, "nist", &nist::markdown(&nist::table()?))?;
+    replace(&mut text, "truth", &truth_table(None)?)?;
+    replace(&mut text, "table1", &table1::markdown(&table1::study(10)?))?;
+    let adjusted = adjusted::markdown(&adjusted::study()?);
+    replace(&mut text, "adjusted", &adjusted)?;
+    replace(&mut text, "motion", &motion_table(&[])?)?;
+    replace(&mut text, "isolability", &isolability_table()?)?;
+    replace(&mut text, "lives", &lives_table(None)?)?;
+    replace(&mut text, "health", &health_table(None)?)?;
+    replace(&mut text, "formulas", &formulas_table(None)?)?;
+    replace(&mut text, "until", &until_table(&[])?)?;
+    replace(&mut text, "hidden_effects", &hidden::tables()?)?;
+    match hangprinter_table(folder) {
+        Ok(table) => replace(&mut text, "hangprinter", &table)?,
+        Err(error) => eprintln!("the table of the Hangprinter stays as it was: {error:#}"),
+    }
+    tautline_session::write_text(&path, &text)?;
+    Ok(())
+}
+
+fn replace(text: &mut String, name: &str, table: &str) -> Result<()> {
+    let (begin, end) = (
+        format!("<!-- begin {name} -->\n"),
+        format!("<!-- end {name} -->"),
+    );
+    let start = text
+        .find(&begin)
+        .with_context(|| format!("no mark {begin}"))?
+        + begin.len();
+    let stop = text.find(&end).with_context(|| format!("no mark {end}"))?;
+    text.replace_range(start..stop, &format!("\n{}\n\n", table.trim()));
+    Ok(())
+}

@@ -1,0 +1,371 @@
+//! The primary button of phase 4: it is there in every state, and alone it leads to the true causes.
+
+use std::collections::BTreeSet;
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+use tautline_core::diagnosis::{
+    Cause, ErrorForm, Finding, Quantity, ReadingId, Subject, UnmodelledError, Variable,
+};
+use tautline_core::effect::{BoundEffect, EffectSetting, find};
+use tautline_core::robot::presets;
+use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
+use tautline_session::{Session, Timestamp, write_session};
+use tautline_validation::generators::sessions::RECIPES;
+use tautline_workbench::model::command::{
+    Command, FileCommand, IdentificationCommand, ViewCommand,
+};
+use tautline_workbench::model::edit::Edit;
+use tautline_workbench::model::next_step;
+use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workbench::shell::App;
+use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::identification::FitVerdict;
+use tautline_workflow::samples::demo;
+
+use crate::measured::{Measured, document, give, press};
+use crate::support::{settle, workbench};
+
+/// Poses of the plan of a demonstration.
+const POSES: usize = 25;
+/// Presses after which the button leads nowhere.
+const MOST_PRESSES: usize = 8;
+
+/// Title of the primary button of phase 4.
+fn primary(harness: &Harness<'_, App>) -> String {
+    let model = &harness.state().state.model;
+    let step = next_step::of(model, Phase::Identification, POSES).expect("a session");
+    step.action.expect("a primary action").title
+}
+
+/// Presses the primary button of phase 4 until it leads to the next one; gives what it said.
+fn press_on(harness: &mut Harness<'_, App>) -> Vec<String> {
+    give(
+        harness,
+        ViewCommand::Go(Screen::Phase(Phase::Identification)),
+    );
+    let mut pressed = Vec::new();
+    while pressed.len() < MOST_PRESSES {
+        let title = primary(harness);
+        if title.starts_with("Go to ") {
+            break;
+        }
+        press(harness, &format!("Next: {title}"));
+        pressed.push(title);
+    }
+    pressed
+}
+
+/// Effects with their cables, one by one: an effect on each cable is the same as one on all of them.
+fn causes(effects: &[EffectSetting], cables: usize) -> BTreeSet<String> {
+    let mut causes = BTreeSet::new();
+    for id in effects.iter().map(|one| &one.effect) {
+        let of_it = effects.iter().filter(|one| one.effect == *id);
+        let targets: BTreeSet<_> = of_it.flat_map(|one| one.targets.clone()).collect();
+        match targets.len() {
+            0 => drop(causes.insert(id.clone())),
+            all if all == cables => drop(causes.insert(id.clone())),
+            _ => causes.extend(targets.iter().map(|cable| format!("{id} {cable}"))),
+        }
+    }
+    causes
+}
+
+/// What is wrong with the model at the end, `None` if it explains the readings with these causes alone.
+fn wrong(harness: &Harness<'_, App>, truth: &[EffectSetting]) -> Option<String> {
+    let open = document(harness);
+    let model = &open.session().settings.identification.effects;
+    let cables = open.session().robot.cable_count();
+    let (found, true_causes) = (causes(model, cables), causes(truth, cables));
+    let verdict = open.fit().map(|fit| FitVerdict::of(fit.solution.p_value()));
+    let is_right =
+        verdict == Some(FitVerdict::Adequate) && open.fit_is_current() && found == true_causes;
+    (!is_right).then(|| format!("{verdict:?} with {found:?} instead of {true_causes:?}"))
+}
+
+#[test]
+fn alone_it_leads_from_every_sample_to_the_true_causes() {
+    for recipe in RECIPES {
+        let mut harness = workbench();
+        let path = std::path::Path::new("sessions").join(recipe.file);
+        give(&mut harness, FileCommand::Open(path));
+        let pressed = press_on(&mut harness);
+        let truth: Vec<EffectSetting> = recipe
+            .hidden
+            .iter()
+            .map(|(effect, cable, _)| EffectSetting {
+                effect: (*effect).to_owned(),
+                targets: cable.iter().map(|cable| (*cable).to_owned()).collect(),
+                parameters: Default::default(),
+            })
+            .collect();
+        let wrong = wrong(&harness, &truth);
+        assert_eq!(wrong, None, "{}: {pressed:?}", recipe.file);
+    }
+}
+
+/// A demonstration whose poses are measured, and what is hidden in it.
+fn measured_demo(seed: u64) -> (Session, Vec<EffectSetting>) {
+    let mut session = demo(seed, Timestamp::from_unix_seconds(0)).expect("a session");
+    let truth = &session.simulator.as_ref().expect("a virtual robot").truth;
+    let preset = presets::find("mini").expect("a preset");
+    let entry_points = truth.cables.iter().map(|c| c.pulley.entry_point_m);
+    let options = SimulationOptions {
+        geometry: TrueGeometry::EntryPoints(entry_points.collect()),
+        effects: truth.effects.clone(),
+        workspace: Some(preset.workspace),
+        tension: Some(preset.tension),
+        ..SimulationOptions::new(POSES, seed)
+    };
+    let hidden = truth.effects.clone();
+    let run = simulate(&session.robot, &options).expect("simulated");
+    session.measurements = run.dataset.measurements;
+    (session, hidden)
+}
+
+/// Whether the true cause is one of several whose deciding poses are in the plan now.
+fn is_listed(harness: &Harness<'_, App>, truth: &[EffectSetting]) -> bool {
+    let diagnosed = document(harness).diagnosis().expect("a diagnosis");
+    let is_true = |cause: &Cause| cause.effect().id() == truth[0].effect;
+    let mut findings = diagnosed.diagnosis.findings.iter();
+    let is_planned = primary(harness) == "Go to measuring";
+    is_planned && findings.any(|finding| finding.causes().any(is_true))
+}
+
+/// One of twenty needs the poses that tell its cause from another.
+#[test]
+fn alone_it_leads_from_twenty_demonstrations_to_the_true_cause() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut missed, mut listed) = (Vec::new(), 0);
+    for seed in 0..20 {
+        let (session, truth) = measured_demo(seed);
+        let path = folder.path().join(format!("demo-{seed}.json"));
+        write_session(&path, &session).expect("written");
+        let mut harness = workbench();
+        give(&mut harness, FileCommand::Open(path));
+        let pressed = press_on(&mut harness);
+        if let Some(wrong) = wrong(&harness, &truth) {
+            if is_listed(&harness, &truth) {
+                listed += 1;
+                continue;
+            }
+            missed.push(format!("{seed}: {wrong}, after {pressed:?}"));
+        }
+    }
+    assert!(missed.is_empty() && listed <= 1, "{listed}, {missed:#?}");
+}
+
+/// Effect, target, and values of the parameters.
+type Hidden = (&'static str, &'static str, &'static [(&'static str, f64)]);
+
+/// Two causes that are found by name.
+const TWO: [Hidden; 2] = [
+    ("winch_scale", "cable-3", &[("scale", 0.02)]),
+    ("cable_slip", "cable-5", &[("step", 0.02), ("pose", 17.0)]),
+];
+
+/// The finding as it is reported if no effect explains the readings.
+fn without_cause(finding: &Finding) -> Finding {
+    Finding {
+        subject: Subject::UnmodelledError(UnmodelledError {
+            readings: ReadingId {
+                quantity: Quantity::Length,
+                cable: Some(2),
+                component: None,
+            },
+            form: ErrorForm::Smooth(Variable::CableLength),
+            rms: Some(0.001),
+        }),
+        parameters: Vec::new(),
+        ..finding.clone()
+    }
+}
+
+/// Replaces the findings of the diagnosis of the present model.
+fn replace_findings(harness: &mut Harness<'_, App>, change: impl FnOnce(&mut Vec<Finding>)) {
+    let open = harness.state_mut().state.model.open.as_mut();
+    let open = open.expect("a session");
+    let known = open.diagnosis().expect("a diagnosis");
+    let mut diagnosis = known.diagnosis.clone();
+    change(&mut diagnosis.findings);
+    let (dataset, [alpha, seconds, limit_s]) = (
+        known.dataset.clone(),
+        [known.alpha, known.seconds, known.limit_s],
+    );
+    let changed = Diagnosed {
+        dataset,
+        diagnosis,
+        alpha,
+        seconds,
+        limit_s,
+    };
+    let model = (
+        open.inputs(),
+        open.session().settings.identification.effects.clone(),
+    );
+    open.set_diagnosis(changed.into(), model);
+    harness.run_ok();
+}
+
+#[test]
+fn every_state_has_one() {
+    let measured = Measured::mini(40, &TWO);
+    let mut harness = measured.opened();
+    assert_eq!(primary(&harness), "Identify the pulleys");
+    give(&mut harness, IdentificationCommand::Identify);
+    assert_eq!(primary(&harness), "Diagnose model");
+    give(&mut harness, IdentificationCommand::Diagnose);
+    assert_eq!(primary(&harness), "Add all findings");
+    press(&mut harness, "Add to model: Winch scale (cable-3)");
+    // The diagnosis goes on to propose the other one.
+    harness.get_by_label("In the model");
+    let other = "Add to model: Cable slip on the drum (cable-5, from pose 17)";
+    assert_eq!(primary(&harness), other);
+    press(&mut harness, other);
+    assert_eq!(primary(&harness), "Go to adjustment");
+    give(&mut harness, Command::Undo);
+    give(&mut harness, Command::Undo);
+    assert_eq!(primary(&harness), "Add all findings");
+    give(&mut harness, Edit::Exclude(9));
+    assert_eq!(primary(&harness), "Diagnose model");
+    give(&mut harness, Command::Undo);
+    replace_findings(&mut harness, |findings| {
+        *findings = vec![without_cause(&findings[0])];
+    });
+    assert_eq!(primary(&harness), "Go to adjustment");
+    replace_findings(&mut harness, Vec::clear);
+    assert_eq!(primary(&harness), "Go to adjustment");
+    give(&mut harness, Edit::SetAlpha(0.02));
+    assert!(!primary(&harness).is_empty());
+    let empty = Session::new(
+        "empty",
+        presets::find("mini").expect("a preset").robot,
+        Timestamp::from_unix_seconds(0),
+    );
+    let path = measured.beside("empty.json");
+    write_session(&path, &empty).expect("written");
+    let mut harness = workbench();
+    give(&mut harness, FileCommand::Open(path));
+    assert_eq!(primary(&harness), "Go to measuring");
+}
+
+#[test]
+fn a_list_leads_to_the_poses_that_decide_and_without_them_to_the_likeliest() {
+    let slip: &[(&str, f64)] = &[("step", 0.02), ("pose", 25.0)];
+    let measured = Measured::mini(25, &[("cable_slip", "cable-3", slip)]);
+    let mut harness = measured.opened();
+    give(&mut harness, IdentificationCommand::Identify);
+    give(&mut harness, IdentificationCommand::Diagnose);
+    let title = primary(&harness);
+    assert!(
+        title.starts_with("Add ") && title.ends_with(" poses to the plan"),
+        "{title}"
+    );
+    press(&mut harness, &format!("Next: {title}"));
+    assert_eq!(primary(&harness), "Go to measuring");
+    replace_findings(&mut harness, |findings| findings[0].separation = None);
+    let title = primary(&harness);
+    assert!(title.starts_with("Add to model: "), "{title}");
+    press(&mut harness, &format!("Next: {title}"));
+    assert_eq!(primary(&harness), "Go to adjustment");
+}
+
+#[test]
+fn a_probable_cause_without_alternatives_has_a_card_of_its_own() {
+    let measured = Measured::mini(40, &TWO[..1]);
+    let mut harness = measured.opened();
+    give(&mut harness, IdentificationCommand::Identify);
+    give(&mut harness, IdentificationCommand::Diagnose);
+    replace_findings(&mut harness, |findings| {
+        findings[0].probability = 0.93;
+        findings[0].alternatives.clear();
+    });
+    harness.get_by_label("1. Probably winch scale (cable-3), 93 %");
+    harness.get_by_label("7 % for something that is not in the catalogue.");
+    harness.get_by_label("To be sure");
+    assert!(
+        harness
+            .query_by_label_contains("which exclude each other")
+            .is_none()
+    );
+    press(&mut harness, "Add to model: Winch scale (cable-3)");
+    assert_eq!(primary(&harness), "Go to adjustment");
+}
+
+#[test]
+fn an_unknown_cause_is_neither_certain_nor_added() {
+    let measured = Measured::mini(40, &TWO[..1]);
+    let mut harness = measured.opened();
+    give(&mut harness, IdentificationCommand::Identify);
+    give(&mut harness, IdentificationCommand::Diagnose);
+    replace_findings(&mut harness, |findings| {
+        findings[0] = without_cause(&findings[0]);
+    });
+    harness.get_by_label_contains("1. Unexplained error in the length readings of cable-3");
+    for text in [
+        "almost certainly",
+        "Add to model",
+        "unexplained pattern",
+        "Check in the workshop",
+    ] {
+        let found = harness.query_by_label_contains(text);
+        assert!(
+            found.is_none(),
+            "{:?}",
+            found.map(|node| node.accesskit_node().label())
+        );
+    }
+}
+
+#[test]
+fn an_add_that_fails_is_undone_and_the_card_says_why() {
+    let measured = Measured::mini(40, &TWO[..1]);
+    let mut harness = measured.opened();
+    give(&mut harness, IdentificationCommand::Identify);
+    give(&mut harness, IdentificationCommand::Diagnose);
+    // The robot has no inclinometer.
+    replace_findings(&mut harness, |findings| {
+        let heading = BoundEffect {
+            effect: find("heading_offset").expect("an effect"),
+            cables: (0..8).collect(),
+            targeted: false,
+            values: vec![0.01],
+        };
+        findings[0].subject = Subject::Cause(Cause {
+            instances: vec![heading],
+        });
+    });
+    let before = document(&harness).inputs();
+    let title = primary(&harness);
+    press(&mut harness, &format!("Next: {title}"));
+    assert!(
+        document(&harness)
+            .session()
+            .settings
+            .identification
+            .effects
+            .is_empty()
+    );
+    assert_eq!(document(&harness).inputs(), before);
+    assert!(document(&harness).fit_is_current());
+    harness.get_by_label_contains("Not added, because");
+}
+
+#[test]
+fn a_repair_begins_a_new_series_without_what_was_repaired() {
+    let measured = Measured::mini(40, &TWO);
+    let mut harness = measured.opened();
+    give(&mut harness, IdentificationCommand::Identify);
+    give(&mut harness, IdentificationCommand::Diagnose);
+    press(&mut harness, "Next: Add all findings");
+    press(&mut harness, "Undo: add 2 findings to the model");
+    press(&mut harness, "Add to model: Winch scale (cable-3)");
+    let slip = "Cable slip on the drum (cable-5, from pose 17)";
+    press(&mut harness, &format!("Repaired: measure again: {slip}"));
+    press(&mut harness, "Do not save");
+    settle(&mut harness);
+    let session = document(&harness).session();
+    assert!(session.measurements.is_empty());
+    let effects = &session.settings.identification.effects;
+    assert!(effects.iter().all(|one| one.effect == "winch_scale") && effects.len() == 1);
+}

@@ -1,0 +1,97 @@
+//! The start screen.
+
+use egui::{Key, Role};
+use egui_kittest::kittest::Queryable;
+use tautline_core::robot::presets;
+use tautline_core::simulation::{SimulationOptions, simulate};
+use tautline_session::{Session, Timestamp, write_session};
+use tautline_validation::support::harness::words;
+use tautline_workbench::model::command::{FileCommand, ViewCommand};
+use tautline_workbench::model::messages::Severity;
+use tautline_workbench::model::phase::Screen;
+use tautline_workflow::samples;
+
+use crate::measured::give;
+use crate::support::{settle, type_into, workbench};
+
+#[test]
+fn a_path_that_does_not_exist_is_named() {
+    let mut harness = workbench();
+    settle(&mut harness);
+    type_into(&mut harness, Role::TextInput, "Path", "nowhere.json");
+    harness.get_by_label("Open").click();
+    // The click arrives within several frames.
+    harness.run_ok();
+    settle(&mut harness);
+    let shown = harness.get_by_label_contains("nowhere.json");
+    assert!(shown.rect().is_positive(), "the status bar tells it");
+    let last = harness.state().state.model.messages.last();
+    assert!(last.is_some_and(|message| message.severity == Severity::Error));
+    assert!(harness.state().state.model.open.is_none());
+}
+
+#[test]
+fn arrow_keys_choose_in_the_command_palette() {
+    let mut harness = workbench();
+    settle(&mut harness);
+    give(&mut harness, ViewCommand::Palette(true));
+    // The demonstration, opening a file, importing one.
+    harness.key_press(Key::ArrowDown);
+    harness.key_press(Key::ArrowDown);
+    harness.key_press(Key::ArrowDown);
+    harness.key_press(Key::ArrowUp);
+    harness.run_ok();
+    harness.key_press(Key::Enter);
+    settle(&mut harness);
+    assert_eq!(harness.state().state.model.screen, Screen::Import);
+    assert!(harness.state().state.model.dialogs.palette.is_none());
+}
+
+#[test]
+fn sample_sessions_stand_below_their_heading() {
+    let mut harness = workbench();
+    settle(&mut harness);
+    let heading = harness.get_by_label("Sample sessions").rect().min.x;
+    let samples = samples::find(&samples::places());
+    assert!(samples.len() > 3);
+    for sample in samples {
+        let title = harness.get_by_label(&sample.title).rect().min.x;
+        assert!((title - heading).abs() < 1.0, "{}: {title}", sample.title);
+        let shows = harness.get_all_by_label(&sample.shows);
+        let column: Vec<f32> = shows.map(|shows| shows.rect().min.x).collect();
+        assert!(
+            column.iter().all(|x| (x - column[0]).abs() < 1.0),
+            "{column:?}"
+        );
+    }
+}
+
+#[test]
+fn sessions_of_one_robot_are_told_apart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let robot = presets::find("mini").expect("a preset").robot;
+    let mut harness = workbench();
+    for (day, name) in ["one.json", "two.json", "three.json"].iter().enumerate() {
+        let time = Timestamp::from_unix_seconds(1_532_336_700 + 86_400 * day as i64);
+        let mut session = Session::new("MINI", robot.clone(), time);
+        let data = simulate(&robot, &SimulationOptions::new(3, 1)).expect("measurements");
+        session.measurements = data.dataset.measurements;
+        let path = folder.path().join(name);
+        write_session(&path, &session).expect("written");
+        give(&mut harness, FileCommand::Open(path));
+        give(&mut harness, FileCommand::Close);
+    }
+    let said = words(&harness);
+    let facts = ["one.json", "two.json", "three.json"].map(|name| {
+        let mut lines = said.iter();
+        let line = lines.find(|line| line.ends_with(&format!(", mini, {name}")));
+        let line = line.unwrap_or_else(|| panic!("no {name} in {said:?}"));
+        line.split(", ").next().map(str::to_owned)
+    });
+    assert!(facts[0] != facts[1] && facts[1] != facts[2], "{facts:?}");
+    assert!(
+        facts[0]
+            .iter()
+            .all(|date| date.starts_with("measured 2018-07-"))
+    );
+}

@@ -1,0 +1,205 @@
+//! The audit trail: what moved and what was written is in it, and a change of the file afterwards is said.
+
+use serde_json::{Value, json};
+use tautline_validation::support::program::{command, run};
+
+use super::session;
+use crate::commands::program::{Answer, Folder, assert_valid, tautline};
+
+/// A session that was measured and adjusted.
+fn adjusted(folder: &Folder) -> String {
+    let file = folder.join("s.json");
+    let sim = ["--controller", "sim", "--arm"];
+    let measure = ["measure", &file, "--robot", "mini", "--poses", "12"];
+    tautline(&[measure.as_slice(), &sim].concat()).succeeded();
+    tautline(&[&["adjust", &file], sim.as_slice()].concat()).succeeded();
+    file
+}
+
+fn audit(file: &str, more: &[&str]) -> Answer {
+    tautline(&[&["audit", file], more].concat())
+}
+
+/// Restores the values from before the adjustment.
+fn rolled_back(file: &str) -> Answer {
+    let words = ["--controller", "sim", "--arm", "--roll-back"];
+    tautline(&[&["adjust", file], &words[..]].concat()).succeeded()
+}
+
+/// The file with a change by hand.
+fn changed(folder: &Folder, file: &str, change: impl FnOnce(&mut Value)) -> String {
+    let text = std::fs::read_to_string(file).expect("a session");
+    let mut json: Value = serde_json::from_str(&text).expect("JSON");
+    change(&mut json);
+    folder.write("changed.json", &json.to_string())
+}
+
+#[test]
+fn what_moved_and_what_was_written_is_in_the_trail() {
+    let folder = Folder::new();
+    let file = adjusted(&folder);
+    let document = audit(&file, &["--json", "-"]).succeeded().json();
+    assert_valid(&document);
+    assert_eq!(document["verdict"], "intact");
+    assert_eq!(document["faults"], json!([]));
+    assert_eq!(document["uncovered_poses"], json!([]));
+    let entries = document["entries"].as_array().expect("entries");
+    let what: Vec<&str> = entries.iter().filter_map(|e| e["what"].as_str()).collect();
+    assert!(
+        what.iter()
+            .any(|what| what.contains("12 poses and the home pose")),
+        "{what:?}"
+    );
+    let values = session(&file).adjustments()[0].changes.len();
+    let written = format!("adjustment 1 ({values} values)");
+    // When it is begun, and with its outcome.
+    let times = what.iter().filter(|what| what.contains(&written)).count();
+    assert_eq!(times, 2, "{what:?}");
+    let confirmed = session(&file).adjustments()[0].read_back.clone();
+    assert_eq!(confirmed.len(), values);
+    let program = format!("Tautline {}", env!("CARGO_PKG_VERSION"));
+    assert!(
+        entries
+            .iter()
+            .all(|entry| entry["program"] == program.as_str())
+    );
+    let text = audit(&file, &[]).succeeded().stdout;
+    let hash = document["last_hash"].as_str().expect("a hash");
+    assert!(
+        text.contains(&format!("nothing was changed; last hash {hash}")),
+        "{text}"
+    );
+    // A report prints the hash, and the trail can be asked for it.
+    let report = folder.join("r.html");
+    tautline(&["report", &file, "--out", &report]).succeeded();
+    let report = std::fs::read_to_string(&report).expect("a report");
+    assert!(report.contains(hash));
+    audit(&file, &["--contains", hash]).succeeded();
+    let lost = audit(&file, &["--contains", &"0".repeat(64)]);
+    assert_eq!(lost.code, Some(1), "{}", lost.stderr);
+    let mistyped = audit(&file, &["--contains", "12ab"]);
+    assert_eq!(mistyped.code, Some(2), "{}", mistyped.stderr);
+    assert!(mistyped.stderr.contains("expected 64 hexadecimal digits"));
+}
+
+#[test]
+fn a_change_by_hand_is_said_and_stays_said() {
+    type Change = fn(&mut Value);
+    let folder = Folder::new();
+    let file = adjusted(&folder);
+    let cases: [(Change, &str); 4] = [
+        (
+            |json| {
+                let cell = &mut json["measurements"]["columns"]["rev_3"][5];
+                *cell = json!(cell.as_f64().expect("a number") + 1e-3);
+            },
+            "the readings of pose 5 are not as recorded",
+        ),
+        (
+            |json| json["adjustments"][0]["operator"] = json!("Eve"),
+            "adjustment 1 is not as recorded",
+        ),
+        (
+            |json| json["log"][1]["text"] = json!("Nothing happened."),
+            "step 2 of the log is not as recorded",
+        ),
+        (
+            |json| json["trail"]["entries"][0]["operator"] = json!("Eve"),
+            "entry 1 does not have its hash",
+        ),
+    ];
+    for (change, said) in cases {
+        let path = changed(&folder, &file, change);
+        let answer = audit(&path, &["--json", "-"]);
+        assert_eq!(answer.code, Some(1), "{}", answer.stderr);
+        assert!(answer.stderr.contains("the audit trail is broken: 1 fault"));
+        let document: Value = serde_json::from_str(&answer.stdout).expect("JSON");
+        assert_valid(&document);
+        assert_eq!(document["verdict"], "broken");
+        let text = document["faults"][0]["text"].as_str().expect("a sentence");
+        assert!(text.starts_with(said), "{text}");
+        assert!(audit(&path, &[]).stdout.contains(said));
+    }
+    // A command that opens the session says it, too, and saving it again makes nothing right.
+    let path = changed(&folder, &file, |json| {
+        json["log"][1]["text"] = json!("Nothing.");
+    });
+    let back = rolled_back(&path);
+    let said = "the audit trail is broken: step 2 of the log is not as recorded";
+    assert!(back.stderr.contains(said), "{}", back.stderr);
+    assert_eq!(audit(&path, &[]).code, Some(1));
+    let report = folder.join("r.html");
+    tautline(&["report", &path, "--out", &report]).succeeded();
+    let report = std::fs::read_to_string(&report).expect("a report");
+    assert!(report.contains("broken (1 fault)"));
+}
+
+#[test]
+fn a_session_without_a_trail_opens_as_before() {
+    let folder = Folder::new();
+    let file = adjusted(&folder);
+    let path = changed(&folder, &file, |json| {
+        json.as_object_mut().expect("a session").remove("trail");
+    });
+    let none = audit(&path, &["--json", "-"]);
+    assert_eq!(none.code, Some(1), "{}", none.stderr);
+    assert!(
+        none.stderr.contains("has no audit trail"),
+        "{}",
+        none.stderr
+    );
+    let document: Value = serde_json::from_str(&none.stdout).expect("JSON");
+    assert_eq!(document["verdict"], "none");
+    rolled_back(&path);
+    let document = audit(&path, &["--json", "-"]).succeeded().json();
+    let found: Vec<&Value> = document["entries"]
+        .as_array()
+        .expect("entries")
+        .iter()
+        .map(|entry| &entry["found"])
+        .collect();
+    assert_eq!((found[0], found[1]), (&json!(true), &json!(false)));
+    assert_eq!(
+        document["uncovered_poses"].as_array().map(Vec::len),
+        Some(13)
+    );
+}
+
+/// Runs the program with a folder of its own for the user's files.
+fn at_home(home: &str, words: &[&str]) -> Answer {
+    run(command(words).env("TAUTLINE_HOME", home))
+}
+
+#[test]
+fn entries_are_signed_with_the_key_of_the_user() {
+    let folder = Folder::new();
+    let home = folder.join("home");
+    let made = at_home(&home, &["audit", "--new-key"]).succeeded().stdout;
+    let key = made
+        .lines()
+        .find_map(|line| line.strip_prefix("public key: "));
+    let key = key.expect("a key");
+    let twice = at_home(&home, &["audit", "--new-key"]);
+    assert_eq!(twice.code, Some(1), "{}", twice.stderr);
+    let file = folder.join("s.json");
+    let sim = ["--controller", "sim", "--arm"];
+    let measure = ["measure", &file, "--robot", "mini", "--poses", "8"];
+    let words = [&measure[..], &sim].concat();
+    at_home(&home, &words);
+    audit(&file, &["--signed-by", key]).succeeded();
+    let other = audit(&file, &["--signed-by", &"1".repeat(64)]);
+    assert_eq!(other.code, Some(1), "{}", other.stderr);
+    assert!(other.stdout.contains("is not signed with the key 1111"));
+    let document = audit(&file, &["--json", "-"]).succeeded().json();
+    let entries = document["entries"].as_array().expect("entries");
+    assert!(entries.iter().all(|entry| entry["signed_by"] == key));
+    // A key that is none is said before anything is moved.
+    folder.write("home/audit.key", "no key");
+    let refused = at_home(&home, &words);
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("audit.key: found 6 bytes"),
+        "{}",
+        refused.stderr
+    );
+}

@@ -1,0 +1,9 @@
+//! What suites, generators and tables share: controllers and programs that play a part, and the window without a display.
+
+pub mod ads;
+pub mod bad_input_cases;
+pub mod console_page;
+pub mod harness;
+pub mod phase_tables;
+pub mod program;
+pub mod window;

@@ -1,0 +1,127 @@
+//! Loss and latency of live readings over ADS: those that are asked for and those that the controller sends.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, ensure};
+use tautline_link::{Controller, Sample};
+
+use crate::support::ads::Plant;
+use crate::support::ads::symbols::global;
+
+/// A cycle of the controller (s).
+const CYCLE_S: f64 = 0.01;
+/// Between two looks of the window at what has arrived.
+const TICK: Duration = Duration::from_millis(20);
+
+/// A way to get live readings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Way {
+    /// One is asked for after such a pause.
+    Asked(Duration),
+    /// One is sent in every cycle, and taken after such a pause.
+    Sent(Duration),
+}
+
+/// What a way delivers.
+#[derive(Debug, Clone)]
+pub struct Delivered {
+    way: Way,
+    /// Readings per second.
+    per_s: f64,
+    /// Share of the controller's cycles of which no reading arrived.
+    lost: f64,
+    /// Ages of the readings when they arrive (s).
+    ages_s: Vec<f64>,
+}
+
+/// Measures each way for so many seconds, on a server of this machine.
+///
+/// # Errors
+/// If the connection fails.
+pub fn study(seconds: f64) -> Result<Vec<Delivered>> {
+    let ways = [
+        Way::Asked(TICK),
+        Way::Asked(Duration::ZERO),
+        Way::Sent(TICK),
+        Way::Sent(Duration::from_millis(1)),
+    ];
+    ways.into_iter().map(|way| measure(way, seconds)).collect()
+}
+
+fn measure(way: Way, seconds: f64) -> Result<Delivered> {
+    let plant = Plant::unruly();
+    let zero = Instant::now();
+    plant.server.run_clock(&global("time"), zero);
+    let mut client = plant.client();
+    client.connect()?;
+    if matches!(way, Way::Sent(_)) {
+        client.subscribe(CYCLE_S)?;
+    }
+    let sent_before = plant.server.notifications();
+    let begun_s = zero.elapsed().as_secs_f64();
+    let (mut times_s, mut ages_s) = (Vec::new(), Vec::new());
+    while zero.elapsed().as_secs_f64() < begun_s + seconds {
+        let arrived: Vec<Sample> = match way {
+            Way::Asked(pause) => {
+                std::thread::sleep(pause);
+                vec![client.sample()?]
+            }
+            Way::Sent(pause) => {
+                std::thread::sleep(pause);
+                client.sent()?
+            }
+        };
+        let now_s = zero.elapsed().as_secs_f64();
+        times_s.extend(arrived.iter().map(|sample| sample.time_s));
+        ages_s.extend(arrived.iter().map(|sample| now_s - sample.time_s));
+    }
+    ensure!(!times_s.is_empty(), "no reading arrived: {way:?}");
+    Ok(Delivered {
+        way,
+        per_s: times_s.len() as f64 / seconds,
+        lost: match way {
+            Way::Asked(_) => 1.0 - cycles(&times_s) as f64 / (seconds / CYCLE_S),
+            Way::Sent(_) => {
+                let sent = plant.server.notifications() - sent_before;
+                1.0 - times_s.len() as f64 / sent as f64
+            }
+        }
+        .max(0.0),
+        ages_s,
+    })
+}
+
+/// Number of cycles in which there is a reading.
+fn cycles(times_s: &[f64]) -> usize {
+    let mut cycles: Vec<i64> = times_s.iter().map(|t| (t / CYCLE_S) as i64).collect();
+    cycles.dedup();
+    cycles.len()
+}
+
+/// The table of the documentation.
+#[must_use]
+pub fn markdown(all: &[Delivered]) -> String {
+    let mut text = String::from(
+        "| readings | per second | cycles of 10 ms without a reading | age on receipt: median | 95 % | maximum |\n|---|---|---|---|---|---|\n",
+    );
+    for delivered in all {
+        let ms = |time: Duration| time.as_millis();
+        let way = match delivered.way {
+            Way::Asked(Duration::ZERO) => "polled continuously".to_owned(),
+            Way::Asked(pause) => format!("polled every {} ms", ms(pause)),
+            Way::Sent(pause) => format!("subscribed every 10 ms, fetched every {} ms", ms(pause)),
+        };
+        let mut ages_s = delivered.ages_s.clone();
+        ages_s.sort_by(f64::total_cmp);
+        let age = |share: f64| 1e3 * ages_s[(share * (ages_s.len() - 1) as f64).round() as usize];
+        text += &format!(
+            "| {way} | {:.0} | {:.1} % | {:.2} ms | {:.2} ms | {:.2} ms |\n",
+            delivered.per_s,
+            100.0 * delivered.lost,
+            age(0.5),
+            age(0.95),
+            age(1.0),
+        );
+    }
+    text
+}

@@ -1,0 +1,19 @@
+//! The tables of docs/VALIDATION.md.
+
+pub mod adjusted;
+pub mod formulas;
+pub mod hangprinter;
+pub mod health;
+pub mod hidden;
+pub mod isolability;
+pub mod live_readings;
+pub mod lives;
+pub mod many_poses;
+pub mod motion;
+pub mod nist;
+pub mod study_speed;
+pub mod table1;
+pub mod tolerances;
+pub mod truth;
+pub mod until;
+pub mod which_sensor;
