@@ -1,8 +1,6 @@
 //! Table of the faults that poses reveal.
 
-use tautline_workflow::documents::isolability::{
-    CONFUSED, IsolabilityDocument, IsolabilityTable, percent,
-};
+use tautline_workflow::isolability::{CONFUSED, IsolabilityDocument, IsolabilityTable, percent};
 
 use crate::output::say;
 use crate::table;

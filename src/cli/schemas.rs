@@ -4,26 +4,24 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
-use super::adjust::AdjustmentDocument;
-use super::compare::ComparisonDocument;
-use super::home::HomeDocument;
 use super::measure::MeasuringDocument;
 use super::output::write_json;
-use super::precalibrate::Precalibration;
-use super::verify::VerificationDocument;
 use crate::examples::examples;
 use crate::output::confirm;
 use crate::replace::Replace;
 use tautline_import::{ImportDocument, Recipe};
 use tautline_study::{StudyFile, StudyPlan, StudyResult};
-use tautline_workflow::accuracy::Accuracy;
+use tautline_workflow::accuracy::{Accuracy, VerificationDocument};
+use tautline_workflow::adjusting::AdjustmentDocument;
 use tautline_workflow::audit::AuditDocument;
-use tautline_workflow::documents::diagnosis::DiagnosisDocument;
-use tautline_workflow::documents::plan::PlanDocument;
+use tautline_workflow::comparison::ComparisonDocument;
+use tautline_workflow::diagnosis::DiagnosisDocument;
 use tautline_workflow::formulas::FormulasDocument;
 use tautline_workflow::health::HealthDocument;
 use tautline_workflow::history::HistoryDocument;
 use tautline_workflow::identification::IdentificationDocument;
+use tautline_workflow::planning::PlanDocument;
+use tautline_workflow::precalibration::{HomeDocument, Precalibration};
 use tautline_workflow::readiness::ReadinessDocument;
 
 #[derive(Debug, clap::Args)]

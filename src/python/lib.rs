@@ -23,14 +23,14 @@ use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate as sim
 use tautline_session::{Session, VersionedFile};
 use tautline_workflow::clock;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
-use tautline_workflow::documents::isolability::IsolabilityDocument;
-use tautline_workflow::documents::plan::PlanDocument;
 use tautline_workflow::health::{Baseline, HealthDocument, verdict_sentences};
 use tautline_workflow::history::{HistoryDocument, RobotRecord};
 use tautline_workflow::identification::{
     IdentificationRequest, identified, identify as identify_robot,
 };
+use tautline_workflow::isolability::IsolabilityDocument;
 use tautline_workflow::machines;
+use tautline_workflow::planning::PlanDocument;
 use tautline_workflow::readiness::{CheckOutcome, readings_readiness};
 
 create_exception!(

@@ -157,7 +157,7 @@ mod tests {
     use tautline_link::parameters::parameters_of;
 
     use super::*;
-    use crate::documents::diagnosis::samples::dataset;
+    use crate::diagnosis::samples::dataset;
 
     fn measured() -> Session {
         let data = dataset();

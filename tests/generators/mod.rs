@@ -1,6 +1,7 @@
 //! Writes what the repository keeps and a test compares: sample sessions, pictures, pages with the output of commands.
 
 pub mod hypotheses;
+pub mod random_runs;
 pub mod screenshots;
 pub mod sessions;
 pub mod your_data;

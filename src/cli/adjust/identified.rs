@@ -12,11 +12,11 @@ use tautline_session::{Method, ResultRecord, Session};
 use tautline_workflow::adjusting::{self, Doubt, DoubtKind};
 use tautline_workflow::clock;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
-use tautline_workflow::documents::record;
 use tautline_workflow::identification::{
     FitVerdict, Identification, IdentificationDocument, IdentificationRequest, identify_published,
     identify_session,
 };
+use tautline_workflow::results::record;
 
 use crate::method::MethodName;
 

@@ -6,10 +6,10 @@ use tautline_session::{Adjustment, Outcome};
 use tautline_workflow::adjusting;
 
 use super::Arguments;
-use super::document::AdjustmentDocument;
 use super::writing::{WriteOutcome, conclude};
 use crate::failure::Reservation;
 use crate::live::{Connection, SessionFile, interrupt, link_error};
+use tautline_workflow::adjusting::AdjustmentDocument;
 
 /// What remains to be done after settling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! `tautline adjust`.
 
-mod document;
 mod files;
 mod identified;
 mod interrupted;
+mod report;
 mod writing;
 
 use std::path::PathBuf;
@@ -14,8 +14,8 @@ use tautline_link::ParameterInfo;
 use tautline_link::adjusting::{plan_adjustment, read_parameters};
 use tautline_session::Outcome;
 use tautline_workflow::adjusting::{
-    self, DoubtKind, Purpose, former_values, not_restorable, not_restored, revertible,
-    values_to_write,
+    self, AdjustmentDocument, DoubtKind, Purpose, former_values, not_restorable, not_restored,
+    revertible, values_to_write,
 };
 use tautline_workflow::controllers::ConnectionSetup;
 
@@ -25,7 +25,6 @@ use crate::measure::require_simulated;
 use crate::method::MethodName;
 use crate::output::{self, JsonOutput, note, notice, say};
 use crate::replace::Replace;
-pub use document::AdjustmentDocument;
 use identified::Identified;
 use interrupted::Next;
 use writing::write;
@@ -78,7 +77,7 @@ pub struct Arguments {
 
 impl Arguments {
     fn deliver(&self, document: &AdjustmentDocument) -> Result<()> {
-        self.json.deliver(document, || document::print(document))
+        self.json.deliver(document, || report::print(document))
     }
 }
 

@@ -17,9 +17,10 @@ use tautline_workflow::audit::system_user;
 use tautline_workflow::clock;
 use tautline_workflow::foreign_writes::{ValuesRead, end_run};
 
-use super::document::{AdjustmentDocument, print};
+use super::report::print;
 use crate::live::{Connection, SessionFile, interrupt, link_error};
 use crate::output::{ReservedOutput, note};
+use tautline_workflow::adjusting::AdjustmentDocument;
 
 /// Number of attempts to restore a lost connection.
 const ATTEMPTS: u32 = 8;

@@ -11,8 +11,8 @@ use anyhow::Result;
 use tautline_core::estimation::{Control, EstimationError};
 use tautline_core::measurement::Dataset;
 use tautline_session::Session;
+use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
-use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::identification::{
     IdentificationError, extrapolation, identified, identify_session,
 };

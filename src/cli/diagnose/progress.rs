@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use tautline_core::diagnosis::DiagnosisProgress;
 use tautline_core::estimation::Control;
-use tautline_workflow::documents::diagnosis::stage;
+use tautline_workflow::diagnosis::stage;
 
 use crate::progress::{is_shown, overwrite};
 

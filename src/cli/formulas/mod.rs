@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use tautline_core::estimation::Control;
+use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::diagnosis::TIME_LIMIT_S;
-use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::formulas::{FormulasDocument, find_formulas, unexplained_sentences};
 
 use crate::diagnose::{diagnose_with_progress, model_to_diagnose};

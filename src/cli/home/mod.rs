@@ -1,6 +1,6 @@
 //! `tautline home`.
 
-mod document;
+mod report;
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use tautline_link::Instrument;
 use tautline_session::{HomePose, Phase, Session};
 use tautline_workflow::adjusting::held;
 use tautline_workflow::controllers::{ConnectionSetup, ControllerChoice};
-use tautline_workflow::precalibration::Calibration;
+use tautline_workflow::precalibration::{Calibration, HomeDocument};
 use tautline_workflow::wording::count;
 
 use crate::BadInput;
@@ -19,7 +19,6 @@ use crate::live::{Connection, LinkArguments, SessionFile, interrupt, link_error,
 use crate::measure::{refuse_unsettled, require_simulated};
 use crate::output::{JsonOutput, notice};
 use crate::progress::ProgressLine;
-pub use document::HomeDocument;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -89,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let document = HomeDocument::of(&average, measured_now);
     arguments
         .json
-        .deliver(&document, || document::print(&document))
+        .deliver(&document, || report::print(&document))
 }
 
 /// Standard deviations of one measurement: position (m), rotation (rad).

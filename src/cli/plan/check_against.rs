@@ -5,8 +5,8 @@ use std::path::Path;
 use anyhow::Result;
 use tautline_core::planning::{Goal, Plan, PlanOptions};
 use tautline_core::robot::Robot;
-use tautline_workflow::documents::plan::DetectionDocument;
 use tautline_workflow::health::{Baseline, Checked};
+use tautline_workflow::planning::DetectionDocument;
 
 use crate::failure::BadInput;
 use crate::input;

@@ -22,8 +22,8 @@ use crate::output::{JsonOutput, confirm, say, write_file};
 use crate::replace::Replace;
 use check_against::Detect;
 use goal::GoalName;
-use tautline_workflow::documents::isolability::IsolabilityDocument;
-use tautline_workflow::documents::plan::PlanDocument;
+use tautline_workflow::isolability::IsolabilityDocument;
+use tautline_workflow::planning::PlanDocument;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[

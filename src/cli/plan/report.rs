@@ -3,7 +3,7 @@
 use crate::isolability;
 use crate::output::say;
 use crate::table;
-use tautline_workflow::documents::plan::PlanDocument;
+use tautline_workflow::planning::PlanDocument;
 use tautline_workflow::wording::units::quantity;
 
 /// Prints the plan and its expected standard deviations.

@@ -1,19 +1,17 @@
 //! `tautline precalibrate`.
 
-mod document;
 mod report;
 
 use std::path::PathBuf;
 
 use anyhow::Result;
 use tautline_session::{PhaseData, read_calibration_tables};
-use tautline_workflow::precalibration::Calibration;
+use tautline_workflow::precalibration::{Calibration, Precalibration};
 
 use crate::BadInput;
 use crate::examples::examples;
 use crate::output::{JsonOutput, note, write_model};
 use crate::replace::Replace;
-pub use document::Precalibration;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[

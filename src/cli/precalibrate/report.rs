@@ -2,9 +2,11 @@
 
 use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, WINCH_RESIDUAL_LIMIT_M};
 
-use super::document::{ElongationResult, ForceResult, HomeResult, Precalibration, WinchResult};
 use crate::output::say;
 use crate::table;
+use tautline_workflow::precalibration::{
+    ElongationResult, ForceResult, HomeResult, Precalibration, WinchResult,
+};
 
 /// Prints all fits.
 pub fn print(result: &Precalibration) {

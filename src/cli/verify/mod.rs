@@ -1,13 +1,13 @@
 //! `tautline verify`.
 
-mod document;
 mod drive;
+mod report;
 mod typed;
 
 use std::io::Write;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use tautline_link::verifying::{CheckTarget, circle, cube_poses, line};
 use tautline_session::{CheckRow, Outcome, Phase, Session, Stage, Verification, write_check};
 
@@ -17,7 +17,7 @@ use crate::examples::examples;
 use crate::output::{JsonOutput, note, notice, write_file};
 use crate::replace::Replace;
 use crate::{BadInput, standard_input};
-pub use document::VerificationDocument;
+use tautline_workflow::accuracy::VerificationDocument;
 use tautline_workflow::adjusting::{in_effect, title};
 use tautline_workflow::clock;
 use tautline_workflow::controllers::{ConnectionSetup, ControllerChoice};
@@ -117,8 +117,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let stage = stage(arguments, &file.session);
     keep(&mut file, stage, rows, &source)?;
-    let document = VerificationDocument::of(&file.session, stage)?;
-    json.deliver(&document, || document::print(&document))
+    let document =
+        VerificationDocument::of(&file.session, stage).map_err(|error| anyhow!(error))?;
+    json.deliver(&document, || report::print(&document))
 }
 
 fn check(arguments: &Arguments) -> Result<()> {

@@ -1,5 +1,8 @@
 //! The result of a diagnosis as plain data.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use super::calibration::NAMING_PROBABILITY;
 use super::reading_id::ReadingId;
 use super::size_posterior::SizePosterior;
@@ -244,7 +247,8 @@ pub struct CauseSet {
 }
 
 /// How certain the name of a finding is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// One cause stands out.
     Named,
@@ -414,11 +418,12 @@ pub struct Invisible {
 }
 
 /// By what the parts of a robot scatter, in units of their tolerances.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ToleranceFactor {
     /// Posterior mean of the factor; 0 for exact parts.
     pub factor: f64,
     /// Whether the robot states its tolerances; otherwise those of the catalogue are meant.
+    #[serde(rename = "stated")]
     pub are_stated: bool,
 }
 

@@ -19,15 +19,15 @@ use crate::model::open_session::{Diagnosed, Stored};
 use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::clock;
+use tautline_workflow::diagnosis::{DiagnosisDocument, stage};
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
-use tautline_workflow::documents::diagnosis::{DiagnosisDocument, stage};
-use tautline_workflow::documents::isolability::IsolabilityTable;
-use tautline_workflow::documents::record;
 use tautline_workflow::formulas::find_formulas;
 use tautline_workflow::identification::{
     Identification, IdentificationRequest, identify as identify_request, identify_published,
 };
+use tautline_workflow::isolability::IsolabilityTable;
 use tautline_workflow::readiness::check;
+use tautline_workflow::results::record;
 use tautline_workflow::wording::{count, ratio};
 
 pub(super) fn perform(model: &mut Model, command: IdentificationCommand) {

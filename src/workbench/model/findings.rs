@@ -7,7 +7,7 @@ use tautline_session::PlannedPose;
 
 use super::OpenSession;
 use super::edit::{Edit, same_effect};
-use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::wording::count;
 
 /// Whether all these effects are part of the model.

@@ -14,9 +14,9 @@ use tautline_session::{
 
 use super::edit::{Edit, History, InputRevision, same_effect};
 use tautline_workflow::clock;
+pub use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::diagnosis::dependences;
 use tautline_workflow::diagnosis::evidence::{Evidence, evidence};
-pub use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::identification::{Identification, IdentificationDocument};
 use tautline_workflow::planning::missing_labels;
 use tautline_workflow::plot::figure::Figure;

@@ -3,7 +3,7 @@
 use egui::{
     Align2, Color32, FontId, Pos2, Rect, Role, ScrollArea, Sense, Ui, WidgetInfo, Window, vec2,
 };
-use tautline_workflow::documents::isolability::{IsolabilityTable, SEEN, percent};
+use tautline_workflow::isolability::{IsolabilityTable, SEEN, percent};
 
 use crate::theme::{self, GRID, Palette};
 use crate::widgets::muted;
@@ -215,7 +215,7 @@ fn words(table: &IsolabilityTable, places: &Places, place: Pos2) -> Option<Strin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tautline_workflow::documents::isolability::{Cell, FaultKind};
+    use tautline_workflow::isolability::{Cell, FaultKind};
 
     #[test]
     fn places_are_found_again() {

@@ -2,12 +2,14 @@
 
 mod document;
 mod group;
+mod verification;
 
 use tautline_core::accuracy::iso9283::{Target, path_accuracy, pose_accuracy};
 use tautline_session::{CheckKind, CheckRow};
 
 pub use document::{Accuracy, Figures, PathAccuracy, PointAccuracy, PoseAccuracy, TargetAccuracy};
 pub use group::{Group, Point, group, word};
+pub use verification::VerificationDocument;
 
 /// Whether some but not all rows have an orientation.
 pub fn is_partly_oriented(group: &Group) -> bool {

@@ -4,7 +4,7 @@ use tautline_core::robot::Robot;
 use tautline_link::parameters::parameters_of;
 use tautline_session::{Session, VersionedFile};
 
-use crate::documents::diagnosis::DiagnosisDocument;
+use crate::diagnosis::DiagnosisDocument;
 use crate::identification::{FitVerdict, Identification};
 use crate::wording::parameters::title;
 use crate::wording::{count, units};

@@ -4,6 +4,7 @@
 //! Until then it is [open](Adjustment::is_open): nothing moves, and nothing else is written, before it is settled with the
 //! same old and new values.
 
+mod document;
 mod doubts;
 mod record;
 
@@ -12,6 +13,7 @@ use tautline_link::adjusting::{self, ControllerValues, Difference};
 use tautline_session::{Adjustment, NamedValue, Outcome, Session, Stage, Timestamp, ValueChange};
 
 use crate::wording::count;
+pub use document::{AdjustmentDocument, DifferenceRow};
 pub use doubts::{Doubt, DoubtKind, doubts, finding, implausible, unanswered};
 pub use record::{Written, recorded_differences, verified_before_last_write, written};
 

@@ -1,5 +1,6 @@
 //! Comparison of two sessions, for terminal and screen.
 
+mod document;
 mod words;
 
 use std::path::Path;
@@ -9,6 +10,7 @@ use tautline_core::estimation::{Control, Progress};
 use tautline_session::{Import, Session, Timestamp};
 
 use crate::identification::{Identification, IdentificationError, identify_session};
+pub use document::{ComparisonDocument, PulleyDocument};
 pub use words::{by_chance, differs, effect_name, unexplained, verdict};
 
 /// Significance level of a comparison: probability of finding a difference between two sessions of an unchanged robot.

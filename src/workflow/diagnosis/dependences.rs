@@ -9,7 +9,7 @@ use tautline_core::estimation::{Analysis, Solution};
 use tautline_core::measurement::{Dataset, Variable};
 
 use super::evidence::problem_of;
-use crate::documents::diagnosis::Diagnosed;
+use crate::diagnosis::Diagnosed;
 use crate::identification::{RESIDUAL, readings_of};
 use crate::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Series};
 use crate::plot::gaps::without_gaps;

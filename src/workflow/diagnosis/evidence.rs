@@ -15,7 +15,7 @@ use tautline_core::estimation::{
 use tautline_core::measurement::{Dataset, Variable};
 
 use super::dependences::{Dependent, averaged, dataset_as_modelled, figure_of};
-use crate::documents::diagnosis::Diagnosed;
+use crate::diagnosis::Diagnosed;
 use crate::identification::group_of;
 use crate::plot::figure::Figure;
 

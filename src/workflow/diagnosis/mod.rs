@@ -1,7 +1,18 @@
-//! Diagnosis of the model, for commands, reports and the window.
+//! Diagnosis of the model, as a document and in words, for commands, reports and the window.
 
+mod cause;
+mod convert;
 pub mod dependences;
+mod diagnosed;
+mod document;
 pub mod evidence;
+mod finding;
+mod invisible;
+mod proposal;
+#[cfg(any(test, feature = "test-samples"))]
+pub mod samples;
+mod stage;
+mod verdict;
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -14,8 +25,16 @@ use tautline_core::estimation::{Control, EstimationError};
 use tautline_core::measurement::Dataset;
 use tautline_session::Session;
 
-use crate::documents::diagnosis::Diagnosed;
 use crate::identification::Identification;
+
+pub use cause::cause_title;
+pub use diagnosed::Diagnosed;
+pub use document::{DiagnosisDocument, FindingDocument, GainDocument, ParameterDocument};
+pub use finding::{gain, is_improvement};
+pub use invisible::{HIDDEN, Undetectable};
+pub use proposal::{Proposal, proposal};
+pub use stage::stage;
+pub use verdict::{adequacy, residual_ratio};
 
 /// Default time limit of a diagnosis (s), after which it ends with the best answer so far.
 pub const TIME_LIMIT_S: f64 = 60.0;

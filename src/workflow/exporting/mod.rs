@@ -175,7 +175,7 @@ pub fn encode(format: TableFormat, tables: &[Table]) -> Result<Vec<u8>, String> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::documents::diagnosis::samples::identified;
+    use crate::diagnosis::samples::identified;
     use crate::identification::{readings_table, values_table};
     use tautline_import::read_source;
 

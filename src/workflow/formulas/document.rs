@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use tautline_session::VersionedFile;
 
 use super::FoundFormulas;
-use crate::documents::diagnosis::{GainDocument, ParameterDocument};
+use crate::diagnosis::{GainDocument, ParameterDocument};
 use crate::wording::list;
 use crate::wording::units::with_sd;
 

@@ -16,7 +16,7 @@ use tautline_core::estimation::{Control, EstimationError};
 use tautline_core::measurement::Dataset;
 
 use crate::diagnosis::diagnose_dataset;
-use crate::documents::diagnosis::{Diagnosed, DiagnosisDocument, FindingDocument};
+use crate::diagnosis::{Diagnosed, DiagnosisDocument, FindingDocument};
 pub use document::{FormulasDocument, PatternDocument};
 pub use grammar::{Formula, PATTERN, Reading, formulas};
 
@@ -154,12 +154,18 @@ fn causes(document: &DiagnosisDocument) -> impl Iterator<Item = (&str, &[String]
 
 fn of_finding(finding: &FindingDocument) -> impl Iterator<Item = (&str, &[String], f64)> {
     let own = (
-        finding.effect.as_str(),
-        finding.targets.as_slice(),
+        finding.subject.effect.as_str(),
+        finding.subject.targets.as_slice(),
         finding.probability,
     );
     let others = finding.alternatives.iter();
-    let others = others.map(|one| (one.effect.as_str(), one.targets.as_slice(), one.probability));
+    let others = others.map(|one| {
+        (
+            one.subject.effect.as_str(),
+            one.subject.targets.as_slice(),
+            one.probability,
+        )
+    });
     std::iter::once(own).chain(others)
 }
 
@@ -178,7 +184,8 @@ impl FoundFormulas {
             let total: f64 = own.iter().map(|(.., probability)| probability).sum();
             for (formula, targets, probability) in own.into_iter().take(LISTED) {
                 // Sizes and gain are those of the finding's first cause.
-                let is_first = finding.effect == formula.id && finding.targets == targets;
+                let is_first =
+                    finding.subject.effect == formula.id && finding.subject.targets == targets;
                 patterns.push(PatternDocument {
                     expression: formula.expression.clone(),
                     effect: formula.id.clone(),

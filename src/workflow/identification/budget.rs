@@ -152,7 +152,7 @@ pub fn source_title(source: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::documents::diagnosis::samples::identified;
+    use crate::diagnosis::samples::identified;
 
     #[test]
     fn a_budget_has_every_pulley_and_its_shares_sum_to_one() {

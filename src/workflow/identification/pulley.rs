@@ -261,7 +261,7 @@ impl CoordinateCorrelation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::documents::diagnosis::samples::identified;
+    use crate::diagnosis::samples::identified;
 
     #[test]
     fn an_inspection_has_the_numbers_of_the_solution() {

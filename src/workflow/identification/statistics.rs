@@ -393,7 +393,7 @@ fn table<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::documents::diagnosis::samples::identified;
+    use crate::diagnosis::samples::identified;
 
     #[test]
     fn every_reading_and_every_value_has_a_line() {

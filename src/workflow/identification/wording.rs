@@ -74,7 +74,7 @@ mod tests {
     use tautline_core::estimation::{Control, Method};
 
     use super::*;
-    use crate::documents::diagnosis::samples::dataset;
+    use crate::diagnosis::samples::dataset;
     use crate::identification::{IdentificationRequest, identify};
 
     #[test]

@@ -16,7 +16,7 @@ use tautline_session::{
     import, is_own,
 };
 
-use crate::documents::record;
+use crate::results::record;
 pub use figure::{Outlines, channel_figure};
 
 /// Content of an opened path.

@@ -14,7 +14,7 @@ use tautline_core::measurement::Dataset;
 use tautline_import::check_table;
 use tautline_session::{PoseLines, VersionedFile};
 
-use crate::documents::isolability::{IsolabilityDocument, IsolabilityTable, SEEN, percent};
+use crate::isolability::{IsolabilityDocument, IsolabilityTable, SEEN, percent};
 use crate::wording::{count, list, sentence};
 use faults::in_other_frame;
 pub use faults::{ReadingFault, reading_faults};

@@ -5,7 +5,7 @@ use tautline_core::effect::EffectSetting;
 use tautline_session::{Session, Timestamp};
 
 use super::choice::ReportChoice;
-use crate::documents::diagnosis::Diagnosed;
+use crate::diagnosis::Diagnosed;
 use crate::history::{RobotHistory, RobotRecord};
 use crate::identification::{Identification, same_effect};
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use tautline_core::estimation::Control;
 use tautline_session::{ResultRecord, Session, VersionedFile as _};
 
+use crate::diagnosis::{Diagnosed, DiagnosisDocument};
 use crate::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
-use crate::documents::diagnosis::{Diagnosed, DiagnosisDocument};
 use crate::identification::{Identification, identify_session};
 
 /// Identification and diagnosis of a session, if it has them.

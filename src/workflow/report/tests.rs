@@ -15,10 +15,10 @@ use tautline_session::{
 
 use super::document::{Block, Document};
 use super::*;
-use crate::documents::diagnosis::Diagnosed;
-use crate::documents::diagnosis::samples::{dataset, diagnosed};
-use crate::documents::record;
+use crate::diagnosis::Diagnosed;
+use crate::diagnosis::samples::{dataset, diagnosed};
 use crate::identification::{Identification, IdentificationRequest, identify, identify_session};
+use crate::results::record;
 
 /// A name that would be a program if it were taken as markup.
 const HOSTILE: &str = "<script>alert(1)</script> & \"cable\" \u{1b}[2J\u{202e}";

@@ -4,7 +4,7 @@ use tautline_core::diagnosis::Cause;
 use tautline_core::robot::Robot;
 use tautline_core::sequential::{Assessment, Obstacle, Reason};
 
-use crate::documents::diagnosis::cause_title;
+use crate::diagnosis::cause_title;
 use crate::wording::{count, first_lower, list, units};
 
 /// Why a pose was chosen, to be put after its label: `separates winch scale (cable-3) from platform anchor (cable-3)`.

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use tautline_validation::generators::{hypotheses, screenshots, sessions, your_data};
+use tautline_validation::generators::{hypotheses, random_runs, screenshots, sessions, your_data};
 use tautline_validation::support::window;
 use tautline_validation::tables::motion::{Late, RECORDING};
 use tautline_validation::tables::{
@@ -30,6 +30,8 @@ const LIVES_SEED: u64 = 43_000;
 const FORMULAS_SEED: u64 = 44_000;
 /// Seed of the first robot whose health is checked.
 const HEALTH_SEED: u64 = 45_000;
+/// Seed of the first random run.
+const RUNS_SEED: u64 = 49_000;
 /// Seed of the first robot that is measured until it is certain.
 const UNTIL_SEED: u64 = 38_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
@@ -37,7 +39,7 @@ const RECORDS: &str = "target/studies.jsonl";
 
 const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
-             your-data, hypotheses";
+             your-data, hypotheses, random-runs PROGRAM FOLDER [RUNS]";
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -78,6 +80,7 @@ fn main() -> Result<()> {
         Some("study-speed") => study_speed(argument)?,
         Some("write") => write(argument)?,
         Some("hypotheses") => hypotheses::write()?,
+        Some("random-runs") => random_runs(&arguments[1..])?,
         Some("your-data") => your_data::write()?,
         Some("sessions") => sessions::write_all(argument.map_or(sessions::folder(), Path::new))?,
         Some("screenshots") => {
@@ -221,6 +224,15 @@ fn study_speed(what: Option<&str>) -> Result<()> {
         tautline_session::write_text(&path, &text)?;
     }
     Ok(())
+}
+
+/// Documents of random runs of a program, to be compared by `diff --recursive`.
+fn random_runs(arguments: &[String]) -> Result<()> {
+    let [program, folder, runs @ ..] = arguments else {
+        bail!(USAGE);
+    };
+    let runs = runs.first().map_or(Ok(200), |runs| runs.parse())?;
+    random_runs::write(Path::new(program), Path::new(folder), runs, RUNS_SEED)
 }
 
 fn document() -> PathBuf {

@@ -13,8 +13,8 @@ use tautline_session::{
 };
 use tautline_workbench::model::open_session::Diagnosed;
 use tautline_workflow::diagnosis::TIME_LIMIT_S;
-use tautline_workflow::documents;
 use tautline_workflow::identification::{Identification, IdentificationRequest, identify};
+use tautline_workflow::results;
 use tautline_workflow::samples::tables::{bench, home_platform};
 
 use super::recipes::{Hidden, Recipe};
@@ -173,7 +173,7 @@ fn diagnosed(session: &mut Session) -> Result<Diagnosed> {
 }
 
 fn keep<D: VersionedFile>(session: &mut Session, title: &str, document: &D, time: Timestamp) {
-    let mut record = documents::record(session, title, document, time);
+    let mut record = results::record(session, title, document, time);
     let mut value = record.document.value();
     rounding::result(&mut value);
     // Values came from it.

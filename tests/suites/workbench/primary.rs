@@ -19,7 +19,7 @@ use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::next_step;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
-use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::samples::demo;
 

@@ -4,7 +4,7 @@ use tautline_core::diagnosis::{Finding, Separation, Verdict};
 
 use super::Diagnosed;
 use crate::table;
-use tautline_workflow::documents::diagnosis::gain;
+use tautline_workflow::diagnosis::gain;
 use tautline_workflow::wording::probability::percent;
 
 /// Indentation of the lines below a heading.

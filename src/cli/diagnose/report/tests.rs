@@ -1,7 +1,7 @@
 use tautline_core::diagnosis::Verdict;
 
 use super::*;
-use tautline_workflow::documents::diagnosis::samples::{dataset, diagnosed};
+use tautline_workflow::diagnosis::samples::{dataset, diagnosed};
 
 fn report(verdicts: &[Verdict], explain: bool) -> String {
     let dataset = dataset();

@@ -4,9 +4,9 @@ use tautline_core::effect::EffectSetting;
 use tautline_session::ResultRecord;
 
 use crate::model::open_session::PlottedDiagnosis;
-use tautline_workflow::documents::isolability::IsolabilityTable;
 use tautline_workflow::formulas::PatternDocument;
 use tautline_workflow::identification::Identification;
+use tautline_workflow::isolability::IsolabilityTable;
 use tautline_workflow::readiness::CheckItem;
 
 pub const IDENTIFYING: &str = "Identifying";

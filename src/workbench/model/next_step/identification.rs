@@ -6,7 +6,7 @@ use super::{Action, NextStep, identify};
 use crate::model::command::{DIAGNOSING, IDENTIFYING, IdentificationCommand};
 use crate::model::phase::{Phase, PhaseStatus};
 use crate::model::{Model, OpenSession, findings, phase_status};
-use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::count;
 

@@ -8,7 +8,7 @@ use super::{Panel, card, gain};
 use crate::model::findings;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, muted, probability, verdict};
-use tautline_workflow::documents::diagnosis::Diagnosed;
+use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::wording::count;
 use tautline_workflow::wording::units::{fixed, mm};
 

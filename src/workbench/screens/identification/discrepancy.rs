@@ -8,8 +8,8 @@ use crate::model::command::ViewCommand;
 use crate::theme;
 use crate::views::plots::small;
 use crate::widgets::{muted, section};
+use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::diagnosis::dependences::groups;
-use tautline_workflow::documents::diagnosis::Diagnosed;
 use tautline_workflow::wording::{list, p_value, ratio, readings, sentence};
 
 /// Height of a plot (points).

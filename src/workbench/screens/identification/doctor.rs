@@ -9,7 +9,7 @@ use super::{Panel, card, discrepancy, effects, results};
 use crate::model::command::{DIAGNOSING, IdentificationCommand};
 use crate::theme::GRID;
 use crate::widgets::{Verdict, muted, probability, section, verdict};
-use tautline_workflow::documents::diagnosis::{Diagnosed, adequacy};
+use tautline_workflow::diagnosis::{Diagnosed, adequacy};
 use tautline_workflow::wording::local_time::date_and_time;
 use tautline_workflow::wording::{p_value, sentence};
 

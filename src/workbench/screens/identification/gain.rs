@@ -5,7 +5,7 @@ use tautline_core::diagnosis::Gain;
 
 use crate::theme::{self, GRID};
 use crate::widgets::muted;
-use tautline_workflow::documents::diagnosis;
+use tautline_workflow::diagnosis;
 use tautline_workflow::wording::units::fixed;
 use tautline_workflow::wording::{count, ratio};
 

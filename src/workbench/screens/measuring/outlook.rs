@@ -12,7 +12,7 @@ use crate::model::{Model, Selection};
 use crate::theme::GRID;
 use crate::views::plots::small;
 use crate::widgets::{Verdict, fault_window, muted, value, verdict};
-use tautline_workflow::documents::isolability::{IsolabilityTable, SEEN};
+use tautline_workflow::isolability::{IsolabilityTable, SEEN};
 use tautline_workflow::planning::PlanSummary;
 use tautline_workflow::plot::figure::{Axis, Curve, Figure, Ink, Marker, Point, Series};
 

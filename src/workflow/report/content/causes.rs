@@ -3,9 +3,9 @@
 use tautline_core::diagnosis::{Finding, FoundParameter, Separation, Verdict};
 
 use super::{NONE, number};
+use crate::diagnosis::Diagnosed;
 use crate::diagnosis::evidence::{Evidence, evidence};
-use crate::documents::diagnosis::Diagnosed;
-use crate::documents::diagnosis::gain;
+use crate::diagnosis::gain;
 use crate::report::document::{Block, Section, Table};
 use crate::report::input::ReportInput;
 use crate::report::plots;

@@ -4,7 +4,7 @@ use tautline_core::diagnosis::Quantity;
 use tautline_core::estimation::{Observation, ObservationKind};
 
 use super::{number, signed};
-use crate::documents::diagnosis::Diagnosed;
+use crate::diagnosis::Diagnosed;
 use crate::identification::{
     Identification, all_readings, group_of, reading_name, unit_of_reading,
 };

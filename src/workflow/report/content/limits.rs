@@ -2,7 +2,7 @@
 
 use tautline_core::robot::Robot;
 
-use crate::documents::diagnosis::HIDDEN;
+use crate::diagnosis::HIDDEN;
 use crate::report::document::Section;
 use crate::report::input::ReportInput;
 use crate::wording::{count, sentence};

@@ -6,7 +6,7 @@ use tautline_core::estimation::Solution;
 use tautline_session::Session;
 
 use super::{accuracy, adjustments, displacements, when};
-use crate::documents::diagnosis::proposal;
+use crate::diagnosis::proposal;
 use crate::identification::{Identification, effect_sizes, effects_title, same_effect};
 use crate::report::document::{Block, Section};
 use crate::report::input::ReportInput;

@@ -21,7 +21,7 @@ pub struct ComparisonDocument {
     /// Offset of the laser's target plane (m), common motion removed.
     pub target_plane: Option<ScalarDifference>,
     /// Coordinates of the home pose that are estimated.
-    pub home: Option<HomeDocument>,
+    pub home: Option<HomeDifferenceDocument>,
     /// Effects that are estimated.
     pub effects: Vec<EffectDifference>,
     /// All pulleys and the target plane together, common motion removed.
@@ -75,7 +75,7 @@ pub struct MotionDocument {
 
 /// Difference of the home pose.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct HomeDocument {
+pub struct HomeDifferenceDocument {
     /// Estimated coordinates.
     pub coordinates: Vec<CoordinateDocument>,
     /// Test of all coordinates together.
@@ -109,6 +109,8 @@ fn displacement(of: &Displacement) -> DisplacementDocument {
 }
 
 impl ComparisonDocument {
+    /// The document of a comparison.
+    #[must_use]
     pub fn of(compared: &Comparison) -> Self {
         let sd = |c: &nalgebra::DMatrix<f64>, from: usize| {
             [0, 1, 2].map(|k| c[(from + k, from + k)].max(0.0).sqrt())
@@ -133,7 +135,7 @@ impl ComparisonDocument {
                 test: motion.test,
             }),
             target_plane: compared.plane.clone(),
-            home: compared.home.as_ref().map(|home| HomeDocument {
+            home: compared.home.as_ref().map(|home| HomeDifferenceDocument {
                 coordinates: (home.coordinates.iter())
                     .map(|(coordinate, difference, sd)| CoordinateDocument {
                         coordinate: coordinate.describe().to_owned(),

@@ -1,15 +1,9 @@
-//! The result of `home`: as a document, and as readable text.
+//! Machine-readable form of a measured home pose: a public format.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::instrument::HomeAverage;
 use tautline_session::VersionedFile;
-use tautline_workflow::wording::{count, units};
-
-use crate::output::say;
-
-/// Probability below which the scatter of the measurements is reported as doubtful.
-const DOUBTFUL: f64 = 0.01;
 
 /// The mean of all measurements of the home pose.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -37,6 +31,8 @@ impl VersionedFile for HomeDocument {
 }
 
 impl HomeDocument {
+    /// The document of all measurements, of which `measured_now` were made by this command.
+    #[must_use]
     pub fn of(average: &HomeAverage, measured_now: usize) -> Self {
         let (position_sd_m, orientation_sd_rad) = average.sd();
         Self {
@@ -48,23 +44,5 @@ impl HomeDocument {
             orientation_sd_rad,
             p_value: average.p_value(),
         }
-    }
-}
-
-/// Prints the document.
-pub fn print(document: &HomeDocument) {
-    let position = document.position_m.map(|v| units::mm(v, 3)).join(", ");
-    let sds = document.position_sd_m.map(|v| units::mm(v, 3)).join(", ");
-    let turned = document.orientation_sd_rad.into_iter().fold(0.0, f64::max);
-    say!(
-        "home pose by {}: position {position} mm, standard deviations {sds} mm and {:.4}°",
-        count(document.measurements, "measurement"),
-        turned.to_degrees()
-    );
-    if let Some(p) = document.p_value.filter(|p| *p < DOUBTFUL) {
-        say!(
-            "the measurements differ more than their standard deviations say (p = {p:.1e}): the standard deviations of the \
-             mean are not valid"
-        );
     }
 }

@@ -1,5 +1,7 @@
 //! Planning of poses and their expected precision, for window and commands.
 
+mod document;
+
 use std::collections::HashSet;
 
 use tautline_core::estimation::Control;
@@ -8,9 +10,14 @@ use tautline_core::measurement::Measurements;
 use tautline_core::planning::{DesignCriteria, Plan, PlanOptions, PlanProgress, evaluate, plan};
 use tautline_session::{PlannedPose, Session};
 
-use crate::documents::isolability::{IsolabilityDocument, IsolabilityTable};
 use crate::identification::IdentificationRequest;
+use crate::isolability::{IsolabilityDocument, IsolabilityTable};
 use crate::wording::{count, units};
+
+pub use document::{
+    DetectionDocument, ExpectedDocument, ExpectedParameter, HomeGainDocument, PlanDocument,
+    PlannedPoseDocument,
+};
 
 /// Seed of the candidate poses.
 pub const SEED: u64 = 1;

@@ -3,7 +3,7 @@
 use tautline_core::diagnosis::{
     Adequacy, Alternative, Cause, Discrepancy, ErrorForm, Evidence, Finding, FoundParameter, Gain,
     GlobalTest, GroupTest, Invisible, NoiseStatement, PositionChange, PossibleCause, Rival,
-    Subject, UnmodelledError, Variable, Verdict,
+    Subject, UnmodelledError, Variable,
 };
 use tautline_core::geometry::Pose;
 
@@ -13,7 +13,7 @@ use super::document::{
     ErrorFormDocument, EvidenceDocument, ExtendedDocument, FindingDocument, GainDocument,
     GlobalTestDocument, GroupTestDocument, InvisibleDocument, ModelDocument, NoiseDocument,
     ParameterDocument, PointDocument, PoseDocument, PositionChangeDocument, ReadingGainDocument,
-    RivalDocument, RunnerUpDocument, TolerancesDocument, VerdictDocument,
+    RivalDocument, RunnerUpDocument, SubjectDocument,
 };
 
 /// What stands in place of an effect where none explains an error.
@@ -61,10 +61,7 @@ impl Diagnosed {
                 groups: self.groups(&diagnosis.extended),
             },
             remaining_discrepancy: discrepancies(&diagnosis.remaining),
-            tolerances: Some(TolerancesDocument {
-                factor: diagnosis.tolerances.factor,
-                stated: diagnosis.tolerances.are_stated,
-            }),
+            tolerances: Some(diagnosis.tolerances),
             noise: diagnosis.noise.iter().map(|n| self.noise(n)).collect(),
             not_visible: diagnosis.invisible.iter().map(|i| self.hidden(i)).collect(),
         }
@@ -78,36 +75,37 @@ impl Diagnosed {
     }
 
     fn alternative(&self, alternative: &Alternative) -> AlternativeDocument {
-        let (CauseDocument { effect, targets }, error) =
-            self.subject_document(&alternative.subject);
         AlternativeDocument {
-            effect,
-            targets,
-            error,
+            subject: self.subject_document(&alternative.subject),
             probability: alternative.probability,
         }
     }
 
     fn possible(&self, possible: &PossibleCause) -> AlternativeDocument {
-        let CauseDocument { effect, targets } = self.cause(&possible.cause);
         AlternativeDocument {
-            effect,
-            targets,
-            error: None,
+            subject: self.known(&possible.cause),
             probability: possible.probability,
         }
     }
 
-    fn subject_document(&self, subject: &Subject) -> (CauseDocument, Option<ErrorDocument>) {
-        let error = match subject {
-            Subject::Cause(cause) => return (self.cause(cause), None),
-            Subject::UnmodelledError(error) => error,
-        };
-        let cause = CauseDocument {
-            effect: UNKNOWN.to_owned(),
-            targets: self.cable(error.readings.cable).into_iter().collect(),
-        };
-        (cause, Some(self.error_document(error)))
+    fn known(&self, cause: &Cause) -> SubjectDocument {
+        let CauseDocument { effect, targets } = self.cause(cause);
+        SubjectDocument {
+            effect,
+            targets,
+            error: None,
+        }
+    }
+
+    fn subject_document(&self, subject: &Subject) -> SubjectDocument {
+        match subject {
+            Subject::Cause(cause) => self.known(cause),
+            Subject::UnmodelledError(error) => SubjectDocument {
+                effect: UNKNOWN.to_owned(),
+                targets: self.cable(error.readings.cable).into_iter().collect(),
+                error: Some(self.error_document(error)),
+            },
+        }
     }
 
     fn error_document(&self, error: &UnmodelledError) -> ErrorDocument {
@@ -186,18 +184,11 @@ impl Diagnosed {
     }
 
     fn finding(&self, finding: &Finding) -> FindingDocument {
-        let (CauseDocument { effect, targets }, error) = self.subject_document(&finding.subject);
         let separation = finding.separation.as_ref();
         let poses = separation.iter().flat_map(|s| &s.poses);
         FindingDocument {
-            verdict: match finding.verdict() {
-                Verdict::Named => VerdictDocument::Named,
-                Verdict::Ambiguous => VerdictDocument::Ambiguous,
-                Verdict::Unknown => VerdictDocument::Unknown,
-            },
-            effect,
-            targets,
-            error,
+            verdict: finding.verdict(),
+            subject: self.subject_document(&finding.subject),
             cause: self.text(finding),
             advice: finding.advice.clone(),
             probability: finding.probability,
@@ -304,6 +295,7 @@ fn pose(pose: &Pose) -> PoseDocument {
 #[cfg(test)]
 mod tests {
     use serde_json::{Value, json};
+    use tautline_core::diagnosis::Verdict;
     use tautline_session::versioned;
 
     use super::super::samples::{dataset, diagnosed};

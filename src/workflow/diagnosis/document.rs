@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use tautline_core::diagnosis::{ToleranceFactor, Verdict};
 use tautline_core::effect::EffectSetting;
 use tautline_session::VersionedFile;
 
@@ -34,7 +35,7 @@ pub struct DiagnosisDocument {
     pub remaining_discrepancy: Vec<DiscrepancyDocument>,
     /// By what the parts scatter; absent in old files, in which all parts counted as exact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tolerances: Option<TolerancesDocument>,
+    pub tolerances: Option<ToleranceFactor>,
     /// Noise that differs from robot.json.
     pub noise: Vec<NoiseDocument>,
     /// Effects that these data cannot reveal at their typical size.
@@ -110,14 +111,10 @@ pub struct PointDocument {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FindingDocument {
     /// Certainty of the cause.
-    pub verdict: VerdictDocument,
-    /// Effect of the catalogue; "unknown" for an error that none explains.
-    pub effect: String,
-    /// Cables; empty for an effect of the robot, an instrument or all cables together.
-    pub targets: Vec<String>,
-    /// The error, if no effect explains it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub error: Option<ErrorDocument>,
+    pub verdict: Verdict,
+    /// What was found.
+    #[serde(flatten)]
+    pub subject: SubjectDocument,
     /// The cause as a sentence for a technician.
     pub cause: String,
     /// What to do in the workshop.
@@ -140,18 +137,6 @@ pub struct FindingDocument {
     pub separating_advice: Option<String>,
 }
 
-/// Certainty of the cause of a finding.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum VerdictDocument {
-    /// One cause is established.
-    Named,
-    /// The data cannot separate it from its alternatives.
-    Ambiguous,
-    /// No effect of the catalogue explains it.
-    Unknown,
-}
-
 /// An effect with its targets.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CauseDocument {
@@ -161,9 +146,9 @@ pub struct CauseDocument {
     pub targets: Vec<String>,
 }
 
-/// An effect with its targets and its posterior probability.
+/// A cause, or an error that no effect explains.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AlternativeDocument {
+pub struct SubjectDocument {
     /// Effect of the catalogue; "unknown" for an error that none explains.
     pub effect: String,
     /// Cables; empty for an effect of the robot, an instrument or all cables together.
@@ -171,6 +156,14 @@ pub struct AlternativeDocument {
     /// The error, if no effect explains it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<ErrorDocument>,
+}
+
+/// An effect with its targets and its posterior probability.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AlternativeDocument {
+    /// The cause or error.
+    #[serde(flatten)]
+    pub subject: SubjectDocument,
     /// Posterior probability.
     pub probability: f64,
 }
@@ -315,15 +308,6 @@ pub struct PoseDocument {
     pub position_m: [f64; 3],
     /// Orientation, quaternion w first.
     pub orientation_wxyz: [f64; 4],
-}
-
-/// By what the parts scatter.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct TolerancesDocument {
-    /// In units of their tolerances; 0 for exact parts.
-    pub factor: f64,
-    /// Whether robot.json states the tolerances; otherwise they are typical ones.
-    pub stated: bool,
 }
 
 /// A kind of reading whose noise differs from robot.json.

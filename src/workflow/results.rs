@@ -1,8 +1,4 @@
-//! Results as documents and in words, shared by commands, screens and sessions.
-
-pub mod diagnosis;
-pub mod isolability;
-pub mod plan;
+//! Results in sessions.
 
 use tautline_session::{ResultDocument, ResultRecord, Session, Timestamp, VersionedFile};
 

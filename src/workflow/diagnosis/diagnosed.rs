@@ -1,29 +1,10 @@
-//! A diagnosis as a document and in words.
-
-mod cause;
-mod convert;
-mod document;
-mod finding;
-mod invisible;
-mod proposal;
-#[cfg(any(test, feature = "test-samples"))]
-pub mod samples;
-mod stage;
-mod verdict;
+//! A diagnosis with its subject and settings.
 
 use std::sync::Arc;
 
 use tautline_core::diagnosis::{Cause, Diagnosis};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
-
-pub use cause::cause_title;
-pub use document::{DiagnosisDocument, FindingDocument, GainDocument, ParameterDocument};
-pub use finding::{gain, is_improvement};
-pub use invisible::{HIDDEN, Undetectable};
-pub use proposal::{Proposal, proposal};
-pub use stage::stage;
-pub use verdict::{adequacy, residual_ratio};
 
 /// A diagnosis with its subject and settings.
 #[derive(Debug)]

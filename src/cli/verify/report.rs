@@ -1,48 +1,11 @@
-//! The result of `verify`: as a document and as human-readable text.
+//! A verification as text.
 
-use anyhow::{Result, anyhow};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use tautline_session::{Session, Stage, VersionedFile};
+use tautline_session::Stage;
+use tautline_workflow::accuracy::{Accuracy, VerificationDocument};
+use tautline_workflow::adjusting::title;
 
 use crate::output::say;
 use crate::table;
-use tautline_workflow::accuracy::{self, Accuracy};
-use tautline_workflow::adjusting::title;
-
-/// Accuracy of a robot before and after the adjustment of its controller.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct VerificationDocument {
-    /// Stage of this run.
-    pub stage: Stage,
-    /// The last run before the adjustment; null if there was none.
-    pub before: Option<Accuracy>,
-    /// The last run after the adjustment; null if there was none.
-    pub after: Option<Accuracy>,
-}
-
-impl VersionedFile for VerificationDocument {
-    const FORMAT: &'static str = "tautline-verification";
-    const VERSION: u32 = 1;
-    const MAX_BYTES: u64 = 1 << 30;
-}
-
-impl VerificationDocument {
-    /// The document of the last runs of a session.
-    pub fn of(session: &Session, stage: Stage) -> Result<Self> {
-        let last = |stage: Stage| {
-            let mut runs = session.verifications().iter().rev();
-            let run = runs.find(|run| run.stage == stage);
-            let figures = run.map(|run| accuracy::figures(&run.rows));
-            figures.transpose().map_err(|error| anyhow!("{error}"))
-        };
-        Ok(Self {
-            stage,
-            before: last(Stage::Before)?,
-            after: last(Stage::After)?,
-        })
-    }
-}
 
 /// Prints this run and the change by the adjustment.
 pub fn print(document: &VerificationDocument) {

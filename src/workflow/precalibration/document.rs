@@ -6,7 +6,8 @@ use tautline_core::cable::ElongationSurface;
 use tautline_core::instrument::{ForceSensorCalibration, HomeMeasurement, WinchCalibration};
 use tautline_core::robot::{Cable, Robot};
 use tautline_session::{PhaseData, VersionedFile};
-use tautline_workflow::precalibration::{Calibration, ElongationFit, PerCable};
+
+use super::{Calibration, ElongationFit, PerCable};
 
 /// Results of phases 1 and 2; empty or null where nothing was measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,12 +1,13 @@
 //! Machine-readable form of a plan.
 
-use super::isolability::IsolabilityDocument;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::estimation::ParameterId;
 use tautline_core::planning::{Expectation, Plan, Refused};
 use tautline_core::robot::Robot;
 use tautline_session::VersionedFile;
+
+use crate::isolability::IsolabilityDocument;
 
 /// Poses to measure and the expected results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
