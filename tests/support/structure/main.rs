@@ -2,9 +2,10 @@
 //!
 //!     cargo run --package tautline-structure
 //!
-//! Code for tests is left out: it may import whatever it tests.
+//! Code for tests is left out: it may import whatever it tests. With `-- lines` it prints the lines of every crate.
 
 mod imports;
+mod lines;
 mod modules;
 mod rules;
 mod tokens;
@@ -16,6 +17,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use crate::imports::{crates_mentioned, imports};
+use crate::lines::Lines;
 use crate::modules::Crate;
 use crate::rules::{circles, disorder};
 
@@ -107,6 +109,18 @@ const CRATES: [Rules; 9] = [
 
 fn main() -> ExitCode {
     let repository = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../.."));
+    if std::env::args()
+        .nth(1)
+        .is_some_and(|argument| argument == "lines")
+    {
+        return match print_lines(repository) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                println!("error: {error}");
+                ExitCode::FAILURE
+            }
+        };
+    }
     let mut count = 0;
     for rules in &CRATES {
         let root = repository.join(rules.folder);
@@ -127,6 +141,29 @@ fn main() -> ExitCode {
     }
     println!("{count} violations of the structure in docs/ARCHITECTURE.md");
     ExitCode::FAILURE
+}
+
+/// Prints the lines of every crate, of all of them, and of the suites across crates.
+fn print_lines(repository: &Path) -> Result<(), String> {
+    let print =
+        |name: &str, lines: Lines| println!("{name:16}{:8}{:8}", lines.production, lines.tests);
+    println!("{:16}{:>8}{:>8}", "", "program", "tests");
+    let mut sum = Lines::default();
+    for rules in &CRATES {
+        let lines = Lines::of_folder(&repository.join(rules.folder))?;
+        print(rules.folder, lines);
+        sum = sum.plus(lines);
+    }
+    print("src", sum);
+    let suites = Lines::of_folder(&repository.join("tests"))?;
+    print(
+        "tests",
+        Lines {
+            production: 0,
+            tests: suites.production + suites.tests,
+        },
+    );
+    Ok(())
 }
 
 /// The violations in the crate whose `lib.rs` lies in `root`; that of a circle has a line for each import.
