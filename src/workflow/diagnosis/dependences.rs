@@ -22,10 +22,17 @@ const NEIGHBOURS: f64 = 0.4;
 const LEAST_NEIGHBOURS: usize = 5;
 const LINE_STEPS: usize = 80;
 
-/// Groups dependences of the same readings, by their indices: their variables vary together, so that they are
-/// one discrepancy in several variables.
+/// The groups that are shown.
 #[must_use]
 pub fn groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
+    let mut groups = all_groups(found);
+    groups.truncate(SHOWN);
+    groups
+}
+
+/// Groups dependences of the same readings, by their indices: their variables vary together, so that they are
+/// one discrepancy in several variables.
+pub(super) fn all_groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (index, one) in found.iter().enumerate() {
         let of = |k: &usize| (found[*k].quantity, found[*k].cable);
@@ -36,7 +43,6 @@ pub fn groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
             None => groups.push(vec![index]),
         }
     }
-    groups.truncate(SHOWN);
     groups
 }
 

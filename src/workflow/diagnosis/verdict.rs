@@ -1,12 +1,11 @@
 //! The verdict on a model, its noise and what remains unexplained, in words.
 
-use tautline_core::diagnosis::{
-    Adequacy, Discrepancy, GlobalTest, NoiseStatement, Quantity, ToleranceFactor,
-};
+use tautline_core::diagnosis::{Adequacy, GlobalTest, NoiseStatement, Quantity, ToleranceFactor};
 
 use super::Diagnosed;
+use super::dependences::all_groups;
 use crate::wording::units::significant;
-use crate::wording::{count, odds, ratio, readings, sentence};
+use crate::wording::{count, list, odds, ratio, readings, sentence};
 
 /// Factor of the tolerances below which parts are called exact.
 const EXACT: f64 = 0.1;
@@ -156,16 +155,23 @@ impl Diagnosed {
         format!("{readings} have {only}{ratio} times the stated noise ({from} to {to}): {advice}.")
     }
 
-    /// A dependence that remains with the extended model, in a sentence.
+    /// What remains with the extended model, in a sentence for each kind of reading and cable.
     #[must_use]
-    pub fn remaining_line(&self, left: &Discrepancy) -> String {
-        let cable = self.cable(left.cable);
-        format!(
-            "Unexplained: residuals of {} are {:.2} times the expected noise and depend on {}.",
-            readings(left.quantity, cable.as_deref()),
-            left.rms_over_sd,
-            left.variable.name()
-        )
+    pub fn remaining_lines(&self) -> Vec<String> {
+        let left = &self.diagnosis.remaining;
+        let groups = all_groups(left).into_iter();
+        groups
+            .map(|group| {
+                let first = &left[group[0]];
+                let names: Vec<&str> = group.iter().map(|&k| left[k].variable.name()).collect();
+                format!(
+                    "Unexplained: residuals of {} are {:.2} times the expected noise and depend on {}.",
+                    readings(first.quantity, self.cable(first.cable).as_deref()),
+                    first.rms_over_sd,
+                    list(&names)
+                )
+            })
+            .collect()
     }
 }
 

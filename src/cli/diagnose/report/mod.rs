@@ -50,18 +50,11 @@ fn section(lines: impl Iterator<Item = String>) -> Vec<String> {
 }
 
 fn remaining_lines(diagnosed: &Diagnosed, all: bool) -> Vec<String> {
-    let remaining = &diagnosed.diagnosis.remaining;
-    let shown = if all {
-        remaining.len()
-    } else {
-        REMAINING_SHOWN
-    };
-    let mut lines: Vec<_> = remaining
-        .iter()
-        .take(shown)
-        .map(|d| diagnosed.remaining_line(d))
-        .collect();
-    if let Some(more @ 1..) = remaining.len().checked_sub(shown) {
+    let mut lines = diagnosed.remaining_lines();
+    let shown = if all { lines.len() } else { REMAINING_SHOWN };
+    let found = lines.len();
+    lines.truncate(shown);
+    if let Some(more @ 1..) = found.checked_sub(shown) {
         lines.push(format!("... and {more} more (--explain lists them)"));
     }
     lines

@@ -138,8 +138,8 @@ fn rest(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
         verdict(ui, Verdict::Doubtful, &diagnosed.noise_line(noise));
     }
     if !diagnosis.findings.is_empty() {
-        for left in diagnosis.remaining.iter().take(3) {
-            muted(ui, &diagnosed.remaining_line(left));
+        for line in diagnosed.remaining_lines().iter().take(3) {
+            muted(ui, line);
         }
     }
     possible(ui, diagnosed);

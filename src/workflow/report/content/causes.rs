@@ -50,12 +50,7 @@ pub fn section(input: &ReportInput<'_>, diagnosed: &Diagnosed) -> Section {
                 .push(Block::Plots(vec![plots::dependence(&name, figure)]));
         }
     }
-    let remaining = diagnosis.remaining.iter();
-    section.list(
-        remaining
-            .map(|left| diagnosed.remaining_line(left))
-            .collect(),
-    );
+    section.list(diagnosed.remaining_lines());
     if let Some(text) = diagnosed.possible_line() {
         section.note(text);
     }
