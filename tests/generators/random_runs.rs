@@ -154,6 +154,10 @@ impl Run<'_> {
         let effect = CATALOGUE.choose(&mut self.rng).context("an effect")?;
         let sizes: Vec<String> = (effect.parameters().iter())
             .map(|parameter| {
+                // The only parameter that is a label, of one of the first poses.
+                if parameter.name == "pose" {
+                    return format!("pose={}", self.rng.random_range(1..12));
+                }
                 let [least, most] = parameter.typical;
                 format!("{}={}", parameter.name, self.rng.random_range(least..=most))
             })
