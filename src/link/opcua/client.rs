@@ -10,9 +10,10 @@ use opcua_types::{
 
 use super::wire::{Answer, Wire, explain};
 use crate::error::LinkError;
+use crate::timed_socket::SocketError;
 
 /// Largest number of nodes per request; controllers allow some hundreds.
-const NODES: usize = 256;
+pub(super) const NODES: usize = 256;
 
 /// Errors of a request.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +29,7 @@ pub(super) struct OpcUaClient {
     pub wire: Wire,
     timeout_s: f64,
     /// The present request, for the message if it is not answered.
-    request: String,
+    pub request: String,
     pub token: NodeId,
     is_lost: bool,
 }
@@ -49,15 +50,25 @@ impl OpcUaClient {
         &mut self,
         request: &(impl opcua_types::BinaryEncodable + opcua_types::MessageInfo),
     ) -> Result<A, RequestError> {
-        let answer = self.wire.exchange(request).map_err(|broken| {
-            self.is_lost = true;
-            RequestError::Lost(broken.into_error((&self.request, self.timeout_s), ""))
-        })?;
+        let answer = self.wire.exchange(request);
+        let answer = answer.map_err(|broken| self.broken(broken))?;
         answer.map_err(|status| self.refusal(status))
     }
 
+    /// Converts a failure of the transport, which ends the connection.
+    pub fn broken(&mut self, broken: SocketError) -> RequestError {
+        let error = broken.into_error((&self.request, self.timeout_s), "");
+        self.lost(RequestError::Lost(error))
+    }
+
+    /// Notes that the session must not be used any more.
+    pub fn lost(&mut self, error: RequestError) -> RequestError {
+        self.is_lost = true;
+        error
+    }
+
     /// Converts a rejection; that of the whole session ends the connection.
-    fn refusal(&mut self, status: StatusCode) -> RequestError {
+    pub fn refusal(&mut self, status: StatusCode) -> RequestError {
         use SubStatusCode as S;
         match status.sub_code() {
             S::BadSessionIdInvalid
@@ -75,10 +86,9 @@ impl OpcUaClient {
         }
     }
 
-    fn other_length(&mut self) -> RequestError {
-        self.is_lost = true;
+    pub fn other_length(&mut self) -> RequestError {
         let text = "its answer is invalid: its length differs from that of the request";
-        RequestError::Lost(LinkError::Disconnected(text.to_owned()))
+        self.lost(RequestError::Lost(LinkError::Disconnected(text.to_owned())))
     }
 
     /// The values of nodes, in one request unless there are very many.

@@ -1,8 +1,8 @@
 //! Controllers over OPC UA.
 //!
-//! Symbols are nodes, named by their identifiers; everything else is as with ADS, see [`crate::symbols`]. There is no thread and
-//! no subscription: values are read and written by requests, each of which ends, answered or not, after at most
-//! [`OpcUaOptions::timeout_s`]. The messages are encoded and decoded by `async-opcua-types`, the cryptography is that of
+//! Symbols are nodes, named by their identifiers; everything else is as with ADS, see [`crate::symbols`]. There is no thread:
+//! values are read and written by requests, each of which ends, answered or not, after at most
+//! [`OpcUaOptions::timeout_s`]; live values are sent by the server and taken when they are wanted. The messages are encoded and decoded by `async-opcua-types`, the cryptography is that of
 //! `async-opcua-crypto`; their transport is implemented here, because the client of that project buffers as many bytes as a
 //! server announces, reconnects on its own, and needs a runtime with threads, and because its channel (`async-opcua-core`) takes
 //! an unprotected answer, or one under any certificate, for an answer of the server, and panics where a message is too short.
@@ -17,6 +17,7 @@ mod opening;
 mod options;
 mod program;
 mod protection;
+mod subscription;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]

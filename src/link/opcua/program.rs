@@ -1,10 +1,11 @@
 //! The nodes of a controller's program.
 
-use opcua_types::{NodeId, StatusCode, VariableId, Variant};
+use opcua_types::{DataValue, NodeId, StatusCode, VariableId, Variant};
 
 use super::OpcUaServer;
 use super::client::{OpcUaClient, RequestError};
 use super::opening;
+use super::subscription::Subscription;
 use super::values::{Shape, types_of};
 use super::wire::explain;
 use crate::controller::LinkProtection;
@@ -44,6 +45,7 @@ impl SymbolServer for OpcUaServer {
         let mut program = Program {
             client: opening::open(self)?,
             nodes: Vec::new(),
+            live: None,
         };
         match program.problem().map_err(Failure::into_error)? {
             Some(text) => Err(LinkError::Refused(text)),
@@ -63,6 +65,8 @@ struct Node {
 struct Program {
     client: OpcUaClient,
     nodes: Vec<Node>,
+    /// The subscription to live values, and the indices of its nodes.
+    live: Option<(Subscription, Vec<usize>)>,
 }
 
 impl Program {
@@ -71,14 +75,37 @@ impl Program {
         let ids: Vec<NodeId> = indices.iter().map(|k| self.nodes[*k].id.clone()).collect();
         let answers = self.client.read(&ids);
         let answers = answers.map_err(|error| failure(error, "reading nodes"))?;
-        let values = indices.iter().zip(answers).map(|(index, answer)| {
-            let name = &self.nodes[*index].name;
-            match (answer.status.unwrap_or(StatusCode::Good), answer.value) {
-                (status, value) if status.is_good() => Ok(value.unwrap_or_default()),
-                (status, _) => Err(refused(status, name)),
-            }
-        });
-        values.collect()
+        let values = indices.iter().zip(answers);
+        values
+            .map(|(index, answer)| self.good(*index, answer))
+            .collect()
+    }
+
+    /// The value of a node, which must have a good status.
+    fn good(&self, index: usize, answer: DataValue) -> Result<Variant, Failure> {
+        match (answer.status.unwrap_or(StatusCode::Good), answer.value) {
+            (status, value) if status.is_good() => Ok(value.unwrap_or_default()),
+            (status, _) => Err(refused(status, &self.nodes[index].name)),
+        }
+    }
+
+    /// Contents of nodes by their indices.
+    fn contents(&self, values: &[(usize, Variant)]) -> Result<SymbolValues, Failure> {
+        let mut contents = vec![None; self.nodes.len()];
+        for (index, value) in values {
+            let node = &self.nodes[*index];
+            let content = node.shape.content(value);
+            contents[*index] = Some(content.ok_or_else(|| node_changed(node, value))?);
+        }
+        Ok(SymbolValues(contents))
+    }
+
+    fn end_live(&mut self) -> Result<(), Failure> {
+        let Some((subscription, _)) = self.live.take() else {
+            return Ok(());
+        };
+        let ended = self.client.end_subscription(&subscription);
+        ended.map_err(|error| failure(error, "ending a subscription"))
     }
 }
 
@@ -148,13 +175,44 @@ impl SymbolAccess for Program {
     fn read(&mut self, indices: &mut dyn Iterator<Item = usize>) -> Result<SymbolValues, Failure> {
         let wanted = each_once(indices, self.nodes.len());
         let values = self.values(&wanted)?;
-        let mut contents = vec![None; self.nodes.len()];
-        for (index, value) in wanted.into_iter().zip(values) {
-            let node = &self.nodes[index];
-            let content = node.shape.content(&value);
-            contents[index] = Some(content.ok_or_else(|| node_changed(node, &value))?);
-        }
-        Ok(SymbolValues(contents))
+        let values: Vec<(usize, Variant)> = wanted.into_iter().zip(values).collect();
+        self.contents(&values)
+    }
+
+    fn subscribe(
+        &mut self,
+        indices: &mut dyn Iterator<Item = usize>,
+        every_s: f64,
+    ) -> Result<(), Failure> {
+        self.end_live()?;
+        let wanted = each_once(indices, self.nodes.len());
+        let ids: Vec<NodeId> = wanted.iter().map(|k| self.nodes[*k].id.clone()).collect();
+        let made = self.client.subscribe(&ids, every_s);
+        let made = made.map_err(|error| failure(error, "subscribing to nodes"))?;
+        self.live = Some((made, wanted));
+        Ok(())
+    }
+
+    fn sent(&mut self) -> Result<Vec<SymbolValues>, Failure> {
+        let Some((subscription, wanted)) = &mut self.live else {
+            return Ok(Vec::new());
+        };
+        let rows = match self.client.sent(subscription) {
+            Ok(rows) => rows,
+            Err(error) => {
+                if matches!(error, RequestError::Refused(_)) {
+                    self.end_live()?;
+                }
+                return Err(failure(error, "live values"));
+            }
+        };
+        let wanted = wanted.clone();
+        let contents = rows.into_iter().map(|row| {
+            let values = wanted.iter().zip(row);
+            let values = values.map(|(index, value)| Ok((*index, self.good(*index, value)?)));
+            self.contents(&values.collect::<Result<Vec<_>, Failure>>()?)
+        });
+        contents.collect()
     }
 
     /// Arrays are read, changed and written as a whole, as not every server can write an element.

@@ -49,6 +49,8 @@ pub(super) struct Protection {
     server: ServerCertificate,
     nonce: ByteString,
     keys: Option<Keys>,
+    /// Keys of the token before.
+    former: Option<Keys>,
 }
 
 fn unreadable(what: &str) -> SocketError {
@@ -76,6 +78,7 @@ impl Protection {
             server,
             nonce: ByteString::null(),
             keys: None,
+            former: None,
         }
     }
 
@@ -119,6 +122,7 @@ impl Protection {
         if theirs.len() != self.policy.secure_channel_nonce_length() || ours == theirs {
             return Err(unreadable("has no random number for the keys"));
         }
+        self.former = self.keys.take();
         self.keys = Some(Keys {
             ours: self.policy.make_secure_channel_keys(theirs, ours),
             server: self.policy.make_secure_channel_keys(ours, theirs),
@@ -243,7 +247,17 @@ impl Protection {
 
     /// The content of a protected message of the open channel, whose encrypted part begins at `at`.
     pub fn open(&self, message: &[u8], at: usize) -> Result<Vec<u8>, SocketError> {
-        let keys = self.keys()?;
+        self.open_with(self.keys()?, message, at)
+    }
+
+    /// The same for a message under the token before.
+    pub fn open_former(&self, message: &[u8], at: usize) -> Result<Vec<u8>, SocketError> {
+        let keys = self.former.as_ref();
+        let keys = keys.ok_or_else(|| unreadable("came under keys that are forgotten"))?;
+        self.open_with(keys, message, at)
+    }
+
+    fn open_with(&self, keys: &Keys, message: &[u8], at: usize) -> Result<Vec<u8>, SocketError> {
         let wrong = || unreadable("cannot be decrypted");
         let (head, sealed) = message.split_at_checked(at).ok_or_else(wrong)?;
         let mut plain = sealed.to_vec();
@@ -397,6 +411,14 @@ mod tests {
         a.derive(&server_nonce()).expect("keys");
         let sealed = a.seal(*b"MSGF", &[7; 8], &[5; 100]).expect("sealed");
         assert!(b.open(&sealed, HEADER + 8).is_err());
+        // What the other end sent before it knew of the new token is still readable.
+        let sealed = b.seal(*b"MSGF", &[7; 8], &[5; 100]).expect("sealed");
+        assert!(a.open(&sealed, HEADER + 8).is_err());
+        assert_eq!(
+            a.open_former(&sealed, HEADER + 8).expect("opened"),
+            [5; 100]
+        );
+        assert!(b.open_former(&sealed, HEADER + 8).is_err());
         let own = a.new_nonce();
         assert!(a.derive(&own).is_err(), "our own number came back");
         assert!(a.derive(&ByteString::null()).is_err(), "no number");

@@ -1,9 +1,11 @@
-//! Messages of OPC UA over TCP: one request at a time, with its response before a deadline.
+//! Messages of OPC UA over TCP: one request at a time, with its response before a deadline. Publish requests are left with the
+//! server, which answers them when it has something to tell.
 //!
 //! The messages are encoded by `async-opcua-types`; their transport is implemented here, so that every length is
 //! compared with its limit first and the deadline applies to whole exchanges. Messages are protected by [`Protection`]; without
 //! one the security policy is None.
 
+use std::collections::{BTreeMap, VecDeque};
 use std::io::Cursor;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
@@ -34,6 +36,8 @@ const LONGEST: usize = 1 << 21;
 const SMALLEST_BUFFER: usize = 8192;
 /// Requested lifetime of a channel before it is renewed (ms).
 const LIFETIME_MS: u32 = 3_600_000;
+/// Largest number of answers to publish requests that wait to be taken; the oldest in excess are dropped.
+const MOST_TOLD: usize = 1024;
 const NO_SECURITY: &str = "http://opcfoundation.org/UA/SecurityPolicy#None";
 
 /// A response of a server.
@@ -58,6 +62,10 @@ answers! {
     CreateSessionResponse CreateSessionResponse_Encoding_DefaultBinary,
     ActivateSessionResponse ActivateSessionResponse_Encoding_DefaultBinary,
     CloseSessionResponse CloseSessionResponse_Encoding_DefaultBinary,
+    CreateSubscriptionResponse CreateSubscriptionResponse_Encoding_DefaultBinary,
+    CreateMonitoredItemsResponse CreateMonitoredItemsResponse_Encoding_DefaultBinary,
+    DeleteSubscriptionsResponse DeleteSubscriptionsResponse_Encoding_DefaultBinary,
+    PublishResponse PublishResponse_Encoding_DefaultBinary,
     ReadResponse ReadResponse_Encoding_DefaultBinary,
     WriteResponse WriteResponse_Encoding_DefaultBinary
 }
@@ -78,6 +86,12 @@ pub(super) struct Wire {
     received: Option<u32>,
     /// Largest chunk that the server accepts (bytes).
     largest: usize,
+    /// Requests left with the server, and their answers so far.
+    left: BTreeMap<u32, Vec<u8>>,
+    /// Answers to them that are complete.
+    told: VecDeque<Vec<u8>>,
+    /// Token before the present one, under which the server may have sent what is on its way.
+    former_token: Option<u32>,
 }
 
 impl Wire {
@@ -100,6 +114,9 @@ impl Wire {
             request: 0,
             received: None,
             largest: SMALLEST_BUFFER,
+            left: BTreeMap::new(),
+            told: VecDeque::new(),
+            former_token: None,
         };
         wire.greet(url)?;
         wire.open(SecurityTokenRequestType::Issue)?;
@@ -160,7 +177,11 @@ impl Wire {
             None => message(*b"OPNF", &[head, content].concat()),
         };
         self.socket.send(&sealed, until)?;
-        let answer = self.receive(until)?;
+        let mut answer = self.receive(until)?;
+        while kind_of(&answer).starts_with(b"MSG") && !self.left.is_empty() {
+            self.keep(&answer)?;
+            answer = self.receive(until)?;
+        }
         if kind_of(&answer) != *b"OPNF" {
             return Err(SocketError::Invalid(
                 "it did not answer the request to open a channel".to_owned(),
@@ -172,6 +193,7 @@ impl Wire {
             protection.derive(&answer.server_nonce)?;
         }
         let token = answer.security_token;
+        self.former_token = Some(self.token);
         (self.channel, self.token) = (token.channel_id, token.token_id);
         // Renewal well before expiry; a server may set a lifetime so short that nothing else could be sent.
         let life = Duration::from_millis(u64::from(token.revised_lifetime)).mul_f64(0.75);
@@ -199,7 +221,11 @@ impl Wire {
             }
             None => rest.to_vec(),
         };
-        Ok(self.body_of(&content).ok_or_else(short)??.to_vec())
+        let (number, body) = self.body_of(&content)?;
+        match number == self.request {
+            true => Ok(body.to_vec()),
+            false => Err(foreign()),
+        }
     }
 
     /// The header of the next request.
@@ -226,6 +252,31 @@ impl Wire {
         self.send(&body, until)?;
         let answer = self.answer(until)?;
         self.decode(&answer)
+    }
+
+    /// Sends a request that the server answers when it has something to tell.
+    pub fn leave(
+        &mut self,
+        request: &(impl BinaryEncodable + MessageInfo),
+    ) -> Result<(), SocketError> {
+        if Instant::now() > self.renew_at {
+            self.open(SecurityTokenRequestType::Renew)?;
+        }
+        let until = Instant::now() + self.timeout;
+        let body = self.body(request);
+        self.send(&body, until)?;
+        self.left.insert(self.request, Vec::new());
+        Ok(())
+    }
+
+    /// The answers to requests that were left with the server, as far as they have arrived, the oldest first.
+    pub fn told<A: Answer>(&mut self) -> Result<Vec<Result<A, StatusCode>>, SocketError> {
+        while !self.left.is_empty() && self.socket.has_received()? {
+            let chunk = self.receive(Instant::now() + self.timeout)?;
+            self.keep(&chunk)?;
+        }
+        let told = std::mem::take(&mut self.told);
+        told.iter().map(|body| self.decode(body)).collect()
     }
 
     /// The protection of the channel; `None` under the policy None.
@@ -292,27 +343,54 @@ impl Wire {
 
     /// The body of the response to the last request, assembled from its chunks.
     fn answer(&mut self, until: Instant) -> Result<Vec<u8>, SocketError> {
-        let mut body = Vec::new();
+        let present = self.request;
+        self.left.insert(present, Vec::new());
         loop {
             let chunk = self.receive(until)?;
-            let [b'M', b'S', b'G', more @ (b'F' | b'C')] = kind_of(&chunk) else {
-                return Err(SocketError::Invalid(match kind_of(&chunk) {
-                    [b'M', b'S', b'G', b'A'] => "it aborted an answer".to_owned(),
-                    _ => "a message of an unexpected kind".to_owned(),
-                }));
-            };
-            let content = self.content_of(&chunk)?;
-            let part = self.body_of(&content).ok_or_else(short_chunk)??;
-            if body.len() + part.len() > LONGEST {
-                return Err(SocketError::Invalid(format!(
-                    "an answer of more than {LONGEST} bytes"
-                )));
-            }
-            body.extend_from_slice(part);
-            if more == b'F' {
-                return Ok(body);
+            match self.assemble(&chunk)? {
+                Some((number, body)) if number == present => return Ok(body),
+                Some((_, body)) => self.tell(body),
+                None => {}
             }
         }
+    }
+
+    /// Keeps a chunk of an answer to a request that was left with the server.
+    fn keep(&mut self, chunk: &[u8]) -> Result<(), SocketError> {
+        if let Some((_, body)) = self.assemble(chunk)? {
+            self.tell(body);
+        }
+        Ok(())
+    }
+
+    fn tell(&mut self, body: Vec<u8>) {
+        if self.told.len() == MOST_TOLD {
+            self.told.pop_front();
+        }
+        self.told.push_back(body);
+    }
+
+    /// Adds a chunk to the answer that it belongs to; returns the answer with the number of its request once it is complete.
+    fn assemble(&mut self, chunk: &[u8]) -> Result<Option<(u32, Vec<u8>)>, SocketError> {
+        let [b'M', b'S', b'G', more @ (b'F' | b'C')] = kind_of(chunk) else {
+            return Err(SocketError::Invalid(match kind_of(chunk) {
+                [b'M', b'S', b'G', b'A'] => "it aborted an answer".to_owned(),
+                _ => "a message of an unexpected kind".to_owned(),
+            }));
+        };
+        let content = self.content_of(chunk)?;
+        let (number, part) = self.body_of(&content)?;
+        let body = self.left.get_mut(&number).ok_or_else(foreign)?;
+        if body.len() + part.len() > LONGEST {
+            return Err(SocketError::Invalid(format!(
+                "an answer of more than {LONGEST} bytes"
+            )));
+        }
+        body.extend_from_slice(part);
+        Ok(match more {
+            b'F' => self.left.remove(&number).map(|body| (number, body)),
+            _ => None,
+        })
     }
 
     /// Numbers and body of a chunk, without its protection.
@@ -328,16 +406,19 @@ impl Wire {
         let Some(protection) = &self.protection else {
             return Ok(content.to_vec());
         };
-        match word(&head[HEADER + 4..]) == self.token {
-            true => protection.open(chunk, HEADER + TOKEN),
-            false => Err(SocketError::Invalid("a chunk with other keys".to_owned())),
+        match word(&head[HEADER + 4..]) {
+            token if token == self.token => protection.open(chunk, HEADER + TOKEN),
+            token if Some(token) == self.former_token => {
+                protection.open_former(chunk, HEADER + TOKEN)
+            }
+            _ => Err(SocketError::Invalid("a chunk with other keys".to_owned())),
         }
     }
 
-    /// What follows the numbers of a chunk, which must be those of the present request and, where nobody can change them, of
-    /// the next chunk: a repeated one is refused. `None` if it is too short for them.
-    fn body_of<'c>(&mut self, content: &'c [u8]) -> Option<Result<&'c [u8], SocketError>> {
-        let (numbers, body) = content.split_at_checked(NUMBERS)?;
+    /// Number of the request that a chunk answers, and what follows its numbers, which must be those of the next chunk where
+    /// nobody can change them: a repeated one is refused.
+    fn body_of<'c>(&mut self, content: &'c [u8]) -> Result<(u32, &'c [u8]), SocketError> {
+        let (numbers, body) = content.split_at_checked(NUMBERS).ok_or_else(short_chunk)?;
         let number = word(&numbers[..4]);
         let [last, begin] = WRAPS;
         let follows = |before: u32| match before {
@@ -346,19 +427,10 @@ impl Wire {
         };
         if self.protection.is_some() && !self.received.is_none_or(follows) {
             let text = "a message out of its turn";
-            return Some(Err(SocketError::Invalid(text.to_owned())));
+            return Err(SocketError::Invalid(text.to_owned()));
         }
         self.received = Some(number);
-        Some(self.check_number(&numbers[4..]).map(|()| body))
-    }
-
-    fn check_number(&self, number: &[u8]) -> Result<(), SocketError> {
-        match word(number) == self.request {
-            true => Ok(()),
-            false => Err(SocketError::Invalid(
-                "a message that does not belong to the request".to_owned(),
-            )),
-        }
+        Ok((word(&numbers[4..]), body))
     }
 
     /// The next message, with its header.
@@ -439,6 +511,10 @@ pub(super) fn explain(status: StatusCode) -> String {
 fn unprotected() -> [ByteString; 3] {
     let policy = ByteString::from(NO_SECURITY.as_bytes());
     [policy, ByteString::null(), ByteString::null()]
+}
+
+fn foreign() -> SocketError {
+    SocketError::Invalid("a message that does not belong to the request".to_owned())
 }
 
 fn short_chunk() -> SocketError {

@@ -260,9 +260,20 @@ class Rig:
         del self.kinds[name]
         await self.server.delete_nodes([self.server.get_node(ua.NodeId(name, NAMESPACE))])
 
-    async def set(self, name, values):
-        node = self.space._nodes[ua.NodeId(name, NAMESPACE)]
-        node.attributes[ua.AttributeIds.Value].value = ua.DataValue(self.variant(name, values))
+    async def set(self, name, values, time):
+        """Of one instant, and told to subscribers."""
+        value = ua.DataValue(self.variant(name, values), SourceTimestamp=time)
+        code = await self.space.write_attribute_value(ua.NodeId(name, NAMESPACE), ua.AttributeIds.Value, value)
+        code.check()
+
+    async def run_clock(self, name, cycle_s):
+        """The time since now in a variable, in every cycle."""
+        loop = asyncio.get_running_loop()
+        begun = loop.time()
+        while True:
+            now = loop.time() - begun
+            await self.set(name, [now], datetime.datetime.now(datetime.timezone.utc))
+            await asyncio.sleep(cycle_s - now % cycle_s)
 
     async def restart(self, pause_s):
         port = self.server.bserver.port
@@ -276,8 +287,11 @@ class Rig:
             await self.restart(order["restart"])
         for declaration in order.get("declare", []):
             await self.declare(*declaration)
+        now = datetime.datetime.now(datetime.timezone.utc)
         for name, values in order.get("set", {}).items():
-            await self.set(name, values)
+            await self.set(name, values, now)
+        if "clock" in order:
+            self.clock = asyncio.create_task(self.run_clock(*order["clock"]))
         if "fault" in order:
             Orders.faults.append(order["fault"])
         Orders.delay_s = order.get("delay_s", Orders.delay_s)

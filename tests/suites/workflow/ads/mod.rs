@@ -29,6 +29,7 @@ use over_all;
 mod adjusting;
 mod calibrating;
 mod faults;
+mod live;
 mod opcua_security;
 mod page;
 mod program;

@@ -11,7 +11,7 @@ use tautline_link::{Controller, LinkError, LinkProtection, SystemClock};
 use tautline_session::{
     CertificateFingerprint, OpcUaPolicy, OpcUaSecurity, SymbolMapping, write_symbols,
 };
-use tautline_validation::support::ads::symbols::{Style, declarations, mapping};
+use tautline_validation::support::ads::symbols::{Style, declarations, global, mapping};
 use tautline_validation::support::ads::{PASSWORD, Protocol, Server, TestKeys, USER};
 use tautline_validation::support::program::{self, Folder};
 
@@ -103,10 +103,16 @@ fn keys_are_renewed_before_they_expire() {
     }));
     let mut client = client(server.url(), server.credentials(), 3.0);
     client.connect().expect("connected");
-    for _ in 0..3 {
+    // Live values are on their way meanwhile, under the keys before.
+    client.subscribe(0.05).expect("it sends");
+    for turn in 0..3 {
         std::thread::sleep(Duration::from_millis(3100));
+        server.order(json!({"set": {global("time"): [f64::from(turn)]}}));
         client.sample().expect("a sample under the next keys");
     }
+    let sent = client.sent().expect("a connection");
+    let times: Vec<f64> = sent.iter().map(|sample| sample.time_s).collect();
+    assert!(times.ends_with(&[0.0, 1.0]), "{times:?}");
 }
 
 #[test]
