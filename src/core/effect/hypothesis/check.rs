@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::super::{CableContext, Dual, PlatformContext, RowContexts, Scope, Search};
+use super::super::{CableContext, CablePort, Dual, PlatformContext, RowContexts, Scope, Search};
 use super::fault::Fault;
 use super::formula::{Circumstances, Program};
 use super::{Formulas, ParameterDefinition};
@@ -156,21 +156,27 @@ impl Trial<'_> {
         let mut results = Vec::new();
         for (row, sample) in self.rows.iter().enumerate() {
             let RowContexts { cables, platform } = sample.contexts();
-            let mut evaluate = |program: &Program, cable: Option<usize>, seed: usize| {
+            let mut evaluate = |program: &Program, cable: Option<usize>, own: Dual| {
                 let at = Circumstances {
                     cables,
                     platform,
                     cable,
                     targets: &[row % CABLES, (row + 1) % CABLES],
                 };
-                let own = Dual::constant(between(0.5, 2.0, 7 * row + seed));
                 results.push((own, program.evaluate(&values, own, &at)));
             };
-            for (seed, (_, program)) in self.formulas.cable.iter().enumerate() {
-                evaluate(program, Some(row % CABLES), seed);
+            let made_up = |seed: usize| Dual::constant(between(0.5, 2.0, 7 * row + seed));
+            for (seed, (port, program)) in self.formulas.cable.iter().enumerate() {
+                // Where it was read, too, the value is about what was read: a formula may compare the two.
+                let own = match port {
+                    CablePort::Paid => Dual::constant(cables[row % CABLES].paid_m),
+                    CablePort::Tension => Dual::constant(cables[row % CABLES].tension_n),
+                    _ => made_up(seed),
+                };
+                evaluate(program, Some(row % CABLES), own);
             }
             for (seed, (_, program)) in self.formulas.platform.iter().enumerate() {
-                evaluate(program, None, seed);
+                evaluate(program, None, made_up(seed));
             }
         }
         results

@@ -486,6 +486,17 @@ fn a_robot_carries_its_hypotheses() {
     );
 }
 
+/// The value that a formula changes is tried near what was read, on both sides of the mean.
+#[test]
+fn a_formula_may_compare_a_quantity_with_what_was_read() {
+    let formula = |formula: &str| {
+        let text = CROSSTALK.replace("paid = \"paid + share * paid_of(next)\"", formula);
+        hypothesis(&text)
+    };
+    formula("tension = \"tension + share * max(tension - mean_tension, 0 [N])\"");
+    formula("paid = \"paid + share * min(paid, 0 [m])\"");
+}
+
 #[test]
 fn mistakes_are_named_with_their_place() {
     for (from, to, expected) in [
