@@ -30,6 +30,7 @@ mod mistyped;
 mod new;
 mod output;
 mod plan;
+mod position_tolerance;
 mod precalibrate;
 mod progress;
 mod replace;
@@ -43,6 +44,7 @@ mod symbols;
 mod table;
 mod tolerances;
 mod verify;
+mod volume;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

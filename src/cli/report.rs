@@ -10,11 +10,13 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use tautline_core::estimation::Control;
 use tautline_workflow::clock;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose};
+use tautline_workflow::history::{RobotRecord, next_calibration_after};
 use tautline_workflow::identification::identify_session;
 use tautline_workflow::report::{Part, ReportChoice, ReportInput, render_report};
 
 use crate::diagnose::diagnose_with_progress;
 use crate::examples::examples;
+use crate::position_tolerance::{PositionTolerance, metres};
 use crate::replace::Replace;
 use crate::report_format::report_format;
 use crate::{Window, input};
@@ -22,6 +24,7 @@ use crate::{Window, input};
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
     ("A dataset, with a decision on each pulley, as PDF", "tautline report mini --tolerance 20 -o mini.pdf"),
+    ("With the date of the next calibration", "tautline report mini-2026/08 --record mini-2026 -o mini.html"),
     ("Without budget and log, as HTML", "tautline report mini --without budget,log -o mini.html"),
 ]))]
 pub struct Arguments {
@@ -60,6 +63,11 @@ pub struct Arguments {
     /// Company for which the report is made
     #[arg(long, default_value = "")]
     company: String,
+    /// Folder with the sessions of the robot, this one the last: the report has the date of the next calibration then
+    #[arg(long, value_name = "FOLDER")]
+    record: Option<PathBuf>,
+    #[command(flatten)]
+    position: PositionTolerance,
 }
 
 /// Parses the name of a part.
@@ -86,18 +94,42 @@ impl Arguments {
     }
 }
 
+impl Arguments {
+    /// When the next calibration is due, from the record.
+    fn next_calibration(&self) -> Result<Option<String>> {
+        let tolerance = self.position.given()?;
+        let Some(folder) = &self.record else {
+            return match tolerance {
+                Some(_) => Err(BadInput::new(
+                    "--tolerance-position: expected only with --record",
+                )),
+                None => Ok(None),
+            };
+        };
+        let record = RobotRecord::open(folder, clock::now(), &mut |_, _| Control::Continue)
+            .map_err(|error| BadInput::new(error.to_string()))?;
+        let found = record
+            .history(folder, tolerance.unwrap_or_default())
+            .map_err(|error| BadInput::new(error.to_string()))?;
+        match next_calibration_after(&record, &found, &self.subject) {
+            Some(sentence) => Ok(Some(sentence)),
+            None => Err(BadInput::new(format!(
+                "--record: found no {} among the sessions in {}, expected that it is one of them",
+                self.subject.display(),
+                folder.display()
+            ))),
+        }
+    }
+}
+
 pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
     let format = report_format("--out", &arguments.out)?;
-    if let Some(mm) = arguments
-        .tolerance
-        .filter(|mm| !(mm.is_finite() && *mm > 0.0))
-    {
-        return Err(BadInput::new(format!(
-            "--tolerance: found {mm}, expected a positive number of millimetres"
-        )));
+    if let Some(mm) = arguments.tolerance {
+        metres("--tolerance", mm)?;
     }
     arguments.replace.permit(&[Some(&arguments.out)], None)?;
     let session = input::session(&arguments.subject)?;
+    let next_calibration = arguments.next_calibration()?;
     let (fit, diagnosis) = if session.measurements.is_empty() {
         (None, None)
     } else {
@@ -121,6 +153,7 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
         diagnosis: diagnosis.as_ref(),
         diagnosis_outdated: false,
         picture: picture.as_deref().ok(),
+        next_calibration: next_calibration.as_deref(),
         choice: &arguments.choice(),
         now: clock::now(),
     };

@@ -17,14 +17,14 @@ use tautline_core::estimation::{Control, Loss, Method};
 use tautline_core::geometry::Pose;
 use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::measurement::Dataset;
-use tautline_core::planning::{PlanOptions, plan as plan_poses};
+use tautline_core::planning::{PlanOptions, Volume, plan as plan_poses};
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate as simulate_readings};
 use tautline_session::{Session, VersionedFile};
 use tautline_workflow::clock;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 use tautline_workflow::health::{Baseline, HealthDocument, verdict_sentences};
-use tautline_workflow::history::{HistoryDocument, RobotRecord};
+use tautline_workflow::history::{HistoryDocument, RobotRecord, Tolerance};
 use tautline_workflow::identification::{
     IdentificationRequest, identified, identify as identify_robot,
 };
@@ -319,20 +319,48 @@ fn plan(
     json(&document)
 }
 
+/// A box from its smallest and largest coordinates.
+fn volume([low_m, high_m]: [[f64; 3]; 2]) -> PyResult<Volume> {
+    let is_box = |(low, high): (&f64, &f64)| low.is_finite() && high.is_finite() && low <= high;
+    match low_m.iter().zip(&high_m).all(is_box) {
+        true => Ok(Volume { low_m, high_m }),
+        false => Err(error(format!(
+            "volume_m: found {low_m:?} and {high_m:?}, expected the smallest and the largest coordinates"
+        ))),
+    }
+}
+
 /// The result of the command `history`, and what the operator should know.
 #[pyfunction]
-fn history(py: Python<'_>, folder: PathBuf, tolerance_m: f64) -> PyResult<(String, Vec<String>)> {
-    if !(tolerance_m > 0.0 && tolerance_m.is_finite()) {
-        return Err(error(format!(
-            "tolerance_m: found {tolerance_m}, expected a positive number"
-        )));
-    }
+fn history(
+    py: Python<'_>,
+    folder: PathBuf,
+    tolerance_m: f64,
+    position_tolerance_m: Option<f64>,
+    volume_m: Option<[[f64; 3]; 2]>,
+) -> PyResult<(String, Vec<String>)> {
+    let checked = |name: &str, value: f64| match value > 0.0 && value.is_finite() {
+        true => Ok(value),
+        false => Err(error(format!(
+            "{name}: found {value}, expected a positive number"
+        ))),
+    };
+    let tolerance = match position_tolerance_m {
+        None if volume_m.is_some() => {
+            return Err(error("volume_m: expected only with position_tolerance_m"));
+        }
+        None => Tolerance::Pulley(checked("tolerance_m", tolerance_m)?),
+        Some(limit_m) => Tolerance::Position {
+            limit_m: checked("position_tolerance_m", limit_m)?,
+            volume: volume_m.map(volume).transpose()?,
+        },
+    };
     let (document, notices) = detached(py, |interrupt| {
         let mut observe = |_: usize, _: usize| interrupt.control();
         let record = RobotRecord::open(&folder, clock::now(), &mut observe);
         let record = record.map_err(|e| e.to_string())?;
         let found = record
-            .history(&folder, tolerance_m)
+            .history(&folder, tolerance)
             .map_err(|e| e.to_string())?;
         Ok((HistoryDocument::of(&record, &found), record.notices))
     })?;

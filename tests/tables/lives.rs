@@ -11,7 +11,11 @@ use rand_distr::{Distribution, StandardNormal, UnitSphere};
 use tautline_core::comparison::Identified;
 use tautline_core::effect::{BoundEffect, EffectSetting};
 use tautline_core::estimation::{Control, Options, Problem, Solution, solve};
-use tautline_core::history::{CERTAIN, DatedRun, History, Part, forecast, smooth};
+use tautline_core::geometry::Pose;
+use tautline_core::history::{
+    CERTAIN, DatedRun, Forecast, History, OUT_OF_TOLERANCE, Part, Tolerance, forecast, smooth,
+};
+use tautline_core::planning::position_weights;
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{
     SimulationOptions, TensionRange, TrueGeometry, Workspace, simulate,
@@ -19,6 +23,7 @@ use tautline_core::simulation::{
 use tautline_workflow::templates::Template;
 
 use crate::tables::hidden::{VISIBLE, clopper_pearson};
+use crate::tables::table1::position_errors;
 
 /// Robots, in turn: four presets, and the template of a facade at its usual size.
 pub(crate) const ROBOTS: [&str; 5] = ["mini", "hall", "suspended", "planar", "facade"];
@@ -39,6 +44,10 @@ const REWOUND_AGAIN: f64 = 0.5;
 const WINCH_SCALE: [f64; 2] = [1e-3, 2e-2];
 /// Tolerance of a pulley for the date of the next calibration (m).
 const TOLERANCE_M: f64 = 5e-3;
+/// Tolerance of the position of the platform, over the error that is expected right after the last session, and the number of places in
+/// the workspace where it is looked at.
+const POSITION_FACTOR: f64 = 3.0;
+const PLACES: usize = 60;
 /// Two-sided 95 %.
 const QUANTILE: f64 = 1.959_964;
 
@@ -122,9 +131,9 @@ pub struct Counts {
     false_drifts: usize,
     rates: usize,
     rates_covered: usize,
-    /// Dates of the next calibration, and robots out of tolerance then.
-    dates: usize,
-    late: usize,
+    /// Dates of the next calibration, and robots out of tolerance then; for a tolerance of pulleys, and of the position.
+    dates: [usize; 2],
+    late: [usize; 2],
     seconds: Vec<f64>,
 }
 
@@ -208,6 +217,25 @@ fn draw(drawing: &Robot, seed: u64) -> Result<Truth> {
 }
 
 impl Truth {
+    /// By what the pulleys move in some days after the last session, with a seed and a stream of random numbers.
+    fn moved_after(&self, days: f64, (seed, stream): (u64, u64)) -> Vec<Vector3<f64>> {
+        let mut rng = ChaCha8Rng::seed_from_u64(10_000 * seed);
+        rng.set_stream(stream);
+        let mean = 0.5 * (DAYS[0] + DAYS[1]);
+        let mut moved: Vec<Vector3<f64>> = self.rates.iter().map(|rate| rate * days).collect();
+        let mut day = mean;
+        while day <= days {
+            if rng.random_bool(JUMPS) {
+                let size = rng.random_range(JUMP_M[0].ln()..JUMP_M[1].ln()).exp();
+                let along = Vector3::from_fn(|_, _| StandardNormal.sample(&mut rng));
+                let cable = rng.random_range(0..moved.len());
+                moved[cable] += along.normalize() * size;
+            }
+            day += mean;
+        }
+        moved
+    }
+
     /// The robot after the jumps before a session, at some day.
     fn robot_at(&self, first: &Robot, session: usize, days: f64) -> Robot {
         let mut robot = first.clone();
@@ -266,8 +294,9 @@ fn follow(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
     counts.lives += 1;
     count_jumps(&truth, &history, counts);
     count_states(&truth, &history, counts);
-    count_dates(&truth, &history, seed, counts);
-    Ok(())
+    count_dates(&truth, &history, seed, counts)?;
+    let last = runs[SESSIONS - 1].run;
+    count_dates_of_position(&truth, (&history, last), seed, counts)
 }
 
 /// Whether the sessions can show a jump of a part: its noncentrality is at least [`VISIBLE`], given the other changes that were
@@ -384,25 +413,12 @@ fn count_states(truth: &Truth, history: &History, counts: &mut Counts) {
 }
 
 /// Lives each robot on until the date of its next calibration, and sees whether a pulley is out of tolerance then.
-fn count_dates(truth: &Truth, history: &History, seed: u64, counts: &mut Counts) {
-    let forecast = forecast(history, TOLERANCE_M);
-    let Some(days) = forecast.due_days.filter(|_| forecast.at_once < 0.05) else {
-        return;
+fn count_dates(truth: &Truth, history: &History, seed: u64, counts: &mut Counts) -> Result<()> {
+    let Some(days) = date(&forecast(history, Tolerance::Pulley(TOLERANCE_M))?) else {
+        return Ok(());
     };
-    let mut rng = ChaCha8Rng::seed_from_u64(10_000 * seed);
-    rng.set_stream(2);
-    let mean = 0.5 * (DAYS[0] + DAYS[1]);
+    let moved = truth.moved_after(days, (seed, 2));
     let count = truth.rates.len();
-    let mut moved: Vec<Vector3<f64>> = truth.rates.iter().map(|rate| rate * days).collect();
-    let mut day = mean;
-    while day <= days {
-        if rng.random_bool(JUMPS) {
-            let size = rng.random_range(JUMP_M[0].ln()..JUMP_M[1].ln()).exp();
-            let along = Vector3::from_fn(|_, _| StandardNormal.sample(&mut rng));
-            moved[rng.random_range(0..count)] += along.normalize() * size;
-        }
-        day += mean;
-    }
     let last = SESSIONS - 1;
     let is_out = |cable: usize| {
         let part = history
@@ -419,16 +435,73 @@ fn count_dates(truth: &Truth, history: &History, seed: u64, counts: &mut Counts)
         });
         off.sum::<f64>().sqrt() > TOLERANCE_M
     };
-    counts.dates += 1;
-    counts.late += usize::from((0..count).any(is_out));
+    counts.dates[0] += 1;
+    counts.late[0] += usize::from((0..count).any(is_out));
+    Ok(())
+}
+
+/// The date of a forecast, unless the values are too uncertain for one.
+fn date(forecast: &Forecast) -> Option<f64> {
+    forecast
+        .due_days
+        .filter(|_| forecast.at_once < OUT_OF_TOLERANCE)
+}
+
+/// The same for the position error of the platform over the workspace, with the values of the last session in the controller.
+fn count_dates_of_position(
+    truth: &Truth,
+    (history, last): (&History, Identified<'_>),
+    seed: u64,
+    counts: &mut Counts,
+) -> Result<()> {
+    let drawing = &last.problem.dataset.robot;
+    let workspace = Workspace::of(drawing);
+    let parameters = &last.solution.parameters;
+    let weights = position_weights(drawing, &workspace, parameters).context("a home pose")?;
+    let covariance = last.solution.covariance.as_ref().context("a covariance")?;
+    let limit_m = POSITION_FACTOR * weights.dot(covariance).sqrt();
+    let tolerance = Tolerance::Position {
+        limit_m,
+        volume: None,
+        last,
+    };
+    let Some(days) = date(&forecast(history, tolerance)?) else {
+        return Ok(());
+    };
+    let mut robot = truth.robots[SESSIONS - 1].clone();
+    for (index, (cable, moved)) in robot
+        .cables
+        .iter_mut()
+        .zip(truth.moved_after(days, (seed, 3)))
+        .enumerate()
+    {
+        let part = pulley_part(history, index, &moved);
+        let axes = part.map_or(&[][..], |(part, _)| &history.axes[part]);
+        for axis in axes {
+            cable.pulley.entry_point_m[*axis] += moved[*axis];
+        }
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(10_000 * seed);
+    rng.set_stream(4);
+    let places = (0..PLACES).map(|_| Pose {
+        orientation: workspace.centre.orientation,
+        ..workspace.draw(drawing, &mut rng)
+    });
+    let places: Vec<Pose> = places.collect();
+    let globals = &last.solution.globals;
+    let believed = (&globals.entry_points[..], &globals.home);
+    let [error_m, _] = position_errors(believed, (drawing, &robot), &places)?;
+    counts.dates[1] += 1;
+    counts.late[1] += usize::from(error_m > limit_m);
+    Ok(())
 }
 
 /// The table in Markdown.
 #[must_use]
 pub fn markdown(found: &[(&'static str, Counts)]) -> String {
     let mut text = String::from(
-        "| robot | lives | jumps visible | found | dated between two sessions | drums that changed visibly, found | false among quiet intervals | values covered | drifts found | of pulleys at rest | rates covered | out of tolerance at the date | median ms |\n\
-         |---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+        "| robot | lives | jumps visible | found | dated between two sessions | drums that changed visibly, found | false among quiet intervals | values covered | drifts found | of pulleys at rest | rates covered | a pulley out of tolerance at the date | the position out of tolerance at its date | median ms |\n\
+         |---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     let mut all = Counts::default();
     for (_, counts) in found {
@@ -440,7 +513,7 @@ pub fn markdown(found: &[(&'static str, Counts)]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "| {name} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.1} |",
+            "| {name} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {:.1} |",
             counts.lives,
             counts.visible,
             share(counts.found, counts.visible),
@@ -451,7 +524,8 @@ pub fn markdown(found: &[(&'static str, Counts)]) -> String {
             counts.drifts,
             counts.false_drifts,
             share(counts.rates_covered, counts.rates),
-            share(counts.late, counts.dates),
+            share(counts.late[0], counts.dates[0]),
+            share(counts.late[1], counts.dates[1]),
             1e3 * seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN),
         );
     }
@@ -484,8 +558,10 @@ impl Counts {
         self.false_drifts += other.false_drifts;
         self.rates += other.rates;
         self.rates_covered += other.rates_covered;
-        self.dates += other.dates;
-        self.late += other.late;
+        for tolerance in 0..2 {
+            self.dates[tolerance] += other.dates[tolerance];
+            self.late[tolerance] += other.late[tolerance];
+        }
         self.seconds.extend(&other.seconds);
     }
 }

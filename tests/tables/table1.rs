@@ -67,7 +67,8 @@ pub fn study(data_sets: usize) -> Result<Vec<MethodRow>> {
         for ((_, identify), sum) in METHODS.iter().zip(&mut sums) {
             let outcome = identify(&run)?;
             sum.0 += entry_error(&outcome, &run.truth).powi(2);
-            let errors = position_errors(&outcome, &run, &tests)?;
+            let believed = (&outcome.entry_points[..], &outcome.home);
+            let errors = position_errors(believed, (&run.dataset.robot, &run.truth), &tests)?;
             sum.1[0] += errors[0].powi(2);
             sum.1[1] += errors[1].powi(2);
             sum.2 = match (sum.2, outcome.seconds) {
@@ -202,9 +203,13 @@ fn entry_error(outcome: &Outcome, truth: &Robot) -> f64 {
 /// The controller pays out the length that the identified geometry predicts for the way from home to the test
 /// pose; the true robot goes where its own geometry makes these lengths fit best. Errors in the base frame
 /// and relative to home.
-fn position_errors(outcome: &Outcome, run: &Simulated, tests: &[Pose]) -> Result<[f64; 2]> {
-    let mut believed = run.dataset.robot.clone();
-    for (cable, point) in believed.cables.iter_mut().zip(&outcome.entry_points) {
+pub(crate) fn position_errors(
+    (entry_points, believed_home): (&[[f64; 3]], &Pose),
+    (drawing, truth): (&Robot, &Robot),
+    tests: &[Pose],
+) -> Result<[f64; 2]> {
+    let mut believed = drawing.clone();
+    for (cable, point) in believed.cables.iter_mut().zip(entry_points) {
         cable.pulley.entry_point_m = *point;
     }
     let lengths = |robot: &Robot, pose: &Pose| -> Result<Vec<f64>> {
@@ -213,22 +218,22 @@ fn position_errors(outcome: &Outcome, run: &Simulated, tests: &[Pose]) -> Result
             .map(|c| c.length_m)
             .collect())
     };
-    let believed_home = lengths(&believed, &outcome.home)?;
-    let home = nominal_home(&run.truth)?;
-    let true_home = lengths(&run.truth, &home)?;
+    let lengths_at_home = lengths(&believed, believed_home)?;
+    let home = nominal_home(truth)?;
+    let true_home = lengths(truth, &home)?;
     // Lengths of a wrong geometry do not fit exactly: any residual is accepted.
-    let forward = ForwardKinematics::new(&run.truth)?.with_residual_limit(1.0);
+    let forward = ForwardKinematics::new(truth)?.with_residual_limit(1.0);
     let from_home =
         |home: &Pose, pose: &Pose| home.orientation.inverse() * (pose.position - home.position);
     let mut sums = [0.0; 2];
     for test in tests {
         let wanted = lengths(&believed, test)?;
         let attained: Vec<f64> = (0..wanted.len())
-            .map(|k| true_home[k] + wanted[k] - believed_home[k])
+            .map(|k| true_home[k] + wanted[k] - lengths_at_home[k])
             .collect();
         let pose = forward.solve(&attained, test).pose;
         sums[0] += (pose.position - test.position).norm_squared();
-        let relative = from_home(&home, &pose) - from_home(&outcome.home, test);
+        let relative = from_home(&home, &pose) - from_home(believed_home, test);
         sums[1] += relative.norm_squared();
     }
     Ok(sums.map(|sum| (sum / tests.len() as f64).sqrt()))

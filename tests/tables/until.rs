@@ -20,7 +20,9 @@ use tautline_core::measurement::Dataset;
 use tautline_core::planning::{PlanOptions, plan};
 use tautline_core::robot::presets::{self, Preset};
 use tautline_core::robot::{PartTolerances, PerAxis, Robot, Tracker};
-use tautline_core::sequential::{Assessment, Goal, NextStep, SequentialDesign, SequentialOptions};
+use tautline_core::sequential::{
+    Assessment, FaultOfInterest, Goal, NextStep, SequentialDesign, SequentialOptions,
+};
 use tautline_core::simulation::{SimulationOptions, simulate};
 
 use crate::tables::hidden::{
@@ -64,9 +66,11 @@ struct Said {
     found: usize,
     /// Names of something that is not hidden.
     wrong: usize,
-    /// Stated probability that the findings are what is wrong, and whether they are.
+    /// Stated probability that the findings are what is wrong, of faults of the size of interest, and whether they are.
     stated: f64,
     is_true: bool,
+    /// Whether the findings are all faults, however small.
+    is_complete: bool,
     is_fault_free: bool,
 }
 
@@ -232,10 +236,22 @@ impl Machine {
         Ok(dataset)
     }
 
-    fn said(&self, poses: usize, findings: &[Finding], assessment: Option<&Assessment>) -> Said {
+    /// `of_interest` are the faults that a statement is about.
+    fn said(
+        &self,
+        poses: usize,
+        findings: &[Finding],
+        (of_interest, assessment): (&[FaultOfInterest], Option<&Assessment>),
+    ) -> Said {
         let robot = &self.preset.robot;
         let claims = Claim::of(findings);
         let judged = judge(&self.faults, &claims, robot);
+        let is_asked = |fault: &EffectSetting| {
+            let bound = BoundEffect::from_setting(fault, robot);
+            bound.is_ok_and(|bound| of_interest.iter().any(|one| one.includes(&bound)))
+        };
+        let mut each = self.faults.iter().zip(&judged);
+        let are_found = each.all(|(fault, (found, _))| *found == Found::Named || !is_asked(fault));
         let count =
             |is: &dyn Fn(Found) -> bool| judged.iter().filter(|(found, _)| is(*found)).count();
         let named = count(&|found| found == Found::Named);
@@ -246,7 +262,8 @@ impl Machine {
             found: count(&|found| found <= Found::ListedNeedlessly),
             wrong,
             stated: assessment.map_or(0.0, |known| known.explained),
-            is_true: wrong == 0 && named == self.faults.len(),
+            is_true: wrong == 0 && are_found,
+            is_complete: wrong == 0 && named == self.faults.len(),
             is_fault_free: assessment.is_some_and(|known| known.fault_free() >= GOAL),
         }
     }
@@ -308,7 +325,7 @@ fn outcome((robot, fixed): (&str, &[Pose]), faults: usize, seed: u64) -> Result<
         &DiagnosisOptions::default(),
         &mut |_| Control::Continue,
     )?;
-    let by_plan = machine.said(fixed.len(), &diagnosis.findings, None);
+    let by_plan = machine.said(fixed.len(), &diagnosis.findings, (&[], None));
     let options = SequentialOptions {
         goals: &[Goal::Cause(GOAL)],
         at_most: POSES,
@@ -333,7 +350,7 @@ fn outcome((robot, fixed): (&str, &[Pose]), faults: usize, seed: u64) -> Result<
         return Ok(Outcome {
             faults,
             fixed: by_plan,
-            until: machine.said(poses.len(), &known.findings, Some(&known)),
+            until: machine.said(poses.len(), &known.findings, (design.shown(), Some(&known))),
             is_reached: matches!(decision.step, NextStep::Reached),
             seconds,
         });
@@ -382,16 +399,19 @@ pub fn markdown(outcomes: &[Outcome]) -> String {
     let clean: Vec<f64> = clean.map(|one| one.until.poses as f64).collect();
     let certified = outcomes.iter().filter(|one| one.until.is_fault_free);
     let certified: Vec<&Outcome> = certified.collect();
-    let wrongly = certified.iter().filter(|one| one.faults > 0).count();
+    let wrongly = certified.iter().filter(|one| !one.until.is_true).count();
+    let hidden = certified.iter().filter(|one| one.faults > 0).count();
     let seconds: Vec<f64> = outcomes
         .iter()
         .flat_map(|one| one.seconds.clone())
         .collect();
     let _ = writeln!(
         text,
-        "\nFree of faults: {} certified, {wrongly} of them with a hidden fault; clean robots after {} poses in the median. Processor time of \
+        "\nFree of faults: {} certified, {wrongly} of them with a hidden fault of the size of interest, {} with a smaller one; clean robots \
+         after {} poses in the median. Processor time of \
          a decision: median {:.2} s, at most {:.2} s.",
         certified.len(),
+        hidden - wrongly,
         median(clean),
         median(seconds.clone()),
         seconds.iter().copied().fold(0.0, f64::max),
@@ -399,10 +419,12 @@ pub fn markdown(outcomes: &[Outcome]) -> String {
     text
 }
 
-/// How often what is stated at the end is true: all hidden faults are named and nothing else is.
+/// How often what is stated at the end is true: all hidden faults of the size of interest are named and nothing else is; and how often
+/// that holds for all hidden faults.
 fn reliability(outcomes: &[Outcome]) -> String {
-    let mut text =
-        String::from("\n| stated at the end | runs | mean stated | true |\n|---|--:|--:|--:|\n");
+    let mut text = String::from(
+        "\n| stated at the end | runs | mean stated | true | true of smaller faults, too |\n|---|--:|--:|--:|--:|\n",
+    );
     for borders in BORDERS.windows(2) {
         let is_in = |one: &&Outcome| (borders[0]..borders[1]).contains(&one.until.stated);
         let of: Vec<&Outcome> = outcomes.iter().filter(is_in).collect();
@@ -411,14 +433,16 @@ fn reliability(outcomes: &[Outcome]) -> String {
         }
         let stated: f64 = of.iter().map(|one| one.until.stated).sum();
         let right = of.iter().filter(|one| one.until.is_true).count();
+        let complete = of.iter().filter(|one| one.until.is_complete).count();
         let _ = writeln!(
             text,
-            "| {:.0} to {:.0} % | {} | {:.1} % | {} |",
+            "| {:.0} to {:.0} % | {} | {:.1} % | {} | {} |",
             100.0 * borders[0],
             100.0 * borders[1],
             of.len(),
             100.0 * stated / of.len() as f64,
             share(right, of.len()),
+            share(complete, of.len()),
         );
     }
     text

@@ -7,12 +7,15 @@ use std::path::PathBuf;
 use anyhow::Result;
 use tautline_core::estimation::Control;
 use tautline_workflow::clock;
-use tautline_workflow::history::{HistoryDocument, RobotRecord, TOLERANCE_M, pulleys_csv};
+use tautline_workflow::history::{
+    HistoryDocument, RobotRecord, TOLERANCE_M, Tolerance, pulleys_csv,
+};
 use tautline_workflow::report::{HistoryInput, ReportChoice, render_history};
 
 use crate::BadInput;
 use crate::examples::examples;
 use crate::output::{JsonOutput, note, write_file};
+use crate::position_tolerance::{PositionTolerance, metres};
 use crate::replace::Replace;
 use crate::report_format::report_format;
 
@@ -21,13 +24,21 @@ use crate::report_format::report_format;
     ("What moved since January, and when to calibrate again", "tautline history mini-2026"),
     ("The same as a report with the course of every pulley", "tautline history mini-2026 --report year.html"),
     ("The same for a tolerance of 2 mm, as JSON", "tautline history mini-2026 --tolerance 2 --json -"),
+    ("Until when the platform is accurate to 1 mm", "tautline history mini-2026 --tolerance-position 1"),
 ]))]
 pub struct Arguments {
     /// Folder with the sessions and dataset folders of one robot
     folder: PathBuf,
-    /// Largest tolerable displacement of a pulley (mm)
-    #[arg(long, value_name = "MM", default_value_t = 1e3 * TOLERANCE_M)]
+    /// Largest tolerable displacement of a pulley (mm), for the date of the next calibration
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = 1e3 * TOLERANCE_M,
+        conflicts_with = "tolerance_position"
+    )]
     tolerance: f64,
+    #[command(flatten)]
+    position: PositionTolerance,
     #[command(flatten)]
     json: JsonOutput,
     /// Write a report of the record; its name must end with .html or .pdf; - is HTML on standard output
@@ -41,12 +52,10 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if !(arguments.tolerance > 0.0 && arguments.tolerance.is_finite()) {
-        return Err(BadInput::new(format!(
-            "--tolerance: found {}, expected a positive number of millimetres",
-            arguments.tolerance
-        )));
-    }
+    let tolerance = match arguments.position.given()? {
+        Some(of_position) => of_position,
+        None => Tolerance::Pulley(metres("--tolerance", arguments.tolerance)?),
+    };
     let (report, csv) = (arguments.report.as_deref(), arguments.csv.as_deref());
     let format = report.map(|path| report_format("--report", path));
     let format = format.transpose()?;
@@ -60,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         note!("{notice}");
     }
     let found = record
-        .history(folder, 1e-3 * arguments.tolerance)
+        .history(folder, tolerance)
         .map_err(|error| BadInput::new(error.to_string()))?;
     if let Some((path, format)) = report.zip(format) {
         let input = HistoryInput {

@@ -1,9 +1,9 @@
-//! `--for` and `--volume`.
+//! `--for`, with the volume of an accuracy.
 
-use crate::BadInput;
+use crate::{BadInput, volume};
 use anyhow::Result;
 use clap::ValueEnum;
-use tautline_core::planning::{Goal, Volume};
+use tautline_core::planning::Goal;
 
 /// Goal of a plan by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -19,9 +19,9 @@ pub enum GoalName {
 }
 
 /// The goal that the two arguments state.
-pub fn goal(name: GoalName, volume: Option<&str>) -> Result<Goal> {
-    match (name, volume) {
-        (GoalName::Accuracy, Some(text)) => Ok(Goal::Accuracy(parse(text)?)),
+pub fn goal(name: GoalName, given: Option<&str>) -> Result<Goal> {
+    match (name, given) {
+        (GoalName::Accuracy, Some(text)) => Ok(Goal::Accuracy(volume::parse(text)?)),
         (GoalName::Accuracy, None) => Err(BadInput::new(
             "--for accuracy: no --volume was given, expected X0,X1,Y0,Y1,Z0,Z1 in metres",
         )),
@@ -32,32 +32,10 @@ pub fn goal(name: GoalName, volume: Option<&str>) -> Result<Goal> {
     }
 }
 
-fn parse(text: &str) -> Result<Volume> {
-    let bad = || {
-        BadInput::new(format!(
-            "--volume: found \"{text}\", expected X0,X1,Y0,Y1,Z0,Z1 in metres, each first number at most the second"
-        ))
-    };
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let numbers = numbers.map_err(|_| bad())?;
-    let [x0, x1, y0, y1, z0, z1] = numbers[..] else {
-        return Err(bad());
-    };
-    let volume = Volume {
-        low_m: [x0, y0, z0],
-        high_m: [x1, y1, z1],
-    };
-    let is_box = (0..3)
-        .all(|k| volume.low_m[k] <= volume.high_m[k] && volume.high_m[k] - volume.low_m[k] < 1e4);
-    if is_box && numbers.iter().all(|n| n.is_finite()) {
-        Ok(volume)
-    } else {
-        Err(bad())
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use tautline_core::planning::Volume;
+
     use super::*;
 
     #[test]

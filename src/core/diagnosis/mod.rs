@@ -67,6 +67,7 @@ pub use isolability::{
     ExpectedFault, ExpectedPair, Isolability, ShownFault, is_confused, is_seen, isolability,
     log_odds, shown_faults,
 };
+pub use priors::EXPECTED_CAUSES;
 pub use reading_id::ReadingId;
 pub use report::{
     Adequacy, Alternative, Cause, CauseSet, Diagnosis, Discrepancy, ErrorForm, Evidence, Finding,

@@ -18,7 +18,7 @@ pub(super) struct TargetShares {
 
 // Causes.
 /// Prior expectation of the number of causes, shared equally among the effects that the readings could show.
-pub(super) const EXPECTED_CAUSES: f64 = 0.8;
+pub const EXPECTED_CAUSES: f64 = 0.8;
 /// Largest prior expectation of the number of causes that hypotheses of the user describe, all together: an eighth of that
 /// of the catalogue, so that a crowd of them cannot outweigh it.
 pub(super) const EXPECTED_HYPOTHESES: f64 = 0.1;

@@ -441,6 +441,19 @@ impl UnseenFault {
     pub fn odds_beyond(&self, factor: f64) -> f64 {
         self.sizes.iter().map(|size| size.odds_beyond(factor)).sum()
     }
+
+    /// Posterior probability that it is of at least this size if it is present.
+    #[must_use]
+    pub fn share_beyond(&self, factor: f64) -> f64 {
+        (self.odds_beyond(factor) / self.odds_beyond(0.0).max(f64::MIN_POSITIVE)).min(1.0)
+    }
+
+    /// The same before the readings.
+    #[must_use]
+    pub fn prior_odds_beyond(&self, factor: f64) -> f64 {
+        let all = self.sizes.iter();
+        all.map(|size| size.prior_odds_beyond(factor)).sum()
+    }
 }
 
 /// Result of a diagnosis.

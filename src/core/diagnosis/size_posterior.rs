@@ -2,14 +2,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::budget::UNSEEN_POINTS;
+use super::budget::{NEGLIGIBLE_ODDS, UNSEEN_POINTS};
 use super::normal_points::normal_points;
-use crate::statistics::normal_cdf;
+use crate::statistics::{chi_square_survival, normal_cdf};
 
 /// Posterior of the coordinates of a candidate at one scale, in units of its prior there.
 #[derive(Debug, Clone)]
 pub(super) struct SizePosterior {
-    /// Posterior odds of any size.
+    /// Prior and posterior odds of any size.
+    pub(super) prior_odds: f64,
     pub(super) odds: f64,
     /// The typical size.
     pub(super) typical: f64,
@@ -20,7 +21,18 @@ pub(super) struct SizePosterior {
 }
 
 impl SizePosterior {
+    /// Prior odds of a size of at least `factor` times the typical one: the coordinates are standard normal.
+    pub(super) fn prior_odds_beyond(&self, factor: f64) -> f64 {
+        let least = factor * self.typical;
+        let freedom = self.mean.len() as f64;
+        self.prior_odds * chi_square_survival(least * least, freedom).unwrap_or(0.0)
+    }
+
+    /// Posterior odds of such a size; zero if the scale is too improbable to matter.
     pub(super) fn odds_beyond(&self, factor: f64) -> f64 {
+        if self.odds < NEGLIGIBLE_ODDS {
+            return 0.0;
+        }
         self.odds * self.share_beyond(factor * self.typical)
     }
 

@@ -12,7 +12,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::budget::NEGLIGIBLE_ODDS;
 use super::candidates::Candidate;
 use super::gram::{CandidateScore, Gram};
 use super::relations::is_same_effect_and_targets;
@@ -45,15 +44,14 @@ pub(super) fn unseen_faults(gram: &Gram<'_>, present: &[usize]) -> Vec<UnseenFau
 }
 
 impl SizePosterior {
-    /// Without the scales at which the candidate is too improbable to matter.
     fn at_scales(candidate: &Candidate, own: &CandidateScore) -> Vec<Self> {
         let typical = DVector::from_vec(candidate.coordinates(&candidate.typical()));
         let Some(typical) = candidate.prior.clone().lu().solve(&typical) else {
             return Vec::new();
         };
         let all = candidate.scales.iter();
-        let all = all.filter_map(|scale| Self::new(candidate, own, *scale, typical.norm()));
-        all.filter(|size| size.odds >= NEGLIGIBLE_ODDS).collect()
+        all.filter_map(|scale| Self::new(candidate, own, *scale, typical.norm()))
+            .collect()
     }
 
     fn new(
@@ -77,8 +75,10 @@ impl SizePosterior {
             .l()
             .tr_solve_lower_triangular(&DMatrix::identity(count, count))?;
         let log_evidence = -0.5 * (score.dot(&mean) + log_determinant);
+        let log_prior = candidate.log_odds + log_weight;
         Some(Self {
-            odds: (candidate.log_odds + log_weight + log_evidence).exp(),
+            prior_odds: log_prior.exp(),
+            odds: (log_prior + log_evidence).exp(),
             typical: typical / scale,
             is_positive: candidate.is_positive,
             mean,
@@ -94,6 +94,7 @@ mod tests {
 
     fn posterior(is_positive: bool) -> SizePosterior {
         SizePosterior {
+            prior_odds: 0.2,
             odds: 0.5,
             typical: 0.3,
             is_positive,
@@ -113,6 +114,14 @@ mod tests {
         assert!((posterior(false).odds_beyond(3.0) - 0.5 * both).abs() < 1e-3);
         let above = 2.0 * share(&|value| value >= 0.9);
         assert!((posterior(true).odds_beyond(3.0) - 0.5 * above).abs() < 1e-3);
+    }
+
+    #[test]
+    fn before_the_readings_sizes_are_those_of_the_prior() {
+        // Two thirds of a standard normal number lie within 0.9674 of zero.
+        let odds = posterior(false).prior_odds_beyond(0.9674 / 0.3);
+        assert!((odds - 0.2 / 3.0).abs() < 1e-4, "{odds}");
+        assert!((posterior(true).prior_odds_beyond(0.0) - 0.2).abs() < 1e-12);
     }
 
     #[test]

@@ -33,7 +33,7 @@ use search::Search;
 use state::{Followed, State, session_information};
 use timeline::Timeline;
 
-pub use forecast::{Forecast, OUT_OF_TOLERANCE, forecast};
+pub use forecast::{Forecast, NoPositionError, OUT_OF_TOLERANCE, Tolerance, forecast};
 pub use health::{HealthCheck, check};
 
 /// Probability from which a change or a drift is stated as a fact.

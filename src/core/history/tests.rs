@@ -5,10 +5,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::*;
-use crate::estimation::{Control, Options, Problem, Solution, solve};
+use crate::estimation::{Control, Options, ParameterId, Problem, Solution, solve};
 use crate::measurement::Dataset;
+use crate::planning::{Volume, position_weights};
 use crate::robot::{Robot, presets};
-use crate::simulation::{SimulationOptions, TrueGeometry, simulate};
+use crate::simulation::{SimulationOptions, TrueGeometry, Workspace, simulate};
 
 /// The robot in each session, and its days.
 struct Life {
@@ -76,6 +77,16 @@ impl Life {
     }
 
     fn history(&self, poses: usize, seed: u64) -> History {
+        self.with_last(poses, seed, |history, _| history.clone())
+    }
+
+    /// What follows from the history and the last session.
+    fn with_last<T>(
+        &self,
+        poses: usize,
+        seed: u64,
+        then: impl FnOnce(&History, Identified<'_>) -> T,
+    ) -> T {
         let datasets = self.measured(poses, seed);
         let solved: Vec<(Problem<'_>, Solution)> = datasets
             .iter()
@@ -96,7 +107,7 @@ impl Life {
                 follows_event: false,
             })
             .collect();
-        smooth(&runs).unwrap()
+        then(&smooth(&runs).unwrap(), runs[runs.len() - 1].run)
     }
 }
 
@@ -150,10 +161,80 @@ fn a_drift_is_no_jump() {
     let off = &drift.rate - DVector::from_row_slice(&rate);
     let chi2 = off.dot(&drift.covariance.clone().cholesky().unwrap().solve(&off));
     assert!(chi2 < 16.3, "{chi2}");
-    let due = forecast(&history, 4e-3).due_days.unwrap();
+    let due = |limit_m: f64| forecast(&history, Tolerance::Pulley(limit_m)).unwrap();
+    let found = due(4e-3);
     // 4 mm at 2.5 mm a month are reached after 47 days; a jump may come before.
-    assert!((10.0..47.0).contains(&due), "{due}");
-    assert!(forecast(&history, 8e-3).due_days.unwrap() > due);
+    let days = found.due_days.unwrap();
+    assert!((10.0..47.0).contains(&days), "{found:?}");
+    let [from, to] = found.interval_days.map(Option::unwrap);
+    assert!(from < days && days < to, "{found:?}");
+    assert!(due(8e-3).due_days.unwrap() > days);
+}
+
+#[test]
+fn the_position_of_the_platform_leaves_its_tolerance_when_a_drifting_pulley_has_moved_it() {
+    let rate = [2e-4, 0.0, -2e-4];
+    let life = Life::quiet("mini", 10).drift(5, rate);
+    life.with_last(40, 700, |history, last| {
+        let robot = &last.problem.dataset.robot;
+        let parameters = &last.solution.parameters;
+        let weights = position_weights(robot, &Workspace::of(robot), parameters).unwrap();
+        let along = |k: usize| match parameters[k].id {
+            ParameterId::EntryPoint { cable: 5, axis } => rate[axis],
+            _ => 0.0,
+        };
+        let drift = DVector::from_iterator(parameters.len(), (0..parameters.len()).map(along));
+        let per_day = drift.dot(&(&weights * &drift)).sqrt();
+        let covariance = last.solution.covariance.as_ref().unwrap();
+        let uncertain_m = weights.dot(covariance).sqrt();
+        let due = |limit_m: f64, volume: Option<Volume>| {
+            let tolerance = Tolerance::Position {
+                limit_m,
+                volume,
+                last,
+            };
+            forecast(history, tolerance).unwrap()
+        };
+        let limit_m = 5.0 * uncertain_m;
+        let found = due(limit_m, None);
+        assert!(found.at_once < 1e-3, "{found:?}");
+        // The drift alone takes this long; uncertain values and jumps come on top.
+        let days = found.due_days.unwrap();
+        let alone = limit_m / per_day;
+        assert!((0.3 * alone..alone).contains(&days), "{days} of {alone}");
+        assert!(due(2.0 * limit_m, None).due_days.unwrap() > days);
+        assert!(due(0.5 * uncertain_m, None).at_once > 0.5);
+        // Lengths count from home, so that errors are small about it.
+        let home = robot.home.unwrap().position_m;
+        let at_home = Volume {
+            low_m: home,
+            high_m: home,
+        };
+        assert!(
+            due(limit_m, Some(at_home))
+                .due_days
+                .is_none_or(|later| later > days)
+        );
+    });
+}
+
+#[test]
+fn without_a_home_pose_no_position_error_is_predicted() {
+    let life = Life::quiet("mini", 2);
+    life.with_last(25, 800, |history, last| {
+        let mut dataset = last.problem.dataset.clone();
+        dataset.robot.home = None;
+        let problem = Problem::new(&dataset).unwrap();
+        let tolerance = Tolerance::Position {
+            limit_m: 1e-3,
+            volume: None,
+            last: Identified {
+                problem: &problem,
+                solution: last.solution,
+            },
+        };
+        assert_eq!(forecast(history, tolerance), Err(NoPositionError));
+    });
 }
 
 #[test]

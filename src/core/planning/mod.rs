@@ -21,7 +21,7 @@ pub use expectation::{Accuracy, DesignCriteria, Expectation};
 pub use goal::{Goal, Volume};
 pub use order::Order;
 pub use pose_set::{PoseSet, expect, iso_9283_poses, random_poses};
-pub use position_error::position_jacobians;
+pub use position_error::{position_jacobians, position_weights};
 pub use prospects::{Prospects, expected_dataset, prospects};
 
 use nalgebra::DMatrix;
@@ -364,7 +364,7 @@ impl<'a> CandidateSet<'a> {
                     robot, workspace, ..
                 } = &self.model;
                 let workspace = workspace.of_volume(volume.centre_m(), volume.half_extent_m());
-                let weights = position_error::weights(robot, &workspace, &information.parameters);
+                let weights = position_weights(robot, &workspace, &information.parameters);
                 Some(weights.ok_or(PlanError::NoAccuracy)?)
             }
             _ => None,
@@ -385,7 +385,7 @@ impl<'a> CandidateSet<'a> {
             }
             _ => *workspace,
         };
-        let platform = position_error::weights(robot, &within, parameters);
+        let platform = position_weights(robot, &within, parameters);
         let known = (&self.information, platform.as_ref());
         let random = expectation::random_sets(known, options.poses, options.seed);
         // Evaluated again, now that time and direction of travel are known.

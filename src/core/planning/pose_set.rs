@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use super::candidates::{Candidate, Frame, accept, draw_pose};
 use super::information_model::InformationModel;
 use super::{
-    Accuracy, Expectation, Goal, PlanError, PlanOptions, Refused, position_error,
+    Accuracy, Expectation, Goal, PlanError, PlanOptions, Refused, position_weights,
     with_tension_margin,
 };
 use crate::estimation::{ExpectedInformation, Parameter, covariance_of};
@@ -150,7 +150,7 @@ fn expect_within(
         _ => model.workspace,
     };
     Ok(PoseSet {
-        weights: position_error::weights(&model.robot, &within, &information.parameters),
+        weights: position_weights(&model.robot, &within, &information.parameters),
         information,
         rows,
         range,

@@ -21,8 +21,8 @@ const TARGETS: usize = 100;
 /// Seed of the targets: the same for every plan, so that plans can be compared.
 const SEED: u64 = 1;
 
-/// Weights `M`; `None` for a robot without home pose or if no target has cable paths.
-pub(super) fn weights(
+/// Weights `M` of errors of the parameters over a volume, whose rotations do not count; `None` for a robot without home pose or if no target has cable paths.
+pub fn position_weights(
     robot: &Robot,
     workspace: &Workspace,
     parameters: &[Parameter],

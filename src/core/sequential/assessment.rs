@@ -2,12 +2,13 @@
 
 use super::goal::Goal;
 use crate::diagnosis::{
-    Cause, CauseSet, Diagnosis, Finding, UnseenFault, Verdict, stated_probability,
+    Cause, CauseSet, Diagnosis, EXPECTED_CAUSES, Finding, UnseenFault, Verdict,
 };
-use crate::effect::Search;
+use crate::effect::{BoundEffect, Search};
 use crate::planning::Prospects;
 
 use super::choice::largest_sd_m;
+use super::{FaultOfInterest, is_same_target, scaled};
 
 /// A fault of the size of interest that the readings do not exclude.
 #[derive(Debug, Clone)]
@@ -39,12 +40,12 @@ pub struct Assessment {
 }
 
 impl Assessment {
-    /// `of_interest` sizes the faults that the instruments can show at all.
+    /// `shown` are the faults that the instruments can show at all.
     pub(super) fn new(
         poses: usize,
         prospects: &Prospects,
         diagnosis: Option<Diagnosis>,
-        of_interest: impl Fn(&UnseenFault) -> Option<PossibleFault>,
+        shown: &[FaultOfInterest],
     ) -> Self {
         let mut assessment = Self {
             poses,
@@ -58,19 +59,9 @@ impl Assessment {
         let Some(diagnosis) = diagnosis else {
             return assessment;
         };
-        assessment.unseen = diagnosis.unseen.iter().filter_map(of_interest).collect();
-        assessment.unseen.sort_by(|a, b| b.odds.total_cmp(&a.odds));
-        let odds: f64 = assessment.unseen.iter().map(|fault| fault.odds).sum();
-        // The search knows sets of several causes of any size, the odds also faults that it leaves out as improbable.
-        let known = diagnosis
-            .findings
-            .iter()
-            .filter(|finding| finding.cause().is_some())
-            .count();
-        let larger = diagnosis.sets.iter().filter(|set| set.causes.len() > known);
-        let more: f64 = larger.map(|set| set.probability).sum();
-        let by_search = 1.0 - stated_probability(more.min(1.0));
-        assessment.no_further_fault = by_search.min(1.0 / (1.0 + odds));
+        let unseen = UnseenOfInterest::new(&diagnosis, shown);
+        assessment.no_further_fault = 1.0 / (1.0 + unseen.odds(&diagnosis));
+        assessment.unseen = unseen.possible_faults();
         let of = |finding: &Finding| match finding.verdict() {
             Verdict::Named => finding.probability,
             Verdict::Ambiguous | Verdict::Unknown => 0.0,
@@ -108,4 +99,94 @@ impl Assessment {
             .map(|cause| cause.effect().search())
             .any(|search| search == Search::Exchange)
     }
+}
+
+/// Faults of the size of interest that may be present beside the findings.
+///
+/// The prior of the diagnosis expects [`EXPECTED_CAUSES`] of any size, shown or not. Here as many are expected that are of the size of
+/// interest and can be shown: a robot that is asked for them has no fewer because its instruments are few.
+struct UnseenOfInterest<'d> {
+    /// Faults with their sizes of interest.
+    faults: Vec<(&'d UnseenFault, &'d FaultOfInterest)>,
+    /// Prior odds here over those of the diagnosis.
+    raised: f64,
+}
+
+impl<'d> UnseenOfInterest<'d> {
+    fn new(diagnosis: &'d Diagnosis, shown: &'d [FaultOfInterest]) -> Self {
+        let of_interest = |fault: &'d UnseenFault| {
+            let own = &fault.cause.instances[0];
+            let mut shown = shown.iter();
+            let shown = shown.find(|shown| is_same_target(&shown.cause.instances[0], own))?;
+            Some((fault, shown))
+        };
+        let faults: Vec<_> = diagnosis.unseen.iter().filter_map(of_interest).collect();
+        let expected: f64 = (faults.iter())
+            .map(|(fault, shown)| fault.prior_odds_beyond(shown.factor))
+            .sum();
+        Self {
+            faults,
+            raised: (EXPECTED_CAUSES / expected.max(f64::MIN_POSITIVE)).max(1.0),
+        }
+    }
+
+    /// The faults with their odds, most probable first.
+    fn possible_faults(&self) -> Vec<PossibleFault> {
+        let all = self.faults.iter().map(|(fault, shown)| PossibleFault {
+            cause: scaled(&fault.cause, shown.factor),
+            odds: self.raised * fault.odds_beyond(shown.factor),
+        });
+        let mut all: Vec<PossibleFault> = all.collect();
+        all.sort_by(|a, b| b.odds.total_cmp(&a.odds));
+        all
+    }
+
+    /// Odds that any of them is present. The search knows sets of several causes, at several noises and by full fits; the sum over single
+    /// faults also those that the search leaves out as improbable. The larger of the two counts.
+    fn odds(&self, diagnosis: &Diagnosis) -> f64 {
+        let single: f64 = self.possible_faults().iter().map(|fault| fault.odds).sum();
+        let more = self.probability_of_larger_sets(diagnosis).min(1.0);
+        single.max(self.raised * more / (1.0 - more))
+    }
+
+    /// Probability of the sets that have a fault of the size of interest beside the findings.
+    fn probability_of_larger_sets(&self, diagnosis: &Diagnosis) -> f64 {
+        let known: Vec<&Cause> = diagnosis
+            .findings
+            .iter()
+            .filter_map(Finding::cause)
+            .collect();
+        let further = |set: &CauseSet| -> f64 {
+            let is_further = |cause: &&Cause| {
+                let is_it = |known: &&Cause| known.instances.iter().any(|own| has(cause, own));
+                !known.iter().any(is_it)
+            };
+            let beyond = set
+                .causes
+                .iter()
+                .filter(is_further)
+                .map(|cause| self.share_of_interest(cause));
+            beyond.fold(0.0, f64::max)
+        };
+        let larger = diagnosis
+            .sets
+            .iter()
+            .filter(|set| set.causes.len() > known.len());
+        larger.map(|set| set.probability * further(set)).sum()
+    }
+
+    /// Probability that a cause is of the size of interest if it is present: that of its instance for which it is largest.
+    fn share_of_interest(&self, cause: &Cause) -> f64 {
+        let of = self
+            .faults
+            .iter()
+            .filter(|(fault, _)| has(cause, &fault.cause.instances[0]));
+        of.map(|(fault, shown)| fault.share_beyond(shown.factor))
+            .fold(0.0, f64::max)
+    }
+}
+
+/// Whether a cause includes an effect on its targets.
+fn has(cause: &Cause, bound: &BoundEffect) -> bool {
+    cause.instances.iter().any(|own| is_same_target(own, bound))
 }

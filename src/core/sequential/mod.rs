@@ -16,7 +16,7 @@ mod goal;
 mod tests;
 
 use crate::diagnosis::{
-    Cause, DiagnosisOptions, Finding, ShownFault, UnseenFault, Verdict, diagnose, shown_faults,
+    Cause, DiagnosisOptions, Finding, ShownFault, Verdict, diagnose, shown_faults,
 };
 use crate::effect::BoundEffect;
 use crate::estimation::{Control, EstimationError, ExpectedInformation};
@@ -154,6 +154,15 @@ pub struct FaultOfInterest {
     /// Size of interest as a multiple of this one: the smallest typical size, or the smallest that the largest number of poses would
     /// show if that is larger.
     pub factor: f64,
+}
+
+impl FaultOfInterest {
+    /// Whether an effect is this fault with at least the size of interest.
+    #[must_use]
+    pub fn includes(&self, effect: &BoundEffect) -> bool {
+        let own = &self.cause.instances[0];
+        is_same_target(own, effect) && size(effect) >= self.factor * size(own)
+    }
 }
 
 impl<'a> SequentialDesign<'a> {
@@ -321,16 +330,7 @@ impl<'a> SequentialDesign<'a> {
             }
             false => None,
         };
-        let of_interest = |fault: &UnseenFault| {
-            let own = &fault.cause.instances[0];
-            let mut shown = self.shown.iter();
-            let shown = shown.find(|shown| is_same_target(&shown.cause.instances[0], own))?;
-            Some(PossibleFault {
-                cause: scaled(&fault.cause, shown.factor),
-                odds: fault.odds_beyond(shown.factor),
-            })
-        };
-        Ok(Assessment::new(poses, prospects, diagnosis, of_interest))
+        Ok(Assessment::new(poses, prospects, diagnosis, &self.shown))
     }
 
     fn step(
@@ -464,6 +464,16 @@ fn scaled(cause: &Cause, factor: f64) -> Cause {
         }
     }
     cause
+}
+
+/// Length of the deviations of the parameters from their neutral values.
+fn size(bound: &BoundEffect) -> f64 {
+    let parameters = bound.effect.parameters().iter();
+    let deviations = parameters
+        .zip(&bound.values)
+        .filter(|(parameter, _)| !parameter.discrete)
+        .map(|(parameter, value)| value - parameter.neutral);
+    deviations.map(|by| by * by).sum::<f64>().sqrt()
 }
 
 fn is_same_target(one: &BoundEffect, other: &BoundEffect) -> bool {

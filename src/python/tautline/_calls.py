@@ -146,12 +146,21 @@ def _change(document: dict[str, Any]) -> Change:
     )
 
 
-def history(folder: str | PathLike[str], tolerance_m: float = 5e-3) -> History:
+def history(
+    folder: str | PathLike[str],
+    tolerance_m: float = 5e-3,
+    *,
+    position_tolerance_m: float | None = None,
+    volume_m: ArrayLike | None = None,
+) -> History:
     """Follows one robot over all sessions and dataset folders in a folder.
 
-    `tolerance_m` is the largest tolerable displacement of a pulley, for the date of the next calibration.
+    `tolerance_m` is the largest tolerable displacement of a pulley, for the date of the next calibration. With `position_tolerance_m`, it
+    is the date until which the root mean square position error of the platform stays within that, over the workspace or the box
+    from `volume_m[0]` to `volume_m[1]` instead.
     """
-    text, notices = _tautline.history(folder, tolerance_m)
+    volume = None if volume_m is None else np.asarray(volume_m, dtype=float).tolist()
+    text, notices = _tautline.history(folder, tolerance_m, position_tolerance_m, volume)
     document = json.loads(text)
     sessions = document["sessions"]
     times = [np.datetime64(one["time"].removesuffix("Z") if one["time"] else "NaT", "s") for one in sessions]

@@ -38,7 +38,12 @@ pub(super) fn perform(model: &mut Model, command: RecordCommand) {
             model.tasks.cancel(READING_RECORD);
             model.record.clear();
         }
-        RecordCommand::SetTolerance(tolerance_m) => model.record.set_tolerance(tolerance_m),
+        RecordCommand::SetTolerance(tolerance) => {
+            model.messages.resolve(Cause::Opening);
+            if let Err(error) = model.record.set_tolerance(tolerance) {
+                model.messages.failure(Cause::Opening, format!("{error}."));
+            }
+        }
         RecordCommand::Compare(sessions) => compare(model, sessions),
         RecordCommand::Check(sessions) => check(model, sessions),
         RecordCommand::PlanCheck(index) => plan_check(model, index),
@@ -78,7 +83,7 @@ fn open(model: &mut Model, folder: PathBuf) {
     model.messages.resolve(Cause::Opening);
     model.screen = Screen::Record;
     let number = model.record.begin(folder.clone());
-    let tolerance_m = model.record.tolerance_m;
+    let tolerance = model.record.tolerance;
     model.tasks.start(READING_RECORD, move |task| {
         let mut observe = |done: usize, all: usize| {
             task.tell(
@@ -89,7 +94,7 @@ fn open(model: &mut Model, folder: PathBuf) {
         };
         let read = RobotRecord::open(&folder, clock::now(), &mut observe);
         let opened = read.and_then(|record| {
-            let found = record.history(&folder, tolerance_m)?;
+            let found = record.history(&folder, tolerance)?;
             Ok(Box::new(OpenRecord {
                 folder,
                 record,

@@ -14,6 +14,7 @@ use crate::model::phase::Screen;
 use crate::model::record::OpenRecord;
 use crate::model::save_form::SaveForm;
 use tautline_workflow::clock;
+use tautline_workflow::history::next_calibration_after;
 use tautline_workflow::report::{
     ComparisonInput, HistoryInput, ReportChoice, ReportFormat, ReportInput, completed,
     write_comparison, write_history, write_report,
@@ -138,6 +139,13 @@ fn save_comparison(model: &mut Model, path: PathBuf, choice: ReportChoice, of: A
     });
 }
 
+/// When the next calibration is due, if the open session is in the record that is open.
+fn next_calibration(model: &Model) -> Option<String> {
+    let record = model.record.open()?;
+    let path = model.open.as_ref()?.path()?;
+    next_calibration_after(&record.record, &record.found, path)
+}
+
 fn save(model: &mut Model, path: PathBuf, choice: ReportChoice, pinned: BTreeSet<usize>) {
     if let Some(of) = record(model).cloned() {
         return save_history(model, path, choice, of);
@@ -155,6 +163,7 @@ fn save(model: &mut Model, path: PathBuf, choice: ReportChoice, pinned: BTreeSet
     // What is not in memory is computed from the present data.
     let diagnosis_outdated = diagnosis.is_some() && (outdated || !open.is_model_diagnosed());
     let report_picture = model.report_picture;
+    let next_calibration = next_calibration(model);
     write(model, "Writing the report", path, move |path| {
         let (fit, diagnosis) = completed(&session, (fit, diagnosis));
         let picture = report_picture(&session, fit.as_deref(), &pinned);
@@ -165,6 +174,7 @@ fn save(model: &mut Model, path: PathBuf, choice: ReportChoice, pinned: BTreeSet
             diagnosis: diagnosis.as_deref(),
             diagnosis_outdated,
             picture: picture.as_deref().ok(),
+            next_calibration: next_calibration.as_deref(),
             choice: &choice,
             now: clock::now(),
         };

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use tautline_workflow::health::HealthVerdict;
-use tautline_workflow::history::{RobotHistory, RobotRecord, TOLERANCE_M};
+use tautline_workflow::history::{RobotHistory, RobotRecord, Tolerance};
 
 /// A record with its history.
 #[derive(Debug, Clone)]
@@ -28,8 +28,8 @@ pub struct CheckedPair {
 #[derive(Debug)]
 pub struct RecordState {
     folder: Option<PathBuf>,
-    /// Largest tolerable displacement of a pulley (m).
-    pub tolerance_m: f64,
+    /// What has to stay within its tolerance.
+    pub tolerance: Tolerance,
     result: Option<Result<Arc<OpenRecord>, String>>,
     /// The last health check.
     pub checked: Option<CheckedPair>,
@@ -40,7 +40,7 @@ impl Default for RecordState {
     fn default() -> Self {
         Self {
             folder: None,
-            tolerance_m: TOLERANCE_M,
+            tolerance: Tolerance::default(),
             result: None,
             checked: None,
             number: 0,
@@ -67,8 +67,11 @@ impl RecordState {
         self.result.as_ref()?.as_ref().ok()
     }
 
-    /// Begins to read a folder: the number of its result.
+    /// Begins to read a folder: the number of its result. A tolerance is one of the robot, so that another folder has its own.
     pub fn begin(&mut self, folder: PathBuf) -> u64 {
+        if self.folder.as_ref() != Some(&folder) {
+            self.tolerance = Tolerance::default();
+        }
         self.folder = Some(folder);
         (self.result, self.checked) = (None, None);
         self.number += 1;
@@ -98,12 +101,16 @@ impl RecordState {
     }
 
     /// Changes the tolerance, on which the date of the next calibration depends.
-    pub fn set_tolerance(&mut self, tolerance_m: f64) {
-        self.tolerance_m = tolerance_m;
+    ///
+    /// # Errors
+    /// One sentence without its end, if nothing can be said for this tolerance. The former one stays.
+    pub fn set_tolerance(&mut self, tolerance: Tolerance) -> Result<(), String> {
         if let Some(Ok(open)) = &mut self.result {
             let mut changed = OpenRecord::clone(open);
-            changed.found.set_tolerance(tolerance_m);
+            changed.found.set_tolerance(&changed.record, tolerance)?;
             *open = Arc::new(changed);
         }
+        self.tolerance = tolerance;
+        Ok(())
     }
 }

@@ -7,7 +7,7 @@ use tautline_core::history::{History, Jump, OUT_OF_TOLERANCE, Part};
 use tautline_core::robot::Robot;
 use tautline_session::{Timestamp, VersionedFile};
 
-use super::{RobotHistory, RobotRecord, days_after};
+use super::{RobotHistory, RobotRecord, Tolerance, days_after};
 
 /// The life of one robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -143,10 +143,50 @@ pub struct DriftDocument {
 pub struct NextCalibration {
     /// Date; null if it is not due within ten years.
     pub time: Option<Timestamp>,
-    /// Probability that a pulley is out of tolerance then.
+    /// 95 % interval of the date, as rates of drifts and jumps are not known exactly; null for an end that is not within ten years.
+    #[serde(default)]
+    pub interval: [Option<Timestamp>; 2],
+    /// Probability of being out of tolerance then.
     pub probability_out_of_tolerance: f64,
-    /// Largest tolerable displacement of a pulley from its value in the last session (m).
+    /// What has the tolerance.
+    #[serde(default)]
+    pub tolerance_of: ToleranceOf,
+    /// The tolerance (m).
     pub tolerance_m: f64,
+    /// Smallest and largest x, y, z of the volume in which the position has it (m); null for the workspace, and for pulleys.
+    #[serde(default)]
+    pub volume_m: Option<[[f64; 3]; 2]>,
+}
+
+/// What has a tolerance until the next calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ToleranceOf {
+    /// The displacement of each pulley from its value in the last session.
+    #[default]
+    Pulley,
+    /// The root mean square position error of the platform over a volume.
+    Position,
+}
+
+impl NextCalibration {
+    /// What was forecast after the last session of a record.
+    fn of(found: &RobotHistory, last: Timestamp) -> Option<Self> {
+        let forecast = found.forecast?;
+        let date = |days: Option<f64>| Some(days_after(last, days?));
+        let (tolerance_of, volume) = match found.tolerance {
+            Tolerance::Pulley(_) => (ToleranceOf::Pulley, None),
+            Tolerance::Position { volume, .. } => (ToleranceOf::Position, volume),
+        };
+        Some(Self {
+            time: date(forecast.due_days),
+            interval: forecast.interval_days.map(date),
+            probability_out_of_tolerance: OUT_OF_TOLERANCE.max(forecast.at_once),
+            tolerance_of,
+            tolerance_m: found.tolerance.limit_m(),
+            volume_m: volume.map(|volume| [volume.low_m, volume.high_m]),
+        })
+    }
 }
 
 impl VersionedFile for HistoryDocument {
@@ -177,14 +217,7 @@ impl HistoryDocument {
             sd: spatial(&history.axes[drift.part], sds(&drift.covariance)),
         });
         let last = record.sessions.last().and_then(|session| session.time);
-        let next_calibration = found
-            .forecast
-            .zip(last)
-            .map(|(forecast, last)| NextCalibration {
-                time: forecast.due_days.map(|days| days_after(last, days)),
-                probability_out_of_tolerance: OUT_OF_TOLERANCE.max(forecast.at_once),
-                tolerance_m: forecast.tolerance_m,
-            });
+        let next_calibration = last.and_then(|last| NextCalibration::of(found, last));
         let sessions = record.sessions.iter().enumerate().map(|(index, session)| {
             let mut values = vec![[None; 3]; robot.cables.len()];
             let mut of_sd = values.clone();

@@ -2,7 +2,7 @@
 
 use tautline_core::history::{CERTAIN, Part};
 
-use super::{RobotHistory, RobotRecord, days_between, part_name, unit_of};
+use super::{RobotHistory, RobotRecord, Tolerance, days_between, part_name, unit_of};
 use crate::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Ribbon, Series, Span};
 use crate::wording::sentence;
 use crate::wording::units::{display_unit, quantity};
@@ -86,9 +86,9 @@ pub fn lane(record: &RobotRecord, found: &RobotHistory, part: usize) -> Figure {
             },
         });
     }
-    if is_pulley {
-        let edge = 1e3 * found.tolerance_m;
-        let name = format!("within {}", quantity(found.tolerance_m, "m"));
+    if let (true, Tolerance::Pulley(limit_m)) = (is_pulley, found.tolerance) {
+        let edge = 1e3 * limit_m;
+        let name = format!("within {}", quantity(limit_m, "m"));
         figure.bands.push(Band::new(name, [-edge, edge]));
     }
     let [_, height] = figure.whole();

@@ -13,7 +13,8 @@ use std::slice;
 use tautline_core::comparison::Identified;
 use tautline_core::estimation::Control;
 use tautline_core::geometry::Vec3;
-use tautline_core::history::{CERTAIN, DatedRun, Forecast, History, forecast, smooth};
+use tautline_core::history::{self, CERTAIN, DatedRun, Forecast, History, forecast, smooth};
+use tautline_core::planning::Volume;
 use tautline_core::robot::Robot;
 use tautline_session::{
     EVENTS, Import, Loaded, RobotEvent, Session, Stage, Timestamp, import, is_own, open_input,
@@ -26,14 +27,58 @@ use crate::identification::{Identification, effects_title};
 use crate::wording::count;
 pub use document::{
     ChangeDocument, Changed, DriftDocument, HistoryDocument, HistorySession, NextCalibration,
+    ToleranceOf,
 };
 pub use figure::lane;
 pub use rows::{RecordRow, pulleys_csv, rows};
 use words::unit_of;
-pub use words::{changes, next_calibration, part_name, size_of_jump};
+pub use words::{changes, next_calibration, next_calibration_after, part_name, size_of_jump};
 
 /// Largest displacement of a pulley that is tolerable if nothing else is said (m).
 pub const TOLERANCE_M: f64 = 5e-3;
+
+/// Position error of the platform that is tolerable if nothing else is said (m).
+pub const POSITION_TOLERANCE_M: f64 = 1e-3;
+
+/// What has to stay within its tolerance until the next calibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Tolerance {
+    /// Displacement of a pulley from its value in the last session (m).
+    Pulley(f64),
+    /// Root mean square position error of the platform over a volume (m).
+    Position {
+        /// The tolerance (m).
+        limit_m: f64,
+        /// The volume; `None` for the workspace of the robot.
+        volume: Option<Volume>,
+    },
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self::Pulley(TOLERANCE_M)
+    }
+}
+
+impl Tolerance {
+    /// The tolerance (m).
+    #[must_use]
+    pub fn limit_m(self) -> f64 {
+        match self {
+            Self::Pulley(limit_m) | Self::Position { limit_m, .. } => limit_m,
+        }
+    }
+
+    /// The same with another number (m).
+    #[must_use]
+    pub fn with_limit(self, limit_m: f64) -> Self {
+        match self {
+            Self::Pulley(_) => Self::Pulley(limit_m),
+            Self::Position { volume, .. } => Self::Position { limit_m, volume },
+        }
+    }
+}
+
 /// Distance between pulleys of two descriptions, over the size of the frame, from which they are of different robots.
 const OTHER_FRAME: f64 = 0.1;
 /// Days between sessions without dates, of which only the order is known.
@@ -128,8 +173,8 @@ pub struct RobotHistory {
     pub history: History,
     /// Whether all sessions have dates; otherwise nothing is said of rates and dates.
     pub is_dated: bool,
-    /// Largest tolerable displacement of a pulley (m).
-    pub tolerance_m: f64,
+    /// What has to stay within its tolerance.
+    pub tolerance: Tolerance,
     /// When it should be calibrated again; `None` without dates.
     pub forecast: Option<Forecast>,
 }
@@ -145,10 +190,21 @@ impl RobotHistory {
             .any(|probability| probability >= CERTAIN)
     }
 
-    /// Changes the largest tolerable displacement, on which the date of the next calibration depends.
-    pub fn set_tolerance(&mut self, tolerance_m: f64) {
-        self.tolerance_m = tolerance_m;
-        self.forecast = self.is_dated.then(|| forecast(&self.history, tolerance_m));
+    /// Changes the tolerance, on which the date of the next calibration depends. `record` is the one whose history it is.
+    ///
+    /// # Errors
+    /// One sentence without its end, if the position error of the platform cannot be predicted.
+    pub fn set_tolerance(
+        &mut self,
+        record: &RobotRecord,
+        tolerance: Tolerance,
+    ) -> Result<(), String> {
+        self.forecast = match self.is_dated {
+            true => Some(record.forecast(&self.history, tolerance)?),
+            false => None,
+        };
+        self.tolerance = tolerance;
+        Ok(())
     }
 }
 
@@ -274,8 +330,13 @@ impl RobotRecord {
     /// Smooths the state of the robot over all sessions. `folder` is the record's, for messages.
     ///
     /// # Errors
-    /// If there are fewer than two sessions, or they are of different robots.
-    pub fn history(&self, folder: &Path, tolerance_m: f64) -> Result<RobotHistory, RecordError> {
+    /// If there are fewer than two sessions, they are of different robots, or the position error of the platform cannot be predicted
+    /// although it has a tolerance.
+    pub fn history(
+        &self,
+        folder: &Path,
+        tolerance: Tolerance,
+    ) -> Result<RobotHistory, RecordError> {
         let failed = |message: String| RecordError::History {
             folder: folder.to_owned(),
             message,
@@ -303,12 +364,33 @@ impl RobotRecord {
             });
         }
         let history = smooth(&runs).map_err(|error| failed(error.to_string()))?;
-        Ok(RobotHistory {
-            forecast: is_dated.then(|| forecast(&history, tolerance_m)),
+        let mut found = RobotHistory {
+            forecast: None,
             history,
             is_dated,
-            tolerance_m,
-        })
+            tolerance,
+        };
+        found.set_tolerance(self, tolerance).map_err(failed)?;
+        Ok(found)
+    }
+
+    fn forecast(&self, history: &History, tolerance: Tolerance) -> Result<Forecast, String> {
+        let identification = &self.sessions[self.sessions.len() - 1].identification;
+        let problem = identification
+            .problem()
+            .map_err(|error| error.to_string())?;
+        let tolerance = match tolerance {
+            Tolerance::Pulley(limit_m) => history::Tolerance::Pulley(limit_m),
+            Tolerance::Position { limit_m, volume } => history::Tolerance::Position {
+                limit_m,
+                volume,
+                last: Identified {
+                    problem: &problem,
+                    solution: &identification.solution,
+                },
+            },
+        };
+        forecast(history, tolerance).map_err(|error| error.to_string())
     }
 
     /// The robot as the first session describes it.

@@ -1,11 +1,13 @@
 //! The life of a robot in words.
 
+use std::path::Path;
+
 use tautline_core::effect::find;
 use tautline_core::history::{Drift, Forecast, Jump, OUT_OF_TOLERANCE, Part};
 use tautline_core::robot::Robot;
 use tautline_session::Timestamp;
 
-use super::{RobotHistory, RobotRecord, date, days_after};
+use super::{RobotHistory, RobotRecord, Tolerance, date, days_after};
 use crate::wording::probability::{certainty, percent};
 use crate::wording::units::{quantity, with_sd};
 use crate::wording::{first_lower, list};
@@ -108,25 +110,48 @@ fn drift_sentence(record: &RobotRecord, drift: &Drift, part: &Part, axes: &[usiz
 }
 
 /// When to calibrate again.
-fn due_sentence(forecast: &Forecast, last: Timestamp) -> String {
-    let tolerance = quantity(forecast.tolerance_m, "m");
+fn due_sentence(forecast: &Forecast, tolerance: Tolerance, last: Timestamp) -> String {
+    let limit = quantity(tolerance.limit_m(), "m");
+    let of_whom = match tolerance {
+        Tolerance::Pulley(_) => "pulleys",
+        Tolerance::Position { .. } => "the position of the platform",
+    };
     if forecast.at_once > OUT_OF_TOLERANCE {
         return format!(
-            "The values of the last session are too uncertain for a tolerance of {tolerance}: measure more poses."
+            "The values of the last session are too uncertain for a tolerance of {limit} of {of_whom}: measure more poses."
         );
     }
-    match forecast.due_days {
-        Some(days) => {
-            let date = date(days_after(last, days));
-            format!(
-                "Calibrate again by {date}: then the probability reaches {} that a pulley is more than {tolerance} from its value in \
-                 the last session.",
-                percent(OUT_OF_TOLERANCE)
-            )
+    let Some(due) = forecast.due_days else {
+        return format!(
+            "It is not expected that a tolerance of {limit} of {of_whom} is left within ten years."
+        );
+    };
+    let out = match tolerance {
+        Tolerance::Pulley(_) => {
+            format!("a pulley is more than {limit} from its value in the last session")
         }
-        None => {
-            format!("No pulley is expected to leave a tolerance of {tolerance} within ten years.")
-        }
+        Tolerance::Position { volume, .. } => format!(
+            "the position error of the platform is more than {limit} in the {} (root mean square)",
+            volume.map_or("workspace", |_| "volume")
+        ),
+    };
+    format!(
+        "Calibrate again by {}{}: then the probability reaches {} that {out}.",
+        date(days_after(last, due)),
+        interval(forecast, last),
+        percent(OUT_OF_TOLERANCE)
+    )
+}
+
+/// The interval of a date in brackets: ` (95 %: 2026-10-02 to 2027-03-01)`.
+fn interval(forecast: &Forecast, last: Timestamp) -> String {
+    let [from, to] = forecast
+        .interval_days
+        .map(|days| days.map(|days| date(days_after(last, days))));
+    match (from, to) {
+        (Some(from), Some(to)) => format!(" (95 %: {from} to {to})"),
+        (Some(from), None) => format!(" (95 %: not before {from})"),
+        (None, _) => String::new(),
     }
 }
 
@@ -166,9 +191,37 @@ pub fn changes(record: &RobotRecord, found: &RobotHistory) -> Vec<String> {
     told
 }
 
+/// When to calibrate again after the session of a file or folder; `None` if it is not in the record. The date follows the last session.
+#[must_use]
+pub fn next_calibration_after(
+    record: &RobotRecord,
+    found: &RobotHistory,
+    path: &Path,
+) -> Option<String> {
+    let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let own = whole(path);
+    let mut sessions = record.sessions.iter();
+    let index = sessions.position(|session| whole(&session.path) == own)?;
+    let last = record.sessions.last()?;
+    if index + 1 < record.sessions.len() {
+        return Some(format!(
+            "The date of the next calibration follows the last session of the record, which is {}.",
+            last.date_or_name()
+        ));
+    }
+    Some(next_calibration(record, found).unwrap_or_else(|| {
+        "There is no date of the next calibration, because not all sessions of the record have dates."
+            .to_owned()
+    }))
+}
+
 /// When to calibrate again; `None` if the sessions have no dates.
 #[must_use]
 pub fn next_calibration(record: &RobotRecord, found: &RobotHistory) -> Option<String> {
     let last = record.sessions.last()?.time?;
-    Some(due_sentence(found.forecast.as_ref()?, last))
+    Some(due_sentence(
+        found.forecast.as_ref()?,
+        found.tolerance,
+        last,
+    ))
 }

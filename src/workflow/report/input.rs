@@ -24,6 +24,8 @@ pub struct ReportInput<'a> {
     pub diagnosis_outdated: bool,
     /// A picture of the robot (PNG), if there is one.
     pub picture: Option<&'a [u8]>,
+    /// When the next calibration is due, a sentence; `None` without a record of the robot, from which it follows.
+    pub next_calibration: Option<&'a str>,
     /// The selected parts, and the heading.
     pub choice: &'a ReportChoice,
     /// Time of the report.

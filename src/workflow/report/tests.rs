@@ -108,6 +108,7 @@ impl Sample {
             outdated: false,
             diagnosis_outdated: false,
             picture: None,
+            next_calibration: None,
             choice: &self.choice,
             now: time(60),
         }
@@ -181,6 +182,7 @@ fn html_is_well_formed_and_needs_nothing_else() {
     let png = png();
     let input = ReportInput {
         picture: Some(&png),
+        next_calibration: None,
         ..sample.input()
     };
     assert_tables_are_whole(&content::document(&input));
@@ -257,6 +259,7 @@ fn pdf_has_the_same_headings() {
     let png = png();
     let input = ReportInput {
         picture: Some(&png),
+        next_calibration: None,
         ..sample.input()
     };
     let bytes = render_report(&input, ReportFormat::Pdf).expect("PDF");
@@ -549,6 +552,7 @@ fn a_session_without_measurements_has_a_report() {
         outdated: false,
         diagnosis_outdated: false,
         picture: None,
+        next_calibration: None,
         choice: &ReportChoice::default(),
         now: time(1),
     };

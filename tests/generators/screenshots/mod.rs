@@ -12,6 +12,7 @@ use egui::ThemePreference;
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{CompareCommand, FileCommand, RecordCommand, ViewCommand};
 use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workflow::history::Tolerance;
 
 use crate::generators::sessions;
 use stage::{LARGE, SMALL, Stage};
@@ -102,7 +103,7 @@ fn comparison(into: &Path) -> Result<()> {
 fn record(into: &Path) -> Result<()> {
     let mut stage = Stage::new(LARGE)?;
     stage.give(RecordCommand::Open(PathBuf::from("sessions/year-of-mini")));
-    stage.give(RecordCommand::SetTolerance(0.01));
+    stage.give(RecordCommand::SetTolerance(Tolerance::Pulley(0.01)));
     files::write_still(&into.join("record.png"), &stage.picture()?)
 }
 

@@ -168,7 +168,8 @@ def test_ctrl_c_ends_a_long_call() -> None:
 
 
 def test_the_record_of_a_robot_is_arrays_with_dated_changes() -> None:
-    record = tautline.history(Path(__file__).parents[2] / "sessions" / "year-of-mini")
+    year = Path(__file__).parents[2] / "sessions" / "year-of-mini"
+    record = tautline.history(year)
     assert record.entry_points_m.shape == (7, 8, 3)
     assert record.times[3] == np.datetime64("2026-06-18T10:00:00")
     certain = [change for change in record.changes if change.probability > 0.95]
@@ -181,6 +182,11 @@ def test_the_record_of_a_robot_is_arrays_with_dated_changes() -> None:
     np.testing.assert_allclose(moved, certain[0].displacement_m, atol=1e-9)
     with pytest.raises(tautline.TautlineError, match="tolerance_m: found 0, expected a positive number"):
         tautline.history(Path(), tolerance_m=0.0)
+    box = [[-0.1, -0.1, -0.1], [0.1, 0.1, 0.1]]
+    of_position = tautline.history(year, position_tolerance_m=0.01, volume_m=box).document["next_calibration"]
+    assert (of_position["tolerance_of"], of_position["volume_m"]) == ("position", box)
+    with pytest.raises(tautline.TautlineError, match="volume_m: expected only with position_tolerance_m"):
+        tautline.history(year, volume_m=box)
 
 
 def test_a_health_check_sees_a_drum_that_winds_differently() -> None:

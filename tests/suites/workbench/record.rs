@@ -9,6 +9,7 @@ use tautline_validation::generators::sessions;
 use tautline_workbench::model::command::{FileCommand, RecordCommand};
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
+use tautline_workflow::history::Tolerance;
 
 use crate::measured::{give, press};
 use crate::support::{settle, type_into, workbench};
@@ -65,8 +66,11 @@ fn a_folder_of_sessions_is_opened_as_a_record_and_the_tolerance_moves_the_date()
     give(&mut harness, FileCommand::Open(year()));
     assert_eq!(harness.state().state.model.screen, Screen::Record);
     harness.get_by_label_contains("are too uncertain for a tolerance of 5 mm");
-    give(&mut harness, RecordCommand::SetTolerance(0.02));
+    let of_pulleys = Tolerance::Pulley(0.02);
+    give(&mut harness, RecordCommand::SetTolerance(of_pulleys));
     harness.get_by_label_contains("is more than 20 mm from its value in the last session");
+    press(&mut harness, "platform position");
+    harness.get_by_label_contains("for a tolerance of 1 mm of the position of the platform");
 }
 
 #[test]

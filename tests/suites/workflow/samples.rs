@@ -10,7 +10,7 @@ use tautline_core::history::{CERTAIN, Part};
 use tautline_session::{Session, Timestamp, read_session, write_session};
 use tautline_validation::generators::sessions::{Made, RECIPES, Recipe, folder, make};
 use tautline_workflow::comparison::{LEVEL, compare_identifications, identify_to_compare};
-use tautline_workflow::history::{RobotRecord, TOLERANCE_M};
+use tautline_workflow::history::{RobotRecord, Tolerance};
 use tautline_workflow::samples;
 
 fn recipe(file: &str) -> &'static Recipe {
@@ -172,7 +172,7 @@ fn the_year_of_mini_shows_the_moved_pulley_and_the_new_cable_and_nothing_else() 
     let record = record.expect("a record");
     assert!(record.notices.is_empty(), "{:?}", record.notices);
     let history = record
-        .history(&year, TOLERANCE_M)
+        .history(&year, Tolerance::default())
         .expect("a history")
         .history;
     let certain: Vec<_> = (history.jumps.iter())

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use tautline_session::Session;
+use tautline_workflow::history::Tolerance;
 
 use crate::model::record::{CheckedPair, OpenRecord};
 
@@ -19,8 +20,8 @@ pub enum RecordCommand {
     Open(PathBuf),
     /// Chooses another folder.
     Close,
-    /// Largest tolerable displacement of a pulley (m).
-    SetTolerance(f64),
+    /// What has to stay within its tolerance until the next calibration.
+    SetTolerance(Tolerance),
     /// Compares two of its sessions, by their places in the order of time.
     Compare([usize; 2]),
     /// Opens a session of it.

@@ -9,7 +9,9 @@ use std::sync::Arc;
 use egui::{CentralPanel, Panel, ScrollArea, Slider, Spinner, Ui};
 use tautline_core::history::{CERTAIN, Part as RobotPart};
 use tautline_workflow::health::HealthVerdict;
-use tautline_workflow::history::{changes as told, next_calibration};
+use tautline_workflow::history::{
+    POSITION_TOLERANCE_M, Tolerance, changes as told, next_calibration,
+};
 use tautline_workflow::plot::Selection;
 
 use crate::model::Model;
@@ -21,7 +23,7 @@ use crate::views::ViewStates;
 use crate::views::robot_3d::scene::{Displacement, Scene, SideNames, Subject};
 use crate::views::robot_3d::show_beside;
 use crate::widgets::{
-    Entered, Number, Verdict, empty, muted, number_checked, panel_frame, section, verdict,
+    Entered, Number, Verdict, choice, empty, muted, number_checked, panel_frame, section, verdict,
 };
 
 #[derive(Debug, Default)]
@@ -224,30 +226,50 @@ fn changes(ui: &mut Ui, model: &Model, drawn: &Drawn, panel: &mut PanelState, ou
             muted(ui, notice);
         }
         ui.add_space(GRID);
-        ui.horizontal(|ui| {
-            ui.label("Tolerance of a pulley");
-            let field = Number {
-                name: "Tolerance of a pulley",
-                value: Some(1e3 * model.record.tolerance_m),
-                decimals: 2,
-                unit: "mm",
-                optional: false,
-                width: 64.0,
-            };
-            let check = |typed: f64| match typed > 0.0 {
-                true => Ok(()),
-                false => Err(format!("found {typed}, expected a positive number")),
-            };
-            if let Some(Entered::Value(typed)) = number_checked(ui, &field, &check) {
-                outbox.send(RecordCommand::SetTolerance(1e-3 * typed));
-            }
-        });
+        tolerance(ui, model.record.tolerance, outbox);
         section(ui, "Sessions");
         sessions::show(ui, open, panel, outbox);
         if let Some(checked) = &model.record.checked {
             health(ui, open, checked);
         }
         ui.add_space(4.0 * GRID);
+    });
+}
+
+/// What has to stay within its tolerance, and the tolerance.
+fn tolerance(ui: &mut Ui, known: Tolerance, outbox: &mut Outbox) {
+    ui.horizontal(|ui| {
+        ui.label("Tolerance of");
+        let of_pulleys = matches!(known, Tolerance::Pulley(_));
+        let mut chosen = of_pulleys;
+        choice(ui, &mut chosen, true, "pulleys");
+        choice(ui, &mut chosen, false, "platform position").on_hover_text(
+            "Root mean square position error over the workspace, of a controller with the values of the last session",
+        );
+        if chosen != of_pulleys {
+            outbox.send(RecordCommand::SetTolerance(match chosen {
+                true => Tolerance::default(),
+                false => Tolerance::Position {
+                    limit_m: POSITION_TOLERANCE_M,
+                    volume: None,
+                },
+            }));
+        }
+        let field = Number {
+            name: "Tolerance",
+            value: Some(1e3 * known.limit_m()),
+            decimals: 2,
+            unit: "mm",
+            optional: false,
+            width: 64.0,
+        };
+        let check = |typed: f64| match typed > 0.0 {
+            true => Ok(()),
+            false => Err(format!("found {typed}, expected a positive number")),
+        };
+        if let Some(Entered::Value(typed)) = number_checked(ui, &field, &check) {
+            outbox.send(RecordCommand::SetTolerance(known.with_limit(1e-3 * typed)));
+        }
     });
 }
 

@@ -1,7 +1,7 @@
 //! Content of the report of the record of a robot.
 
 use super::{NONE, signatures, titled, when};
-use crate::history::{changes, date, lane, next_calibration, rows};
+use crate::history::{Tolerance, changes, date, lane, next_calibration, rows};
 use crate::report::document::{Block, Document, Section, Table};
 use crate::report::input::HistoryInput;
 use crate::report::plots;
@@ -67,10 +67,13 @@ fn sessions(input: &HistoryInput<'_>) -> Section {
 
 fn courses(input: &HistoryInput<'_>) -> Section {
     let mut section = Section::new("Over time");
+    let tolerance = match input.found.tolerance {
+        Tolerance::Pulley(limit_m) => format!("; the tolerance is {}", quantity(limit_m, "m")),
+        Tolerance::Position { .. } => String::new(),
+    };
     section.note(format!(
-        "Coordinates less those of the last session, with 95 % bands; the tolerance is {}. A shaded range of dates is one in \
-         which a jump happened; dashed lines are events.",
-        quantity(input.found.tolerance_m, "m")
+        "Coordinates less those of the last session, with 95 % bands{tolerance}. A shaded range of dates is one in which a jump \
+         happened; dashed lines are events."
     ));
     let parts = 0..input.found.history.parts.len();
     let drawn = parts.map(|part| plots::course(&lane(input.record, input.found, part)));

@@ -14,6 +14,8 @@ use crate::wording::probability::certainty;
 use crate::wording::units::quantity;
 use crate::wording::{self, count};
 
+/// What is said where no record is known. One session does not show how fast the robot changes.
+const NO_RECORD: &str = "The date of the next calibration follows from a record of the robot; none was given, so there is no date.";
 /// Probability below which the model does not explain the data.
 const DOUBT: f64 = 0.01;
 
@@ -42,6 +44,7 @@ pub fn section(input: &ReportInput<'_>) -> Section {
         if let Some(tolerance_m) = input.choice.tolerance_m {
             displacements::judged(fit, tolerance_m, &mut section);
         }
+        section.paragraph(input.next_calibration.unwrap_or(NO_RECORD));
         for deficiency in &fit.open {
             section.paragraph(format!("Open: {}.", deficiency.sentence));
         }

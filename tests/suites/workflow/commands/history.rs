@@ -79,6 +79,101 @@ fn a_pulley_that_moved_is_named_and_dated() {
 }
 
 #[test]
+fn the_position_of_the_platform_has_a_tolerance_and_a_report_the_date() {
+    let folder = Folder::new();
+    let life = record(&folder, DATES);
+    let args = ["history", &life, "--tolerance-position", "2"];
+    let found = tautline(&[&args[..], &["--json", "-"]].concat())
+        .succeeded()
+        .json();
+    assert_valid(&found);
+    let next = &found["next_calibration"];
+    assert_eq!(next["tolerance_of"], "position");
+    assert_number(next, "/tolerance_m", 2e-3, 1e-12);
+    assert_eq!(next["volume_m"], Value::Null);
+    let date = |value: &Value| value.as_str().map(str::to_owned);
+    let time = date(&next["time"]).expect("a date");
+    // Dates of one form are in the order of time.
+    assert!(date(&next["interval"][0]).is_some_and(|from| from <= time));
+    assert!(date(&next["interval"][1]).is_none_or(|to| to >= time));
+    let readable = tautline(&args).succeeded().stdout;
+    let sentence =
+        "the position error of the platform is more than 2 mm in the workspace (root mean square)";
+    assert!(readable.contains(sentence), "{readable}");
+    let within = [
+        &args[..],
+        &["--volume", "-0.1,0.1,-0.1,0.1,-0.1,0.1", "--json", "-"],
+    ]
+    .concat();
+    let within = tautline(&within).succeeded().json();
+    let volume = json!([[-0.1, -0.1, -0.1], [0.1, 0.1, 0.1]]);
+    assert_eq!(within["next_calibration"]["volume_m"], volume);
+
+    let html = folder.join("last.html");
+    let report = |session: &str, more: &[&str]| {
+        let session = format!("{life}/{session}");
+        let args = [&["report", &session, "--out", &html, "--replace"], more].concat();
+        tautline(&args).succeeded();
+        std::fs::read_to_string(&html).expect("the report")
+    };
+    let of_record = ["--record", &life, "--tolerance-position", "2"];
+    let text = report("a", &of_record);
+    assert!(
+        text.contains(&format!("Calibrate again by {}", &time[..10])),
+        "{text}"
+    );
+    let text = report("b", &of_record);
+    assert!(text.contains("follows the last session of the record, which is 2026-05-05"));
+    assert!(report("a", &[]).contains("none was given, so there is no date"));
+}
+
+#[test]
+fn a_tolerance_is_a_positive_number_of_one_thing() {
+    let folder = Folder::new();
+    let life = record(&folder, DATES);
+    let session = format!("{life}/a");
+    let html = folder.join("last.html");
+    for (args, parts) in [
+        (
+            vec!["history", &life, "--tolerance-position", "-1"],
+            ["--tolerance-position", "found -1"],
+        ),
+        (
+            vec![
+                "history",
+                &life,
+                "--tolerance-position",
+                "1",
+                "--volume",
+                "1,0,0,1,0,1",
+            ],
+            ["--volume", "found \"1,0,0,1,0,1\""],
+        ),
+        (
+            vec![
+                "report",
+                &session,
+                "--out",
+                &html,
+                "--tolerance-position",
+                "1",
+            ],
+            ["--tolerance-position", "only with --record"],
+        ),
+    ] {
+        tautline(&args).refused(&parts);
+    }
+    let elsewhere = write_run(
+        &folder,
+        "other",
+        &presets::find("mini").expect("a preset").robot,
+        9,
+    );
+    tautline(&["report", &elsewhere, "--out", &html, "--record", &life])
+        .refused(&["--record", "other among the sessions"]);
+}
+
+#[test]
 fn without_dates_the_order_is_that_of_the_names() {
     let folder = Folder::new();
     let mut dates = DATES;
