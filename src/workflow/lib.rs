@@ -27,6 +27,7 @@ pub mod report;
 pub mod samples;
 pub mod sequential;
 pub mod session_file;
+pub mod signature;
 pub mod templates;
 pub mod tolerances;
 pub mod wording;
