@@ -1,19 +1,32 @@
 //! `tautline effects`.
 
+use std::path::{Path, PathBuf};
+
 use anyhow::Result;
 use tautline_core::effect::{
-    Effect, EffectParameter, FORMULA_QUANTITIES, FORMULA_TARGETS, Scope, Search, every_effect,
+    Effect, EffectParameter, FORMULA_QUANTITIES, FORMULA_TARGETS, Hypothesis, Scope, Search,
+    every_effect,
 };
+use tautline_core::estimation::Control;
+use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
+use tautline_session::{HypothesisFolder, Session};
+use tautline_workflow::clock;
+use tautline_workflow::identification::identify_session;
+use tautline_workflow::machines;
+use tautline_workflow::report::render;
+use tautline_workflow::signature::{Gallery, gallery_document};
 
 use crate::BadInput;
 use crate::examples::examples;
-use crate::hypothesis_arguments::HypothesisFiles;
+use crate::hypothesis_arguments::{HypothesisFiles, of_user};
 use crate::input;
-use crate::output::{line, say};
+use crate::output::{confirm, line, note, say, write_file};
+use crate::replace::Replace;
+use crate::report_format::report_format;
 use crate::table;
 
-/// Robot whose words the texts of effects use.
+/// Robot whose words the texts of effects use if no other is named.
 const ROBOT: &str = "mini";
 
 #[derive(Debug, clap::Args)]
@@ -21,8 +34,12 @@ const ROBOT: &str = "mini";
     ("All effects, with the sizes that are typical", "tautline effects"),
     ("An effect as a hypothesis file, to be copied and changed", "tautline effects --as-text drum_eccentricity > oval_drum.toml"),
     ("What the formulas of a hypothesis may use and change", "tautline effects --quantities"),
+    ("What each mistake looks like in the residuals of your robot", "tautline effects mini --gallery gallery.html"),
 ]))]
 pub struct Arguments {
+    /// Robot whose hypotheses are listed and whose residuals the gallery shows: a known machine, a robot.json, a session or a dataset folder
+    #[arg(value_name = "NAME|ROBOT|DATASET|SESSION")]
+    robot: Option<String>,
     #[command(flatten)]
     hypotheses: HypothesisFiles,
     /// Print an effect as the text of a hypothesis file
@@ -31,6 +48,11 @@ pub struct Arguments {
     /// List the quantities that the formulas of a hypothesis may use and change
     #[arg(long)]
     quantities: bool,
+    /// Write pictures of the residuals that each effect causes on this robot; the name ends with .html or .pdf
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["quantities", "as_text"])]
+    gallery: Option<PathBuf>,
+    #[command(flatten)]
+    replace: Replace,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -38,15 +60,103 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         print_quantities();
         return Ok(());
     }
-    let mut robot = input::robot(ROBOT)?.robot;
-    arguments.hypotheses.add_to(&mut robot)?;
-    match &arguments.as_text {
-        Some(id) => print_text(&robot, id),
-        None => {
-            print_table(&robot);
-            Ok(())
+    let mut subject = Subject::of(arguments.robot.as_deref().unwrap_or(ROBOT))?;
+    arguments.hypotheses.add_to(&mut subject.robot)?;
+    match (&arguments.as_text, &arguments.gallery) {
+        (Some(id), _) => print_text(&subject.robot, id),
+        (None, Some(path)) => write_gallery(arguments, path, &subject),
+        (None, None) => {
+            print_table(&subject.robot);
+            print_sources(arguments, &subject)
         }
     }
+}
+
+/// A robot with the poses at which it was measured.
+struct Subject {
+    robot: Robot,
+    poses: Vec<Pose>,
+    /// What it is called in the arguments.
+    name: String,
+}
+
+impl Subject {
+    fn of(name: &str) -> Result<Self> {
+        let path = Path::new(name);
+        if machines::find(name).is_some() || !path.exists() {
+            return Ok(Self {
+                robot: input::robot(name)?.robot,
+                poses: Vec::new(),
+                name: name.to_owned(),
+            });
+        }
+        let session = input::session(path)?;
+        Ok(Self {
+            poses: fitted_poses(&session),
+            robot: session.robot,
+            name: name.to_owned(),
+        })
+    }
+}
+
+/// The measured poses of a session; none where they cannot be identified.
+fn fitted_poses(session: &Session) -> Vec<Pose> {
+    let fit = identify_session(session, &mut |_| Control::Continue);
+    let poses = fit.map(|fit| fit.solution.poses).unwrap_or_default();
+    // The simulation begins at home by itself.
+    let home = session.robot.home.map(|_| 0);
+    let away = poses.into_iter().filter(|(row, _)| Some(*row) != home);
+    away.map(|(_, pose)| pose).collect()
+}
+
+fn write_gallery(arguments: &Arguments, path: &Path, subject: &Subject) -> Result<()> {
+    let format = report_format("--gallery", path)?;
+    arguments.replace.permit(&[Some(path)], None)?;
+    let gallery = Gallery::new(&subject.robot, &subject.poses, &mut |_, _| {
+        Control::Continue
+    });
+    let failed = |error| BadInput::new(format!("{}: {error}", subject.name));
+    let Some(gallery) = gallery.map_err(failed)? else {
+        return Ok(());
+    };
+    if !subject.poses.is_empty() && gallery.poses != subject.poses.len() + 1 {
+        note!(
+            "{}: its poses cannot be simulated; the gallery has others",
+            subject.name
+        );
+    }
+    let now = clock::now();
+    write_file(path, &render(&gallery_document(&gallery), format, now)?)?;
+    confirm!(
+        "{}: {} effects of {}",
+        path.display(),
+        gallery.signatures.len(),
+        gallery.robot.name
+    );
+    Ok(())
+}
+
+/// Where each hypothesis comes from.
+fn print_sources(arguments: &Arguments, subject: &Subject) -> Result<()> {
+    let effects: Vec<&Effect> = subject.robot.hypothesis_effects().collect();
+    if effects.is_empty() {
+        return Ok(());
+    }
+    let mut files = arguments.hypotheses.sources()?;
+    let beside = HypothesisFolder::read(&Path::new(&subject.name).join("effects"));
+    files.extend(beside.hypotheses);
+    files.extend(of_user().hypotheses.iter().cloned());
+    say!("Hypotheses:");
+    for (effect, text) in effects.iter().zip(&subject.robot.hypotheses) {
+        let is_it = |(_, known): &&(PathBuf, Hypothesis)| known.text() == text;
+        let file = files.iter().find(is_it);
+        let file = file.map_or_else(
+            || subject.name.clone(),
+            |(file, _)| file.display().to_string(),
+        );
+        say!("   {}: {file}", effect.id());
+    }
+    Ok(())
 }
 
 fn print_text(robot: &Robot, id: &str) -> Result<()> {

@@ -16,6 +16,7 @@ use tautline_workflow::report::{Part, ReportChoice, ReportInput, render_report};
 
 use crate::diagnose::diagnose_with_progress;
 use crate::examples::examples;
+use crate::hypothesis_arguments::HypothesisFiles;
 use crate::position_tolerance::{PositionTolerance, metres};
 use crate::replace::Replace;
 use crate::report_format::report_format;
@@ -128,7 +129,8 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
         metres("--tolerance", mm)?;
     }
     arguments.replace.permit(&[Some(&arguments.out)], None)?;
-    let session = input::session(&arguments.subject)?;
+    let mut session = input::session(&arguments.subject)?;
+    HypothesisFiles::default().add_to(&mut session.robot)?;
     let next_calibration = arguments.next_calibration()?;
     let (fit, diagnosis) = if session.measurements.is_empty() {
         (None, None)

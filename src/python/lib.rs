@@ -20,7 +20,7 @@ use tautline_core::measurement::Dataset;
 use tautline_core::planning::{PlanOptions, Volume, plan as plan_poses};
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate as simulate_readings};
-use tautline_session::{Session, VersionedFile};
+use tautline_session::{Folders, HypothesisFolder, Session, VersionedFile};
 use tautline_workflow::clock;
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 use tautline_workflow::health::{Baseline, HealthDocument, verdict_sentences};
@@ -154,7 +154,12 @@ fn write_robot(path: PathBuf, robot: &str) -> PyResult<()> {
 /// Robot and poses of a dataset folder, and what the operator should know.
 #[pyfunction]
 fn read_dataset(folder: PathBuf) -> PyResult<(String, String, Vec<String>)> {
-    let read = tautline_session::read_dataset(&folder).map_err(error)?;
+    let mut read = tautline_session::read_dataset(&folder).map_err(error)?;
+    if let Ok(folders) = Folders::of_user() {
+        let own = HypothesisFolder::read(&folders.effects());
+        read.notices.extend(own.add_to(&mut read.dataset.robot));
+        read.notices.extend(own.notices);
+    }
     Ok((
         json(&read.dataset.robot)?,
         poses_text(&read.dataset)?,

@@ -51,6 +51,12 @@ impl Folders {
         self.config.join("sensors")
     }
 
+    /// The folder with the user's own hypotheses, see [`HypothesisFolder`](crate::HypothesisFolder).
+    #[must_use]
+    pub fn effects(&self) -> PathBuf {
+        self.config.join("effects")
+    }
+
     /// The key that signs audit trails, see [`AuditKey`](crate::AuditKey).
     #[must_use]
     pub fn audit_key(&self) -> PathBuf {

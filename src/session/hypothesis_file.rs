@@ -4,7 +4,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use tautline_core::effect::{Hypothesis, MAX_HYPOTHESIS_BYTES};
+use tautline_core::effect::{Hypothesis, MAX_HYPOTHESES, MAX_HYPOTHESIS_BYTES};
 use tautline_core::robot::Robot;
 
 use crate::error::{Place, ReadError};
@@ -66,6 +66,66 @@ pub(crate) fn add_hypotheses_beside(robot: &mut Robot, folder: &Path) -> Result<
         add_hypothesis(robot, &path)?;
     }
     Ok(())
+}
+
+/// The hypotheses in a folder, such as that of the user, see [`Folders::effects`](crate::Folders::effects). A file that
+/// cannot be used is left out: it belongs to no dataset, so nothing has to wait until it is corrected.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct HypothesisFolder {
+    /// The hypotheses with their files, in the order of the names.
+    pub hypotheses: Vec<(PathBuf, Hypothesis)>,
+    /// What was left out, one sentence each.
+    pub notices: Vec<String>,
+}
+
+impl HypothesisFolder {
+    /// Reads a folder; one that does not exist is empty.
+    #[must_use]
+    pub fn read(folder: &Path) -> Self {
+        let mut read = Self::default();
+        let files = hypothesis_files(folder).unwrap_or_else(|error| {
+            read.notices.push(error.to_string());
+            Vec::new()
+        });
+        if files.len() > MAX_HYPOTHESES {
+            let (folder, found) = (folder.display(), files.len());
+            read.notices.push(format!(
+                "{folder}: found {found} hypotheses, expected at most {MAX_HYPOTHESES}; the others are left out"
+            ));
+        }
+        for path in files.into_iter().take(MAX_HYPOTHESES) {
+            match read_hypothesis(&path) {
+                Ok(hypothesis) => read.push(path, hypothesis),
+                Err(error) => read.notices.push(format!("{error}; the file is left out")),
+            }
+        }
+        read
+    }
+
+    fn push(&mut self, path: PathBuf, hypothesis: Hypothesis) {
+        let mut known = self.hypotheses.iter();
+        match known.find(|(_, other)| other.id() == hypothesis.id()) {
+            None => self.hypotheses.push((path, hypothesis)),
+            Some((first, _)) => self.notices.push(format!(
+                "{}: found the hypothesis \"{}\" as in {}, expected another id; the file is left out",
+                path.display(),
+                hypothesis.id(),
+                first.display()
+            )),
+        }
+    }
+
+    /// Makes the hypotheses known to a robot and returns notices. What the robot carries, or what is beside its dataset, counts
+    /// more than a file here with the same identifier.
+    pub fn add_to(&self, robot: &mut Robot) -> Vec<String> {
+        let mut notices = Vec::new();
+        for (path, hypothesis) in &self.hypotheses {
+            if let Err(error) = robot.add_hypothesis(hypothesis) {
+                notices.push(format!("{}: {error}; the file is left out", path.display()));
+            }
+        }
+        notices
+    }
 }
 
 /// The hypothesis files of a folder, in the order of their names; none if there is no folder.
@@ -132,6 +192,53 @@ mod tests {
                 .contains("c.toml: found the hypothesis \"my_winch_scale\""),
             "{error}"
         );
+    }
+
+    #[test]
+    fn a_folder_of_the_user_leaves_out_what_is_wrong_in_one_sentence_each() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let absent = HypothesisFolder::read(&folder.path().join("absent"));
+        assert_eq!(absent, HypothesisFolder::default());
+        let slip = text("cable_slip");
+        let files = [
+            ("a.toml", slip.clone()),
+            (
+                "b.toml",
+                slip.replace("pose]", "place]").replace("unit", "units"),
+            ),
+            ("c.toml", slip.clone()),
+            ("d.toml", text("winch_scale")),
+        ];
+        for (name, content) in files {
+            fs::write(folder.path().join(name), content).expect("written");
+        }
+        let read = HypothesisFolder::read(folder.path());
+        let ids: Vec<&str> = read.hypotheses.iter().map(|(_, h)| h.id()).collect();
+        assert_eq!(ids, ["my_cable_slip", "my_winch_scale"]);
+        let [broken, twice] = &read.notices[..] else {
+            panic!("{:?}", read.notices);
+        };
+        assert!(
+            broken.contains("b.toml, line ") && broken.contains(", column "),
+            "{broken}"
+        );
+        assert!(
+            twice.contains("c.toml: found the hypothesis \"my_cable_slip\" as in "),
+            "{twice}"
+        );
+        // What the robot carries counts more.
+        let mut robot = robot();
+        let own = text("winch_scale").replace("0.03]", "0.04]");
+        let own = parse_hypothesis(own.as_bytes(), "own.toml").expect("one");
+        robot.add_hypothesis(&own).expect("added");
+        let notices = read.add_to(&mut robot);
+        assert_eq!(notices.len(), 1, "{notices:?}");
+        assert!(
+            notices[0].contains("d.toml: found the hypothesis \"my_winch_scale\""),
+            "{notices:?}"
+        );
+        assert_eq!(robot.hypotheses.len(), 2);
+        assert_eq!(robot.hypotheses[0], own.text());
     }
 
     #[test]

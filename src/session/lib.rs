@@ -41,7 +41,7 @@ pub use error::{Loaded, Place, ReadError, WriteError, quoted};
 pub use events_table::{EVENTS, RobotEvent, read_events};
 pub use fingerprint::Fingerprint;
 pub use folders::Folders;
-pub use hypothesis_file::{add_hypothesis, parse_hypothesis, read_hypothesis};
+pub use hypothesis_file::{HypothesisFolder, add_hypothesis, parse_hypothesis, read_hypothesis};
 pub use import::{Import, import, is_own};
 pub use input_file::open_input;
 pub use json::{

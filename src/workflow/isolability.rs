@@ -10,7 +10,7 @@ use tautline_core::estimation::EstimationError;
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::{PartTolerances, Robot};
 
-use crate::wording::units::{quantity, unit_of};
+use crate::signature::size_in_words;
 use crate::wording::{count, list};
 
 /// Probability of detection from which a fault counts as detectable.
@@ -104,28 +104,11 @@ impl IsolabilityDocument {
 fn fault(robot: &Robot, expected: &ExpectedFault) -> ExpectedFaultDocument {
     let bound = &expected.cause.instances[0];
     let setting = bound.setting(robot);
-    let parameters = bound.effect.parameters();
-    let sized = parameters
-        .iter()
-        .zip(&bound.values)
-        .filter(|(p, _)| !p.discrete);
-    let size = sized.map(|(p, value)| quantity(value - p.neutral, unit_of(p.name, p.unit)));
     ExpectedFaultDocument {
         effect: bound.effect.id().to_owned(),
         title: bound.effect.title().to_owned(),
         targets: setting.targets,
-        size: match size.collect::<Vec<_>>() {
-            // The phase of a wave is not a size.
-            sizes
-                if matches!(
-                    bound.effect.search(),
-                    tautline_core::effect::Search::Wave { .. }
-                ) =>
-            {
-                sizes.first().cloned().unwrap_or_default()
-            }
-            sizes => list(&sizes),
-        },
+        size: size_in_words(bound),
         parameters: setting
             .parameters
             .into_iter()

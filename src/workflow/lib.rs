@@ -28,6 +28,7 @@ pub mod results;
 pub mod samples;
 pub mod sequential;
 pub mod session_file;
+pub mod signature;
 pub mod templates;
 pub mod tolerances;
 pub mod wording;

@@ -134,6 +134,9 @@ pub fn tautline(arguments: &[&str]) -> Answer {
 pub fn command(arguments: &[&str]) -> Command {
     let mut command = Command::new(program());
     command.args(arguments);
+    // Nobody's settings, such as hypotheses of their own, take part.
+    let absent = format!("tautline-tests-{}", std::process::id());
+    command.env("TAUTLINE_HOME", std::env::temp_dir().join(absent));
     command
 }
 

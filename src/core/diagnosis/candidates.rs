@@ -5,8 +5,6 @@
 //! share one prior probability. Columns are derivatives of the readings at the value without effect; the columns of
 //! events and waves are one derivative, the generator, multiplied by a weight for each pose.
 
-use std::f64::consts::FRAC_PI_4;
-
 use nalgebra::DMatrix;
 
 use super::priors::{ATYPICAL_SHARE, RELATIVE_SD, SCALE_RATIO};
@@ -14,7 +12,7 @@ use super::relations::{
     is_same_effect_and_targets, is_same_kind, is_same_place, place_of, place_parameter,
 };
 use super::report::Cause;
-use crate::effect::{Effect, EffectParameter, Scope, Search};
+use crate::effect::{Effect, EffectParameter, Scope, Search, amplitude_of};
 
 /// How the effect of a generator depends on the pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -127,7 +125,7 @@ impl Candidate {
                     }
                 }
                 search => {
-                    for k in estimable(bound.effect) {
+                    for k in bound.effect.estimable() {
                         let parameter = &bound.effect.parameters()[k];
                         bound.values[k] = parameter.neutral + distance(parameter, next());
                     }
@@ -151,23 +149,11 @@ impl Candidate {
         cause
     }
 
-    /// The cause at typical size. Each parameter is the geometric mean of its smallest and largest typical size,
-    /// divided by the square root of the number of parameters.
+    /// The cause at typical size.
     pub fn typical(&self) -> Cause {
         let mut cause = self.placed();
         for bound in &mut cause.instances {
-            let parameters = bound.effect.parameters();
-            if let Search::Wave { phase, period } = bound.effect.search() {
-                let amplitude = amplitude_of(phase, period);
-                bound.values[amplitude] = typical_size(&parameters[amplitude]);
-                bound.values[phase] = FRAC_PI_4;
-                continue;
-            }
-            let count = estimable(bound.effect).count() as f64;
-            for k in estimable(bound.effect) {
-                bound.values[k] =
-                    parameters[k].neutral + typical_size(&parameters[k]) / count.sqrt();
-            }
+            *bound = bound.at_typical_size();
         }
         cause
     }
@@ -191,7 +177,7 @@ impl Candidate {
                 numbers.extend([amplitude * cosine, amplitude * sine]);
                 continue;
             }
-            for k in estimable(bound.effect) {
+            for k in bound.effect.estimable() {
                 let parameter = &bound.effect.parameters()[k];
                 let value = bound.values[k] - parameter.neutral;
                 let probe = probe_offset(parameter);
@@ -224,35 +210,13 @@ fn distance(parameter: &EffectParameter, step: f64) -> f64 {
     square.sqrt().max(parameter.start - parameter.neutral)
 }
 
-/// Index of the amplitude of a wave: the parameter that is neither phase nor period.
-pub(super) fn amplitude_of(phase: usize, period: Option<usize>) -> usize {
-    (0..3)
-        .find(|k| *k != phase && Some(*k) != period)
-        .unwrap_or_default()
-}
-
-pub(super) fn estimable(effect: &'static Effect) -> impl Iterator<Item = usize> {
-    let parameters = effect.parameters().iter().enumerate();
-    parameters.filter(|(_, p)| !p.discrete).map(|(k, _)| k)
-}
-
 /// The parameter that measures the size of an effect.
 pub(super) fn size_parameter(effect: &'static Effect) -> Option<&'static EffectParameter> {
     let index = match effect.search() {
         Search::Wave { phase, period } => Some(amplitude_of(phase, period)),
-        _ => estimable(effect).next(),
+        _ => effect.estimable().next(),
     };
     index.map(|k| &effect.parameters()[k])
-}
-
-/// Geometric mean of the smallest and the largest typical size.
-pub(super) fn typical_size(parameter: &EffectParameter) -> f64 {
-    let [least, largest] = parameter.typical_sizes();
-    if least > 0.0 {
-        (least * largest).sqrt()
-    } else {
-        0.5 * largest
-    }
 }
 
 /// Scales of the size prior relative to the largest typical size, with their log probabilities: uniform over the orders

@@ -6,8 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::budget::{COLUMNS_AT_ONCE, FREQUENCIES_PER_WAVE, MAX_PERIODS};
 use super::candidates::{
-    Candidate, Column, PoseWeights, amplitude_of, estimable, prior_sd, probe_offset, scales,
-    size_parameter,
+    Candidate, Column, PoseWeights, prior_sd, probe_offset, scales, size_parameter,
 };
 use super::conditions::Conditions;
 use super::fit::Fit;
@@ -16,7 +15,9 @@ use super::priors::{
 };
 use super::relations::{is_same_effect_and_targets, is_same_place, place_of};
 use super::report::Cause;
-use crate::effect::{BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_EXTERNAL_POSES, Scope, Search};
+use crate::effect::{
+    BoundEffect, CATALOGUE, Effect, IN_MOTION, OF_EXTERNAL_POSES, Scope, Search, amplitude_of,
+};
 use crate::estimation::{Linearisation, ParameterId};
 
 /// All candidates at a fit, with the generators of their columns.
@@ -261,7 +262,7 @@ impl Builder<'_> {
             for (value, p) in at.values.iter_mut().zip(at.effect.parameters()) {
                 *value = p.neutral + probe_offset(p);
             }
-            for k in estimable(at.effect) {
+            for k in at.effect.estimable() {
                 let generator = self.generator(&at, k);
                 columns.push(Column {
                     generator,
@@ -336,7 +337,7 @@ impl Builder<'_> {
         }
         let mut generators = Vec::new();
         for bound in &at.instances {
-            for k in estimable(bound.effect) {
+            for k in bound.effect.estimable() {
                 generators.push(self.generator(bound, k));
             }
         }
@@ -392,7 +393,11 @@ impl Builder<'_> {
                 sds.extend([prior_sd(size, 0.0); 2]);
             } else {
                 let parameters = effect.parameters();
-                sds.extend(estimable(effect).map(|k| prior_sd(&parameters[k], present(bound, k))));
+                sds.extend(
+                    effect
+                        .estimable()
+                        .map(|k| prior_sd(&parameters[k], present(bound, k))),
+                );
             }
         }
         let count = cause.instances.len();

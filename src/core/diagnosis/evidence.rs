@@ -286,7 +286,7 @@ impl CandidateScore {
     }
 
     /// In units of the prior at scale 1: log evidence at each scale, including the prior of the scale.
-    fn at_scales(&self, candidate: &Candidate) -> Vec<(f64, usize)> {
+    pub(super) fn at_scales(&self, candidate: &Candidate) -> Vec<(f64, usize)> {
         let value = |scale: usize| {
             if self.score.len() == 1 {
                 let information = self.information[(0, 0)].max(0.0);

@@ -52,6 +52,7 @@ mod residual_space;
 mod search;
 mod separation;
 mod set_comparison;
+mod single_cause;
 mod size_posterior;
 mod structured_errors;
 mod unmodelled_errors;
@@ -77,6 +78,7 @@ pub use report::{
 };
 
 pub use separation::expected_separation;
+pub use single_cause::{SingleCause, single_causes};
 pub use variables::Variables;
 
 use crate::estimation::Control;

@@ -61,6 +61,7 @@ mod tracker_frame;
 mod tracker_latency;
 mod tracker_target;
 mod tracker_tilt;
+mod typical_size;
 mod winch_backlash;
 mod winch_offset;
 mod winch_scale;
@@ -87,6 +88,7 @@ pub(crate) use ports::{CablePort, CablePorts, PlatformPort, PlatformPorts};
 pub use setting::EffectSetting;
 pub(crate) use text_physics::TextPhysics;
 pub use tolerance::{MachineClass, TypicalTolerance};
+pub(crate) use typical_size::amplitude_of;
 
 use crate::measurement::{Measurements, Variable};
 

@@ -167,7 +167,7 @@ def read_robot(path: Path) -> Robot:
 
 
 def read_dataset(folder: Path) -> Dataset:
-    """Reads a dataset folder."""
+    """Reads a dataset folder, with the hypotheses beside it and in the settings folder of the user."""
     robot, poses, notices = _tautline.read_dataset(folder)
     for notice in notices:
         warnings.warn(notice, stacklevel=2)

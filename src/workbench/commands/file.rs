@@ -12,7 +12,7 @@ use tautline_session::{
 
 use super::file_dialog::pick;
 use super::file_tasks::{ask_save, written};
-use super::{recording, robot, tables};
+use super::{hypothesis, recording, robot, tables};
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{
     Answer, Command, FileCommand, FileOutcome, Leaving, Opening, Outcome, RecordCommand,
@@ -20,6 +20,7 @@ use crate::model::command::{
 };
 use crate::model::dialogs::{LeavingDraft, SaveContent};
 use crate::model::edit::same_effect;
+use crate::model::hypothesis::AfterHypothesis;
 use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
 use crate::model::save_form::SaveForm;
@@ -68,6 +69,9 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
         FileCommand::SaveAs(path) => save(model, link_target(&path)),
         FileCommand::NewSeries(repaired) => new_series(model, &repaired),
         FileCommand::Close => leave(model, Leaving::Close),
+        FileCommand::Quit if model.hypothesis.is_unsaved() => {
+            hypothesis::go_on(model, AfterHypothesis::Quit);
+        }
         FileCommand::Quit => leave(model, Leaving::Quit),
         FileCommand::Answer(answer) => answered(model, answer),
         FileCommand::Recover(place) => recover(model, place),
@@ -430,11 +434,14 @@ pub(super) fn begin(model: &mut Model, session: Session, path: Option<PathBuf>) 
 
 fn open(model: &mut Model, opening: Opening) {
     let Opening {
-        session,
+        mut session,
         path,
         is_recovered,
         is_new,
     } = opening;
+    if path.is_none() && !is_recovered {
+        hypothesis::add_those_of_user(model, &mut session);
+    }
     let first = first_phase(&session);
     // Errors of another session do not concern this one.
     model.messages.dismiss();

@@ -122,6 +122,8 @@ fn has_current_diagnosis(session: &Session) -> bool {
 #[derive(PartialEq)]
 pub(super) struct FitChoices {
     effects: Vec<EffectSetting>,
+    /// Texts, which change no fit, but what it is a fit of.
+    hypotheses: Vec<String>,
     excluded: BTreeSet<i64>,
 }
 
@@ -130,6 +132,7 @@ impl FitChoices {
         let session = model.open.as_ref()?.session();
         Some(Self {
             effects: session.settings.identification.effects.clone(),
+            hypotheses: session.robot.hypotheses.clone(),
             excluded: session.excluded().clone(),
         })
     }

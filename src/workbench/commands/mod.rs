@@ -4,6 +4,7 @@ mod compare;
 mod file;
 mod file_dialog;
 mod file_tasks;
+mod hypothesis;
 mod identification;
 mod import;
 mod plots;
@@ -43,6 +44,7 @@ pub fn perform(model: &mut Model, command: Command) {
         Command::Compare(command) => compare::perform(model, command),
         Command::Record(command) => record::perform(model, command),
         Command::Study(command) => study::perform(model, command),
+        Command::Hypothesis(command) => hypothesis::perform(model, command),
         Command::Edit(edit) => {
             let adds = match &edit {
                 Edit::AddEffects(effects, _) => Some(effects.clone()),
@@ -114,6 +116,7 @@ pub fn receive(model: &mut Model, outcome: Outcome) {
         Outcome::Setup(outcome) => setup::receive(model, outcome),
         Outcome::Compare(outcome) => compare::receive(model, outcome),
         Outcome::Record(outcome) => record::receive(model, outcome),
+        Outcome::Hypothesis(outcome) => hypothesis::receive(model, outcome),
         Outcome::Picked(Some(command)) => perform(model, *command),
         Outcome::Picked(None) => {}
         Outcome::NoFileDialog(choice) => model.dialogs.chooser = Some(choice.into()),

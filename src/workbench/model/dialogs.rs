@@ -6,8 +6,8 @@ use tautline_session::SymbolMapping;
 
 use super::command::file_choice::FileChooser;
 use super::command::{
-    Command, Export, FileCommand, Leaving, PlotCommand, PlotFile, RecordingCommand, ReportDraft,
-    RobotCommand, Setup, WriteDraft,
+    Command, Export, FileCommand, HypothesisCommand, Leaving, PlotCommand, PlotFile,
+    RecordingCommand, ReportDraft, RobotCommand, Setup, WriteDraft,
 };
 use super::manual;
 use super::save_form::SaveForm;
@@ -91,6 +91,8 @@ pub(crate) enum SaveContent {
     Symbols(Box<SymbolMapping>),
     Export(Export),
     Plot(PlotFile),
+    Hypothesis,
+    Gallery,
 }
 
 impl SaveContent {
@@ -104,6 +106,8 @@ impl SaveContent {
             Self::Export(Export::StructuredText) => "Save the parameters as",
             Self::Export(Export::Check) => "Save the verification as",
             Self::Plot(_) => "Save the plot as",
+            Self::Hypothesis => "Save the hypothesis as",
+            Self::Gallery => "Save the gallery as HTML",
         }
     }
 
@@ -115,6 +119,8 @@ impl SaveContent {
             Self::Symbols(mapping) => RobotCommand::Setup(Setup::Export(path, mapping)).into(),
             Self::Export(export) => RobotCommand::Export(export, path).into(),
             Self::Plot(file) => PlotCommand::Save(path, file).into(),
+            Self::Hypothesis => HypothesisCommand::Save(path).into(),
+            Self::Gallery => HypothesisCommand::SaveGallery(path).into(),
         }
     }
 }

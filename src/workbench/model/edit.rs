@@ -4,13 +4,14 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use tautline_core::effect::{EffectSetting, Hypothesis};
+use tautline_core::effect::{BoundEffect, EffectSetting, Hypothesis};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 use tautline_session::{
     Connection, LaserSettings, Method, PhaseData, PlannedPose, Session, Settings,
 };
 pub use tautline_workflow::identification::same_effect;
+use tautline_workflow::signature::replace_hypothesis;
 
 /// A change by the operator.
 #[derive(Debug, Clone)]
@@ -28,6 +29,10 @@ pub enum Edit {
         effect: Box<EffectSetting>,
         name: String,
     },
+    /// Makes a hypothesis known to the robot, in place of one with the same identifier.
+    SetHypothesis(Box<Hypothesis>),
+    /// Takes a hypothesis, by its identifier, out of the robot and the model.
+    RemoveHypothesis(String),
     /// Takes effects out of the model, whatever their values; the text says which, for the undo menu.
     RemoveEffects(Vec<EffectSetting>, String),
     /// Leaves a pose out.
@@ -58,6 +63,8 @@ impl Edit {
             Self::Exclude(label) => format!("exclude pose {label}"),
             Self::Include(label) => format!("include pose {label}"),
             Self::AddPattern { name, .. } => format!("extend the model by {name}"),
+            Self::SetHypothesis(hypothesis) => format!("hypothesis {}", hypothesis.id()),
+            Self::RemoveHypothesis(id) => format!("remove hypothesis {id}"),
             Self::AddEffects(_, what)
             | Self::RemoveEffects(_, what)
             | Self::SetPlan(_, what)
@@ -84,6 +91,22 @@ impl Edit {
                     effects.retain(|old| !same_effect(old, &effect));
                     effects.push(*effect);
                 }
+            }
+            Self::SetHypothesis(hypothesis) => {
+                // One too many changes nothing.
+                if replace_hypothesis(&mut session.robot, &hypothesis).is_ok() {
+                    // Another text may have other parameters.
+                    let robot = &session.robot;
+                    effects.retain(|one| BoundEffect::to_estimate(one, robot).is_ok());
+                }
+            }
+            Self::RemoveHypothesis(id) => {
+                let is_other = |text: &String| {
+                    let known = Hypothesis::parse(text);
+                    known.is_ok_and(|known| known.id() != id)
+                };
+                session.robot.hypotheses.retain(is_other);
+                effects.retain(|one| one.effect != id);
             }
             Self::RemoveEffects(removed, _) => {
                 effects.retain(|one| !removed.iter().any(|other| same_effect(one, other)));

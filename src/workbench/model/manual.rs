@@ -24,6 +24,8 @@ pub enum Page {
     Report,
     /// The record of a robot, and its health check.
     Record,
+    /// Hypotheses of the user, and the gallery of effects.
+    Hypotheses,
     /// What each number means.
     Numbers,
 }
@@ -44,7 +46,7 @@ macro_rules! picture {
 }
 
 /// The pictures of the pages: name of the file and PNG.
-pub const PICTURES: [(&str, &[u8]); 9] = [
+pub const PICTURES: [(&str, &[u8]); 11] = [
     picture!("start.png"),
     picture!("phase-1.png"),
     picture!("phase-2.png"),
@@ -54,11 +56,13 @@ pub const PICTURES: [(&str, &[u8]); 9] = [
     picture!("doctor.png"),
     picture!("compare.png"),
     picture!("record.png"),
+    picture!("hypothesis.png"),
+    picture!("gallery.png"),
 ];
 
 impl Page {
     /// All, in the order of reading.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Start,
         Self::Import,
         Self::Precalibration,
@@ -69,6 +73,7 @@ impl Page {
         Self::Plots,
         Self::Report,
         Self::Record,
+        Self::Hypotheses,
         Self::Numbers,
     ];
 
@@ -84,6 +89,7 @@ impl Page {
             Self::Plots => page!("plots.md"),
             Self::Report => page!("report.md"),
             Self::Record => page!("record.md"),
+            Self::Hypotheses => page!("hypotheses.md"),
             Self::Numbers => page!("numbers.md"),
         }
     }
@@ -114,6 +120,7 @@ impl Page {
             Screen::Import => Self::Import,
             Screen::Compare => Self::Report,
             Screen::Record => Self::Record,
+            Screen::Hypothesis | Screen::Gallery => Self::Hypotheses,
             Screen::WhichSensor => Self::Measuring,
             Screen::NewRobot => Self::Modeling,
             Screen::Phase(phase) => match phase {

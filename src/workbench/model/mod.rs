@@ -9,6 +9,7 @@ pub(crate) mod dialogs;
 pub mod edit;
 pub(crate) mod findings;
 pub(crate) mod fit_progress;
+pub mod hypothesis;
 pub mod importing;
 pub mod link;
 pub mod manual;
@@ -46,6 +47,7 @@ use command::PlanOutlook;
 use comparison::ComparisonState;
 use dialogs::Dialogs;
 use fit_progress::IdentificationState;
+use hypothesis::HypothesisState;
 use importing::ImportState;
 use link::{Link, LivePlatform};
 use messages::Messages;
@@ -111,6 +113,7 @@ pub struct Model {
     outlook_checked: Option<(u64, u64)>,
     pub comparison: ComparisonState,
     pub record: RecordState,
+    pub hypothesis: HypothesisState,
     /// Files of other programs on their way into the session.
     pub importing: ImportState,
     /// Keeps commands from the file of the open session while it has unsaved changes.
@@ -177,6 +180,7 @@ impl Model {
             outlook_checked: None,
             comparison: ComparisonState::default(),
             record: RecordState::default(),
+            hypothesis: HypothesisState::default(),
             importing: ImportState::default(),
             tasks: Tasks::new(context.clone()),
             messages,
@@ -267,6 +271,10 @@ impl Model {
     /// Names of what undo would undo and redo would do again: changes of the recipe while files are imported, else edits.
     #[must_use]
     pub fn next_steps(&self) -> [Option<&str>; 2] {
+        // Undo and redo are left to the text that is typed there.
+        if self.screen == Screen::Hypothesis {
+            return [None, None];
+        }
         let importing = self.importing.open.as_ref();
         let draft = importing.filter(|_| self.screen == Screen::Import);
         let history = self.open.as_ref().map(OpenSession::history);

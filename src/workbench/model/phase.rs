@@ -16,6 +16,10 @@ pub enum Screen {
     Import,
     /// Which sensor, how many poses.
     WhichSensor,
+    /// The hypothesis that is being written.
+    Hypothesis,
+    /// What each effect leaves in the residuals.
+    Gallery,
     /// A new robot from an empty table of its cables.
     NewRobot,
 }

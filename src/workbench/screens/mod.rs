@@ -5,6 +5,8 @@ mod bench_panel;
 pub mod compare;
 pub mod connect;
 mod footer;
+pub mod gallery;
+pub mod hypothesis;
 pub mod identification;
 pub mod import;
 pub mod measuring;
@@ -40,6 +42,7 @@ pub struct PanelStates {
     pub record: record::PanelState,
     pub import: import::PanelState,
     pub which_sensor: which_sensor::PanelState,
+    pub gallery: gallery::PanelState,
 }
 
 /// Draws the panel of a phase, with its foot, which stays where it is while the panel scrolls.

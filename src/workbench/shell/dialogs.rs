@@ -6,8 +6,8 @@ use egui::{Grid, RichText, TextEdit, Ui};
 
 use super::{State, save};
 use crate::model::command::{
-    Answer, DIAGNOSING, FileCommand, IDENTIFYING, Outbox, ReportCommand, ReportDraft, RobotCommand,
-    WriteDraft,
+    Answer, DIAGNOSING, FileCommand, HypothesisCommand, IDENTIFYING, Outbox, ReportCommand,
+    ReportDraft, RobotCommand, WriteDraft,
 };
 use crate::model::phase::Screen;
 use crate::model::{self, Model};
@@ -23,6 +23,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     // Where to save is asked above it.
     if state.model.dialogs.save.is_none() {
         leaving(ui, state);
+        unsaved_hypothesis(ui, state);
     }
     if let Some(draft) = state.model.dialogs.writing.take() {
         writing(ui, state, draft);
@@ -216,6 +217,48 @@ fn leaving(ui: &mut Ui, state: &mut State) {
     });
     if let Some(answer) = answer.or(is_left.then_some(Answer::Cancel)) {
         outbox.send(FileCommand::Answer(answer));
+    }
+}
+
+/// What becomes of the text of a hypothesis that is in no file?
+fn unsaved_hypothesis(ui: &mut Ui, state: &mut State) {
+    let State { model, outbox, .. } = state;
+    let Some(draft) = model
+        .hypothesis
+        .draft
+        .as_ref()
+        .filter(|_| model.hypothesis.asking.is_some())
+    else {
+        return;
+    };
+    let into_session = draft.checked().is_ok() && model.open.is_some();
+    let (answer, is_left) = modal(ui, ("unsaved hypothesis", 420.0), |ui| {
+        heading(ui, "Save the hypothesis?");
+        ui.label(match into_session {
+            true => "Its text is in no file and not in the session.",
+            false => "Its text is in no file.",
+        });
+        ui.add_space(2.0 * GRID);
+        let save = if into_session {
+            "Save into the session"
+        } else {
+            "Save as…"
+        };
+        let mut given = None;
+        ui.horizontal(|ui| {
+            if primary(ui, save, true).clicked() {
+                given = Some(Answer::Save);
+            }
+            for (title, answer) in [("Do not save", Answer::Discard), ("Cancel", Answer::Cancel)] {
+                if ui.button(title).clicked() {
+                    given = Some(answer);
+                }
+            }
+        });
+        given
+    });
+    if let Some(answer) = answer.or(is_left.then_some(Answer::Cancel)) {
+        outbox.send(HypothesisCommand::Answer(answer));
     }
 }
 

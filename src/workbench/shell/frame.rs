@@ -85,6 +85,20 @@ pub fn show(ui: &mut Ui, state: &mut State) {
                 screens::which_sensor::show(ui, model, panel, outbox);
             });
         }
+        Screen::Hypothesis => {
+            let State { model, outbox, .. } = state;
+            centre().show(ui, |ui| screens::hypothesis::show(ui, model, outbox));
+        }
+        Screen::Gallery => {
+            let State {
+                model,
+                outbox,
+                panels,
+                ..
+            } = state;
+            let panel = &mut panels.gallery;
+            centre().show(ui, |ui| screens::gallery::show(ui, model, panel, outbox));
+        }
         Screen::NewRobot => {
             let draft = &mut state.panels.new_robot;
             let back = state.model.home_screen();

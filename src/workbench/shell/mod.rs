@@ -54,7 +54,7 @@ impl App {
     /// The window's own close button asks about unsaved changes and an armed robot, too.
     fn ask_before_closing(&mut self, ctx: &egui::Context) {
         let State { model, outbox, .. } = &mut self.state;
-        let is_asked = model.is_unsaved() || model.would_disarm();
+        let is_asked = model.is_unsaved() || model.would_disarm() || model.hypothesis.is_unsaved();
         let has_panicked = model.caught_panic.is_some();
         if is_asked && !has_panicked && ctx.input(|input| input.viewport().close_requested()) {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);

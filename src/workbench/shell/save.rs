@@ -44,6 +44,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     });
     if is_cancelled || is_left {
         state.model.dialogs.leaving = None;
+        state.model.hypothesis.asking = None;
     } else {
         state.model.dialogs.save = Some(draft);
     }

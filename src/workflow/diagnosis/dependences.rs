@@ -181,7 +181,7 @@ pub(super) fn figure_of(
     dependents: &[Dependent],
     event: Option<(usize, bool)>,
 ) -> Figure {
-    let (factor, unit) = unit(variable);
+    let (factor, unit) = display_unit(variable);
     let labels = &diagnosed.dataset.measurements.labels;
     let point = |one: &Dependent| Point {
         pose: labels.get(one.row).copied(),
@@ -320,7 +320,7 @@ fn smooth(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 /// Display factor and display unit of a variable.
-fn unit(variable: Variable) -> (f64, &'static str) {
+pub(crate) fn display_unit(variable: Variable) -> (f64, &'static str) {
     match variable {
         Variable::CableLength | Variable::Distance | Variable::Position(_) => (1.0, "m"),
         Variable::Tension => (1.0, "N"),

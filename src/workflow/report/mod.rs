@@ -30,6 +30,7 @@ pub use colours::PLOT;
 pub use input::{ComparisonInput, HistoryInput, ReportInput};
 #[cfg(feature = "pdf")]
 pub use pdf::PdfError;
+pub(crate) use plots::signature_plot;
 pub use results::{Results, completed};
 
 /// File format of a report.

@@ -6,6 +6,7 @@ use crate::plot::Drawing;
 use crate::plot::draw::drawing;
 use crate::plot::figure::{Axis, Band, Columns, Curve, Figure, Ink, Marker, Point, Series};
 use crate::plot::histogram::{histogram as count, normal};
+use crate::wording::first_lower;
 
 /// Size of the plot of one cable (pt), two of which fit side by side.
 pub const SIZE: [f64; 2] = [236.0, 104.0];
@@ -44,6 +45,16 @@ pub fn dependence(name: &str, figure: &Figure) -> Drawing {
     let size = [2.0 * SIZE[0] + 12.0, 132.0];
     let label = format!("{name}, along {}", figure.x.title());
     drawing(label, figure, size, SCALE, &PLOT)
+}
+
+/// The residuals in which an effect shows.
+pub fn signature_plot(effect: &str, readings: &str, figure: &Figure) -> Drawing {
+    let label = format!("{effect}: residuals of {}", first_lower(readings));
+    let figure = Figure {
+        y: Axis::new(readings, ""),
+        ..figure.clone()
+    };
+    drawing(label, &figure, SIZE, SCALE, &PLOT)
 }
 
 /// The course of one part of a robot over its sessions.

@@ -6,8 +6,8 @@ use anyhow::Result;
 use egui::{Key, Modifiers, ThemePreference};
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
-    Answer, Command, CompareCommand, FileCommand, RecordCommand, RecordingCommand, ReportCommand,
-    RobotCommand, ViewCommand,
+    Answer, Command, CompareCommand, FileCommand, HypothesisCommand, RecordCommand,
+    RecordingCommand, ReportCommand, RobotCommand, ViewCommand,
 };
 use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
@@ -20,7 +20,7 @@ use tautline_workflow::report::ReportFormat;
 use tautline_workflow::templates::Template;
 
 use super::stage::{LARGE, Stage};
-use super::{SESSION, files, open, phase};
+use super::{SESSION, files, open, phase, written};
 
 /// Sizes of the window (pixels).
 const SIZES: [[f32; 2]; 3] = [[1024.0, 640.0], [1280.0, 800.0], [1920.0, 1080.0]];
@@ -96,7 +96,7 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
 type Section = fn(&mut Looks) -> Result<()>;
 
 /// How names of pictures begin, and what takes them.
-const SECTIONS: [(&[&str], Section); 9] = [
+const SECTIONS: [(&[&str], Section); 10] = [
     (&["demo"], demo),
     (&["start", "compare-empty", "which-sensor"], without_session),
     (&["import", "new-robot"], imports),
@@ -106,6 +106,7 @@ const SECTIONS: [(&[&str], Section); 9] = [
     (DIALOGS, dialogs),
     (&["compare"], comparison),
     (&["record"], record),
+    (&["hypothesis", "gallery"], hypothesis),
 ];
 
 /// How names of pictures of dialogs begin.
@@ -162,6 +163,27 @@ fn record(looks: &mut Looks) -> Result<()> {
     looks.at("record-row")?;
     looks.stage.give(ViewCommand::Go(Screen::Start));
     Ok(())
+}
+
+/// A hypothesis with and without a mistake, and the gallery of effects.
+fn hypothesis(looks: &mut Looks) -> Result<()> {
+    written(&mut looks.stage)?;
+    looks.at("hypothesis")?;
+    let draft = looks.stage.state().model.hypothesis.draft.as_ref();
+    let text = draft.map_or("", |draft| draft.text());
+    let wrong = text.replace("paid_of(next)", "tension");
+    looks.stage.give(HypothesisCommand::SetText(wrong));
+    looks.at("hypothesis-mistake")?;
+    looks.stage.give(HypothesisCommand::New);
+    looks.at("hypothesis-unsaved")?;
+    looks.stage.press("Do not save");
+    looks.stage.settle();
+    looks.at("hypothesis-new")?;
+    looks.stage.give(ViewCommand::Go(Screen::Gallery));
+    looks.stage.settle();
+    looks.at("gallery")?;
+    looks.stage.press_first("Effect: Drum out of round");
+    looks.at("gallery-chosen")
 }
 
 /// Files of other programs: without a robot, a recording, and a log with mistakes.

@@ -7,14 +7,22 @@ mod tour;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use egui::ThemePreference;
+use tautline_core::effect::{EffectSetting, Hypothesis};
+use tautline_core::measurement::Dataset;
+use tautline_core::robot::presets;
+use tautline_core::simulation::{SimulationOptions, simulate};
+use tautline_session::{PhaseData, write_dataset};
 use tautline_workbench::model::Selection;
-use tautline_workbench::model::command::{CompareCommand, FileCommand, RecordCommand, ViewCommand};
+use tautline_workbench::model::command::{
+    CompareCommand, FileCommand, HypothesisCommand, IdentificationCommand, RecordCommand,
+    ViewCommand,
+};
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workflow::history::Tolerance;
 
-use crate::generators::sessions;
+use crate::generators::{hypotheses, sessions};
 use stage::{LARGE, SMALL, Stage};
 
 /// The folder of the pictures.
@@ -39,6 +47,7 @@ pub fn write_all(into: &Path) -> Result<()> {
     causes(&into)?;
     comparison(&into)?;
     record(&into)?;
+    hypothesis_screens(&into)?;
     small_and_light(&into)?;
     tour::write(&into.join("tour.png"))
 }
@@ -105,6 +114,50 @@ fn record(into: &Path) -> Result<()> {
     stage.give(RecordCommand::Open(PathBuf::from("sessions/year-of-mini")));
     stage.give(RecordCommand::SetTolerance(Tolerance::Pulley(0.01)));
     files::write_still(&into.join("record.png"), &stage.picture()?)
+}
+
+/// A hypothesis with its residuals, and the gallery of effects.
+fn hypothesis_screens(into: &Path) -> Result<()> {
+    let mut stage = Stage::new(LARGE)?;
+    written(&mut stage)?;
+    files::write_still(&into.join("hypothesis.png"), &stage.picture()?)?;
+    stage.give(ViewCommand::Go(Screen::Gallery));
+    stage.settle();
+    stage.press_first("Effect: Drum out of round");
+    files::write_still(&into.join("gallery.png"), &stage.picture()?)
+}
+
+/// The hypothesis of the documentation, typed for data that have its effect.
+pub(crate) fn written(stage: &mut Stage) -> Result<()> {
+    let page = std::fs::read_to_string(hypotheses::page())?;
+    let Some((_, text)) = hypotheses::files(&page).into_iter().next() else {
+        bail!("the page has no hypothesis");
+    };
+    let hypothesis = Hypothesis::parse(&text)?;
+    let Some(preset) = presets::find("mini") else {
+        bail!("there is no robot");
+    };
+    let mut truth = preset.robot.clone();
+    truth.add_hypothesis(&hypothesis)?;
+    truth.effects.push(EffectSetting {
+        effect: hypothesis.id().to_owned(),
+        targets: vec!["cable-3".into()],
+        parameters: [("share".to_owned(), 0.01)].into(),
+    });
+    let run = simulate(&truth, &SimulationOptions::new(40, 4))?;
+    let dataset = Dataset {
+        robot: preset.robot,
+        measurements: run.dataset.measurements,
+    };
+    let folder = tempfile::tempdir()?;
+    let data = folder.path().join("mini");
+    write_dataset(&data, &dataset, &PhaseData::default())?;
+    stage.give(FileCommand::Open(data));
+    stage.give(IdentificationCommand::Identify);
+    stage.give(HypothesisCommand::Show);
+    stage.give(HypothesisCommand::SetText(text));
+    stage.settle();
+    Ok(())
 }
 
 fn small_and_light(into: &Path) -> Result<()> {

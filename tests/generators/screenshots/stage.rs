@@ -59,6 +59,17 @@ impl Stage {
         give(&mut self.harness, command);
     }
 
+    /// Waits until nothing changes any more, also where the end of a task begins another one.
+    pub fn settle(&mut self) {
+        settle(&mut self.harness);
+        settle(&mut self.harness);
+    }
+
+    /// The state of the program.
+    pub fn state(&self) -> &State {
+        &self.harness.state().state
+    }
+
     /// Presses what has this name and waits until all is done.
     pub fn press(&mut self, name: &str) {
         press(&mut self.harness, name);

@@ -8,6 +8,14 @@ import pytest
 import tautline
 
 
+@pytest.fixture(autouse=True)
+def settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Nobody's settings, such as hypotheses of their own, take part."""
+    folder = tmp_path / "settings"
+    monkeypatch.setenv("TAUTLINE_HOME", str(folder))
+    return folder
+
+
 @pytest.fixture(scope="session")
 def program() -> Path:
     return Path(os.environ["TAUTLINE_PROGRAM"])

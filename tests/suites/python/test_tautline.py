@@ -99,7 +99,7 @@ def test_the_diagnosis_names_the_hidden_effect(run: tautline.Run) -> None:
 
 
 def test_a_hypothesis_is_simulated_identified_and_named() -> None:
-    page = (Path(__file__).parents[2] / "docs/HYPOTHESES.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs/HYPOTHESES.md").read_text(encoding="utf-8")
     text = page.split("```toml\n")[1].split("```")[0]
     robot = tautline.Robot.preset("mini").with_hypothesis(text)
     hidden = tautline.Effect("encoder_crosstalk", ["cable-3"], {"share": 0.01})
@@ -111,6 +111,15 @@ def test_a_hypothesis_is_simulated_identified_and_named() -> None:
     assert (found.findings[0].effect, found.findings[0].targets) == ("encoder_crosstalk", ["cable-3"])
     with pytest.raises(tautline.TautlineError, match="line 13, column 16: found N, expected"):
         robot.with_hypothesis(text.replace("paid_of(next)", "tension"))
+
+
+def test_a_dataset_knows_the_hypotheses_of_the_settings_folder(settings: Path, tmp_path: Path, run: tautline.Run) -> None:
+    page = (Path(__file__).parents[3] / "docs/HYPOTHESES.md").read_text(encoding="utf-8")
+    text = page.split("```toml\n")[1].split("```")[0]
+    (settings / "effects").mkdir(parents=True)
+    (settings / "effects/crosstalk.toml").write_text(text, encoding="utf-8")
+    run.dataset.write(tmp_path / "data")
+    assert tautline.read_dataset(tmp_path / "data").robot.description["hypotheses"] == [text]
 
 
 def test_a_plan_is_measured_in_its_own_coordinates() -> None:

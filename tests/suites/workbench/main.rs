@@ -11,6 +11,7 @@ mod details;
 mod docking;
 mod doctor;
 mod gl;
+mod hypothesis;
 mod identification;
 mod importing;
 mod layout;

@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use tautline_core::effect::EffectSetting;
+use tautline_core::effect::{EffectSetting, Hypothesis};
 use tautline_session::{Connection, LaserSettings, Method, PhaseData, PlannedPose, WinchPair};
 use tautline_workbench::model::edit::{Edit, Editable};
 use tautline_workbench::shell::App;
@@ -16,7 +16,7 @@ const REDO: Modifiers = Modifiers {
     ..Modifiers::COMMAND
 };
 /// Kinds of edits.
-const KINDS: usize = 12;
+const KINDS: usize = 14;
 
 /// What a pattern of unexplained errors becomes in the model.
 const PATTERN: &str = r#"
@@ -47,6 +47,8 @@ fn kind(edit: &Edit) -> usize {
         Edit::SetPhases(..) => 9,
         Edit::SetConnection(_) => 10,
         Edit::AddPattern { .. } => 11,
+        Edit::SetHypothesis(_) => 12,
+        Edit::RemoveHypothesis(_) => 13,
         // It needs a session without poses: the tests of importing undo it.
         Edit::Import(..) => KINDS,
     }
@@ -96,6 +98,10 @@ fn edits(harness: &Harness<'_, App>) -> Vec<Edit> {
             }),
             name: "a pattern".into(),
         },
+        Edit::SetHypothesis(Box::new(
+            Hypothesis::parse(&PATTERN.replace("position_x", "position_y")).expect("a hypothesis"),
+        )),
+        Edit::RemoveHypothesis("pattern".into()),
         Edit::SetConnection(Box::new((Connection::default(), LaserSettings::Manual))),
     ]
 }

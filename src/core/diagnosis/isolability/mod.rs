@@ -35,7 +35,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::budget::{ISOLABILITY_POINTS, RULED_OUT};
 use super::calibration::NAMING_PROBABILITY;
-use super::candidates::{Candidate, size_parameter, typical_size};
+use super::candidates::{Candidate, size_parameter};
 use super::fit::Fit;
 use super::fitted_problem::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::gram::{CandidateScore, Gram};
@@ -150,7 +150,7 @@ pub fn shown_faults(dataset: &Dataset) -> Result<Vec<ShownFault>, EstimationErro
             noncentrality: fault.size.dot(&square),
             typical_range: parameter
                 .typical_sizes()
-                .map(|size| size / typical_size(parameter)),
+                .map(|size| size / parameter.typical_size()),
             cause: fault.cause,
         })
     };

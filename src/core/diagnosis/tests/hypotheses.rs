@@ -1,8 +1,8 @@
 //! Hypotheses of the user compete with the catalogue, and do not outweigh it.
 
 use super::{diagnosed, found, run_of, run_with, setting};
-use crate::diagnosis::Verdict;
-use crate::effect::{CROSSTALK, EffectSetting, Hypothesis};
+use crate::diagnosis::{Verdict, single_causes};
+use crate::effect::{CROSSTALK, EffectSetting, Hypothesis, find};
 use crate::measurement::Dataset;
 use crate::robot::presets;
 
@@ -130,4 +130,33 @@ fn ten_irrelevant_hypotheses_change_no_verdict() {
         named += found(&with).len();
     }
     assert_eq!(named, 4);
+}
+
+#[test]
+fn an_effect_alone_is_weighed_on_each_target_and_at_the_best_place() {
+    let dataset = crosstalk();
+    let crosstalk = dataset.robot.effect("encoder_crosstalk").unwrap();
+    let found = single_causes(&dataset, crosstalk).unwrap();
+    assert_eq!(found.len(), dataset.robot.cable_count());
+    let [first, second] = [&found[0], &found[1]];
+    assert_eq!(first.cause.cables(), [2]);
+    assert!(
+        first.log_odds > second.log_odds + 3.0,
+        "{first:?} {second:?}"
+    );
+    let share = first.cause.instances[0].values[0];
+    // Within a third, as a linear estimate beside noise of a tenth.
+    assert!((0.007..0.013).contains(&share), "{share}");
+    // An event is placed at its pose.
+    let slip = setting(
+        "cable_slip",
+        &["cable-2"],
+        &[("step", 0.02), ("pose", 15.0)],
+    );
+    let dataset = run_with("mini", 40, 7, &[slip]).dataset;
+    let found = single_causes(&dataset, find("cable_slip").unwrap()).unwrap();
+    let bound = &found[0].cause.instances[0];
+    assert_eq!(bound.cables, [1]);
+    let pose = bound.values[bound.effect.pose_parameter().unwrap()];
+    assert!((pose - 15.0).abs() <= 1.0, "{pose}");
 }

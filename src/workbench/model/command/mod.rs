@@ -4,6 +4,7 @@
 mod compare;
 mod file;
 pub(crate) mod file_choice;
+mod hypothesis;
 mod identification;
 mod import;
 mod plot;
@@ -17,6 +18,7 @@ mod view;
 
 pub use compare::{COMPARING, CompareCommand, CompareOutcome};
 pub use file::{Answer, FileCommand, FileOutcome, Leaving, Opening};
+pub use hypothesis::{DRAWING, HypothesisCommand, HypothesisOutcome, TRYING};
 pub use identification::{
     DIAGNOSING, DiagnosisResult, FORMULAS, IDENTIFYING, IdentificationCommand,
     IdentificationOutcome, READINESS, Readiness,
@@ -58,6 +60,8 @@ pub enum Command {
     Report(ReportCommand),
     Compare(CompareCommand),
     Record(RecordCommand),
+    /// Hypotheses of the user, and the gallery of effects.
+    Hypothesis(HypothesisCommand),
     /// Simulating what the expected covariance answers.
     Study(StudyCommand),
     /// Asks the tasks of this title to end.
@@ -86,6 +90,8 @@ pub enum Outcome {
     Compare(CompareOutcome),
     /// Of reading the record of a robot.
     Record(RecordOutcome),
+    /// Of hypotheses and the gallery.
+    Hypothesis(HypothesisOutcome),
     /// What to do with the file that was picked in a dialog of the desktop; `None` if that was cancelled.
     Picked(Option<Box<Command>>),
     /// The desktop has no dialog for a file that is asked for.
@@ -119,6 +125,7 @@ from!(
     ReportCommand => Command::Report,
     CompareCommand => Command::Compare,
     RecordCommand => Command::Record,
+    HypothesisCommand => Command::Hypothesis,
     StudyCommand => Command::Study,
     FileOutcome => Outcome::File,
     ImportOutcome => Outcome::Import,
@@ -129,6 +136,7 @@ from!(
     SetupOutcome => Outcome::Setup,
     CompareOutcome => Outcome::Compare,
     RecordOutcome => Outcome::Record,
+    HypothesisOutcome => Outcome::Hypothesis,
 );
 
 impl From<LinkRequest> for Command {

@@ -6,7 +6,7 @@ use tautline_core::effect::EffectSetting;
 use tautline_workflow::formulas::PatternDocument;
 
 use super::Panel;
-use crate::model::command::{FORMULAS, IdentificationCommand};
+use crate::model::command::{FORMULAS, HypothesisCommand, IdentificationCommand};
 use crate::model::edit::Edit;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, icon_button, muted, probability, verdict};
@@ -66,6 +66,16 @@ fn one(ui: &mut Ui, panel: &mut Panel<'_>, pattern: &PatternDocument) {
                 "At poses held out of the fit, residuals are {residuals} times the expected noise."
             ),
         );
+    }
+    let edit = ui.add(Button::new("Edit as a hypothesis"));
+    edit.widget_info(|| {
+        let name = format!("Edit {name} as a hypothesis");
+        egui::WidgetInfo::labeled(egui::Role::Button, true, name)
+    });
+    if edit.clicked() {
+        panel
+            .outbox
+            .send(HypothesisCommand::Begin(pattern.hypothesis.clone()));
     }
     let button = ui.add(Button::new("Extend the model by this pattern"));
     button.widget_info(|| {

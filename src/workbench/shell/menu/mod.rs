@@ -7,8 +7,8 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::state::State;
 use crate::model::command::{
-    Command, DIAGNOSING, IDENTIFYING, IdentificationCommand, RecordCommand, RobotCommand, STOP,
-    Setup, ViewCommand,
+    Command, DIAGNOSING, HypothesisCommand, IDENTIFYING, IdentificationCommand, RecordCommand,
+    RobotCommand, STOP, Setup, ViewCommand,
 };
 use crate::model::link::LinkRequest;
 use crate::model::manual::Page;
@@ -211,12 +211,39 @@ fn model(state: &State) -> Vec<Item> {
         ),
         item(
             Menu::Model,
+            "New hypothesis",
+            None,
+            true,
+            match state.model.hypothesis.draft {
+                None => HypothesisCommand::Show,
+                Some(_) => HypothesisCommand::New,
+            },
+        ),
+        item(
+            Menu::Model,
+            "Gallery of effects",
+            None,
+            true,
+            ViewCommand::Go(Screen::Gallery),
+        ),
+        item(
+            Menu::Model,
             "Which sensor?",
             None,
             true,
             ViewCommand::Go(Screen::WhichSensor),
         ),
     ];
+    if state.model.hypothesis.draft.is_some() {
+        let show = item(
+            Menu::Model,
+            "Show the hypothesis",
+            None,
+            true,
+            HypothesisCommand::Show,
+        );
+        items.insert(items.len() - 2, show);
+    }
     items.splice(0..0, next(state));
     items
 }

@@ -1,0 +1,74 @@
+//! One effect by itself, without rivals: where and at which size it would explain the readings best.
+
+use super::fit::Fit;
+use super::fitted_problem::{problem_at_fitted_poses, with_assumed_tolerances};
+use super::gram::Gram;
+use super::linear_fit::LinearFit;
+use super::priors::AS_STATED;
+use super::relations::is_same_effect_and_targets;
+use super::report::Cause;
+use crate::effect::{Effect, measurements_as_modelled};
+use crate::estimation::EstimationError;
+use crate::measurement::Dataset;
+
+/// An effect on one of its targets.
+#[derive(Debug, Clone)]
+pub struct SingleCause {
+    /// The effect with the values that the linearised readings have for it; an event at its most probable pose, a wave with
+    /// its most probable period.
+    pub cause: Cause,
+    /// Log posterior odds against no cause at all, at that pose or period and the most probable scale of its size.
+    pub log_odds: f64,
+}
+
+/// An effect on each of its targets, the most probable target first; none where no reading depends on it. Other causes are
+/// absent and noise is as described, so that the order is a first look and no diagnosis.
+///
+/// # Errors
+/// If the readings cannot be used with the robot.
+pub fn single_causes(
+    dataset: &Dataset,
+    effect: &'static Effect,
+) -> Result<Vec<SingleCause>, EstimationError> {
+    let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
+    let dataset = Dataset {
+        robot: with_assumed_tolerances(&dataset.robot),
+        measurements: measurements.into_owned(),
+    };
+    let problem = problem_at_fitted_poses(&dataset)?;
+    let fit = Fit::new(&problem, &[])?;
+    let at = LinearFit::new(&fit, true);
+    let mut gram = at.gram(&at.linear.described(AS_STATED));
+    let mut found: Vec<((usize, usize), f64)> = Vec::new();
+    for index in 0..gram.candidates.len() {
+        let candidate = &gram.candidates[index];
+        if !std::ptr::eq(candidate.effect(), effect) || candidate.is_family() {
+            continue;
+        }
+        let Some((scale, log_odds)) = best_scale(&gram, index) else {
+            continue;
+        };
+        let is_there = |((known, _), _): &&mut ((usize, usize), f64)| {
+            is_same_effect_and_targets(&gram.candidates[*known].cause, &candidate.cause)
+        };
+        match found.iter_mut().find(is_there) {
+            Some(known) if known.1 < log_odds => *known = ((index, scale), log_odds),
+            Some(_) => {}
+            None => found.push(((index, scale), log_odds)),
+        }
+    }
+    found.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let cause = |(member, log_odds)| {
+        let cause = at.causes_of(&mut gram, &[member]).pop()?;
+        Some(SingleCause { cause, log_odds })
+    };
+    Ok(found.into_iter().filter_map(cause).collect())
+}
+
+/// Scale of the size prior at which a candidate is most probable, and its log posterior odds there.
+fn best_scale(gram: &Gram<'_>, index: usize) -> Option<(usize, f64)> {
+    let candidate = &gram.candidates[index];
+    let values = gram.scores[index].at_scales(candidate);
+    let best = values.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(value, scale)| (scale, value + candidate.log_odds))
+}

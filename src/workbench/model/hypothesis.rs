@@ -1,0 +1,219 @@
+//! The hypothesis that is being written, what it does to the residuals, and the gallery of all effects.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use tautline_core::effect::{Hypothesis, HypothesisError, MAX_HYPOTHESIS_BYTES};
+use tautline_core::geometry::Pose;
+use tautline_core::robot::{Robot, presets};
+use tautline_workflow::signature::{Gallery, Signature, Trial};
+
+use super::Model;
+
+/// What a new hypothesis begins with: one that works, to be changed.
+pub const TEMPLATE: &str = r#"# What you suspect, as a formula. This one works: change it.
+id = "my_hypothesis"
+title = "Encoder picks up its neighbour"
+scope = "cable"            # cable, cable_or_all, cable_pair, robot, tension, laser
+cause = "The encoder of {cable} picks up {share} of the revolutions of its neighbour."
+workshop = "Separate the encoder cables and ground their shields."
+
+[parameters.share]
+unit = "1"
+typical = [0.001, 0.01]    # smallest and largest size to expect
+
+[change]                   # the quantity that changes, and its new value
+paid = "paid + share * paid_of(next)"
+"#;
+
+/// The text of a hypothesis while it is written.
+#[derive(Debug)]
+pub struct HypothesisDraft {
+    text: String,
+    /// The text that is in a session or in a file, or with which it began.
+    kept: String,
+    checked: Result<Hypothesis, HypothesisError>,
+    /// Its file, if it has one.
+    pub file: Option<PathBuf>,
+    /// What it does to the residuals.
+    pub preview: Option<Preview>,
+    /// Which of the targets is shown.
+    pub placement: usize,
+    /// Tells it from every other draft.
+    pub number: u64,
+}
+
+/// What a text of a hypothesis does to the residuals of some inputs.
+#[derive(Debug)]
+pub struct Preview {
+    text: String,
+    inputs: Option<u64>,
+    pub result: Result<Previewed, String>,
+}
+
+#[derive(Debug, Clone)]
+pub enum Previewed {
+    /// Fitted to the readings of the session.
+    Measured(Trial),
+    /// Simulated at typical size, where nothing is measured.
+    Simulated(Box<Signature>),
+}
+
+/// What waits until it is decided what becomes of an unsaved text.
+#[derive(Debug, Clone)]
+pub enum AfterHypothesis {
+    /// Begins with another text.
+    Begin {
+        text: String,
+        file: Option<PathBuf>,
+    },
+    Quit,
+}
+
+/// Hypotheses in the window.
+#[derive(Debug, Default)]
+pub struct HypothesisState {
+    pub draft: Option<HypothesisDraft>,
+    /// What waits for an answer about the unsaved text.
+    pub(crate) asking: Option<AfterHypothesis>,
+    /// The gallery, or one sentence, with the robot that it was asked for.
+    pub gallery: Option<(Robot, Result<Arc<Gallery>, String>)>,
+    drafts: u64,
+}
+
+impl HypothesisDraft {
+    fn new(text: String, file: Option<PathBuf>, number: u64) -> Self {
+        Self {
+            kept: text.clone(),
+            checked: check(&text),
+            text,
+            file,
+            preview: None,
+            placement: 0,
+            number,
+        }
+    }
+
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The hypothesis that the text states, or its first mistake.
+    pub fn checked(&self) -> Result<&Hypothesis, &HypothesisError> {
+        self.checked.as_ref()
+    }
+
+    #[must_use]
+    pub fn is_unsaved(&self) -> bool {
+        self.text != self.kept
+    }
+
+    /// A text was written to a file or a session.
+    pub(crate) fn keep(&mut self, text: &str) {
+        text.clone_into(&mut self.kept);
+    }
+
+    pub(crate) fn set_text(&mut self, text: String) {
+        if text != self.text {
+            self.checked = check(&text);
+            self.text = text;
+        }
+    }
+
+    /// Whether what it does to the residuals of these inputs is still to be computed.
+    #[must_use]
+    pub fn lacks_preview(&self, inputs: Option<u64>) -> bool {
+        let is_of = |preview: &Preview| preview.text == self.text && preview.inputs == inputs;
+        self.checked.is_ok() && !self.preview.as_ref().is_some_and(is_of)
+    }
+
+    /// Takes what was computed, if it is of the present text.
+    pub(crate) fn take_preview(
+        &mut self,
+        (text, inputs): (String, Option<u64>),
+        result: Result<Previewed, String>,
+    ) {
+        if text == self.text {
+            self.placement = 0;
+            self.preview = Some(Preview {
+                text,
+                inputs,
+                result,
+            });
+        }
+    }
+}
+
+fn check(text: &str) -> Result<Hypothesis, HypothesisError> {
+    if text.len() > MAX_HYPOTHESIS_BYTES {
+        return Err(HypothesisError {
+            line: 1,
+            column: 1,
+            message: format!("found more than {MAX_HYPOTHESIS_BYTES} bytes, too large"),
+        });
+    }
+    Hypothesis::parse(text)
+}
+
+impl HypothesisState {
+    /// Whether a text is in no file and no session.
+    #[must_use]
+    pub fn is_unsaved(&self) -> bool {
+        let draft = self.draft.as_ref();
+        draft.is_some_and(HypothesisDraft::is_unsaved)
+    }
+
+    /// Begins with a text, whatever there was before.
+    pub(crate) fn begin(&mut self, text: String, file: Option<PathBuf>) {
+        self.drafts += 1;
+        self.draft = Some(HypothesisDraft::new(text, file, self.drafts));
+    }
+}
+
+impl Model {
+    /// The robot of the session, or one to try effects on, with the poses at which it was measured.
+    #[must_use]
+    pub fn robot_of_effects(&self) -> Option<(Robot, Vec<Pose>)> {
+        let Some(open) = &self.open else {
+            return presets::find("mini").map(|mini| (mini.robot, Vec::new()));
+        };
+        let robot = open.session().robot.clone();
+        let home = robot.home.map(|_| 0);
+        let fit = open.fit().map(|fit| fit.solution.poses.iter());
+        let away = fit
+            .into_iter()
+            .flatten()
+            .filter(|(row, _)| Some(*row) != home);
+        Some((robot, away.map(|(_, pose)| *pose).collect()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_template_works_and_a_changed_text_is_unsaved_until_it_is_kept() {
+        let mut state = HypothesisState::default();
+        state.begin(TEMPLATE.to_owned(), None);
+        let draft = state.draft.as_mut().expect("a draft");
+        assert_eq!(draft.checked().expect("a hypothesis").id(), "my_hypothesis");
+        assert!(!draft.is_unsaved());
+        draft.set_text(TEMPLATE.replace("next", "nxt"));
+        let error = draft.checked().expect_err("a mistake").to_string();
+        assert!(error.starts_with("line 13, column "), "{error}");
+        assert!(draft.is_unsaved() && !draft.lacks_preview(None));
+        let text = draft.text().to_owned();
+        draft.keep(&text);
+        assert!(!draft.is_unsaved());
+        draft.set_text("#".repeat(MAX_HYPOTHESIS_BYTES + 1));
+        assert!(
+            draft
+                .checked()
+                .expect_err("endless")
+                .message
+                .contains("too large")
+        );
+    }
+}

@@ -1,0 +1,241 @@
+//! What each effect leaves in the residuals of the robot: pictures to compare with one's own.
+
+use std::sync::Arc;
+
+use egui::{
+    Align, Button, Frame, Label, Layout, RichText, Role, ScrollArea, Sense, TextEdit, Ui,
+    WidgetInfo, vec2,
+};
+use egui_material_icons::icons;
+use tautline_workflow::plot::Selection;
+use tautline_workflow::signature::{Gallery, Signature};
+use tautline_workflow::wording::count;
+
+use crate::model::Model;
+use crate::model::command::{DRAWING, HypothesisCommand, Outbox, ViewCommand};
+use crate::theme::{self, GRID};
+use crate::views::plots::small;
+use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
+
+/// Least width and the height of a card (points).
+const CARD: f32 = 250.0;
+const CARD_HEIGHT: f32 = 208.0;
+/// Height of its plot, and of those of the effect that is chosen.
+const PLOT: f32 = 132.0;
+const LARGE_PLOT: f32 = 170.0;
+/// Width of the column with the effect that is chosen, and least width of the screen at which it stands beside the cards.
+const CHOSEN: f32 = 400.0;
+const WIDE: f32 = 900.0;
+
+#[derive(Debug, Default)]
+pub struct PanelState {
+    /// What is looked for among titles and causes.
+    filter: String,
+    /// Identifier of the effect that is shown in full.
+    chosen: Option<&'static str>,
+}
+
+pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let robot = model.robot_of_effects().map(|(robot, _)| robot);
+    let known = model.hypothesis.gallery.as_ref();
+    let known = known.filter(|(of, _)| Some(of) == robot.as_ref());
+    Frame::new().inner_margin(4.0 * GRID).show(ui, |ui| {
+        let gallery = known.and_then(|(_, result)| result.as_ref().ok());
+        head(ui, model, (panel, gallery), outbox);
+        match known.map(|(_, result)| result) {
+            Some(Ok(gallery)) => contents(ui, gallery, panel, outbox),
+            Some(Err(why)) => verdict(ui, Verdict::Bad, why),
+            None => waiting(ui, model, outbox),
+        }
+    });
+}
+
+fn head(
+    ui: &mut Ui,
+    model: &Model,
+    (panel, gallery): (&mut PanelState, Option<&Arc<Gallery>>),
+    outbox: &mut Outbox,
+) {
+    ui.horizontal(|ui| {
+        heading(ui, "Gallery of effects");
+        if let Some(gallery) = gallery {
+            let poses = count(gallery.poses, "pose");
+            muted(ui, &format!("{} at {poses}", gallery.robot.name));
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
+                outbox.send(ViewCommand::Go(model.home_screen()));
+            }
+            let is_drawn = gallery.is_some();
+            if icon_button(ui, icons::ICON_DOWNLOAD, "Save as HTML…", is_drawn).clicked() {
+                outbox.send(HypothesisCommand::AskSaveGallery);
+            }
+            if icon_button(ui, icons::ICON_ADD, "New hypothesis", true).clicked() {
+                outbox.send(HypothesisCommand::New);
+            }
+            let field = TextEdit::singleline(&mut panel.filter)
+                .hint_text("Search")
+                .desired_width(160.0);
+            ui.add(field)
+                .widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Search effects"));
+        });
+    });
+    muted(
+        ui,
+        "What remains in the residuals if the model does not know the effect: at a typical size, without noise, in standard deviations. Inside of the band, noise hides it.",
+    );
+    ui.add_space(2.0 * GRID);
+}
+
+fn waiting(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
+    if !model.tasks.runs(DRAWING) {
+        outbox.send(HypothesisCommand::DrawGallery);
+    }
+    ui.horizontal(|ui| {
+        ui.spinner();
+        muted(ui, "Simulating each effect on this robot…");
+    });
+}
+
+fn contents(ui: &mut Ui, gallery: &Gallery, panel: &mut PanelState, outbox: &mut Outbox) {
+    let wanted = panel.filter.to_lowercase();
+    let is_wanted = |one: &&Signature| {
+        let texts = [one.effect.title(), &one.cause, one.effect.id()];
+        texts
+            .iter()
+            .any(|text| text.to_lowercase().contains(&wanted))
+    };
+    let shown: Vec<&Signature> = gallery.signatures.iter().filter(is_wanted).collect();
+    let chosen = gallery
+        .signatures
+        .iter()
+        .find(|one| Some(one.effect.id()) == panel.chosen);
+    let is_wide = ui.available_width() >= WIDE;
+    match chosen {
+        Some(signature) if !is_wide => {
+            if icon_button(ui, icons::ICON_ARROW_BACK, "All effects", true).clicked() {
+                panel.chosen = None;
+            }
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                in_full(ui, gallery, signature, outbox);
+            });
+        }
+        Some(signature) => {
+            ui.horizontal_top(|ui| {
+                let width = ui.available_width() - CHOSEN - 4.0 * GRID;
+                ui.vertical(|ui| {
+                    ui.set_width(width);
+                    cards(ui, &shown, panel);
+                });
+                ui.add_space(2.0 * GRID);
+                ui.vertical(|ui| {
+                    ScrollArea::vertical()
+                        .id_salt("chosen effect")
+                        .auto_shrink(false)
+                        .show(ui, |ui| in_full(ui, gallery, signature, outbox));
+                });
+            });
+        }
+        None => cards(ui, &shown, panel),
+    }
+}
+
+/// Cards in rows; only those that are seen are drawn.
+fn cards(ui: &mut Ui, shown: &[&Signature], panel: &mut PanelState) {
+    if shown.is_empty() {
+        muted(ui, "No effect has this name.");
+        return;
+    }
+    let space = 2.0 * GRID;
+    let columns = ((ui.available_width() / (CARD + space)).floor() as usize).max(1);
+    let rows = shown.len().div_ceil(columns);
+    ui.spacing_mut().item_spacing = vec2(space, space);
+    ScrollArea::vertical()
+        .id_salt("effects")
+        .auto_shrink(false)
+        .show_rows(ui, CARD_HEIGHT, rows, |ui, rows| {
+            let width = (ui.available_width() - space * (columns - 1) as f32) / columns as f32;
+            for row in rows {
+                ui.horizontal_top(|ui| {
+                    for one in shown.iter().skip(row * columns).take(columns) {
+                        card(ui, one, vec2(width, CARD_HEIGHT), panel);
+                    }
+                });
+            }
+        });
+}
+
+fn card(ui: &mut Ui, signature: &Signature, size: egui::Vec2, panel: &mut PanelState) {
+    let effect = signature.effect;
+    let is_chosen = panel.chosen == Some(effect.id());
+    let palette = theme::of(ui);
+    let (place, _) = ui.allocate_exact_size(size, Sense::hover());
+    ui.painter().rect_filled(place, 6.0, palette.panel);
+    if is_chosen {
+        let stroke = egui::Stroke::new(1.5, palette.accent);
+        ui.painter()
+            .rect_stroke(place, 6.0, stroke, egui::StrokeKind::Inside);
+    }
+    let inside = place.shrink(2.0 * GRID);
+    let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(inside).id_salt(effect.id()));
+    ui.set_clip_rect(ui.clip_rect().intersect(place));
+    let title = RichText::new(effect.title()).font(theme::strong(13.0));
+    let button = ui.add(Button::new(title).frame(false).truncate());
+    button.widget_info(|| {
+        let name = format!("Effect: {}", effect.title());
+        WidgetInfo::labeled(Role::Button, true, name)
+    });
+    if button.clicked() {
+        panel.chosen = (!is_chosen).then_some(effect.id());
+    }
+    match &signature.images {
+        Ok(images) => {
+            let Some(image) = images.first() else {
+                return;
+            };
+            let line = format!("{}, {}", image.name, signature.size);
+            let line = RichText::new(line).small().color(palette.muted);
+            ui.add(Label::new(line).truncate());
+            let name = format!("Residuals of {}: {}", effect.title(), image.name);
+            small::show(&mut ui, &name, &image.figure, PLOT, Selection::default());
+        }
+        Err(why) => {
+            muted(&mut ui, why);
+        }
+    }
+}
+
+fn in_full(ui: &mut Ui, gallery: &Gallery, signature: &Signature, outbox: &mut Outbox) {
+    let effect = signature.effect;
+    ui.add(Label::new(RichText::new(effect.title()).font(theme::strong(15.0))).wrap());
+    ui.add_space(GRID);
+    ui.add(Label::new(&signature.cause).wrap());
+    section(ui, "Workshop");
+    ui.add(Label::new(&signature.workshop).wrap());
+    if let Some(check) = effect.check() {
+        section(ui, "Check");
+        ui.add(Label::new(check).wrap());
+    }
+    section(ui, "Residuals");
+    match &signature.images {
+        Err(why) => {
+            muted(ui, why);
+        }
+        Ok(images) => {
+            muted(ui, &format!("Size: {}", signature.size));
+            for image in images {
+                ui.add_space(GRID);
+                muted(ui, &image.name);
+                let name = format!("{} of {}", image.name, effect.title());
+                small::show(ui, &name, &image.figure, LARGE_PLOT, Selection::default());
+            }
+        }
+    }
+    ui.add_space(2.0 * GRID);
+    if let Ok(text) = effect.as_text(&gallery.robot) {
+        let button = icon_button(ui, icons::ICON_EDIT, "Start a hypothesis from it", true);
+        if button.clicked() {
+            outbox.send(HypothesisCommand::Begin(text));
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! What the hypothesis does to the residuals.
+
+use egui::{ComboBox, Label, Spinner, Ui};
+use tautline_workflow::plot::Selection;
+use tautline_workflow::signature::{Image, Placement, Signature, Trial};
+
+use crate::model::Model;
+use crate::model::command::{HypothesisCommand, Outbox, TRYING, ViewCommand};
+use crate::model::hypothesis::{HypothesisDraft, Previewed};
+use crate::theme::GRID;
+use crate::views::plots::small;
+use crate::widgets::{Verdict, muted, section, verdict};
+
+/// Height of a plot (points).
+const PLOT: f32 = 190.0;
+
+pub(super) fn show(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: &mut Outbox) {
+    section(ui, "What it does to the residuals");
+    let inputs = model.open.as_ref().map(|open| open.inputs());
+    if draft.checked().is_err() {
+        muted(ui, "Appears here once the text has no mistake.");
+        return;
+    }
+    if model.tasks.runs(TRYING) || draft.lacks_preview(inputs) {
+        ui.horizontal(|ui| {
+            ui.add(Spinner::new());
+            muted(ui, "Fitting it to the readings…");
+        });
+    }
+    // The last one stays until the next is there, so that nothing jumps while somebody types.
+    match draft.preview.as_ref().map(|preview| &preview.result) {
+        None => {}
+        Some(Err(why)) => verdict(ui, Verdict::Doubtful, why),
+        Some(Ok(Previewed::Measured(trial))) => measured(ui, (model, draft), trial, outbox),
+        Some(Ok(Previewed::Simulated(signature))) => simulated(ui, model, signature, outbox),
+    }
+}
+
+fn measured(
+    ui: &mut Ui,
+    (model, draft): (&Model, &HypothesisDraft),
+    trial: &Trial,
+    outbox: &mut Outbox,
+) {
+    let Some(placement) = trial
+        .placements
+        .get(draft.placement)
+        .or(trial.placements.first())
+    else {
+        return;
+    };
+    let name = |index: usize, placement: &Placement| match index {
+        0 => format!("{}, where it fits best", placement.target),
+        _ => placement.target.clone(),
+    };
+    if trial.placements.len() > 1 {
+        ui.horizontal(|ui| {
+            let label = ui.label("On");
+            let shown = draft.placement.min(trial.placements.len() - 1);
+            ComboBox::from_id_salt("target")
+                .selected_text(name(shown, placement))
+                .width(240.0)
+                .show_ui(ui, |ui| {
+                    for (index, one) in trial.placements.iter().enumerate() {
+                        let chosen = ui.selectable_label(index == shown, name(index, one));
+                        if chosen.clicked() {
+                            outbox.send(HypothesisCommand::ChoosePlacement(index));
+                        }
+                    }
+                })
+                .response
+                .labelled_by(label.id);
+        });
+    }
+    ui.add(Label::new(format!("Size on {}: {}", placement.target, placement.size)).wrap());
+    ui.add(Label::new(placement.sentence()).wrap());
+    muted(
+        ui,
+        "Dots are the residuals without it, circles the part that it explains. Whether another cause explains them better, the doctor knows.",
+    );
+    images(ui, &placement.images, model.selection, outbox);
+}
+
+fn simulated(ui: &mut Ui, model: &Model, signature: &Signature, outbox: &mut Outbox) {
+    ui.add(Label::new(&signature.cause).wrap());
+    muted(
+        ui,
+        "Nothing is measured yet: this is what it would leave in the residuals at a typical size, without noise.",
+    );
+    match &signature.images {
+        Ok(all) => images(ui, all, model.selection, outbox),
+        Err(why) => verdict(ui, Verdict::Neutral, why),
+    }
+}
+
+fn images(ui: &mut Ui, images: &[Image], selection: Selection, outbox: &mut Outbox) {
+    for image in images {
+        ui.add_space(2.0 * GRID);
+        muted(ui, &image.name);
+        let name = format!("Residuals: {}", image.name);
+        if let Some(chosen) = small::show(ui, &name, &image.figure, PLOT, selection) {
+            outbox.send(ViewCommand::Select(chosen));
+        }
+    }
+}
