@@ -1,16 +1,17 @@
 //! `tautline effects`.
 
 use anyhow::Result;
-use tautline_core::effect::{
-    Effect, EffectParameter, FORMULA_QUANTITIES, FORMULA_TARGETS, Scope, Search, every_effect,
-};
+use tautline_core::effect::{FORMULA_QUANTITIES, FORMULA_TARGETS};
 use tautline_core::robot::Robot;
+use tautline_workflow::documents::effects::{
+    EffectDocument, EffectParameterDocument, EffectSearch, EffectTarget, EffectsDocument,
+};
 
 use crate::BadInput;
 use crate::examples::examples;
 use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
-use crate::output::{line, say};
+use crate::output::{JsonOutput, line, say};
 use crate::table;
 
 /// Robot whose words the texts of effects use.
@@ -21,16 +22,19 @@ const ROBOT: &str = "mini";
     ("All effects, with the sizes that are typical", "tautline effects"),
     ("An effect as a hypothesis file, to be copied and changed", "tautline effects --as-text drum_eccentricity > oval_drum.toml"),
     ("What the formulas of a hypothesis may use and change", "tautline effects --quantities"),
+    ("The list for another program", "tautline effects --json -"),
 ]))]
 pub struct Arguments {
     #[command(flatten)]
     hypotheses: HypothesisFiles,
     /// Print an effect as the text of a hypothesis file
-    #[arg(long, value_name = "ID", conflicts_with = "quantities")]
+    #[arg(long, value_name = "ID", conflicts_with_all = ["quantities", "json"])]
     as_text: Option<String>,
     /// List the quantities that the formulas of a hypothesis may use and change
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     quantities: bool,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -43,8 +47,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     match &arguments.as_text {
         Some(id) => print_text(&robot, id),
         None => {
-            print_table(&robot);
-            Ok(())
+            let document = EffectsDocument::of(&robot);
+            let print = || print_table(&document);
+            arguments.json.deliver(&document, print)
         }
     }
 }
@@ -82,7 +87,7 @@ fn print_quantities() {
 }
 
 /// Lists the effects that `simulate` can hide, whether `identify` can estimate them, and how `diagnose` searches for them.
-fn print_table(robot: &Robot) {
+fn print_table(document: &EffectsDocument) {
     let mut rows = table::texts(&[
         "Effect",
         "title",
@@ -92,12 +97,12 @@ fn print_table(robot: &Robot) {
         "parameters (typical size)",
         "typical tolerance",
     ]);
-    for effect in every_effect().chain(robot.hypothesis_effects()) {
-        let parameters: Vec<_> = effect.parameters().iter().map(parameter).collect();
-        let freed = if effect.is_estimable() { "yes" } else { "no" };
+    for effect in &document.effects {
+        let parameters: Vec<_> = effect.parameters.iter().map(parameter).collect();
+        let freed = if effect.can_be_estimated { "yes" } else { "no" };
         let cells = [
-            effect.id(),
-            effect.title(),
+            &effect.effect,
+            &effect.title,
             on(effect),
             freed,
             tried(effect),
@@ -109,51 +114,50 @@ fn print_table(robot: &Robot) {
     say!("{rows}");
 }
 
-fn on(effect: &Effect) -> &'static str {
-    match effect.scope() {
-        Scope::Cable => "each cable",
-        Scope::CableOrAll => "one cable or all",
-        Scope::Pair => "two cables",
-        Scope::Robot => "the robot",
+fn on(effect: &EffectDocument) -> &'static str {
+    match effect.on {
+        EffectTarget::Cable => "each cable",
+        EffectTarget::CableOrAll => "one cable or all",
+        EffectTarget::Pair => "two cables",
+        EffectTarget::Robot => "the robot",
     }
 }
 
-fn tried(effect: &Effect) -> &'static str {
-    match effect.search() {
-        Search::Direct => "always",
-        Search::Wave { period: None, .. } => "at any phase",
-        Search::Wave { .. } => "at any phase and period",
-        Search::FromPose(_) => "from every pose on",
-        Search::AtPose(_) => "at every pose",
-        Search::Exchange => "if residuals are huge",
+fn tried(effect: &EffectDocument) -> &'static str {
+    match effect.diagnosed {
+        EffectSearch::Always => "always",
+        EffectSearch::AnyPhase => "at any phase",
+        EffectSearch::AnyPhaseAndPeriod => "at any phase and period",
+        EffectSearch::FromEveryPose => "from every pose on",
+        EffectSearch::AtEveryPose => "at every pose",
+        EffectSearch::HugeResiduals => "if residuals are huge",
     }
 }
 
-fn parameter(p: &EffectParameter) -> String {
-    if p.discrete {
+fn parameter(p: &EffectParameterDocument) -> String {
+    if p.is_given {
         return format!("{} (given)", p.name);
     }
     let [least, most] = p.typical.map(short);
-    let unit = if p.unit == "1" {
-        String::new()
-    } else {
-        format!(" {}", p.unit)
-    };
-    format!("{} ({least} to {most}{unit})", p.name)
+    format!("{} ({least} to {most}{})", p.name, unit(&p.unit))
+}
+
+/// A unit after a number.
+fn unit(unit: &str) -> String {
+    match unit {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    }
 }
 
 /// By how much sound parts deviate, on small machines and on large ones if they differ.
-fn tolerance(effect: &Effect) -> String {
-    let mut stated = effect.parameters().iter();
-    let stated = stated.find_map(|p| p.tolerance.map(|typical| (p.unit, typical)));
+fn tolerance(effect: &EffectDocument) -> String {
+    let mut stated = effect.parameters.iter();
+    let stated = stated.find_map(|p| p.tolerance.map(|typical| (unit(&p.unit), typical)));
     let Some((unit, typical)) = stated else {
         return String::new();
     };
-    let unit = match unit {
-        "1" => String::new(),
-        unit => format!(" {unit}"),
-    };
-    let [small, large] = [typical.small, typical.large].map(short);
+    let [small, large] = typical.map(short);
     match small == large {
         true => format!("{small}{unit}"),
         false => format!("{small}{unit}, large machine {large}{unit}"),

@@ -1,6 +1,5 @@
 //! `tautline compare`.
 
-mod document;
 mod report;
 
 use std::path::{Path, PathBuf};
@@ -11,6 +10,7 @@ use tautline_core::estimation::Control;
 use tautline_session::Method;
 use tautline_workflow::clock;
 use tautline_workflow::comparison::{LEVEL, compare_identifications, identify_to_compare};
+use tautline_workflow::documents::comparison::ComparisonDocument;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::report::{ComparisonInput, ReportChoice, render_comparison};
 
@@ -19,7 +19,6 @@ use crate::input;
 use crate::output::{JsonOutput, note, write_file};
 use crate::replace::Replace;
 use crate::report_format::report_format;
-pub use document::ComparisonDocument;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[

@@ -2,10 +2,10 @@
 
 use tautline_core::comparison::{Comparison, ScalarDifference};
 
-use super::document::{ComparisonDocument, PulleyDocument};
 use crate::output::say;
 use crate::table::{self, mm};
 use tautline_workflow::comparison::{unexplained, verdict};
+use tautline_workflow::documents::comparison::{ComparisonDocument, PulleyDocument};
 use tautline_workflow::wording::units::{quantity, significant, with_sd};
 
 /// Prints the differences.

@@ -1,19 +1,18 @@
 //! `tautline precalibrate`.
 
-mod document;
 mod report;
 
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_session::{PhaseData, read_calibration_tables};
+use tautline_session::read_calibration_tables;
+use tautline_workflow::documents::precalibration::Precalibration;
 use tautline_workflow::precalibration::Calibration;
 
 use crate::BadInput;
 use crate::examples::examples;
 use crate::output::{JsonOutput, note, write_model};
 use crate::replace::Replace;
-pub use document::Precalibration;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -39,12 +38,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .permit(&[arguments.model_out.as_deref()], Some(&arguments.json))?;
     let tables = read_calibration_tables(&arguments.dataset)?;
     let (robot, phases) = &tables.value;
-    require_any(arguments, phases)?;
     let fits = Calibration::new(robot, phases);
-    let document = Precalibration::of(robot, phases, &fits).map_err(|failure| {
-        let file = arguments.dataset.join(failure.file);
-        BadInput::new(format!("{}: {}", file.display(), failure.message))
-    })?;
+    let document = Precalibration::of(robot, phases, &fits);
+    let document =
+        document.map_err(|failure| BadInput::new(failure.sentence(&arguments.dataset)))?;
     let proposal = fits.with_all();
     for notice in &tables.notices {
         note!("{notice}");
@@ -61,18 +58,4 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments
         .json
         .deliver(&document, || report::print(&document))
-}
-
-fn require_any(arguments: &Arguments, phases: &PhaseData) -> Result<()> {
-    let nothing = phases.winch.is_empty()
-        && phases.force.is_empty()
-        && phases.home.is_empty()
-        && phases.elongation.is_empty();
-    if nothing {
-        return Err(BadInput::new(format!(
-            "{}: found none of winch.csv, force.csv, home.csv and elongation.csv, expected at least one",
-            arguments.dataset.display()
-        )));
-    }
-    Ok(())
 }

@@ -1,8 +1,10 @@
 //! Human-readable form of a precalibration.
 
 use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, WINCH_RESIDUAL_LIMIT_M};
+use tautline_workflow::documents::precalibration::{
+    ElongationResult, ForceResult, HomeResult, Precalibration, WinchResult,
+};
 
-use super::document::{ElongationResult, ForceResult, HomeResult, Precalibration, WinchResult};
 use crate::output::say;
 use crate::table;
 

@@ -1,8 +1,11 @@
 //! Results as documents and in words, shared by commands, screens and sessions.
 
+pub mod comparison;
 pub mod diagnosis;
+pub mod effects;
 pub mod isolability;
 pub mod plan;
+pub mod precalibration;
 
 use tautline_session::{ResultDocument, ResultRecord, Session, Timestamp, VersionedFile};
 

@@ -109,6 +109,8 @@ fn displacement(of: &Displacement) -> DisplacementDocument {
 }
 
 impl ComparisonDocument {
+    /// The document of a comparison.
+    #[must_use]
     pub fn of(compared: &Comparison) -> Self {
         let sd = |c: &nalgebra::DMatrix<f64>, from: usize| {
             [0, 1, 2].map(|k| c[(from + k, from + k)].max(0.0).sqrt())
