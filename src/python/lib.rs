@@ -21,7 +21,7 @@ use tautline_session::{Session, VersionedFile};
 use tautline_workflow::clock;
 
 create_exception!(
-    _tautline,
+    tautline,
     TautlineError,
     PyValueError,
     "What is wrong with the input, in the sentence that the command would say."

@@ -139,12 +139,13 @@ class Table(Columns):
 def table_of_cells(name: str, cells: Sequence[tuple[str, Any]]) -> Table:
     """A table whose columns are bytes of numbers or lists of texts."""
 
-    def column(values: Any) -> NDArray[Any]:
+    def column(title: str, values: Any) -> NDArray[Any]:
         if isinstance(values, bytes):
-            return np.frombuffer(values, "<f8").copy()
+            found = np.frombuffer(values, "<f8")
+            return found.astype(np.int64 if title == "pose" else np.float64)
         return np.array(values, dtype=np.str_)
 
-    return Table(name, {title: column(values) for title, values in cells})
+    return Table(name, {title: column(title, values) for title, values in cells})
 
 
 def table_of_rows(name: str, titles: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> Table:

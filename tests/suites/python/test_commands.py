@@ -1,6 +1,7 @@
 """The commands from Python: effects, checks, comparisons, imports, reports and exports, beside the program."""
 
 import json
+import pickle
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -77,6 +78,11 @@ def test_values_that_are_wrong_are_value_errors(run: tautline.Run) -> None:
         with pytest.raises(ValueError, match=sentence) as raised:
             call()
         assert raised.type is tautline.TautlineError
+
+
+def test_errors_reach_other_processes() -> None:
+    error = pickle.loads(pickle.dumps(tautline.TautlineError("found nothing")))
+    assert type(error) is tautline.TautlineError and str(error) == "found nothing"
 
 
 def test_the_effects_are_those_of_the_command(program: Path) -> None:

@@ -88,11 +88,13 @@ def test_residuals_are_prediction_minus_reading(run: tautline.Run) -> None:
     fitted = tautline.identify(run.dataset)
     table = fitted.residuals
     lengths = table["reading"] == "length of cable-3"
-    assert np.array_equal(table["pose"][lengths], run.dataset["pose"][1:]) or len(table["pose"][lengths]) == len(run.dataset)
+    assert np.array_equal(table["pose"][lengths], run.dataset["pose"][1:])
     # Squares of the standardised residuals of readings, and of the home pose with its prior, sum to chi-square.
     squares = np.sum((table["residual"] / table["sd"]) ** 2)
     assert 0.5 * fitted.chi2 < squares <= fitted.chi2 * (1 + 1e-9)
     assert set(table["unit"]) <= {"m", "N", "rad"}
+    assert set(table["pose"]) == set(run.dataset["pose"])
+    assert table["pose"].dtype == np.int64
     frame = table.to_pandas()
     assert isinstance(frame, pandas.DataFrame) and len(frame) == len(table)
 

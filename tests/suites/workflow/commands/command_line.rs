@@ -374,9 +374,8 @@ fn the_effects_and_the_certificate_are_documents_too() {
     tautline(&["effects", "--json", "-", "--quantities"]).refused(&["--quantities"]);
 
     let folder = Folder::new();
-    let home = folder.join("home");
     let mut command = Command::new(program());
-    command.env("HOME", &home).env("XDG_CONFIG_HOME", &home);
+    command.env("TAUTLINE_HOME", folder.join("home"));
     let file = folder.join("own.der");
     command.args(["certificate", "--json", "-", "-o", &file]);
     let document = answer(command, b"").succeeded().json();
