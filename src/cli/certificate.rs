@@ -3,13 +3,15 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use tautline_link::opcua::KeyStore;
-use tautline_session::{Folders, write_bytes};
+use tautline_session::{Folders, VersionedFile, write_bytes};
 use tautline_workflow::controllers::UserKeys;
 
 use crate::examples::examples;
 use crate::live::link_error;
-use crate::output::say;
+use crate::output::{JsonOutput, confirm, say};
 use crate::replace::Replace;
 
 #[derive(Debug, clap::Args)]
@@ -23,23 +25,56 @@ pub struct Arguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     replace: Replace,
+    #[command(flatten)]
+    json: JsonOutput,
+}
+
+/// The certificate with which this computer connects to OPC UA servers.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct CertificateDocument {
+    /// File that keeps it with its private key.
+    pub kept_in: String,
+    /// Address of the application.
+    pub application: String,
+    /// Last day on which it is valid.
+    pub valid_until: String,
+    /// SHA-256 fingerprint.
+    pub sha256: String,
+    /// SHA-1 fingerprint, in the form that servers show.
+    pub sha1: String,
+}
+
+impl VersionedFile for CertificateDocument {
+    const FORMAT: &'static str = "tautline-certificate";
+    const VERSION: u32 = 1;
+    const MAX_BYTES: u64 = 1 << 16;
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if let Some(out) = &arguments.out {
-        arguments.replace.permit(&[Some(out)], None)?;
-    }
+    let out = arguments.out.as_deref();
+    arguments.replace.permit(&[out], Some(&arguments.json))?;
     let folders = Folders::of_user()?;
     let place = folders.opcua_key();
     let identity = UserKeys::of(folders).identity().map_err(link_error)?;
-    say!("kept in {} with its private key", place.display());
-    say!("application: {}", identity.uri());
-    say!("valid until: {}", identity.last_day());
-    say!("SHA-256:     {}", identity.fingerprint());
-    say!("SHA-1:       {}", identity.thumbprint_in_words());
-    if let Some(out) = &arguments.out {
+    let document = CertificateDocument {
+        kept_in: place.display().to_string(),
+        application: identity.uri().to_owned(),
+        valid_until: identity.last_day().to_string(),
+        sha256: identity.fingerprint().to_string(),
+        sha1: identity.thumbprint_in_words(),
+    };
+    arguments.json.deliver(&document, || {
+        say!("kept in {} with its private key", document.kept_in);
+        say!("application: {}", document.application);
+        say!("valid until: {}", document.valid_until);
+        say!("SHA-256:     {}", document.sha256);
+        say!("SHA-1:       {}", document.sha1);
+    })?;
+    if let Some(out) = out {
         write_bytes(out, identity.certificate())?;
-        say!("written to {}", out.display());
+        if arguments.json.is_text() {
+            confirm!("written to {}", out.display());
+        }
     }
     Ok(())
 }

@@ -41,10 +41,10 @@ impl HiddenEffects {
     pub fn settings(&self, robot: &Robot) -> Result<Vec<EffectSetting>> {
         let mut settings = Vec::new();
         for one in self.texts.iter().flat_map(|text| split(text)) {
-            let bad = |error: String| BadInput::new(format!("--effect {one}: {error}"));
-            let setting = parse(&one).map_err(bad)?;
-            let bound = BoundEffect::from_setting(&setting, robot);
-            let bound = bound.map_err(|error| bad(error.to_string()))?;
+            let bad = |error| BadInput::new(format!("--effect {one}: {error}"));
+            let setting = EffectSetting::parse(&one);
+            let bound = setting.and_then(|setting| BoundEffect::from_setting(&setting, robot));
+            let bound = bound.map_err(bad)?;
             for question in unusual_sizes(&bound) {
                 note!("--effect {one}: {question}");
             }
@@ -55,6 +55,10 @@ impl HiddenEffects {
 }
 
 impl EstimatedEffects {
+    pub fn is_empty(&self) -> bool {
+        self.texts.is_empty()
+    }
+
     /// The effects at their start values, one for each cable if the effect is per cable and no cable is
     /// named. Poses that they refer to must be in `data`, if there are data.
     pub fn settings(
@@ -74,18 +78,9 @@ impl EstimatedEffects {
     pub fn bind(&self, robot: &Robot) -> Result<Vec<BoundEffect>> {
         let mut bound = Vec::new();
         for one in self.texts.iter().flat_map(|text| split(text)) {
-            let bad = |error: String| BadInput::new(format!("--effect {one}: {error}"));
-            let setting = parse(&one).map_err(bad)?;
-            let request = EffectRequest {
-                cables: setting.targets,
-                effect: setting.effect,
-                values: setting.parameters.into_iter().collect(),
-            };
-            bound.extend(
-                request
-                    .bind(robot)
-                    .map_err(|error| bad(error.to_string()))?,
-            );
+            let instances = EffectRequest::parse(&one).and_then(|request| request.bind(robot));
+            let bad = |error| BadInput::new(format!("--effect {one}: {error}"));
+            bound.extend(instances.map_err(bad)?);
         }
         Ok(bound)
     }
@@ -138,32 +133,6 @@ fn split(text: &str) -> Vec<String> {
     effects
 }
 
-/// Parses `ID[:CABLE]..[:NAME=NUMBER,..]`; a colon may stand for the comma as well.
-fn parse(text: &str) -> Result<EffectSetting, String> {
-    let mut parts = text.split(':');
-    let mut setting = EffectSetting {
-        effect: parts.next().unwrap_or_default().trim().to_owned(),
-        targets: Vec::new(),
-        parameters: Default::default(),
-    };
-    for part in parts {
-        if !part.contains('=') {
-            setting.targets.push(part.trim().to_owned());
-            continue;
-        }
-        for pair in part.split(',') {
-            let value = pair
-                .split_once('=')
-                .and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
-            let Some((name, value)) = value.filter(|(_, value)| value.is_finite()) else {
-                return Err(format!("found \"{pair}\", expected NAME=NUMBER"));
-            };
-            setting.parameters.insert(name.to_owned(), value);
-        }
-    }
-    Ok(setting)
-}
-
 #[cfg(test)]
 mod tests {
     use clap::Parser;
@@ -187,7 +156,7 @@ mod tests {
     fn sizes_far_from_typical_ones_are_questioned() {
         let robot = presets::find("mini").expect("a preset").robot;
         let questions = |text: &str| -> Vec<String> {
-            let setting = parse(text).expect("a setting");
+            let setting = EffectSetting::parse(text).expect("a setting");
             let bound = BoundEffect::from_setting(&setting, &robot).expect("an effect");
             unusual_sizes(&bound).collect()
         };

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use tautline_core::effect::{
-    Effect, EffectParameter, FORMULA_QUANTITIES, FORMULA_TARGETS, Hypothesis, Scope, Search,
-    every_effect,
-};
+use tautline_core::effect::{Effect, FORMULA_QUANTITIES, FORMULA_TARGETS, Hypothesis};
 use tautline_core::estimation::Control;
 use tautline_core::geometry::Pose;
 use tautline_core::robot::Robot;
 use tautline_session::{HypothesisFolder, Session};
 use tautline_workflow::clock;
+use tautline_workflow::effects::{
+    EffectDocument, EffectParameterDocument, EffectSearch, EffectTarget, EffectsDocument,
+};
 use tautline_workflow::identification::identify_session;
 use tautline_workflow::machines;
 use tautline_workflow::report::render;
@@ -21,7 +21,7 @@ use crate::BadInput;
 use crate::examples::examples;
 use crate::hypothesis_arguments::{HypothesisFiles, of_user};
 use crate::input;
-use crate::output::{confirm, line, note, say, write_file};
+use crate::output::{JsonOutput, confirm, line, note, say, write_file};
 use crate::replace::Replace;
 use crate::report_format::report_format;
 use crate::table;
@@ -35,6 +35,7 @@ const ROBOT: &str = "mini";
     ("An effect as a hypothesis file, to be copied and changed", "tautline effects --as-text drum_eccentricity > oval_drum.toml"),
     ("What the formulas of a hypothesis may use and change", "tautline effects --quantities"),
     ("What each mistake looks like in the residuals of your robot", "tautline effects mini --gallery gallery.html"),
+    ("The list for another program", "tautline effects --json -"),
 ]))]
 pub struct Arguments {
     /// Robot whose hypotheses are listed and whose residuals the gallery shows: a known machine, a robot.json, a session or a dataset folder
@@ -43,16 +44,18 @@ pub struct Arguments {
     #[command(flatten)]
     hypotheses: HypothesisFiles,
     /// Print an effect as the text of a hypothesis file
-    #[arg(long, value_name = "ID", conflicts_with = "quantities")]
+    #[arg(long, value_name = "ID", conflicts_with_all = ["quantities", "json"])]
     as_text: Option<String>,
     /// List the quantities that the formulas of a hypothesis may use and change
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     quantities: bool,
     /// Write pictures of the residuals that each effect causes on this robot; the name ends with .html or .pdf
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["quantities", "as_text"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["quantities", "as_text", "json"])]
     gallery: Option<PathBuf>,
     #[command(flatten)]
     replace: Replace,
+    #[command(flatten)]
+    json: JsonOutput,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -66,8 +69,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         (Some(id), _) => print_text(&subject.robot, id),
         (None, Some(path)) => write_gallery(arguments, path, &subject),
         (None, None) => {
-            print_table(&subject.robot);
-            print_sources(arguments, &subject)
+            let document = EffectsDocument::of(&subject.robot);
+            let sources = sources(arguments, &subject)?;
+            arguments.json.deliver(&document, || {
+                print_table(&document);
+                sources.iter().for_each(|line| say!("{line}"));
+            })
         }
     }
 }
@@ -136,17 +143,17 @@ fn write_gallery(arguments: &Arguments, path: &Path, subject: &Subject) -> Resul
     Ok(())
 }
 
-/// Where each hypothesis comes from.
-fn print_sources(arguments: &Arguments, subject: &Subject) -> Result<()> {
+/// Where each hypothesis comes from, in lines.
+fn sources(arguments: &Arguments, subject: &Subject) -> Result<Vec<String>> {
     let effects: Vec<&Effect> = subject.robot.hypothesis_effects().collect();
     if effects.is_empty() {
-        return Ok(());
+        return Ok(Vec::new());
     }
     let mut files = arguments.hypotheses.sources()?;
     let beside = HypothesisFolder::read(&Path::new(&subject.name).join("effects"));
     files.extend(beside.hypotheses);
     files.extend(of_user().hypotheses.iter().cloned());
-    say!("Hypotheses:");
+    let mut lines = vec!["Hypotheses:".to_owned()];
     for (effect, text) in effects.iter().zip(&subject.robot.hypotheses) {
         let is_it = |(_, known): &&(PathBuf, Hypothesis)| known.text() == text;
         let file = files.iter().find(is_it);
@@ -154,9 +161,9 @@ fn print_sources(arguments: &Arguments, subject: &Subject) -> Result<()> {
             || subject.name.clone(),
             |(file, _)| file.display().to_string(),
         );
-        say!("   {}: {file}", effect.id());
+        lines.push(format!("   {}: {file}", effect.id()));
     }
-    Ok(())
+    Ok(lines)
 }
 
 fn print_text(robot: &Robot, id: &str) -> Result<()> {
@@ -192,7 +199,7 @@ fn print_quantities() {
 }
 
 /// Lists the effects that `simulate` can hide, whether `identify` can estimate them, and how `diagnose` searches for them.
-fn print_table(robot: &Robot) {
+fn print_table(document: &EffectsDocument) {
     let mut rows = table::texts(&[
         "Effect",
         "title",
@@ -202,12 +209,12 @@ fn print_table(robot: &Robot) {
         "parameters (typical size)",
         "typical tolerance",
     ]);
-    for effect in every_effect().chain(robot.hypothesis_effects()) {
-        let parameters: Vec<_> = effect.parameters().iter().map(parameter).collect();
-        let freed = if effect.is_estimable() { "yes" } else { "no" };
+    for effect in &document.effects {
+        let parameters: Vec<_> = effect.parameters.iter().map(parameter).collect();
+        let freed = if effect.can_be_estimated { "yes" } else { "no" };
         let cells = [
-            effect.id(),
-            effect.title(),
+            &effect.effect,
+            &effect.title,
             on(effect),
             freed,
             tried(effect),
@@ -219,51 +226,50 @@ fn print_table(robot: &Robot) {
     say!("{rows}");
 }
 
-fn on(effect: &Effect) -> &'static str {
-    match effect.scope() {
-        Scope::Cable => "each cable",
-        Scope::CableOrAll => "one cable or all",
-        Scope::Pair => "two cables",
-        Scope::Robot => "the robot",
+fn on(effect: &EffectDocument) -> &'static str {
+    match effect.on {
+        EffectTarget::Cable => "each cable",
+        EffectTarget::CableOrAll => "one cable or all",
+        EffectTarget::Pair => "two cables",
+        EffectTarget::Robot => "the robot",
     }
 }
 
-fn tried(effect: &Effect) -> &'static str {
-    match effect.search() {
-        Search::Direct => "always",
-        Search::Wave { period: None, .. } => "at any phase",
-        Search::Wave { .. } => "at any phase and period",
-        Search::FromPose(_) => "from every pose on",
-        Search::AtPose(_) => "at every pose",
-        Search::Exchange => "if residuals are huge",
+fn tried(effect: &EffectDocument) -> &'static str {
+    match effect.diagnosed {
+        EffectSearch::Always => "always",
+        EffectSearch::AnyPhase => "at any phase",
+        EffectSearch::AnyPhaseAndPeriod => "at any phase and period",
+        EffectSearch::FromEveryPose => "from every pose on",
+        EffectSearch::AtEveryPose => "at every pose",
+        EffectSearch::HugeResiduals => "if residuals are huge",
     }
 }
 
-fn parameter(p: &EffectParameter) -> String {
-    if p.discrete {
+fn parameter(p: &EffectParameterDocument) -> String {
+    if p.is_given {
         return format!("{} (given)", p.name);
     }
     let [least, most] = p.typical.map(short);
-    let unit = if p.unit == "1" {
-        String::new()
-    } else {
-        format!(" {}", p.unit)
-    };
-    format!("{} ({least} to {most}{unit})", p.name)
+    format!("{} ({least} to {most}{})", p.name, unit(&p.unit))
+}
+
+/// A unit after a number.
+fn unit(unit: &str) -> String {
+    match unit {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    }
 }
 
 /// By how much sound parts deviate, on small machines and on large ones if they differ.
-fn tolerance(effect: &Effect) -> String {
-    let mut stated = effect.parameters().iter();
-    let stated = stated.find_map(|p| p.tolerance.map(|typical| (p.unit, typical)));
+fn tolerance(effect: &EffectDocument) -> String {
+    let mut stated = effect.parameters.iter();
+    let stated = stated.find_map(|p| p.tolerance.map(|typical| (unit(&p.unit), typical)));
     let Some((unit, typical)) = stated else {
         return String::new();
     };
-    let unit = match unit {
-        "1" => String::new(),
-        unit => format!(" {unit}"),
-    };
-    let [small, large] = [typical.small, typical.large].map(short);
+    let [small, large] = typical.map(short);
     match small == large {
         true => format!("{small}{unit}"),
         false => format!("{small}{unit}, large machine {large}{unit}"),

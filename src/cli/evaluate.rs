@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_core::estimation::{Control, Geometry, Method, Poses};
-use tautline_core::measurement::Dataset;
+use tautline_core::estimation::{Control, Poses};
 use tautline_core::robot::Robot;
 use tautline_workflow::identification::{IdentificationRequest, identify};
 
@@ -35,26 +34,14 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let measured = input::dataset(&arguments.dataset)?;
     let model: Robot = input::noticed(standard_input::versioned(&arguments.model)?);
-    let cables = measured.robot.cable_count();
-    if model.cable_count() != cables {
-        return Err(BadInput::new(format!(
-            "{}: found {} cables, expected the {cables} of the dataset",
-            arguments.model.display(),
-            model.cable_count()
-        )));
-    }
-    let drawing = measured.robot;
-    let dataset = Dataset {
-        robot: model,
-        measurements: measured.measurements,
+    let drawing = measured.robot.clone();
+    let poses = match arguments.poses_held {
+        true => Poses::HeldAtTracker,
+        false => Poses::Estimated,
     };
-    let request = IdentificationRequest::new(dataset, Method::Joint, &[]);
-    let mut request = request.map_err(BadInput::new)?;
-    request.options.geometry = Geometry::Held;
+    let mut request = IdentificationRequest::of_poses(measured, model, poses)
+        .map_err(|error| BadInput::new(format!("{}: {error}", arguments.model.display())))?;
     request.lists_readings = false;
-    if arguments.poses_held {
-        request.options.poses = Poses::HeldAtTracker;
-    }
     let fitted = identify(&request, &mut |_| Control::Continue).map_err(BadInput::new)?;
     let document = fitted
         .refuse_extrapolation()

@@ -308,7 +308,28 @@ mod tests {
         "TIMES",
     ];
 
+    /// Commands that write nothing but what was asked for with `--out`, or a folder with its JSON.
+    const WITHOUT_JSON: [&str; 10] = [
+        "new",
+        "simulate",
+        "export",
+        "report",
+        "symbols",
+        "schemas",
+        "completions",
+        "man",
+        "plan", // of a study, whose folder has plan.json
+        "run",
+    ];
+
     fn check_arguments(command: &clap::Command) {
+        let has_json = command.get_arguments().any(|one| one.get_id() == "json");
+        let is_leaf = !command.has_subcommands();
+        assert!(
+            has_json || !is_leaf || WITHOUT_JSON.contains(&command.get_name()),
+            "{}: no --json",
+            command.get_name()
+        );
         let number = ValueParser::from(clap::value_parser!(f64)).type_id();
         for one in command.get_arguments() {
             let place = format!("{} {}", command.get_name(), one.get_id());
@@ -337,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_name_their_units_and_files_can_be_replaced() {
+    fn numbers_name_their_units_results_have_json_and_files_can_be_replaced() {
         check_arguments(&Arguments::command());
         Arguments::command().debug_assert();
     }

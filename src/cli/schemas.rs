@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
+use super::certificate::CertificateDocument;
 use super::measure::MeasuringDocument;
 use super::output::write_json;
 use crate::examples::examples;
@@ -16,6 +17,7 @@ use tautline_workflow::adjusting::AdjustmentDocument;
 use tautline_workflow::audit::AuditDocument;
 use tautline_workflow::comparison::ComparisonDocument;
 use tautline_workflow::diagnosis::DiagnosisDocument;
+use tautline_workflow::effects::EffectsDocument;
 use tautline_workflow::formulas::FormulasDocument;
 use tautline_workflow::health::HealthDocument;
 use tautline_workflow::history::HistoryDocument;
@@ -51,11 +53,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     schemas.push(tautline_session::versioned_schema::<FormulasDocument>());
     schemas.push(tautline_session::versioned_schema::<ComparisonDocument>());
     schemas.push(tautline_session::versioned_schema::<HistoryDocument>());
+    schemas.push(tautline_session::versioned_schema::<EffectsDocument>());
     schemas.push(tautline_session::versioned_schema::<MeasuringDocument>());
     schemas.push(tautline_session::versioned_schema::<AdjustmentDocument>());
     schemas.push(tautline_session::versioned_schema::<VerificationDocument>());
     schemas.push(tautline_session::versioned_schema::<HomeDocument>());
     schemas.push(tautline_session::versioned_schema::<AuditDocument>());
+    schemas.push(tautline_session::versioned_schema::<CertificateDocument>());
     schemas.push(tautline_session::versioned_schema::<StudyFile>());
     schemas.push(tautline_session::versioned_schema::<StudyPlan>());
     schemas.push(tautline_session::versioned_schema::<StudyResult>());

@@ -9,6 +9,7 @@ pub mod clock;
 pub mod comparison;
 pub mod controllers;
 pub mod diagnosis;
+pub mod effects;
 pub mod exporting;
 pub mod fonts;
 pub mod foreign_writes;

@@ -159,7 +159,10 @@ fn run(problem: &Problem<'_>) -> Result<Solution> {
 }
 
 fn fit(dataset: &Dataset, effects: &[&str], poses: Poses) -> Result<Solution> {
-    let requests: Vec<_> = effects.iter().map(|e| EffectRequest::parse(e)).collect();
+    let requests: Vec<_> = effects
+        .iter()
+        .map(|e| EffectRequest::parse(e).expect("an effect"))
+        .collect();
     let mut problem = Problem::new(dataset)?;
     problem.poses = poses;
     problem.free(&requests)?;

@@ -58,7 +58,9 @@ pub fn study(seconds: f64) -> Result<Vec<Delivered>> {
     }
     for way in ways {
         let plant = Plant::speaking(Protocol::OpcUa, Style::Arrays);
-        plant.server.order(json!({"clock": [global("time"), CYCLE_S]}));
+        plant
+            .server
+            .order(json!({"clock": [global("time"), CYCLE_S]}));
         // The clock of the server began within the round trip of the order, some tenths of a millisecond earlier.
         let zero = Instant::now();
         let mut client = plant.client();

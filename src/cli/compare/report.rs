@@ -4,8 +4,7 @@ use tautline_core::comparison::{Comparison, ScalarDifference};
 
 use crate::output::say;
 use crate::table::{self, mm};
-use tautline_workflow::comparison::{ComparisonDocument, PulleyDocument};
-use tautline_workflow::comparison::{unexplained, verdict};
+use tautline_workflow::comparison::{ComparisonDocument, PulleyDocument, unexplained, verdict};
 use tautline_workflow::wording::units::{quantity, significant, with_sd};
 
 /// Prints the differences.

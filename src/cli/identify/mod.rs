@@ -81,11 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let request = request(arguments, input::identifiable_dataset(&arguments.dataset)?)?;
     let (model, document, is_usable) = match arguments.method {
         MethodName::Published => {
-            if arguments.statistics.is_some() || arguments.values.is_some() {
-                return Err(BadInput::new(
-                    "--statistics, --values: found with --method published, which has no standard deviations; expected --method joint or simple",
-                ));
-            }
+            refuse_with_published(arguments)?;
             let published = fastest(
                 arguments.repeat,
                 |p: &PublishedIdentification| p.seconds,
@@ -133,6 +129,20 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
     })?;
     Reservation::NotConverged.unless(is_usable)
+}
+
+/// The published method has neither effects nor weights nor standard deviations.
+fn refuse_with_published(arguments: &Arguments) -> Result<()> {
+    let tables = arguments.statistics.is_some() || arguments.values.is_some();
+    let (given, lacks) = match () {
+        () if tables => ("--statistics, --values", "standard deviations"),
+        () if !arguments.effects.is_empty() => ("--effect", "effects"),
+        () if arguments.robust.is_some() => ("--robust", "weights"),
+        () => return Ok(()),
+    };
+    Err(BadInput::new(format!(
+        "{given}: found with --method published, which has no {lacks}; expected --method joint or simple"
+    )))
 }
 
 /// Runs `work` `repeat` times, at least once, and returns the result with the smallest `seconds`.

@@ -5,7 +5,7 @@ mod report;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tautline_session::{PhaseData, read_calibration_tables};
+use tautline_session::read_calibration_tables;
 use tautline_workflow::precalibration::{Calibration, Precalibration};
 
 use crate::BadInput;
@@ -37,12 +37,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .permit(&[arguments.model_out.as_deref()], Some(&arguments.json))?;
     let tables = read_calibration_tables(&arguments.dataset)?;
     let (robot, phases) = &tables.value;
-    require_any(arguments, phases)?;
     let fits = Calibration::new(robot, phases);
-    let document = Precalibration::of(robot, phases, &fits).map_err(|failure| {
-        let file = arguments.dataset.join(failure.file);
-        BadInput::new(format!("{}: {}", file.display(), failure.message))
-    })?;
+    let document = Precalibration::of(robot, phases, &fits);
+    let document =
+        document.map_err(|failure| BadInput::new(failure.sentence(&arguments.dataset)))?;
     let proposal = fits.with_all();
     for notice in &tables.notices {
         note!("{notice}");
@@ -59,18 +57,4 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments
         .json
         .deliver(&document, || report::print(&document))
-}
-
-fn require_any(arguments: &Arguments, phases: &PhaseData) -> Result<()> {
-    let nothing = phases.winch.is_empty()
-        && phases.force.is_empty()
-        && phases.home.is_empty()
-        && phases.elongation.is_empty();
-    if nothing {
-        return Err(BadInput::new(format!(
-            "{}: found none of winch.csv, force.csv, home.csv and elongation.csv, expected at least one",
-            arguments.dataset.display()
-        )));
-    }
-    Ok(())
 }

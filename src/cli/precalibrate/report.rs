@@ -1,12 +1,12 @@
 //! Human-readable form of a precalibration.
 
 use tautline_core::instrument::{FORCE_RESIDUAL_LIMIT_N, WINCH_RESIDUAL_LIMIT_M};
-
-use crate::output::say;
-use crate::table;
 use tautline_workflow::precalibration::{
     ElongationResult, ForceResult, HomeResult, Precalibration, WinchResult,
 };
+
+use crate::output::say;
+use crate::table;
 
 /// Prints all fits.
 pub fn print(result: &Precalibration) {

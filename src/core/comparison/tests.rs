@@ -47,7 +47,9 @@ fn compared_with(first: &Dataset, second: &Dataset, effects: [&str; 2]) -> Compa
     let [one, other] = [(first, effects[0]), (second, effects[1])].map(|(dataset, effects)| {
         let mut problem = Problem::new(dataset).unwrap();
         let names = effects.split(',').filter(|name| !name.is_empty());
-        let requests: Vec<_> = names.map(EffectRequest::parse).collect();
+        let requests: Vec<_> = names
+            .map(|name| EffectRequest::parse(name).unwrap())
+            .collect();
         problem.free(&requests).unwrap();
         let solved = |problem: &Problem<'_>| {
             let solution = solve(problem, &Options::default(), &mut |_| Control::Continue).unwrap();

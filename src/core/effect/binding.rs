@@ -10,32 +10,27 @@ pub struct EffectRequest {
     pub effect: String,
     /// Cables: one, or two of a pair; none for all cables that the scope of the effect admits.
     pub cables: Vec<String>,
-    /// Values of the parameters that cannot be estimated, and start values of others; NaN where the text is not
-    /// a number.
+    /// Values of the parameters that cannot be estimated, and start values of others.
     pub values: Vec<(String, f64)>,
 }
 
-impl EffectRequest {
-    /// Parses `ID[:CABLE]..[:NAME=NUMBER,...]`; `:` may stand for `,` as well.
-    #[must_use]
-    pub fn parse(text: &str) -> Self {
-        let mut parts = text.split(':');
-        let mut request = Self {
-            effect: parts.next().unwrap_or_default().to_owned(),
-            ..Self::default()
-        };
-        for part in parts {
-            if !part.contains('=') {
-                request.cables.push(part.to_owned());
-                continue;
-            }
-            for pair in part.split(',') {
-                let (name, value) = pair.split_once('=').unwrap_or((pair, ""));
-                let value = value.trim().parse().unwrap_or(f64::NAN);
-                request.values.push((name.trim().to_owned(), value));
-            }
+impl From<EffectSetting> for EffectRequest {
+    fn from(setting: EffectSetting) -> Self {
+        Self {
+            effect: setting.effect,
+            cables: setting.targets,
+            values: setting.parameters.into_iter().collect(),
         }
-        request
+    }
+}
+
+impl EffectRequest {
+    /// Parses the text of an [`EffectSetting`].
+    ///
+    /// # Errors
+    /// If a parameter has no finite number.
+    pub fn parse(text: &str) -> Result<Self, EffectError> {
+        EffectSetting::parse(text).map(Self::from)
     }
 
     /// Attaches the effect to `robot` with the given values, else the start values, as parameters: one instance per

@@ -62,6 +62,9 @@ pub enum EffectError {
         /// The parameter.
         parameter: String,
     },
+    /// A parameter is not followed by its number.
+    #[error("found \"{0}\", expected NAME=NUMBER")]
+    NoValue(String),
     /// The effect has no parameter that readings can determine.
     #[error(
         "effect \"{0}\" has no parameter that can be estimated: it can only be simulated or stated in a model file"

@@ -63,7 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn seconds(dataset: &Dataset, request: &str) -> Result<f64, Box<dyn Error>> {
     let start = Instant::now();
     let mut problem = Problem::new(dataset)?;
-    problem.free(&[EffectRequest::parse(request)])?;
+    problem.free(&[EffectRequest::parse(request)?])?;
     solve(&problem, &Options::default(), &mut |_| Control::Continue)?;
     Ok(start.elapsed().as_secs_f64())
 }

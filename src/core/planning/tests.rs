@@ -251,7 +251,7 @@ fn a_plan_completes_what_was_measured() {
 #[test]
 fn effects_are_planned_for() {
     let preset = presets::find("mini").unwrap();
-    let request = EffectRequest::parse("laser_drift");
+    let request = EffectRequest::parse("laser_drift").unwrap();
     let effects = request.bind(&preset.robot).unwrap();
     let options = PlanOptions {
         effects: &effects,

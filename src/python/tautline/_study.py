@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _tautline
+from ._arguments import whole
 from ._data import Path, to_json
 from ._table import Columns, numbers
 
@@ -40,18 +41,27 @@ def _cells(robots: list[str], cells: Iterable[dict[str, Any]]) -> dict[str, NDAr
     return columns
 
 
-@dataclass(repr=False)
+@dataclass(repr=False, eq=False)
 class StudyResult(Columns):
-    """The merged result of a study; `columns` have one row for each cell."""
+    """The merged result of a study.
+
+    Attributes
+    ----------
+    calibrations : int
+        Number of simulated calibrations.
+    columns : dict of str to ndarray
+        One row for each cell: what the cell is, what the expected covariance says, and what simulation found: root mean square
+        errors (m), simulated over expected position error with its 95 % interval, and whether they differ by more than 5 %.
+    document : dict
+        Document of the command.
+    """
 
     calibrations: int
     columns: dict[str, NDArray[Any]]
-    """What the cell is, what the expected covariance says, and what simulation found: root mean square errors (m),
-    simulated over expected position error with its 95 % interval, and whether they differ by more than 5 %."""
     document: dict[str, Any]
 
     @classmethod
-    def of(cls, robots: list[str], document: dict[str, Any]) -> StudyResult:
+    def _of(cls, robots: list[str], document: dict[str, Any]) -> StudyResult:
         """The result of a study of these robots from its document."""
         cells = document["cells"]
         found = [cell["simulated"] or {} for cell in cells]
@@ -70,9 +80,19 @@ class StudyResult(Columns):
         return f"StudyResult({len(self)} cells, {self.calibrations} calibrations, {marked} cells marked)"
 
 
-@dataclass(repr=False)
+@dataclass(repr=False, eq=False)
 class Study(Columns):
-    """A study that is planned, in its folder; `columns` have one row for each cell, as the expected covariance answers it."""
+    """A study of many simulated calibrations that is planned, in its folder.
+
+    Attributes
+    ----------
+    folder : path
+        Folder of the study.
+    columns : dict of str to ndarray
+        One row for each cell, as the expected covariance answers it.
+    document : dict
+        Plan of the study.
+    """
 
     folder: FilePath
     columns: dict[str, NDArray[Any]]
@@ -80,7 +100,19 @@ class Study(Columns):
 
     @classmethod
     def plan(cls, study: Path | Mapping[str, Any], folder: Path) -> Study:
-        """Plans a study file (TOML), or a mapping with the same keys, and writes the folder of the study."""
+        """Plans a study and writes its folder.
+
+        Parameters
+        ----------
+        study : str, path or mapping
+            Study file (TOML), or a mapping with the same keys.
+        folder : str or path
+            Folder to write.
+
+        Returns
+        -------
+        Study
+        """
         if isinstance(study, Mapping):
             text, robots = to_json({"format": "tautline-study", "version": 1, **study}), FilePath()
         else:
@@ -89,7 +121,17 @@ class Study(Columns):
 
     @classmethod
     def open(cls, folder: Path) -> Study:
-        """A study that was planned before."""
+        """Opens a study that was planned before.
+
+        Parameters
+        ----------
+        folder : str or path
+            Folder of the study.
+
+        Returns
+        -------
+        Study
+        """
         return cls._of(folder, _tautline.read_study(folder))
 
     @classmethod
@@ -102,22 +144,59 @@ class Study(Columns):
         return [str(robot["name"]) for robot in document["robots"]]
 
     def run(self, chunk: tuple[int, int] | None = None, threads: int | None = None) -> int:
-        """Simulates all chunks, or one of so many, `(3, 7)`; those that are there are not done again. How many were done."""
+        """Simulates all chunks, or one of them; those that are there are not done again.
+
+        Parameters
+        ----------
+        chunk : tuple of int, optional
+            Number of a chunk and how many there are, `(3, 7)`.
+        threads : int, optional
+            Number of threads; by default that of the processor.
+
+        Returns
+        -------
+        int
+            Number of chunks that were done.
+        """
         part = None if chunk is None else f"{chunk[0]}/{chunk[1]}"
+        if threads is not None:
+            threads = whole("threads", threads, 1)
         done, _ = _tautline.run_study(self.folder, part, threads)
         return done
 
     def merge(self) -> StudyResult:
-        """Joins the chunks; refuses those that are missing, damaged, or do not belong together."""
+        """Joins the chunks.
+
+        Returns
+        -------
+        StudyResult
+
+        Raises
+        ------
+        TautlineError
+            If a chunk is missing or damaged, or chunks do not belong together.
+        """
         document = json.loads(_tautline.merge_study(self.folder))
-        return StudyResult.of(self._robots(self.document), document)
+        return StudyResult._of(self._robots(self.document), document)
 
     def report(self, out: Path) -> None:
-        """Writes the report of the merged result, as HTML or PDF by its name."""
+        """Writes the report of the merged result.
+
+        Parameters
+        ----------
+        out : str or path
+            File to write: `.html` or `.pdf`.
+        """
         _tautline.report_study(self.folder, out)
 
     def calibrations(self) -> dict[str, NDArray[Any]]:
-        """Every calibration of the chunks that are there, in the order of the study: one array for each quantity."""
+        """Every calibration of the chunks that are there, in the order of the study.
+
+        Returns
+        -------
+        dict of str to ndarray
+            One array for each quantity, with one value for each calibration.
+        """
         columns = _tautline.study_calibrations(self.folder)
         return {name: np.frombuffer(data, kind) for name, kind, data in columns}
 

@@ -40,7 +40,10 @@ pub fn dataset() -> Dataset {
 
 fn solution(dataset: &Dataset, effects: &[&str]) -> Solution {
     let mut problem = Problem::new(dataset).expect("a problem");
-    let requests: Vec<_> = effects.iter().map(|e| EffectRequest::parse(e)).collect();
+    let requests: Vec<_> = effects
+        .iter()
+        .map(|e| EffectRequest::parse(e).expect("an effect"))
+        .collect();
     problem.free(&requests).expect("effects");
     solve(&problem, &Options::default(), &mut |_| Control::Continue).expect("a solution")
 }
@@ -49,6 +52,7 @@ fn solution(dataset: &Dataset, effects: &[&str]) -> Solution {
 pub fn cause(robot: &Robot, request: &str) -> Cause {
     Cause {
         instances: EffectRequest::parse(request)
+            .expect("an effect")
             .bind(robot)
             .expect("an effect"),
     }

@@ -153,6 +153,31 @@ impl IdentificationRequest {
         })
     }
 
+    /// A request to estimate the poses of a dataset only, with the geometry and effects of `model` kept fixed.
+    ///
+    /// # Errors
+    /// One sentence, if the model has other cables than the robot of the dataset, or its effects do not fit.
+    pub fn of_poses(measured: Dataset, model: Robot, poses: Poses) -> Result<Self, String> {
+        let cables = measured.robot.cable_count();
+        if model.cable_count() != cables {
+            return Err(format!(
+                "found {} cables, expected the {cables} of the dataset",
+                model.cable_count()
+            ));
+        }
+        let dataset = Dataset {
+            robot: model,
+            measurements: measured.measurements,
+        };
+        let request = Self::new(dataset, Method::Joint, &[]).map_err(|error| error.to_string())?;
+        let options = IdentificationOptions {
+            geometry: Geometry::Held,
+            poses,
+            ..request.options
+        };
+        Ok(Self { options, ..request })
+    }
+
     /// The request that a session's settings state.
     ///
     /// # Errors

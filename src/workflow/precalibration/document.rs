@@ -1,5 +1,7 @@
 //! Machine-readable form of a precalibration.
 
+use std::path::Path;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::cable::ElongationSurface;
@@ -138,27 +140,46 @@ impl VersionedFile for Precalibration {
     const MAX_BYTES: u64 = 16 << 20;
 }
 
-/// A fit that failed: its file and the reason.
-pub struct Failure {
-    /// File of the dataset.
-    pub file: &'static str,
-    /// The item, such as a cable, and what is wrong with it, in one sentence.
-    pub message: String,
+/// Why there is no precalibration.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Failure {
+    /// The dataset has no calibration table.
+    NoTables,
+    /// A fit failed: file of the dataset; the item, such as a cable, and what is wrong with it.
+    Fit(&'static str, String),
+}
+
+impl Failure {
+    /// In a sentence, for the dataset in `folder`.
+    #[must_use]
+    pub fn sentence(&self, folder: &Path) -> String {
+        match self {
+            Self::NoTables => format!(
+                "{}: found none of winch.csv, force.csv, home.csv and elongation.csv, expected at least one",
+                folder.display()
+            ),
+            Self::Fit(file, message) => format!("{}: {message}", folder.join(file).display()),
+        }
+    }
 }
 
 fn of_file(file: &'static str) -> impl Fn(&String) -> Failure {
-    move |message| Failure {
-        file,
-        message: message.clone(),
-    }
+    move |message| Failure::Fit(file, message.clone())
 }
 
 impl Precalibration {
     /// The document of successful fits.
     ///
     /// # Errors
-    /// The first fit that failed.
+    /// If there is no calibration table, and the first fit that failed.
     pub fn of(robot: &Robot, phases: &PhaseData, fits: &Calibration) -> Result<Self, Failure> {
+        let nothing = phases.winch.is_empty()
+            && phases.force.is_empty()
+            && phases.home.is_empty()
+            && phases.elongation.is_empty();
+        if nothing {
+            return Err(Failure::NoTables);
+        }
         let winches = fits.winches.iter().map(|PerCable { cable, fit }| {
             let fit = fit.as_ref().map_err(of_file("winch.csv"))?;
             Ok(WinchResult::of(&robot.cables[*cable], fit))

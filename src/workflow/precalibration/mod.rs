@@ -8,7 +8,9 @@ mod home;
 mod table;
 
 pub use calibration::{Calibration, PerCable, Proposal};
-pub use document::{ElongationResult, ForceResult, HomeResult, Precalibration, WinchResult};
+pub use document::{
+    ElongationResult, Failure, ForceResult, HomeResult, Precalibration, WinchResult,
+};
 pub use fits::{ElongationFit, home_start_in_reference};
 pub use home::HomeDocument;
 pub use table::{Table, TableRows};

@@ -1,6 +1,6 @@
 """Time of an identification by the command and through Python, MINI at 25 and at 1000 poses:
 
-    TAUTLINE_PROGRAM=target/release/tautline python tests/python/speed.py
+    TAUTLINE_PROGRAM=target/release/tautline python tests/suites/python/speed.py
 """
 
 import json

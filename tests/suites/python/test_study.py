@@ -62,7 +62,7 @@ def test_cells_are_columns(study: tautline.Study) -> None:
 
 
 def test_a_study_file_is_that_of_the_command(tmp_path: Path, program: Path) -> None:
-    file = Path(__file__).parents[2] / "docs/studies/size.toml"
+    file = Path(__file__).parents[3] / "docs/studies/size.toml"
     planned = tautline.Study.plan(file, tmp_path / "python")
     subprocess.run(
         [program, "study", "plan", file, "--out", tmp_path / "command"], check=True, stdout=subprocess.DEVNULL

@@ -38,7 +38,7 @@ fn asked(dataset: &Dataset) -> Diagnosis {
 fn fit(dataset: &Dataset, effects: &[&str]) -> Result<Solution, EstimationError> {
     let mut problem = Problem::new(dataset)?;
     let requests: Vec<_> = (effects.iter())
-        .map(|text| EffectRequest::parse(text))
+        .map(|text| EffectRequest::parse(text).expect("an effect"))
         .collect();
     problem.free(&requests)?;
     solve(&problem, &Options::default(), &mut |_| Control::Continue)

@@ -1,6 +1,7 @@
 //! The real window, from the start screen to the end: keys, pointer, OpenGL, files.
 
 use std::path::Path;
+use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 use image::RgbaImage;
@@ -8,7 +9,8 @@ use tautline_core::effect::EffectSetting;
 use tautline_core::robot::presets;
 use tautline_core::simulation::simulate;
 use tautline_session::{PhaseData, Session, read_session, write_dataset};
-use tautline_validation::support::window::{Window, keys};
+use tautline_validation::support::program::program;
+use tautline_validation::support::window::{Display, Window, keys};
 use tautline_validation::tables::truth::preset_options;
 
 const SIZE: [u32; 2] = [1440, 900];
@@ -150,5 +152,27 @@ fn from_the_start_screen_to_a_saved_session() -> Result<()> {
     let recovery = folder.path().join("home").join("recovery");
     let left = tautline_session::find_unsaved_sessions(&recovery)?;
     assert!(left.is_empty(), "everything is saved: {left:?}");
+    Ok(())
+}
+
+#[test]
+fn without_opengl_there_is_a_sentence_and_the_commands() -> Result<()> {
+    let display = Display::without_glx(640, 480)?;
+    let answer = Command::new(program())
+        .env("DISPLAY", &display.name)
+        .env_remove("WAYLAND_DISPLAY")
+        // EGL finds no implementation either.
+        .env("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent")
+        .output()?;
+    let told = String::from_utf8(answer.stderr)?;
+    assert_eq!(answer.status.code(), Some(1), "{told}");
+    let expected = [
+        "no window can be opened (OpenGL: ",
+        "the commands need none: `tautline --help` lists them",
+    ];
+    for part in expected {
+        assert!(told.contains(part), "{told}");
+    }
+    assert_eq!(told.lines().count(), 1, "{told}");
     Ok(())
 }

@@ -41,9 +41,22 @@ impl Display {
     /// # Errors
     /// If the display or the program fails, or what is waited for does not come.
     pub fn new(width: u32, height: u32) -> Result<Self> {
+        Self::with_options(width, height, &[])
+    }
+
+    /// A display without OpenGL by way of X11.
+    ///
+    /// # Errors
+    /// If the display fails.
+    pub fn without_glx(width: u32, height: u32) -> Result<Self> {
+        Self::with_options(width, height, &["-extension", "GLX"])
+    }
+
+    fn with_options(width: u32, height: u32, options: &[&str]) -> Result<Self> {
         let server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-nolisten", "tcp", "-screen", "0"])
             .arg(format!("{width}x{height}x24"))
+            .args(options)
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn();

@@ -68,7 +68,7 @@ fn residuals_of_poses_held_out_are_those_of_refits() {
 fn with_a_cause_in_the_model_too() {
     let hidden = setting("winch_scale", &["cable-3"], &[("scale", 0.02)]);
     let run = run_with("mini", 16, 52, &[hidden]);
-    let request = EffectRequest::parse("winch_scale:cable-3");
+    let request = EffectRequest::parse("winch_scale:cable-3").unwrap();
     let cause = Cause {
         instances: request.bind(&run.dataset.robot).unwrap(),
     };
@@ -87,7 +87,10 @@ fn a_cause_gains_on_poses_held_out() {
     let run = run_with("mini", 30, 53, &[hidden, scale]);
     let base = problem_at_fitted_poses(&run.dataset);
     let cause = |text: &str| Cause {
-        instances: EffectRequest::parse(text).bind(&run.dataset.robot).unwrap(),
+        instances: EffectRequest::parse(text)
+            .unwrap()
+            .bind(&run.dataset.robot)
+            .unwrap(),
     };
     let outlier = cause("encoder_outlier:cable-3:pose=9");
     let both = [outlier.clone(), cause("winch_scale:cable-1")];

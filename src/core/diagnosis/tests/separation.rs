@@ -7,7 +7,7 @@ use crate::effect::{BoundEffect, EffectRequest};
 use crate::robot::Robot;
 
 fn cause(robot: &Robot, request: &str) -> Cause {
-    let instances = EffectRequest::parse(request).bind(robot).unwrap();
+    let instances = EffectRequest::parse(request).unwrap().bind(robot).unwrap();
     Cause { instances }
 }
 

@@ -156,9 +156,9 @@ fn the_other_cable_of_a_pair_is_known() {
     );
     let bound = BoundEffect::from_setting(&stated, &robot).unwrap();
     let row = SampleRow::new(0, 8);
-    let request = EffectRequest::parse("encoder_crosstalk:cable-2:cable-4");
+    let request = EffectRequest::parse("encoder_crosstalk:cable-2:cable-4").unwrap();
     assert_eq!(request.bind(&robot).unwrap()[0].cables, [1, 3]);
-    let request = EffectRequest::parse("winch_scale:cable-2:cable-4");
+    let request = EffectRequest::parse("winch_scale:cable-2:cable-4").unwrap();
     let error = request.bind(&robot).unwrap_err().to_string();
     assert!(error.ends_with("expected one cable"), "{error}");
     for (cable, other) in [(1, 3), (3, 1)] {
@@ -332,7 +332,7 @@ fn crosstalk_comes_back() {
     robot.add_hypothesis(&hypothesis(CROSSTALK)).unwrap();
     let hidden = setting("encoder_crosstalk", &["cable-3"], &[("share", 0.004)]);
     let run = run(&robot, vec![hidden], 30);
-    let request = EffectRequest::parse("encoder_crosstalk:cable-3");
+    let request = EffectRequest::parse("encoder_crosstalk:cable-3").unwrap();
     let mut problem = Problem::new(&run.dataset).unwrap();
     problem.free(&[request]).unwrap();
     let solution = solve(&problem, &Options::default(), &mut |_| Control::Continue).unwrap();

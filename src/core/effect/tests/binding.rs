@@ -7,7 +7,9 @@ use crate::simulation::{SimulationOptions, simulate};
 
 fn refused(request: &str) -> String {
     let robot = presets::find("mini").unwrap().robot;
-    let error = EffectRequest::parse(request).bind(&robot).unwrap_err();
+    let error = EffectRequest::parse(request)
+        .and_then(|parsed| parsed.bind(&robot))
+        .unwrap_err();
     error.to_string()
 }
 
@@ -80,7 +82,7 @@ fn given_parameters_keep_their_value() {
     let preset = presets::find("mini").unwrap();
     let run = simulate(&preset.robot, &SimulationOptions::new(3, 1)).unwrap();
     let mut problem = Problem::new(&run.dataset).unwrap();
-    let request = EffectRequest::parse("cable_slip:cable-2:pose=2,step=0.003");
+    let request = EffectRequest::parse("cable_slip:cable-2:pose=2,step=0.003").unwrap();
     problem.free(&[request]).unwrap();
     assert_eq!(problem.free_effects[0].values, [0.003, 2.0]);
     let names: Vec<_> = problem.parameters().into_iter().map(|p| p.name).collect();

@@ -21,7 +21,7 @@ fn any_number_of_threads_finds_the_same_to_the_last_bit() {
         let mut problem = Problem::new(&run.dataset).unwrap();
         problem.loss = loss;
         problem
-            .free(&[EffectRequest::parse("force_gain:cable-1")])
+            .free(&[EffectRequest::parse("force_gain:cable-1").unwrap()])
             .unwrap();
         let on_one = solve(&problem, &on(1), &mut quiet).unwrap();
         assert!(on_one.converged());

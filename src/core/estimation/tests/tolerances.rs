@@ -102,7 +102,7 @@ fn a_free_effect_replaces_the_deviation_of_its_part() {
         .with_tolerances(&typical);
     let all = problem.deviations.len();
     problem
-        .free(&[crate::effect::EffectRequest::parse("winch_scale:cable-2")])
+        .free(&[crate::effect::EffectRequest::parse("winch_scale:cable-2").unwrap()])
         .unwrap();
     assert_eq!(problem.deviations.len(), all - 1);
     let solution = solved(&problem);

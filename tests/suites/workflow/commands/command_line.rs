@@ -361,3 +361,25 @@ fn presets_and_templates_are_one_list() {
     let robot = tautline(&sized).succeeded().json();
     assert_eq!(robot["cables"][0]["pulley"]["entry_point_m"][2], 7.0);
 }
+
+#[test]
+fn the_effects_and_the_certificate_are_documents_too() {
+    let effects = tautline(&["effects", "--json", "-"]).succeeded().json();
+    assert_eq!(effects["format"], "tautline-effects");
+    let list = effects["effects"].as_array().expect("a list");
+    let slip = list.iter().find(|one| one["effect"] == "cable_slip");
+    let parameters = &slip.expect("listed")["parameters"];
+    assert_eq!(parameters[0]["unit"], "m");
+    assert_eq!(parameters[1]["is_given"], true);
+    tautline(&["effects", "--json", "-", "--quantities"]).refused(&["--quantities"]);
+
+    let folder = Folder::new();
+    let mut command = Command::new(program());
+    command.env("TAUTLINE_HOME", folder.join("home"));
+    let file = folder.join("own.der");
+    command.args(["certificate", "--json", "-", "-o", &file]);
+    let document = answer(command, b"").succeeded().json();
+    assert_eq!(document["format"], "tautline-certificate");
+    assert_eq!(document["sha256"].as_str().expect("text").len(), 64);
+    assert!(std::fs::metadata(&file).expect("written").len() > 500);
+}

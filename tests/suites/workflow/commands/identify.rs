@@ -142,6 +142,20 @@ fn every_method_is_identified_in_its_name() {
 }
 
 #[test]
+fn what_the_published_method_lacks_is_refused() {
+    let folder = Folder::new();
+    let dataset = simulate(&folder, "mini", 12, &[]);
+    for (option, lacks) in [
+        (&["--effect", "winch_scale"][..], "no effects"),
+        (&["--robust"], "no weights"),
+        (&["--values", "-"], "no standard deviations"),
+    ] {
+        let words = [&["identify", &dataset, "--method", "published"], option].concat();
+        tautline(&words).refused(&[option[0], lacks]);
+    }
+}
+
+#[test]
 fn a_hidden_effect_is_found_when_freed() {
     let folder = Folder::new();
     let hidden = ["--effect", "winch_scale:cable-3:scale=0.01"];
