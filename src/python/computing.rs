@@ -22,7 +22,7 @@ use tautline_workflow::isolability::IsolabilityDocument;
 use tautline_workflow::planning::PlanDocument;
 use tautline_workflow::readiness::{self, CheckOutcome, readings_readiness};
 
-use crate::{
+use crate::boundary::{
     DatasetTexts, detached, error, json, parsed_dataset, parsed_robot, poses_text, session_of,
     settings,
 };

@@ -15,10 +15,10 @@ use tautline_workflow::precalibration::Calibration;
 use tautline_workflow::precalibration::Precalibration;
 use tautline_workflow::report::{Part, ReportChoice, ReportFormat, ReportInput, render_report};
 
-use crate::fitting::{FitOptions, solved};
-use crate::{
+use crate::boundary::{
     DatasetTexts, detached, error, json, parsed_dataset, parsed_robot, poses_text, session_of,
 };
+use crate::fitting::{FitOptions, solved};
 
 /// Names of the robots that come with the program.
 #[pyfunction]

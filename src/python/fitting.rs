@@ -10,8 +10,10 @@ use tautline_workflow::identification::{
     identify as identify_robot, identify_published, readings_table, values_table,
 };
 
+use crate::boundary::{
+    DatasetTexts, detached, error, json, parsed_dataset, parsed_robot, settings,
+};
 use crate::table::{Column, columns, numbers};
-use crate::{DatasetTexts, detached, error, json, parsed_dataset, settings};
 
 /// What is identified, and how.
 #[derive(FromPyObject)]
@@ -76,7 +78,7 @@ impl FitOptions {
         // Identification never uses the true values of simulated data.
         dataset.measurements.truth = Truth::default();
         if let Some(model) = &self.model {
-            let model = crate::parsed_robot(model)?;
+            let model = parsed_robot(model)?;
             let poses = match self.poses_held {
                 true => Poses::HeldAtTracker,
                 false => Poses::Estimated,

@@ -11,7 +11,7 @@ use tautline_import::{
 };
 use tautline_session::parse_versioned;
 
-use crate::{detached, error, json, parsed_robot};
+use crate::boundary::{detached, error, json, parsed_robot};
 
 /// Name of a recipe in messages.
 const RECIPE: &str = "recipe";

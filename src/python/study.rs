@@ -12,7 +12,7 @@ use tautline_study::{StudyFile, StudyPlan, calibrations, merge, read_plan, read_
 use tautline_workflow::clock;
 use tautline_workflow::exporting::ParquetCells;
 
-use crate::{detached, error, json};
+use crate::boundary::{detached, error, json};
 
 /// The study of a TOML file.
 #[pyfunction]

@@ -1,5 +1,7 @@
 //! Effects attached to the cables of a robot.
 
+use std::collections::BTreeMap;
+
 use super::{BoundEffect, Effect, EffectError, EffectParameter, EffectSetting, Scope};
 use crate::robot::Robot;
 
@@ -12,6 +14,38 @@ pub struct EffectRequest {
     pub cables: Vec<String>,
     /// Values of the parameters that cannot be estimated, and start values of others.
     pub values: Vec<(String, f64)>,
+}
+
+impl EffectSetting {
+    /// Parses `ID[:CABLE]..[:NAME=NUMBER,...]`; `:` may stand for `,` as well.
+    ///
+    /// # Errors
+    /// If a parameter has no finite number.
+    pub fn parse(text: &str) -> Result<Self, EffectError> {
+        let mut parts = text.split(':').map(str::trim);
+        let mut setting = Self {
+            effect: parts.next().unwrap_or_default().to_owned(),
+            targets: Vec::new(),
+            parameters: BTreeMap::new(),
+        };
+        for part in parts {
+            if !part.contains('=') {
+                setting.targets.push(part.to_owned());
+                continue;
+            }
+            for pair in part.split(',') {
+                let value = pair
+                    .split_once('=')
+                    .and_then(|(name, value)| Some((name, value.trim().parse::<f64>().ok()?)));
+                let Some((name, value)) = value.filter(|(_, value)| value.is_finite()) else {
+                    return Err(EffectError::NoValue(pair.to_owned()));
+                };
+                let name = name.trim().to_owned();
+                setting.parameters.insert(name, value);
+            }
+        }
+        Ok(setting)
+    }
 }
 
 impl From<EffectSetting> for EffectRequest {

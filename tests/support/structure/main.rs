@@ -74,6 +74,7 @@ const CRATES: [Rules; 9] = [
         crates: &[
             "tautline_core",
             "tautline_session",
+            "tautline_import",
             "tautline_workflow",
             "tautline_study",
         ],
