@@ -15,7 +15,7 @@ use crate::model::Model;
 use crate::model::command::{DRAWING, HypothesisCommand, Outbox, ViewCommand};
 use crate::theme::{self, GRID};
 use crate::views::plots::small;
-use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
+use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 
 /// Least width and the height of a card (points).
 const CARD: f32 = 250.0;
@@ -57,11 +57,7 @@ fn head(
     outbox: &mut Outbox,
 ) {
     ui.horizontal(|ui| {
-        heading(ui, "Gallery of effects");
-        if let Some(gallery) = gallery {
-            let poses = count(gallery.poses, "pose");
-            muted(ui, &format!("{} at {poses}", gallery.robot.name));
-        }
+        // The buttons first: the heading has the room that they leave.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
                 outbox.send(ViewCommand::Go(model.home_screen()));
@@ -70,20 +66,27 @@ fn head(
             if icon_button(ui, icons::ICON_DOWNLOAD, "Save as HTML…", is_drawn).clicked() {
                 outbox.send(HypothesisCommand::AskSaveGallery);
             }
-            if icon_button(ui, icons::ICON_ADD, "New hypothesis", true).clicked() {
-                outbox.send(HypothesisCommand::New);
-            }
-            let field = TextEdit::singleline(&mut panel.filter)
-                .hint_text("Search")
-                .desired_width(160.0);
-            ui.add(field)
-                .widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Search effects"));
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let title = RichText::new("Gallery of effects").heading();
+                ui.add(Label::new(title).truncate());
+            });
         });
     });
-    muted(
-        ui,
-        "What remains in the residuals if the model does not know the effect: at a typical size, without noise, in standard deviations. Inside of the band, noise hides it.",
-    );
+    ui.horizontal_wrapped(|ui| {
+        let field = TextEdit::singleline(&mut panel.filter)
+            .hint_text("Search")
+            .desired_width(160.0);
+        ui.add(field)
+            .widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Search effects"));
+        if let Some(gallery) = gallery {
+            let poses = count(gallery.poses, "pose");
+            muted(ui, &format!("{} at {poses}.", gallery.robot.name));
+        }
+        muted(
+            ui,
+            "Residuals of a model that does not know the effect: at a typical size, without noise, in standard deviations. Noise hides what is in the band.",
+        );
+    });
     ui.add_space(2.0 * GRID);
 }
 
@@ -177,7 +180,12 @@ fn card(ui: &mut Ui, signature: &Signature, size: egui::Vec2, panel: &mut PanelS
             .rect_stroke(place, 6.0, stroke, egui::StrokeKind::Inside);
     }
     let inside = place.shrink(2.0 * GRID);
-    let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(inside).id_salt(effect.id()));
+    let mut ui = ui.new_child(
+        egui::UiBuilder::new()
+            .max_rect(inside)
+            .layout(Layout::top_down(Align::Min))
+            .id_salt(effect.id()),
+    );
     ui.set_clip_rect(ui.clip_rect().intersect(place));
     let title = RichText::new(effect.title()).font(theme::strong(13.0));
     let button = ui.add(Button::new(title).frame(false).truncate());
@@ -200,7 +208,8 @@ fn card(ui: &mut Ui, signature: &Signature, size: egui::Vec2, panel: &mut PanelS
             small::show(&mut ui, &name, &image.figure, PLOT, Selection::default());
         }
         Err(why) => {
-            muted(&mut ui, why);
+            let why = RichText::new(why).color(palette.muted);
+            ui.add(Label::new(why).wrap());
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use tautline_core::diagnosis::{Quantity, Variables};
-use tautline_core::effect::Effect;
+use tautline_core::effect::{BoundEffect, Effect};
 use tautline_core::estimation::Linearisation;
 use tautline_core::measurement::Variable;
 
@@ -144,63 +144,58 @@ impl<'a> Abscissa<'a> {
     }
 }
 
-/// The residuals of one kind of reading. Cables on which something is seen have their colours, all others one.
+/// The residuals of one kind of reading. The cables of the effect have their colours, or the one on which it shows most if it
+/// is on all of them; the others, to which an identification spreads it, have one colour.
 pub(super) fn image_of(
     fit: &Identification,
-    effect: &Effect,
+    bound: &BoundEffect,
     (quantity, residuals): (Quantity, &[Residual]),
 ) -> Image {
     let own: Vec<Residual> = (residuals.iter().copied())
         .filter(|one| one.quantity == quantity)
         .collect();
     let cables = strengths(&own, |one| one.cable);
-    let groups: Vec<Group> = cables
-        .iter()
+    let groups: Vec<Group> = (cables.iter())
         .map(|(cable, ..)| (quantity, *cable))
         .collect();
-    let abscissa = Abscissa::of(fit, effect, &groups);
-    let is_seen = |cable: Option<usize>| {
-        let mut known = cables.iter();
-        known.any(|(other, _, largest)| *other == cable && *largest >= LEAST_SEEN)
+    let abscissa = Abscissa::of(fit, bound.effect, &groups);
+    let strongest = cables.first().and_then(|(cable, ..)| *cable);
+    let mut coloured: Vec<usize> = match bound.targeted {
+        true => bound.cables.clone(),
+        false => strongest.into_iter().collect(),
     };
-    let points = |is_own: &dyn Fn(&Residual) -> bool| -> Vec<Point> {
-        let own = own.iter().filter(|one| is_own(one));
+    coloured.sort_unstable();
+    let points = |is_own: &dyn Fn(Option<usize>) -> bool| -> Vec<Point> {
+        let own = own.iter().filter(|one| is_own(one.cable));
         own.filter_map(|one| abscissa.point(one)).collect()
     };
-    let mut series = Vec::new();
-    let rest = points(&|one| one.cable.is_some() && !is_seen(one.cable));
-    if !rest.is_empty() {
-        series.push(Series::new(
+    let is_other = |cable: Option<usize>| cable.is_some_and(|index| !coloured.contains(&index));
+    let mut series = vec![
+        Series::new(
             "other cables",
             Ink::Muted,
             Marker::Circle,
-            rest,
-        ));
+            points(&is_other),
+        ),
+        Series::new(
+            quantity.name(),
+            Ink::Accent,
+            Marker::Circle,
+            points(&|cable| cable.is_none()),
+        ),
+    ];
+    for index in &coloured {
+        let name = fit.dataset.robot.cables[*index].name.as_str();
+        let own = points(&|cable| cable == Some(*index));
+        series.push(Series::of_cable(*index, name, own));
     }
-    let mut shown: Vec<Option<usize>> = cables.iter().map(|(cable, ..)| *cable).collect();
-    shown.sort_unstable();
-    for cable in shown {
-        match cable {
-            Some(index) if is_seen(cable) => {
-                let name = fit.dataset.robot.cables[index].name.as_str();
-                series.push(Series::of_cable(
-                    index,
-                    name,
-                    points(&|one| one.cable == cable),
-                ));
-            }
-            Some(_) => {}
-            None => series.push(Series::new(
-                quantity.name(),
-                Ink::Accent,
-                Marker::Circle,
-                points(&|one| one.cable.is_none()),
-            )),
-        }
-    }
+    series.retain(|one| !one.points().is_empty());
     Image {
         name: named(quantity, None),
-        figure: abscissa.figure(series),
+        figure: Figure {
+            y: Axis::new("Standard deviations", ""),
+            ..abscissa.figure(series)
+        },
     }
 }
 

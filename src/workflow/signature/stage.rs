@@ -140,7 +140,7 @@ impl Stage {
         });
         let kinds = kinds.map(|one| one.quantity);
         let images: Vec<Image> = kinds
-            .map(|quantity| image_of(&fit, bound.effect, (quantity, &residuals)))
+            .map(|quantity| image_of(&fit, bound, (quantity, &residuals)))
             .collect();
         match images.is_empty() {
             true => Err(

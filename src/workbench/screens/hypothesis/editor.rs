@@ -20,7 +20,7 @@ pub(super) fn show(ui: &mut Ui, draft: &HypothesisDraft, height: f32, outbox: &m
     let error = draft.checked().err();
     let room = height - (ui.cursor().min.y - top) - MISTAKE;
     let frame = egui::Frame::new()
-        .fill(theme::of(ui).ground)
+        .fill(theme::of(ui).panel)
         .inner_margin(2.0 * GRID);
     frame.show(ui, |ui| {
         ScrollArea::both()
@@ -77,13 +77,13 @@ fn text(
 /// The numbers of the lines, which messages name.
 fn numbers(ui: &mut Ui, text: &str, font: &FontId) {
     let count = 1 + text.matches('\n').count();
-    let width = count.to_string().len();
-    let lines: Vec<String> = (1..=count).map(|line| format!("{line:>width$}")).collect();
+    let lines: Vec<String> = (1..=count).map(|line| line.to_string()).collect();
     let colour = theme::of(ui).muted;
-    let job = LayoutJob::simple(lines.join("\n"), font.clone(), colour, f32::INFINITY);
+    let mut job = LayoutJob::simple(lines.join("\n"), font.clone(), colour, f32::INFINITY);
+    job.halign = egui::Align::RIGHT;
     let galley = ui.fonts_mut(|fonts| fonts.layout_job(job));
     let (place, _) = ui.allocate_exact_size(galley.size(), egui::Sense::hover());
-    ui.painter().galley(place.min, galley, colour);
+    ui.painter().galley(place.right_top(), galley, colour);
 }
 
 /// The text with comments in a quieter colour and the line of the mistake marked; lines are not wrapped.

@@ -4,15 +4,15 @@ mod editor;
 mod known;
 mod preview;
 
-use egui::{Align, Layout, Rangef, Ui};
+use egui::{Align, Label, Layout, Rangef, RichText, Ui};
 use egui_material_icons::icons;
 
 use crate::model::Model;
 use crate::model::command::{HypothesisCommand, Outbox, ViewCommand};
 use crate::model::hypothesis::HypothesisDraft;
 use crate::model::phase::Screen;
-use crate::theme::GRID;
-use crate::widgets::{heading, icon_button, muted, primary};
+use crate::theme::{self, GRID};
+use crate::widgets::{heading, icon_button, primary};
 
 /// Width of the screen (points) below which the residuals stand below the text.
 const NARROW: f32 = 860.0;
@@ -66,15 +66,15 @@ pub fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 }
 
 fn head(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: &mut Outbox) {
+    let name = draft.checked().map(|hypothesis| hypothesis.title());
+    let state = if draft.is_unsaved() {
+        ", not saved"
+    } else {
+        ""
+    };
+    let name = format!("{}{state}", name.unwrap_or("with a mistake"));
     ui.horizontal(|ui| {
-        heading(ui, "Hypothesis");
-        let name = draft.checked().map(|hypothesis| hypothesis.title());
-        let state = if draft.is_unsaved() {
-            ", not saved"
-        } else {
-            ""
-        };
-        muted(ui, &format!("{}{state}", name.unwrap_or("with a mistake")));
+        // The buttons first: the name has the room that they leave.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
                 outbox.send(ViewCommand::Go(model.home_screen()));
@@ -82,6 +82,11 @@ fn head(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: &mut Outbox
             if icon_button(ui, icons::ICON_GRID_VIEW, "Gallery of effects", true).clicked() {
                 outbox.send(ViewCommand::Go(Screen::Gallery));
             }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                heading(ui, "Hypothesis");
+                let name = RichText::new(name).color(theme::of(ui).muted);
+                ui.add(Label::new(name).truncate());
+            });
         });
     });
 }

@@ -76,7 +76,7 @@ fn measured(
     ui.add(Label::new(placement.sentence()).wrap());
     muted(
         ui,
-        "Dots are the residuals without it, circles the part that it explains. Whether another cause explains them better, the doctor knows.",
+        "Filled marks are the residuals without it, circles the part that it explains. Whether another cause explains them better, the doctor knows.",
     );
     images(ui, &placement.images, model.selection, outbox);
 }
