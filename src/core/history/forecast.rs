@@ -34,9 +34,10 @@ pub const OUT_OF_TOLERANCE: f64 = 0.05;
 const FARTHEST_DAYS: f64 = 10.0 * DAYS_PER_YEAR;
 /// Width of the interval in which a date is looked for (days).
 const EXACT_DAYS: f64 = 0.1;
-/// Number of rates of drifts and jumps that are drawn, and of futures for each: the probability of 5 % is exact to 0.1 % then.
-const RATES: usize = 120;
-const FUTURES: usize = 320;
+/// Number of rates of drifts and jumps that are drawn, and of futures for each: the standard deviation of the probability of 5 % is
+/// 0.2 % then.
+const RATES: usize = 100;
+const FUTURES: usize = 200;
 /// Two-sided probability of the interval.
 const INTERVAL: f64 = 0.95;
 /// Seed of the futures, the same for all questions.
@@ -344,8 +345,7 @@ fn future_jumps(error: &ErrorOfValues, per_day: f64, rng: &mut ChaCha8Rng) -> Ve
     loop {
         let waiting: f64 = Exp1.sample(rng);
         days += waiting / per_day;
-        // Without jumps, the first one is never.
-        if !(days <= FARTHEST_DAYS) {
+        if days > FARTHEST_DAYS {
             return jumps;
         }
         let (_, columns) = &error.pulleys[rng.random_range(0..error.pulleys.len())];

@@ -60,8 +60,12 @@ impl Assessment {
             return assessment;
         };
         let unseen = UnseenOfInterest::new(&diagnosis, shown);
-        assessment.no_further_fault = 1.0 / (1.0 + unseen.odds(&diagnosis));
         assessment.unseen = unseen.possible_faults();
+        let single: f64 = assessment.unseen.iter().map(|fault| fault.odds).sum();
+        // The search knows sets of several causes, at several noises and by full fits; the sum over single faults also those that the
+        // search leaves out as improbable.
+        let odds = single.max(unseen.odds_of_larger_sets(&diagnosis));
+        assessment.no_further_fault = 1.0 / (1.0 + odds);
         let of = |finding: &Finding| match finding.verdict() {
             Verdict::Named => finding.probability,
             Verdict::Ambiguous | Verdict::Unknown => 0.0,
@@ -141,16 +145,8 @@ impl<'d> UnseenOfInterest<'d> {
         all
     }
 
-    /// Odds that any of them is present. The search knows sets of several causes, at several noises and by full fits; the sum over single
-    /// faults also those that the search leaves out as improbable. The larger of the two counts.
-    fn odds(&self, diagnosis: &Diagnosis) -> f64 {
-        let single: f64 = self.possible_faults().iter().map(|fault| fault.odds).sum();
-        let more = self.probability_of_larger_sets(diagnosis).min(1.0);
-        single.max(self.raised * more / (1.0 - more))
-    }
-
-    /// Probability of the sets that have a fault of the size of interest beside the findings.
-    fn probability_of_larger_sets(&self, diagnosis: &Diagnosis) -> f64 {
+    /// Odds of the sets that have a fault of the size of interest beside the findings.
+    fn odds_of_larger_sets(&self, diagnosis: &Diagnosis) -> f64 {
         let known: Vec<&Cause> = diagnosis
             .findings
             .iter()
@@ -172,7 +168,8 @@ impl<'d> UnseenOfInterest<'d> {
             .sets
             .iter()
             .filter(|set| set.causes.len() > known.len());
-        larger.map(|set| set.probability * further(set)).sum()
+        let probability: f64 = larger.map(|set| set.probability * further(set)).sum();
+        self.raised * probability / (1.0 - probability.min(1.0))
     }
 
     /// Probability that a cause is of the size of interest if it is present: that of its instance for which it is largest.

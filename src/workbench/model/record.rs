@@ -25,7 +25,7 @@ pub struct CheckedPair {
 }
 
 /// The record on the screen.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct RecordState {
     folder: Option<PathBuf>,
     /// What has to stay within its tolerance.
@@ -34,18 +34,6 @@ pub struct RecordState {
     /// The last health check.
     pub checked: Option<CheckedPair>,
     number: u64,
-}
-
-impl Default for RecordState {
-    fn default() -> Self {
-        Self {
-            folder: None,
-            tolerance: Tolerance::default(),
-            result: None,
-            checked: None,
-            number: 0,
-        }
-    }
 }
 
 impl RecordState {

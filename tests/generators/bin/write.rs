@@ -36,7 +36,7 @@ const HEALTH_SEED: u64 = 45_000;
 /// Seed of the first random run.
 const RUNS_SEED: u64 = 49_000;
 /// Seed of the first robot that is measured until it is certain.
-const UNTIL_SEED: u64 = 38_000;
+const UNTIL_SEED: u64 = 46_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
 const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
@@ -154,7 +154,7 @@ fn lives_table(lives: Option<&str>) -> Result<String> {
 
 /// Measures so many robots until it is certain what is wrong with them, from a seed on.
 fn until_table(numbers: &[String]) -> Result<String> {
-    let robots = numbers.first().map_or(Ok(45), |text| text.parse())?;
+    let robots = numbers.first().map_or(Ok(300), |text| text.parse())?;
     let first_seed = numbers.get(1).map_or(Ok(UNTIL_SEED), |text| text.parse())?;
     Ok(until::markdown(&until::study(robots, first_seed)?))
 }

@@ -70,7 +70,7 @@ fn a_folder_of_sessions_is_opened_as_a_record_and_the_tolerance_moves_the_date()
     give(&mut harness, RecordCommand::SetTolerance(of_pulleys));
     harness.get_by_label_contains("is more than 20 mm from its value in the last session");
     press(&mut harness, "platform position");
-    harness.get_by_label_contains("for a tolerance of 1 mm of the position of the platform");
+    harness.get_by_label_contains("of the platform");
 }
 
 #[test]
