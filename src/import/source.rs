@@ -41,6 +41,8 @@ pub enum Format {
     LabView,
     /// Excel workbook.
     Excel,
+    /// Spreadsheet of LibreOffice and others.
+    OpenDocument,
 }
 
 impl Format {
@@ -64,6 +66,7 @@ impl Format {
             Self::Mdf => "MDF 4 file",
             Self::LabView => "LabVIEW text",
             Self::Excel => "Excel workbook",
+            Self::OpenDocument => "OpenDocument spreadsheet",
         }
     }
 }

@@ -93,7 +93,7 @@ fn sources_help() -> String {
     };
     format!(
         "Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .c3d, .mat, .npy, .npz, .parquet, .lvm, .tdms, \
-         .mf4, .xlsx{more}; or a robot description: cables and bodies of CASPR, a model of WireX{left_out}"
+         .mf4, .xlsx, .ods{more}; or a robot description: cables and bodies of CASPR, a model of WireX{left_out}"
     )
 }
 

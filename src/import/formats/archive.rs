@@ -1,4 +1,4 @@
-//! Zip archives, of which `.npz` and `.xlsx` are made.
+//! Zip archives, of which `.npz`, `.xlsx` and `.ods` are made.
 
 use std::io::ErrorKind;
 

@@ -1,70 +1,41 @@
 //! Excel workbooks (`.xlsx`): a zip archive of XML, one part for each sheet.
 //!
-//! Cell values, shared texts and the number formats of dates are read here; the crates that read workbooks switch the whole
-//! program to another compressor. Source: ECMA-376, part 1, chapter 18.
+//! Cell values, shared texts and the number formats of dates are read here. Source: ECMA-376, part 1, chapter 18.
 
-use quick_xml::events::{BytesStart, Event};
-use quick_xml::{Reader, XmlVersion};
-use tautline_session::{Place, ReadError, quoted};
+use quick_xml::Reader;
+use quick_xml::events::Event;
+use tautline_session::ReadError;
 
-use super::archive::Archive;
 use super::fault::Fault;
-use super::{over_budget, stem, whole};
-use crate::input::Input;
+use super::workbook::{CELL, MAX_CELLS, MAX_COLUMNS, Workbook, padded};
+use super::workbook_xml::{add_text, attribute, for_each_tag};
 use crate::memory::Lease;
 use crate::source::{Format, Source};
-use crate::table::read_rows;
 use crate::text::Cells;
 
-/// Maximum number of columns of a sheet, as in Excel.
-const MAX_COLUMNS: usize = 16_384;
-/// Maximum number of cells, including empty ones in between.
-const MAX_CELLS: usize = 50_000_000;
+/// The part that says which sheets there are.
+pub(super) const WORKBOOK: &str = "xl/workbook.xml";
 
-pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError> {
-    let fail = |message: String| ReadError::new(file, Place::File, message);
-    let budget = input.budget();
-    let lease = || budget.lease(0).map_err(|over| over_budget(file, over));
-    let mut book = lease()?;
-    let (bytes, _memory) = whole(&mut input, file)?;
-    let archive = Archive::open(&bytes).map_err(fail)?;
-    let part = |name: &str, memory: &mut Lease| -> Result<Option<String>, ReadError> {
-        let Some(bytes) = archive.read(name, memory).map_err(fail)? else {
-            return Ok(None);
-        };
-        let text = String::from_utf8(bytes)
-            .map_err(|_| fail(format!("part {name} is damaged, expected UTF-8")))?;
-        Ok(Some(text))
-    };
-    let Some(workbook) = part("xl/workbook.xml", &mut book)? else {
-        return Err(fail(
-            "is an archive without a workbook or arrays, expected .xlsx or .npz".into(),
-        ));
-    };
-    let damaged = |name: &str| fail(format!("part {name} is damaged, expected XML"));
-    let refused = |name: &str, fault: Fault| match fault {
-        Fault::Damaged => damaged(name),
-        Fault::Large(over) => fail(format!("part {name} {over}")),
-    };
-    let targets = relations(&part("xl/_rels/workbook.xml.rels", &mut book)?.unwrap_or_default())
-        .ok_or_else(|| damaged("xl/_rels/workbook.xml.rels"))?;
+pub(super) fn read(archive: &Workbook<'_>) -> Result<Source, ReadError> {
+    let mut book = archive.lease()?;
+    let workbook = archive.expected_part(WORKBOOK, &mut book)?;
+    let name = "xl/_rels/workbook.xml.rels";
+    let targets = archive.part(name, &mut book)?.unwrap_or_default();
+    let targets = relations(&targets).ok_or_else(|| archive.damaged(name))?;
     let name = "xl/sharedStrings.xml";
-    let shared = match part(name, &mut book)? {
-        Some(text) => shared_texts(&text, &mut book).map_err(|fault| refused(name, fault))?,
+    let shared = match archive.part(name, &mut book)? {
+        Some(text) => {
+            shared_texts(&text, &mut book).map_err(|fault| archive.refused(name, fault))?
+        }
         None => Vec::new(),
     };
-    let dates = match part("xl/styles.xml", &mut book)? {
-        Some(text) => date_styles(&text).ok_or_else(|| damaged("xl/styles.xml"))?,
+    let name = "xl/styles.xml";
+    let dates = match archive.part(name, &mut book)? {
+        Some(text) => date_styles(&text).ok_or_else(|| archive.damaged(name))?,
         None => Vec::new(),
     };
-    let sheets = sheets(&workbook).ok_or_else(|| damaged("xl/workbook.xml"))?;
-    let mut source = Source {
-        file: file.into(),
-        format: Format::Excel,
-        series: Vec::new(),
-        notices: Vec::new(),
-    };
-    let mut refusal = None;
+    let sheets = sheets(&workbook).ok_or_else(|| archive.damaged(WORKBOOK))?;
+    let mut found = archive.sheets(Format::Excel, sheets.len());
     for (name, relation) in &sheets {
         let target = targets
             .iter()
@@ -78,70 +49,21 @@ pub(super) fn read(mut input: Input<'_>, file: &str) -> Result<Source, ReadError
             }
         });
         let Some(target) = target else {
-            return Err(damaged("xl/workbook.xml"));
+            return Err(archive.damaged(WORKBOOK));
         };
         // Of a sheet only its series is kept.
-        let mut sheet = lease()?;
-        let Some(text) = part(&target, &mut sheet)? else {
-            source.notices.push(format!(
-                "{file}: sheet {} left out: it is not a table",
-                quoted(name)
-            ));
+        let mut sheet = archive.lease()?;
+        let Some(text) = archive.part(&target, &mut sheet)? else {
+            found.leave_out(name);
             continue;
         };
-        let place = format!("{file}, sheet {}", quoted(name));
         let rows = rows(&text, &shared, &dates, &mut sheet);
-        let rows = rows.map_err(|fault| refused(&target, fault))?;
-        if rows.is_empty() {
-            source.notices.push(format!("{place}: empty"));
-            continue;
-        }
-        let title = if sheets.len() == 1 {
-            stem(file)
-        } else {
-            format!("{} {name}", stem(file))
-        };
-        match read_rows(&place, &title, &rows, budget, &mut source.notices) {
-            Ok(series) => source.series.push(series),
-            // A sheet of notes beside the readings is no reason to refuse them.
-            Err(error) => {
-                source.notices.push(format!("{error}: sheet left out"));
-                refusal.get_or_insert(error);
-            }
-        }
+        found.add(
+            name,
+            &rows.map_err(|fault| archive.refused(&target, fault))?,
+        );
     }
-    match (source.series.is_empty(), refusal) {
-        (false, _) => Ok(source),
-        (true, Some(refusal)) => Err(refusal),
-        (true, None) => Err(fail("found empty sheets only, expected readings".into())),
-    }
-}
-
-/// Memory of a cell besides its text: its string, and its range in the row.
-const CELL: usize = size_of::<String>() + size_of::<(usize, usize)>();
-
-/// Calls `visit` with each opening tag; `None` if the text is not XML.
-fn for_each_tag(text: &str, mut visit: impl FnMut(&BytesStart<'_>)) -> Option<()> {
-    let mut reader = Reader::from_str(text);
-    loop {
-        match reader.read_event().ok()? {
-            Event::Start(tag) | Event::Empty(tag) => visit(&tag),
-            Event::Eof => return Some(()),
-            _ => {}
-        }
-    }
-}
-
-/// An attribute by its name without prefix.
-fn attribute(tag: &BytesStart<'_>, name: &str) -> Option<String> {
-    let found = tag
-        .attributes()
-        .flatten()
-        .find(|attribute| attribute.key.local_name().as_ref() == name.as_bytes())?;
-    found
-        .normalized_value(XmlVersion::Implicit1_0)
-        .ok()
-        .map(|value| value.into_owned())
+    found.finish()
 }
 
 /// Name and relation of each sheet.
@@ -224,20 +146,6 @@ fn shared_texts(text: &str, memory: &mut Lease) -> Result<Vec<String>, Fault> {
     }
 }
 
-/// Appends what an event adds to a text.
-fn add_text(event: &Event<'_>, wanted: bool, to: &mut String) -> Option<()> {
-    match event {
-        Event::Text(text) if wanted => to.push_str(&text.decode().ok()?),
-        Event::CData(text) if wanted => to.push_str(&text.decode().ok()?),
-        Event::GeneralRef(name) if wanted => match name.resolve_char_ref().ok()? {
-            Some(letter) => to.push(letter),
-            None => to.push_str(quick_xml::escape::resolve_xml_entity(&name.decode().ok()?)?),
-        },
-        _ => {}
-    }
-    Some(())
-}
-
 /// The rows of a sheet with their numbers; the cells that it leaves out are empty. Their memory is added to the lease.
 fn rows(
     text: &str,
@@ -299,21 +207,7 @@ fn rows(
             event => add_text(&event, in_value, &mut value).ok_or(Fault::Damaged)?,
         }
     }
-    let width = rows.iter().map(|(_, cells)| cells.len()).max().unwrap_or(0);
-    let filled = rows
-        .into_iter()
-        .filter(|(_, cells)| cells.iter().any(|cell| !cell.is_empty()));
-    // Empty cells at the end of a row are not stored; titles may precede the table.
-    let mut in_table = false;
-    let padded = filled.map(|(number, mut cells)| {
-        in_table |= cells.len() == width;
-        if in_table {
-            memory.take(((width - cells.len()) * CELL) as u64)?;
-            cells.resize(width, String::new());
-        }
-        Ok((number, Cells::from_texts(&cells)))
-    });
-    padded.collect()
+    padded(rows, memory)
 }
 
 /// The text of a cell. Dates are stored as days since 1900 and shown as date and time.

@@ -15,11 +15,15 @@ mod mdf;
 mod motive;
 mod nexus;
 mod numpy;
+mod open_document;
 mod parquet;
 #[cfg(feature = "more-formats")]
 mod ros;
 mod scope;
+mod spreadsheet;
 mod tdms;
+mod workbook;
+mod workbook_xml;
 
 use std::fs::File;
 use std::io::{Read, Seek};
@@ -129,7 +133,7 @@ fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
         Format::Tdms => tdms::read(input, &file),
         Format::Mdf => mdf::read(input, &file),
         Format::LabView => labview::read(&head, input, &file),
-        Format::Excel => excel::read(input, &file),
+        Format::Excel | Format::OpenDocument => spreadsheet::read(input, &file),
     }
 }
 
@@ -214,7 +218,9 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
             );
         }
         [0xd0, 0xcf, 0x11, 0xe0, ..] => {
-            return Refused("is an old Excel file (.xls), expected .xlsx: save it in that format");
+            return Refused(
+                "is an old Excel file (.xls) or one with a password, expected .xlsx without a password: save it in that format",
+            );
         }
         [2..=8, 0x50, ..] => return Readable(Format::C3d),
         _ => {}
@@ -257,7 +263,7 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
     }
 }
 
-/// A workbook, or arrays: the names of the entries are in the clear, and the first one's is at the beginning.
+/// A workbook of either format, or arrays: the names of the entries are in the clear, and the first one's is at the beginning.
 fn zip_content(head: &[u8]) -> Format {
     let is_array = head.windows(4).any(|name| name == b".npy");
     if is_array {

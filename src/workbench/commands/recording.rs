@@ -28,7 +28,7 @@ use tautline_workflow::{clock, importing};
 
 /// Endings of the files that are read, for dialogs; what a file is shows its content.
 const ENDINGS: &[&str] = &[
-    "csv", "txt", "tsv", "c3d", "mat", "npy", "npz", "parquet", "xlsx", "asc", "dat", "lvm",
+    "csv", "txt", "tsv", "c3d", "mat", "npy", "npz", "parquet", "xlsx", "ods", "asc", "dat", "lvm",
     "tdms", "mf4", "h5", "hdf5", "mcap", "bag",
 ];
 /// Number of the last of them whose formats a build may leave out.

@@ -1,4 +1,5 @@
 use super::binary::{archive, compressed, doubles, matlab, npy, seed, workbook};
+use super::spreadsheets::open_document;
 use super::*;
 
 const LIMIT: u64 = 16 << 20;
@@ -36,6 +37,14 @@ fn small_files_that_hold_much_are_refused() {
     // One cell far to the right makes many empty ones.
     let wide = "<row><c><v>1</v></c><c r=\"XFD1\"><v>2</v></c></row>";
     needs_more("d.xlsx", &sheet(wide.repeat(60)));
+    // Equal cells and rows are written once.
+    let cell = "<table:table-cell office:value=\"1\" table:number-columns-repeated=\"1000\"/>";
+    needs_more(
+        "f.ods",
+        &open_document(&format!(
+            "<table:table-row table:number-rows-repeated=\"3000\">{cell}</table:table-row>"
+        )),
+    );
     let values = vec![1.0; ROWS];
     let variable = compressed(&doubles("v", [ROWS as u32, 1], &values, false));
     needs_more("e.mat", &matlab(&[variable], false));

@@ -11,6 +11,7 @@ mod memory;
 #[cfg(feature = "more-formats")]
 mod ros;
 mod scope;
+mod spreadsheets;
 mod tables;
 mod tracking;
 
