@@ -14,7 +14,9 @@ use tautline_core::measurement::Dataset;
 use tautline_core::robot::{PartTolerances, Robot};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
-use tautline_workflow::formulas::{Formula, Reading, find_formulas, formulas, unexplained};
+use tautline_workflow::formulas::{
+    Formula, PatternDocument, Reading, find_formulas, formulas, unexplained,
+};
 
 use crate::tables::lives::{ROBOTS, drawing, share};
 
@@ -133,11 +135,7 @@ fn one(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
     let found = find_formulas(&diagnosed, &mut |_| Control::Continue)?;
     counts.seconds += started.elapsed().as_secs_f64();
     let patterns = found.map(|found| found.patterns()).unwrap_or_default();
-    let is_it =
-        |effect: &str, targets: &[String]| effect == formula.id && *targets == setting.targets;
-    let place = patterns
-        .iter()
-        .position(|one| is_it(&one.effect, &one.targets));
+    let place = place_of(&patterns, &formula.id, &setting.targets);
     match (place, patterns.is_empty()) {
         (Some(0), _) => counts.first += 1,
         (Some(_), _) => {}
@@ -146,6 +144,16 @@ fn one(name: &str, seed: u64, counts: &mut Counts) -> Result<()> {
     }
     counts.listed += usize::from(place.is_some());
     Ok(())
+}
+
+/// Place of a formula on its targets in a list.
+pub(crate) fn place_of(
+    patterns: &[PatternDocument],
+    effect: &str,
+    targets: &[String],
+) -> Option<usize> {
+    let is_it = |one: &PatternDocument| one.effect == effect && one.targets == targets;
+    patterns.iter().position(is_it)
 }
 
 /// The table in Markdown.

@@ -5,6 +5,7 @@ pub mod formulas;
 pub mod hangprinter;
 pub mod health;
 pub mod hidden;
+pub mod hypothesis_files;
 pub mod isolability;
 pub mod live_readings;
 pub mod lives;

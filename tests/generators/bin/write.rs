@@ -9,10 +9,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use tautline_validation::generators::{hypotheses, screenshots, sessions, your_data};
 use tautline_validation::support::window;
+use tautline_validation::tables::hidden::Records;
 use tautline_validation::tables::motion::{Late, RECORDING};
 use tautline_validation::tables::{
-    adjusted, formulas, hangprinter, health, isolability, live_readings, lives, many_poses, motion,
-    nist, study_speed, table1, tolerances, truth, until, which_sensor,
+    adjusted, formulas, hangprinter, health, hypothesis_files, isolability, live_readings, lives,
+    many_poses, motion, nist, study_speed, table1, tolerances, truth, until, which_sensor,
 };
 
 /// Presets of the truth study.
@@ -28,14 +29,17 @@ const MOST_FAULTS: usize = 4;
 const LIVES_SEED: u64 = 43_000;
 /// Seed of the first data set with a hidden pattern.
 const FORMULAS_SEED: u64 = 44_000;
+/// Seed of the first data set with hypothesis files beside it.
+const FILES_SEED: u64 = 47_000;
 /// Seed of the first robot whose health is checked.
 const HEALTH_SEED: u64 = 45_000;
 /// Seed of the first robot that is measured until it is certain.
 const UNTIL_SEED: u64 = 38_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
+const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, hypotheses";
 
@@ -67,6 +71,7 @@ fn main() -> Result<()> {
         Some("motion") => println!("{}", motion_table(&arguments[1..])?),
         Some("tolerances") => println!("{}", tolerances_table(argument)?),
         Some("formulas") => println!("{}", formulas_table(argument)?),
+        Some("hypothesis-files") => println!("{}", files_table(&arguments[1..])?),
         Some("health") => println!("{}", health_table(argument)?),
         Some("lives") => println!("{}", lives_table(argument)?),
         Some("until") => println!("{}", until_table(&arguments[1..])?),
@@ -119,6 +124,19 @@ fn motion_table(numbers: &[String]) -> Result<String> {
 fn formulas_table(sets: Option<&str>) -> Result<String> {
     let sets = sets.map_or(Ok(100), str::parse)?;
     Ok(formulas::markdown(&formulas::study(sets, FORMULAS_SEED)?))
+}
+
+/// The first data sets of the study of hypothesis files, or all of them, from a seed on.
+fn files_table(numbers: &[String]) -> Result<String> {
+    let number = |k: usize| numbers.get(k).map(|text| text.parse::<u64>()).transpose();
+    let mut cases = hypothesis_files::cases(number(1)?.unwrap_or(FILES_SEED));
+    if let Some(first) = number(0)? {
+        cases.truncate(first as usize);
+    }
+    let records = Records::open(Path::new(FILES_RECORDS))?;
+    Ok(hypothesis_files::markdown(&hypothesis_files::study(
+        &cases, &records,
+    )?))
 }
 
 fn health_table(robots: Option<&str>) -> Result<String> {
@@ -242,6 +260,7 @@ fn write(folder: Option<&str>) -> Result<()> {
     replace(&mut text, "lives", &lives_table(None)?)?;
     replace(&mut text, "health", &health_table(None)?)?;
     replace(&mut text, "formulas", &formulas_table(None)?)?;
+    replace(&mut text, "hypothesis_files", &files_table(&[])?)?;
     replace(&mut text, "until", &until_table(&[])?)?;
     replace(&mut text, "hidden_effects", &hidden::tables()?)?;
     match hangprinter_table(folder) {

@@ -14,9 +14,9 @@ use super::{Case, Channels, Hidden, OUTSIDE, Plan, Setup, Stratum, Wanted, outsi
 /// Maximum number of failed draws, for example of effects that break the robot, before a plan is given up.
 const MAX_DRAWS: usize = 30;
 /// Noncentrality below which no reading depends on an effect.
-pub(super) const NEGLIGIBLE: f64 = 1e-3;
+pub(crate) const NEGLIGIBLE: f64 = 1e-3;
 /// Range of noncentralities of effects outside the catalogue.
-const OUTSIDE_SIZES: [f64; 2] = [60.0, 400.0];
+pub(crate) const OUTSIDE_SIZES: [f64; 2] = [60.0, 400.0];
 
 /// A case, and how it was drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

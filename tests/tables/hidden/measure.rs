@@ -4,7 +4,7 @@ use anyhow::Result;
 use serde::{Deserialize, Serialize};
 use tautline_core::diagnosis::{Finding, Subject};
 use tautline_core::effect::{BoundEffect, EffectSetting, Search};
-use tautline_core::estimation::{Geometry, Globals, Problem};
+use tautline_core::estimation::{Geometry, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{Simulated, SimulationOptions, TrueGeometry, simulate};
@@ -98,12 +98,12 @@ fn wave_difference(name: &str, found: f64, truth: f64, turned: f64) -> f64 {
 }
 
 /// Held-out error of a model relative to that of the true model fitted to the same data: the square root of the ratio
-/// of their chi-squares for another run of the true robot, with the parameters of both models fixed. `None` if an
-/// effect changes readings in a way that no model contains.
+/// of their chi-squares for another run of the true robot, with the parameters of both models fixed. Parts deviate in
+/// the true model if the description states tolerances. `None` if an effect changes readings in a way that no model contains.
 ///
 /// # Errors
 /// If the true robot cannot be simulated again or a fit fails.
-pub fn held_out_ratio(setup: &Setup, run: &Simulated, extended: &Globals) -> Result<Option<f64>> {
+pub fn held_out_ratio(setup: &Setup, run: &Simulated, extended: Robot) -> Result<Option<f64>> {
     let description = &run.dataset.robot;
     let Some(problem) = with_effects(&run.dataset, &run.truth.effects)? else {
         return Ok(None);
@@ -127,7 +127,7 @@ pub fn held_out_ratio(setup: &Setup, run: &Simulated, extended: &Globals) -> Res
         problem.geometry = Geometry::Held;
         Ok(solved(&problem)?.chi2)
     };
-    let ratio = left(extended.model(description))? / left(true_model)?;
+    let ratio = left(extended)? / left(true_model)?;
     Ok(Some(ratio.sqrt()))
 }
 
@@ -136,7 +136,7 @@ fn with_effects<'a>(
     dataset: &'a Dataset,
     effects: &[EffectSetting],
 ) -> Result<Option<Problem<'a>>> {
-    let mut problem = Problem::new(dataset)?;
+    let mut problem = Problem::new(dataset)?.with_stated_tolerances();
     for effect in effects {
         let bound = BoundEffect::from_setting(effect, &dataset.robot)?;
         if !bound.effect.is_estimable() {
@@ -225,7 +225,8 @@ mod tests {
         let run = measured(&scale("cable-2", 0.01));
         let ratio = |problem: &Problem<'_>| {
             let globals = solved(problem).unwrap().globals;
-            held_out_ratio(&mini(), &run, &globals).unwrap().unwrap()
+            let model = globals.model(&run.dataset.robot);
+            held_out_ratio(&mini(), &run, model).unwrap().unwrap()
         };
         let full = with_effects(&run.dataset, &run.truth.effects).unwrap();
         assert!((ratio(&full.unwrap()) - 1.0).abs() < 1e-12);

@@ -30,6 +30,7 @@ mod visibility;
 pub use calibration::{Calibration, Statement, calibration};
 pub use conditions::{Circumstances, Conditions, NoiseFactors, add_noise};
 pub use draw::{Drawn, draw};
+pub(crate) use draw::{NEGLIGIBLE, OUTSIDE_SIZES};
 pub use exchange::Channels;
 pub use interval::{binomial_tail, clopper_pearson};
 pub use judge::{Claim, Found, judge, wrong_names};
@@ -50,7 +51,9 @@ pub use table::{
     summary,
 };
 pub use template::Template;
+pub(crate) use template::log_uniform;
 pub use visibility::{JUST_VISIBLE, VISIBLE, noncentrality};
+pub(crate) use visibility::{on_each_target, single_effects, size_for, solved};
 
 use serde::{Deserialize, Serialize};
 use tautline_core::effect::EffectSetting;

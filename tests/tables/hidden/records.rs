@@ -7,11 +7,10 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use anyhow::{Context, Result};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use super::{Found, Outcome, Plan};
-
-/// Recorded outcomes by plan; `None` if the robot has no reading for the effect.
-type Known = BTreeMap<Plan, Option<Outcome>>;
 
 /// A data set that gets another answer, before and after.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,19 +24,29 @@ pub struct Change {
 }
 
 /// A file of outcomes, one plan and its outcome per line. By default there is no file.
-#[derive(Debug, Default)]
-pub struct Records {
-    known: Known,
+#[derive(Debug)]
+pub struct Records<P = Plan, O = Outcome> {
+    /// Recorded outcomes by plan; `None` if the robot has no reading for the effect.
+    known: BTreeMap<P, Option<O>>,
     file: Option<Mutex<File>>,
 }
 
-impl Records {
+impl<P, O> Default for Records<P, O> {
+    fn default() -> Self {
+        Self {
+            known: BTreeMap::new(),
+            file: None,
+        }
+    }
+}
+
+impl<P: Ord + Serialize + DeserializeOwned, O: Serialize + DeserializeOwned> Records<P, O> {
     /// Reads a file if it exists, and opens it for appending. An incomplete last line is ignored.
     ///
     /// # Errors
     /// If the file cannot be read or written.
     pub fn open(path: &Path) -> Result<Self> {
-        let mut known = Known::new();
+        let mut known = BTreeMap::new();
         if path.exists() {
             let file = BufReader::new(File::open(path)?);
             for line in file.lines() {
@@ -57,10 +66,27 @@ impl Records {
 
     /// The recorded outcome of a plan.
     #[must_use]
-    pub fn of(&self, plan: &Plan) -> Option<&Option<Outcome>> {
+    pub fn of(&self, plan: &P) -> Option<&Option<O>> {
         self.known.get(plan)
     }
 
+    /// Appends an outcome to the file.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn add(&self, plan: &P, outcome: Option<&O>) -> Result<()> {
+        let Some(file) = &self.file else {
+            return Ok(());
+        };
+        let line = serde_json::to_string(&(plan, outcome))?;
+        if let Ok(mut file) = file.lock() {
+            writeln!(file, "{line}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Records {
     /// All recorded outcomes.
     pub fn outcomes(&self) -> impl Iterator<Item = &Outcome> {
         self.known.values().flatten()
@@ -86,21 +112,6 @@ impl Records {
         });
         (changed.collect(), both.len())
     }
-
-    /// Appends an outcome to the file.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub fn add(&self, plan: &Plan, outcome: Option<&Outcome>) -> Result<()> {
-        let Some(file) = &self.file else {
-            return Ok(());
-        };
-        let line = serde_json::to_string(&(plan, outcome))?;
-        if let Ok(mut file) = file.lock() {
-            writeln!(file, "{line}")?;
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]
@@ -119,25 +130,25 @@ mod tests {
             circumstances: Circumstances::HeavyTails,
         };
         let outcome = run(&plan, draw(&plan).unwrap().unwrap()).unwrap();
-        let records = Records::open(&path).unwrap();
+        let records: Records = Records::open(&path).unwrap();
         assert!(records.of(&plan).is_none());
         records.add(&plan, Some(&outcome)).unwrap();
 
-        let again = Records::open(&path).unwrap();
+        let again: Records = Records::open(&path).unwrap();
         let known = again.of(&plan).unwrap().as_ref().unwrap();
         assert_eq!(known.drawn, outcome.drawn);
         assert_eq!(known.said, outcome.said);
         assert_eq!(known.parameters, outcome.parameters);
         assert_eq!(again.changes(&again), (Vec::new(), 1));
 
-        let other = Records::open(&folder.path().join("other.jsonl")).unwrap();
+        let other: Records = Records::open(&folder.path().join("other.jsonl")).unwrap();
         let silent = Outcome {
             found: vec![Found::Missed],
             said: Vec::new(),
             ..outcome
         };
         other.add(&plan, Some(&silent)).unwrap();
-        let other = Records::open(&folder.path().join("other.jsonl")).unwrap();
+        let other: Records = Records::open(&folder.path().join("other.jsonl")).unwrap();
         let (changes, both) = again.changes(&other);
         assert_eq!((changes.len(), both), (1, 1));
         assert_eq!(changes[0].found[1], [Found::Missed]);

@@ -160,7 +160,8 @@ pub fn run(plan: &Plan, drawn: Drawn) -> Result<Outcome> {
     let held_out_ratio = if truths.is_empty() || !comparable {
         None
     } else {
-        held_out_ratio(&setup, &run, &diagnosis.extended_solution.globals)?
+        let extended = diagnosis.extended_solution.globals.model(robot);
+        held_out_ratio(&setup, &run, extended)?
     };
     let possible = |other: &PossibleCause| Candidate {
         name: judge::describe(&Subject::Cause(other.cause.clone())),

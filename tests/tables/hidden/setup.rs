@@ -9,7 +9,7 @@ use tautline_core::robot::{PerAxis, Robot};
 use tautline_core::simulation::{Simulated, simulate};
 
 use super::conditions::{add_model_error, add_noise, add_shared_errors, empty_cells, repeated};
-use super::outside::Scene;
+use super::outside::{self, Scene};
 use super::robots::{TestRobot, Truth, robot};
 use super::{Circumstances, Conditions, Hidden, Plan, Wanted, hanging};
 use crate::tables::truth::preset_options;
@@ -104,6 +104,18 @@ impl Setup {
             robot: self.conditions.equivalent_noise().of(&plain),
             measurements,
         }
+    }
+
+    /// Noise-free data of a machine with something hidden, described so that only what is hidden is unexplained.
+    ///
+    /// # Errors
+    /// If the effects break the robot.
+    pub fn without_noise(&self, hidden: &Hidden) -> Result<Dataset> {
+        let exact = self.exact(hidden.effects())?;
+        Ok(match hidden {
+            Hidden::Outside(effect, size) => outside::changed(self, &exact, (effect, *size)),
+            _ => self.visibility_data(&exact),
+        })
     }
 
     /// Simulates the measured data of a case, before cells are emptied.

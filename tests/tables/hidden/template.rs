@@ -124,7 +124,7 @@ fn fixed(effect: &Effect, k: usize, poses: usize, rng: &mut ChaCha8Rng) -> Optio
 }
 
 /// Draws a number log-uniformly from a range.
-pub(super) fn log_uniform([low, high]: [f64; 2], rng: &mut ChaCha8Rng) -> f64 {
+pub(crate) fn log_uniform([low, high]: [f64; 2], rng: &mut ChaCha8Rng) -> f64 {
     low * (high / low).powf(rng.random_range(0.0..=1.0))
 }
 

@@ -17,7 +17,7 @@ pub const VISIBLE: f64 = 40.0;
 pub const JUST_VISIBLE: [f64; 2] = [25.0, 60.0];
 
 /// Solves a problem.
-pub(super) fn solved(problem: &Problem<'_>) -> Result<Solution> {
+pub(crate) fn solved(problem: &Problem<'_>) -> Result<Solution> {
     let options = Options::default();
     let found = solve(problem, &options, &mut |_| Control::Continue)?;
     ensure!(found.chi2.is_finite(), "the fit broke down");
@@ -72,7 +72,7 @@ fn chi2_of_truth(truth: &Robot, data: &Dataset) -> Result<f64> {
 
 /// Finds the size at which the noncentrality is `target`, within 5 %, starting at `size` with the noncentrality
 /// `at_size`. `None` if the search fails.
-pub(super) fn size_for(
+pub(crate) fn size_for(
     target: f64,
     (size, at_size): (f64, f64),
     noncentrality: impl Fn(f64) -> Result<f64>,
@@ -101,22 +101,27 @@ pub(super) fn size_for(
 }
 
 /// Every permanent effect of the catalogue on any single cable or on all cables.
-fn single_effects(robot: &Robot) -> Vec<EffectRequest> {
+pub(crate) fn single_effects(robot: &Robot) -> Vec<EffectRequest> {
+    let direct = |effect: &&Effect| effect.search() == Search::Direct;
+    let effects = CATALOGUE.iter().copied().filter(direct);
+    effects
+        .flat_map(|effect| on_each_target(effect, robot))
+        .collect()
+}
+
+/// An effect on any single cable, or on all cables or the robot.
+pub(crate) fn on_each_target(effect: &Effect, robot: &Robot) -> Vec<EffectRequest> {
     let names = robot.cables.iter().map(|cable| &cable.name);
-    let direct = |effect: &&&Effect| effect.search() == Search::Direct;
-    let mut all = Vec::new();
-    for effect in CATALOGUE.iter().filter(direct) {
-        let mut targets: Vec<Vec<String>> = vec![Vec::new()];
-        if effect.scope() != Scope::Robot {
-            targets.extend(names.clone().map(|name| vec![name.clone()]));
-        }
-        all.extend(targets.into_iter().map(|cables| EffectRequest {
-            effect: effect.id().to_owned(),
-            cables,
-            values: Vec::new(),
-        }));
+    let mut targets: Vec<Vec<String>> = vec![Vec::new()];
+    if effect.scope() != Scope::Robot {
+        targets.extend(names.map(|name| vec![name.clone()]));
     }
-    all
+    let request = |cables| EffectRequest {
+        effect: effect.id().to_owned(),
+        cables,
+        values: Vec::new(),
+    };
+    targets.into_iter().map(request).collect()
 }
 
 /// Chi-square that an effect leaves unexplained; infinite if it cannot be estimated from these readings.
