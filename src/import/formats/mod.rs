@@ -14,12 +14,15 @@ mod mdf;
 mod motive;
 mod nexus;
 mod numpy;
+mod open_document;
 mod parquet;
 #[cfg(feature = "more-formats")]
 mod ros;
 mod scope;
 mod spreadsheet;
 mod tdms;
+mod workbook;
+mod workbook_xml;
 
 use std::fs::File;
 use std::io::{Read, Seek};

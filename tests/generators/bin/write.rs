@@ -133,13 +133,14 @@ fn formulas_table(sets: Option<&str>) -> Result<String> {
 fn files_table(numbers: &[String]) -> Result<String> {
     let number = |k: usize| numbers.get(k).map(|text| text.parse::<u64>()).transpose();
     let mut cases = hypothesis_files::cases(number(1)?.unwrap_or(FILES_SEED));
-    if let Some(first) = number(0)? {
-        cases.truncate(first as usize);
-    }
+    let all = cases.len();
+    cases.truncate(number(0)?.map_or(all, |first| first as usize));
     let records = Records::open(Path::new(FILES_RECORDS))?;
-    Ok(hypothesis_files::markdown(&hypothesis_files::study(
-        &cases, &records,
-    )?))
+    let table = hypothesis_files::markdown(&hypothesis_files::study(&cases, &records)?);
+    Ok(format!(
+        "The first {} of {all} data sets.\n\n{table}",
+        cases.len()
+    ))
 }
 
 fn health_table(robots: Option<&str>) -> Result<String> {

@@ -6,9 +6,9 @@ use quick_xml::Reader;
 use quick_xml::events::Event;
 use tautline_session::ReadError;
 
-use super::super::fault::Fault;
+use super::fault::Fault;
 use super::workbook::{CELL, MAX_CELLS, MAX_COLUMNS, Workbook, padded};
-use super::xml::{add_text, attribute, for_each_tag};
+use super::workbook_xml::{add_text, attribute, for_each_tag};
 use crate::memory::Lease;
 use crate::source::{Format, Source};
 use crate::text::Cells;
