@@ -3,6 +3,7 @@
 mod archive;
 mod c3d;
 mod delimited;
+mod excel;
 mod fault;
 #[cfg(feature = "more-formats")]
 mod hdf5;
