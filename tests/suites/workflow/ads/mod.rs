@@ -33,3 +33,4 @@ mod opcua_security;
 mod page;
 mod program;
 mod setting_up;
+mod until;
