@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::Role;
+use egui::{Key, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_validation::generators::sessions;
-use tautline_workbench::model::command::{FileCommand, RecordCommand};
+use tautline_workbench::model::Selection;
+use tautline_workbench::model::command::{FileCommand, RecordCommand, ViewCommand};
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
 
@@ -56,6 +57,42 @@ fn a_folder_that_is_typed_shows_what_changed_and_two_rows_are_compared() {
     press(&mut harness, "Compare A and B");
     assert_eq!(harness.state().state.model.screen, Screen::Compare);
     harness.get_by_label("1 pulley has moved: cable-3. The rest agrees within the noise.");
+}
+
+#[test]
+fn the_path_of_the_selected_pulley_is_drawn_over_the_sessions() {
+    let mut harness = workbench();
+    settle(&mut harness);
+    give(&mut harness, FileCommand::Open(year()));
+    harness.get_by_label("Select a pulley to see its path over the sessions.");
+    give(&mut harness, ViewCommand::Select(Selection::cable(2)));
+    harness.get_by_label_contains("Path of cable-3: 13.");
+    // The slider goes to the first session.
+    harness
+        .get_by_role_and_label(Role::Slider, "Session")
+        .focus();
+    for _ in 0..6 {
+        harness.key_press(Key::ArrowLeft);
+        harness.step();
+    }
+    harness.get_by_label_contains("Path of cable-3: 0.0 mm");
+    let view = &harness.state().state.views.record_3d;
+    let paths = view.scene().and_then(|scene| scene.paths.clone());
+    let paths = paths.expect("paths");
+    assert_eq!((paths.by.len(), paths.date), (8, 0));
+    assert!(paths.by.iter().all(|path| path.len() == 7));
+    // Between the second and the third session it moved.
+    let steps = paths.by[2]
+        .windows(2)
+        .map(|ends| (ends[1] - ends[0]).norm());
+    let longest = steps.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+    let (step, length_m) = longest.expect("a step");
+    assert!(length_m > 0.01, "{length_m}");
+    let session = |index: usize| {
+        let open = harness.state().state.model.record.open().expect("a record");
+        open.record.sessions[index].name.clone()
+    };
+    assert_eq!([session(step), session(step + 1)], ["2026-04", "2026-06"]);
 }
 
 #[test]
