@@ -9,9 +9,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use egui::ThemePreference;
+use tautline_core::sequential::{FIRST_POSES, Goal};
+use tautline_session::UntilSettings;
 use tautline_workbench::model::Selection;
-use tautline_workbench::model::command::{CompareCommand, FileCommand, RecordCommand, ViewCommand};
+use tautline_workbench::model::command::{
+    CompareCommand, FileCommand, RecordCommand, RobotCommand, ViewCommand,
+};
+use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workbench::shell::State;
 
 use crate::generators::sessions;
 use stage::{LARGE, SMALL, Stage};
@@ -35,6 +41,7 @@ pub fn write_all(into: &Path) -> Result<()> {
     // The start screen looks for the sample sessions where the program was started.
     std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
     phases(&into)?;
+    files::write_still(&into.join("until.png"), &until()?.picture()?)?;
     causes(&into)?;
     comparison(&into)?;
     record(&into)?;
@@ -61,6 +68,29 @@ fn phases(into: &Path) -> Result<()> {
 
 fn phase(stage: &mut Stage, step: Phase) {
     stage.give(ViewCommand::Go(Screen::Phase(step)));
+}
+
+/// The demonstration in the middle of a run that measures until it is known what is wrong.
+fn until() -> Result<Stage> {
+    let mut stage = Stage::new(LARGE)?;
+    stage.press("Try the demo robot");
+    phase(&mut stage, Phase::Measuring);
+    stage.give(Edit::SetUntil(UntilSettings {
+        enabled: true,
+        goals: vec![Goal::Cause(0.95), Goal::Accuracy(3e-3)],
+        ..UntilSettings::default()
+    }));
+    stage.connect_and_arm();
+    stage.press("Start measuring");
+    let chosen = |state: &State| {
+        let run = state.model.link.run.as_ref();
+        let until = run.and_then(|run| run.until.as_ref());
+        until.map_or(0, |until| until.poses().len())
+    };
+    stage.wait("a decision", |state| chosen(state) > FIRST_POSES + 2);
+    // Slow enough to stay where it is.
+    stage.give(RobotCommand::Speed(0.1));
+    Ok(stage)
 }
 
 /// Sessions with something wrong, in the phase that finds it.
@@ -103,6 +133,7 @@ fn record(into: &Path) -> Result<()> {
     let mut stage = Stage::new(LARGE)?;
     stage.give(RecordCommand::Open(PathBuf::from("sessions/year-of-mini")));
     stage.give(RecordCommand::SetTolerance(0.01));
+    stage.give(ViewCommand::Select(Selection::cable(2)));
     files::write_still(&into.join("record.png"), &stage.picture()?)
 }
 

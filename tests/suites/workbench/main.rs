@@ -41,6 +41,4 @@ mod timeline;
 mod tolerances;
 mod undo;
 mod unruly;
-mod walk;
-mod which_sensor;
-mod zoom;
+mod until;

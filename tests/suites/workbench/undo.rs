@@ -4,7 +4,9 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_core::effect::EffectSetting;
-use tautline_session::{Connection, LaserSettings, Method, PhaseData, PlannedPose, WinchPair};
+use tautline_session::{
+    Connection, LaserSettings, Method, PhaseData, PlannedPose, UntilSettings, WinchPair,
+};
 use tautline_workbench::model::edit::{Edit, Editable};
 use tautline_workbench::shell::App;
 
@@ -16,7 +18,7 @@ const REDO: Modifiers = Modifiers {
     ..Modifiers::COMMAND
 };
 /// Kinds of edits.
-const KINDS: usize = 12;
+const KINDS: usize = 13;
 
 /// What a pattern of unexplained errors becomes in the model.
 const PATTERN: &str = r#"
@@ -47,6 +49,7 @@ fn kind(edit: &Edit) -> usize {
         Edit::SetPhases(..) => 9,
         Edit::SetConnection(_) => 10,
         Edit::AddPattern { .. } => 11,
+        Edit::SetUntil(_) => 12,
         // It needs a session without poses: the tests of importing undo it.
         Edit::Import(..) => KINDS,
     }
@@ -84,6 +87,10 @@ fn edits(harness: &Harness<'_, App>) -> Vec<Edit> {
         Edit::RemoveEffects(vec![effect()], "remove winch scale".into()),
         Edit::Exclude(2),
         Edit::Include(2),
+        Edit::SetUntil(UntilSettings {
+            enabled: true,
+            ..UntilSettings::default()
+        }),
         Edit::SetPlan(vec![planned], "add a pose".into()),
         Edit::SetRobot(Box::new(robot), "change a radius".into()),
         Edit::SetPhases(Box::new(phases), "add a pair".into()),

@@ -1,7 +1,7 @@
 //! `measure --until`: poses are decided on one by one, also by a run that is killed, and what cannot be is refused.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use tautline_core::geometry::Pose;
 use tautline_core::sequential::NextStep;
