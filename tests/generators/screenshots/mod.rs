@@ -83,13 +83,18 @@ fn until() -> Result<Stage> {
     stage.connect_and_arm();
     stage.press("Start measuring");
     let chosen = |state: &State| {
-        let run = state.model.link.run.as_ref();
+        let run = state
+            .model
+            .link
+            .run
+            .as_ref()
+            .filter(|run| run.current.is_some());
         let until = run.and_then(|run| run.until.as_ref());
         until.map_or(0, |until| until.poses().len())
     };
     stage.wait("a decision", |state| chosen(state) > FIRST_POSES + 2);
-    // Slow enough to stay where it is.
-    stage.give(RobotCommand::Speed(0.1));
+    // Slow enough to stay on its way.
+    stage.give(RobotCommand::Speed(1.0));
     Ok(stage)
 }
 

@@ -16,6 +16,9 @@ impl Link {
                 (None, None) if run.until.as_ref().is_some_and(SequentialRun::is_deciding) => {
                     "Choosing the next pose".to_owned()
                 }
+                (None, None) if run.until.is_some() && run.done() > 0 => {
+                    "Going to the next pose".to_owned()
+                }
                 (None, None) => "Starting".to_owned(),
                 (None, Some(label)) => at_pose(doing, label),
             });

@@ -11,7 +11,7 @@ use tautline_workflow::sequential::UntilRequest;
 
 use super::program::{User, controller, on_disk, session};
 
-const GOAL: &str = "accuracy=2.4mm";
+const GOAL: &str = "accuracy=2mm";
 const AT_MOST: usize = 40;
 
 fn poses_are_decided_on_also_by_a_run_that_is_killed(protocol: Protocol) {
