@@ -72,8 +72,9 @@ pub use session::{
     ResultDocument, ResultRecord, RunValues, Session, Settings, Simulator, Stage,
     StoppedVerification, SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolParameter,
     SymbolPose, SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue, Timestamp, TrailAuthor,
-    TrailEntry, TrailFault, TrailPart, TrailRecord, TrailSignature, ValueChange, Verification,
-    is_per_cable, name_of_cable, parse_session, read_session, without_user, write_session,
+    TrailEntry, TrailFault, TrailPart, TrailRecord, TrailSignature, UntilSettings, ValueChange,
+    Verification, is_per_cable, name_of_cable, parse_session, read_session, without_user,
+    write_session,
 };
 pub use symbols_file::{parse_symbols, read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};

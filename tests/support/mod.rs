@@ -3,6 +3,7 @@
 pub mod ads;
 pub mod bad_input_cases;
 pub mod console_page;
+pub mod decisions;
 pub mod harness;
 pub mod phase_tables;
 pub mod program;

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use tautline_core::sequential::Goal;
 use tautline_session::{Session, VersionedFile};
 
 use super::drive::{RunEnd, RunOutcome};
@@ -58,12 +57,7 @@ impl VersionedFile for MeasuringDocument {
 
 impl MeasuringDocument {
     /// The document of a run and its session.
-    pub fn of(
-        session: &Session,
-        goals: &[Goal],
-        ended: &RunOutcome,
-        lacking: Option<String>,
-    ) -> Self {
+    pub fn of(session: &Session, ended: &RunOutcome, lacking: Option<String>) -> Self {
         let measured = session.measurements.labels.clone();
         let planned = session.plan.iter().map(|pose| pose.label);
         let skipped = ended.skipped.iter();
@@ -71,7 +65,7 @@ impl MeasuringDocument {
             end: match ended.end {
                 RunEnd::Finished => "finished",
                 RunEnd::GoodEnough => "good_enough",
-                RunEnd::Decided => "decided",
+                RunEnd::Decided(_) => "decided",
                 RunEnd::Interrupted => "stopped",
                 RunEnd::Failed(_) | RunEnd::NotTyped(_) => "failed",
             }
@@ -89,10 +83,7 @@ impl MeasuringDocument {
             lacking,
             largest_sd_m: ended.largest_sd_m,
             foreign_writes: ended.foreign_writes.clone(),
-            until: ended.until.as_ref().map(|decided| {
-                let last = decided.last.as_ref();
-                UntilDocument::of(&session.robot, goals, last, decided.poses.clone())
-            }),
+            until: ended.until.clone(),
         }
     }
 }

@@ -7,19 +7,19 @@ use crate::BadInput;
 use anyhow::{Context, Result, anyhow};
 use tautline_core::estimation::Control;
 use tautline_core::geometry::Pose;
-use tautline_core::sequential::{Decision, NextStep};
+use tautline_core::sequential::Decision;
 use tautline_link::ParameterInfo;
 use tautline_link::laser::ManualLaser;
 use tautline_link::measuring::{
     MeasuringEvent, MeasuringOptions, MeasuringRun, Stage, largest_sd_m, predict_by,
 };
-use tautline_session::{MeasuredPose, Phase, PlannedPose, RecoveryWriter, Session, SessionChanges};
+use tautline_session::{MeasuredPose, Phase, RecoveryWriter, Session, SessionChanges};
 use tautline_workflow::clock;
 use tautline_workflow::controllers::ConnectionSetup;
 use tautline_workflow::foreign_writes::{ValuesRead, begin_run, end_run};
 use tautline_workflow::identification::identify_session;
 use tautline_workflow::sequential::{
-    DecidedPose, SequentialPlanner, planned_label, progress_in_words, reason_in_words,
+    SequentialRun, UntilDocument, end_in_words, progress_in_words,
 };
 use tautline_workflow::wording::sentence;
 
@@ -35,8 +35,8 @@ pub enum RunEnd {
     Finished,
     /// The requested precision is reached.
     GoodEnough,
-    /// No pose was needed any more for the goals, or none would help.
-    Decided,
+    /// A decision ended it; why, in a few words.
+    Decided(&'static str),
     /// The operator interrupted it.
     Interrupted,
     /// The run failed; one sentence.
@@ -60,30 +60,8 @@ pub struct RunOutcome {
     pub restarted: bool,
     /// What somebody else changed in the controller while poses were measured, one sentence each.
     pub foreign_writes: Vec<String>,
-    /// The last decision, and the poses chosen in this run, if it measures until it is certain.
-    pub until: Option<Decided>,
-}
-
-/// Decisions of a run.
-#[derive(Debug, Clone, Default)]
-pub struct Decided {
-    /// The last one.
-    pub last: Option<Decision>,
-    /// The poses chosen, with the reasons.
-    pub poses: Vec<DecidedPose>,
-}
-
-/// Decisions on the next pose.
-#[derive(Debug)]
-pub struct Until {
-    /// Decides in a thread of its own.
-    pub planner: SequentialPlanner,
-    /// Largest number of poses.
-    pub at_most: usize,
-    /// Poses that could not be measured.
-    pub excluded: Vec<Pose>,
-    /// Number of poses that were measured before this run.
-    pub rows: usize,
+    /// Goals and decisions, if it measures until it is certain.
+    pub until: Option<UntilDocument>,
 }
 
 /// A run with its stop criteria.
@@ -91,7 +69,9 @@ pub struct Drive {
     run: MeasuringRun,
     poses: usize,
     stop_at_m: Option<f64>,
-    until: Option<Until>,
+    until: Option<SequentialRun>,
+    /// Number of poses that were measured before this run.
+    rows: usize,
     retries: usize,
     tried: HashMap<i64, usize>,
     ended: RunOutcome,
@@ -102,7 +82,7 @@ impl Drive {
     pub fn new(
         session: &Session,
         setup: &ConnectionSetup,
-        (stop_at_m, until): (Option<f64>, Option<Until>),
+        (stop_at_m, until): (Option<f64>, Option<SequentialRun>),
         retries: usize,
     ) -> Self {
         let planned = session.plan.iter();
@@ -111,7 +91,7 @@ impl Drive {
         let plan: Vec<(i64, Pose)> = planned.map(|pose| (pose.label, pose.pose())).collect();
         let mut options = MeasuringOptions::of(setup.robot());
         options.tension = setup.tension();
-        let poses = until.as_ref().map_or(plan.len(), |until| until.at_most);
+        let poses = until.as_ref().map_or(plan.len(), SequentialRun::at_most);
         let mut run = MeasuringRun::new(plan, setup.robot(), options)
             .predicting(predict_by(setup.robot(), setup.tension()))
             .continuing(&session.measurements.labels);
@@ -122,6 +102,7 @@ impl Drive {
             run,
             poses,
             stop_at_m,
+            rows: session.measurements.len(),
             retries,
             tried: HashMap::new(),
             ended: RunOutcome {
@@ -131,7 +112,7 @@ impl Drive {
                 largest_sd_m: None,
                 restarted: false,
                 foreign_writes: Vec::new(),
-                until: until.is_some().then(Decided::default),
+                until: None,
             },
             until,
         }
@@ -163,6 +144,8 @@ impl Drive {
             self.compare(&read, file, connection);
         }
         self.ended.restarted = self.run.was_restarted();
+        let until = self.until.as_ref();
+        self.ended.until = until.map(|until| until.document(&file.session.robot));
         super::log(file, &self.ended);
         file.save()?;
         keeper.finish()?;
@@ -178,17 +161,17 @@ impl Drive {
         if self.is_good_enough(&file.session) {
             return Ok(RunEnd::GoodEnough);
         }
-        if self.run.remaining() == 0 {
-            self.ask(&file.session);
+        if let Some(until) = self.until.as_mut().filter(|_| self.run.remaining() == 0) {
+            until.ask(&file.session);
         }
         loop {
             if interrupt::requested() {
                 return Ok(RunEnd::Interrupted);
             }
-            if let Some(decision) = self.until.as_mut().and_then(|until| until.planner.poll()) {
+            if let Some(decision) = self.until.as_mut().and_then(SequentialRun::poll) {
                 let decision = decision.map_err(|error| anyhow!("{}", sentence(&error)))?;
-                if !self.follow(decision, file, keeper)? {
-                    return Ok(RunEnd::Decided);
+                if let Some(end) = self.follow(decision, file, keeper)? {
+                    return Ok(end);
                 }
             }
             if self.is_deciding() && connection.stands_still() {
@@ -214,9 +197,15 @@ impl Drive {
                         if self.is_good_enough(&file.session) {
                             return Ok(RunEnd::GoodEnough);
                         }
-                        self.ask(&file.session);
+                        if let Some(until) = &mut self.until {
+                            until.measured(pose.label(), &file.session);
+                        }
                     }
-                    MeasuringEvent::Skipped { label } => self.leave_out(label, &file.session),
+                    MeasuringEvent::Skipped { label } => {
+                        if let Some(until) = &mut self.until {
+                            until.leave_out(label, &file.session);
+                        }
+                    }
                     MeasuringEvent::Warning(warning) => note!("{}", sentence(&warning.text)),
                     MeasuringEvent::LaserWanted { label } => {
                         if let Some(laser) = &connection.manual_laser {
@@ -240,59 +229,31 @@ impl Drive {
 
     fn is_deciding(&self) -> bool {
         let until = self.until.as_ref();
-        until.is_some_and(|until| until.planner.is_deciding())
+        until.is_some_and(SequentialRun::is_deciding)
     }
 
-    /// Asks for the next pose, if poses are decided on one by one.
-    fn ask(&mut self, session: &Session) {
-        if let Some(until) = &mut self.until {
-            until.planner.ask(session, &until.excluded);
-        }
-    }
-
-    /// Excludes a skipped pose from the decisions.
-    fn leave_out(&mut self, label: i64, session: &Session) {
-        let Some(until) = &mut self.until else {
-            return;
-        };
-        let planned = session.plan.iter().find(|planned| planned.label == label);
-        until.excluded.extend(planned.map(PlannedPose::pose));
-        until.planner.ask(session, &until.excluded);
-    }
-
-    /// Follows a decision; `false` if it ends the run. The pose and its reason are on disk before the robot moves.
+    /// Follows a decision, which may end the run. The pose and its reason are on disk before the robot moves.
     fn follow(
         &mut self,
         decision: Decision,
         file: &mut SessionFile,
         keeper: &mut RecoveryWriter,
-    ) -> Result<bool> {
-        let robot = file.session.robot.clone();
+    ) -> Result<Option<RunEnd>> {
         if let Some(known) = &decision.assessment {
-            note!("{}", progress_in_words(&robot, known));
+            note!("{}", progress_in_words(&file.session.robot, known));
         }
-        let step = decision.step.clone();
-        let decided = self.ended.until.get_or_insert_default();
-        decided.last = Some(decision);
-        let NextStep::Measure { pose, reason } = step else {
+        let end = end_in_words(&decision.step);
+        let until = self.until.as_mut();
+        let chosen = until.and_then(|until| until.follow(decision, &mut file.session));
+        let Some(chosen) = chosen else {
             self.run.close();
-            return Ok(false);
+            return Ok(end.map(RunEnd::Decided));
         };
-        let label = planned_label(&mut file.session, &pose);
-        let reason = reason_in_words(&robot, &reason);
-        note!("next: pose {label} {reason}");
-        file.log(
-            Phase::Poses,
-            format!("Pose {label} was chosen: it {reason}."),
-        );
-        decided.poses.push(DecidedPose {
-            pose: label,
-            reason,
-        });
-        let before = self.until.as_ref().map_or(0, |until| until.rows);
-        keeper.write_changes(SessionChanges::of(&file.session, before))?;
-        self.run.add(label, pose);
-        Ok(true)
+        note!("next: pose {} {}", chosen.label, chosen.reason);
+        file.log(Phase::Poses, chosen.log_text());
+        keeper.write_changes(SessionChanges::of(&file.session, self.rows))?;
+        self.run.add(chosen.label, chosen.pose);
+        Ok(None)
     }
 
     /// Saves a pose to disk before it is reported, and reports it before the next one is commanded.

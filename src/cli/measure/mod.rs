@@ -11,12 +11,12 @@ use std::path::PathBuf;
 use crate::BadInput;
 use anyhow::{Result, anyhow};
 use tautline_core::planning::USUAL_POSES;
-use tautline_core::sequential::{AT_MOST, Goal, NextStep};
-use tautline_session::{LaserSettings, Phase, PlannedPose, Session};
+use tautline_core::sequential::{AT_MOST, Goal};
+use tautline_session::{LaserSettings, Phase, Session};
 use tautline_workflow::adjusting;
 use tautline_workflow::controllers::{ConnectionSetup, ControllerChoice};
 use tautline_workflow::identification::{Identification, identify_session};
-use tautline_workflow::sequential::{SequentialPlanner, UntilRequest};
+use tautline_workflow::sequential::{SequentialRun, UntilRequest, planned_poses};
 use tautline_workflow::wording::{count, list};
 
 use crate::effect_arguments::HiddenEffects;
@@ -26,7 +26,7 @@ use crate::input;
 use crate::live::{Connection, RobotArguments, SessionFile, interrupt, link_error, typed};
 use crate::output::{JsonOutput, note, notice};
 pub use document::MeasuringDocument;
-use drive::{Drive, RunEnd, Until};
+use drive::{Drive, RunEnd};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -112,25 +112,20 @@ impl Arguments {
     }
 
     /// The decisions for a session with its plan.
-    fn until(&self, session: &Session) -> Result<Option<Until>> {
+    fn until(&self, session: &Session) -> Result<Option<SequentialRun>> {
         if self.until.is_empty() {
             return Ok(None);
         }
-        let planned = session.plan.iter().filter(|planned| planned.label != 0);
         let request = UntilRequest {
             goals: self.until.clone(),
             at_most: self.at_most,
             seed: self.seed,
-            among: (self.plan.as_ref()).map(|_| planned.map(PlannedPose::pose).collect()),
+            among: (self.plan.as_ref()).map(|_| planned_poses(session)),
         };
-        let planner = SequentialPlanner::start(session, request)
-            .map_err(|error| BadInput::new(format!("no pose can be decided on: {error}")))?;
-        Ok(Some(Until {
-            planner,
-            at_most: self.at_most,
-            excluded: Vec::new(),
-            rows: session.measurements.len(),
-        }))
+        // The run asks again and again.
+        let run = SequentialRun::start(session, request, || {});
+        run.map(Some)
+            .map_err(|error| BadInput::new(format!("no pose can be decided on: {error}")))
     }
 }
 
@@ -178,7 +173,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let drive = Drive::new(&file.session, &setup, stops, arguments.retries);
     let ended = drive.run(&mut file, &mut connection)?;
     let lacking = lacking(&file.session);
-    let document = MeasuringDocument::of(&file.session, &arguments.until, &ended, lacking);
+    let document = MeasuringDocument::of(&file.session, &ended, lacking);
     arguments
         .json
         .deliver(&document, || document::print(&document, &arguments.session))?;
@@ -277,7 +272,7 @@ fn result(
             "{} {place} has {on_disk}; the same command continues",
             ensure_full_stop(why)
         ))),
-        RunEnd::Finished | RunEnd::GoodEnough | RunEnd::Decided => match &document.lacking {
+        RunEnd::Finished | RunEnd::GoodEnough | RunEnd::Decided(_) => match &document.lacking {
             None => require_goals(document, &place.to_string()),
             Some(lacking) => Err(anyhow!(
                 "{place} has {on_disk}, not enough to identify the robot: {lacking}"
@@ -298,7 +293,7 @@ fn log(file: &mut SessionFile, ended: &drive::RunOutcome) {
         match &ended.end {
             RunEnd::Finished => String::new(),
             RunEnd::GoodEnough => ", precision reached".to_owned(),
-            RunEnd::Decided => format!(", {}", decided(ended)),
+            RunEnd::Decided(why) => format!(", {why}"),
             RunEnd::Interrupted => ", then stopped by the operator".to_owned(),
             RunEnd::Failed(why) | RunEnd::NotTyped(why) =>
                 format!(", then it failed: {}", why.trim_end_matches('.')),
@@ -322,14 +317,4 @@ fn require_goals(document: &MeasuringDocument, place: &str) -> Result<()> {
         count(document.measured.len(), "pose"),
         list(&open)
     ))
-}
-
-/// How the decisions ended a run.
-fn decided(ended: &drive::RunOutcome) -> &'static str {
-    let last = ended.until.as_ref().and_then(|until| until.last.as_ref());
-    match last.map(|decision| &decision.step) {
-        Some(NextStep::Reached) => "all goals reached",
-        Some(NextStep::AtLimit) => "the largest number of poses reached",
-        _ => "no pose would bring the goals closer",
-    }
 }

@@ -9,6 +9,7 @@ use super::Arguments;
 use crate::{BadInput, input, standard_input};
 use tautline_workflow::controllers::ControllerChoice;
 use tautline_workflow::planning::choose_poses;
+use tautline_workflow::sequential::plan_home;
 use tautline_workflow::wording::count;
 
 /// Poses closer than this are identical (m and rad).
@@ -29,7 +30,7 @@ pub fn complete(
     }
     if !arguments.until.is_empty() {
         // Poses are decided on one by one, after home.
-        add_home(session);
+        plan_home(session);
         return Ok(());
     }
     if !session.plan.is_empty() {
@@ -52,18 +53,6 @@ pub fn complete(
         ))
     })?;
     Ok(())
-}
-
-/// Plans the home pose, unless it is planned or measured.
-fn add_home(session: &mut Session) {
-    let planned = session.plan.iter().map(|planned| planned.label);
-    let mut known = planned.chain(session.measurements.labels.iter().copied());
-    if known.any(|label| label == 0) {
-        return;
-    }
-    if let Some(home) = session.robot.home {
-        session.plan.insert(0, PlannedPose::new(0, &home.pose()));
-    }
 }
 
 /// Adopts the poses of a table after the home pose; measured poses stay.

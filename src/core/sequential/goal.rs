@@ -3,8 +3,13 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Until when is measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Until when is measured; in files the text of the command line, such as `accuracy=0.3mm`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "String", into = "String")]
+#[schemars(with = "String")]
 pub enum Goal {
     /// All coordinates of all entry points have standard deviations of at most this (m).
     Accuracy(f64),
@@ -49,6 +54,20 @@ impl FromStr for Goal {
             "fault-free" => Ok(Self::FaultFree(probability(value.trim())?)),
             _ => Err(unknown()),
         }
+    }
+}
+
+impl TryFrom<String> for Goal {
+    type Error = GoalError;
+
+    fn try_from(text: String) -> Result<Self, GoalError> {
+        text.parse()
+    }
+}
+
+impl From<Goal> for String {
+    fn from(goal: Goal) -> Self {
+        goal.to_string()
     }
 }
 

@@ -47,6 +47,10 @@ impl VersionedFile for SessionFile {
             let message = format!("found {alpha}, expected a probability between 0 and 1");
             return fail("/settings/diagnosis/alpha", message);
         }
+        if self.settings.until.at_most == 0 {
+            let message = "found 0, expected at least 1 pose";
+            return fail("/settings/until/at_most", message);
+        }
         check::phases(&self.phases, &self.robot)?;
         check::effects(&self.settings.identification.effects, &self.robot)?;
         self.excluded

@@ -47,7 +47,7 @@ pub use measured_pose::MeasuredPose;
 pub(crate) use measurement_table::MeasurementTable;
 pub use plan::PlannedPose;
 pub use result_document::ResultDocument;
-pub use settings::{DiagnosisSettings, IdentificationSettings, Method, Settings};
+pub use settings::{DiagnosisSettings, IdentificationSettings, Method, Settings, UntilSettings};
 pub use simulator::Simulator;
 pub use timestamp::{NotATimestamp, Timestamp};
 pub use trail::{

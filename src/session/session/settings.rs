@@ -1,17 +1,54 @@
-//! Settings of identification and diagnosis.
+//! Settings of measuring, identification and diagnosis.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::effect::EffectSetting;
+use tautline_core::sequential::{AT_MOST, Goal};
 
 /// Settings chosen by the operator.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Settings {
+    /// When a measuring run ends (phase 3).
+    #[serde(skip_serializing_if = "UntilSettings::is_default")]
+    pub until: UntilSettings,
     /// Identification (phase 4).
     pub identification: IdentificationSettings,
     /// Diagnosis of the model.
     pub diagnosis: DiagnosisSettings,
+}
+
+/// When a measuring run ends whose poses are decided on one by one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct UntilSettings {
+    /// Whether poses are decided on one by one; else all planned poses are measured.
+    pub enabled: bool,
+    /// When to stop: all of them, such as `accuracy=0.3mm`, `cause=95%` or `fault-free=95%`.
+    pub goals: Vec<Goal>,
+    /// Largest number of poses, the home pose not counted.
+    #[schemars(range(min = 1))]
+    pub at_most: usize,
+    /// Whether only poses of the plan are measured, instead of any of the workspace.
+    pub only_planned: bool,
+}
+
+impl UntilSettings {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl Default for UntilSettings {
+    fn default() -> Self {
+        Self {
+            enabled: false,
+            // What is wrong, be it nothing, is what everything after it depends on.
+            goals: vec![Goal::Cause(0.95)],
+            at_most: AT_MOST,
+            only_planned: false,
+        }
+    }
 }
 
 /// Settings of the identification.

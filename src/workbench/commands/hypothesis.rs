@@ -12,6 +12,7 @@ use tautline_workflow::signature::{Gallery, Signature, try_hypothesis, write_gal
 use super::file_dialog::pick;
 use super::file_tasks::{ask_save, write, written};
 use super::perform as perform_any;
+use crate::model::command::Previewed;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{
     Answer, DRAWING, FileCommand, HypothesisCommand, HypothesisOutcome, IdentificationCommand,
@@ -19,7 +20,7 @@ use crate::model::command::{
 };
 use crate::model::dialogs::{SaveContent, SaveDraft};
 use crate::model::edit::Edit;
-use crate::model::hypothesis::{AfterHypothesis, Previewed, TEMPLATE};
+use crate::model::hypothesis::{AfterHypothesis, TEMPLATE};
 use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
 use crate::model::save_form::SaveForm;

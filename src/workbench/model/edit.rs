@@ -8,7 +8,7 @@ use tautline_core::effect::{BoundEffect, EffectSetting, Hypothesis};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 use tautline_session::{
-    Connection, LaserSettings, Method, PhaseData, PlannedPose, Session, Settings,
+    Connection, LaserSettings, Method, PhaseData, PlannedPose, Session, Settings, UntilSettings,
 };
 pub use tautline_workflow::identification::same_effect;
 use tautline_workflow::signature::replace_hypothesis;
@@ -39,6 +39,8 @@ pub enum Edit {
     Exclude(i64),
     /// Takes a pose back in.
     Include(i64),
+    /// Chooses when a measuring run ends.
+    SetUntil(UntilSettings),
     /// Replaces the poses that are to be measured; the text says why, for the undo menu.
     SetPlan(Vec<PlannedPose>, String),
     /// Replaces the robot's description; the text says why, for the undo menu.
@@ -60,6 +62,7 @@ impl Edit {
             Self::SetMethod(_) => "choose method".into(),
             Self::SetConnection(_) => "choose controller".into(),
             Self::SetAlpha(_) => "choose false alarm probability".into(),
+            Self::SetUntil(_) => "choose when to stop measuring".into(),
             Self::Exclude(label) => format!("exclude pose {label}"),
             Self::Include(label) => format!("include pose {label}"),
             Self::AddPattern { name, .. } => format!("extend the model by {name}"),
@@ -120,6 +123,7 @@ impl Edit {
             Self::SetPlan(plan, _) => session.plan = plan,
             Self::Rename(name) => session.name = name,
             Self::SetMethod(method) => session.settings.identification.method = method,
+            Self::SetUntil(until) => session.settings.until = until,
             Self::SetAlpha(alpha) => session.settings.diagnosis.alpha = alpha,
             Self::SetRobot(robot, _) => session.robot = *robot,
             Self::SetPhases(phases, _) => session.phases = *phases,
@@ -277,6 +281,18 @@ impl History {
         }
     }
 
+    /// A run has added these poses to the plan: no undone edit comes back, and undoing one does not take them away.
+    pub fn keep_planned(&mut self, poses: &[PlannedPose]) {
+        self.redo.clear();
+        for step in &mut self.undo {
+            let plan = &mut step.state.plan;
+            plan.retain(|known| poses.iter().all(|new| new.label != known.label));
+            plan.extend(poses);
+            // Home is measured first.
+            plan.sort_by_key(|planned| planned.label != 0);
+        }
+    }
+
     /// Whether the last edit, or the last one that was undone, is an import.
     #[must_use]
     pub fn is_import(&self, undone: bool) -> bool {
@@ -381,6 +397,10 @@ mod tests {
             Edit::RemoveEffects(vec![effect()], "remove winch scale".into()),
             Edit::Exclude(2),
             Edit::Include(2),
+            Edit::SetUntil(UntilSettings {
+                enabled: true,
+                ..UntilSettings::default()
+            }),
             Edit::SetPlan(vec![planned], "plan".into()),
             Edit::SetRobot(Box::new(robot), "radius".into()),
             Edit::SetPhases(Box::new(phases), "winch table".into()),
@@ -418,6 +438,29 @@ mod tests {
         let remove = Edit::RemoveEffects(vec![effect()], "remove winch scale".into());
         assert!(history.perform(remove, &mut session, 0).is_none());
         assert_eq!(history.next_undo(), None);
+    }
+
+    #[test]
+    fn poses_that_a_run_has_planned_stay_when_an_edit_before_is_undone() {
+        let mut session = session();
+        let mut history = History::default();
+        let pose = session.robot.home.expect("a home pose").pose();
+        let planned = |label| PlannedPose::new(label, &pose);
+        let plan = |labels: &[i64]| {
+            let poses = labels.iter().map(|label| planned(*label)).collect();
+            Edit::SetPlan(poses, "plan".into())
+        };
+        history.perform(plan(&[5, 6]), &mut session, 0);
+        history.perform(plan(&[]), &mut session, 0);
+        history.perform(plan(&[7]), &mut session, 0);
+        history.undo(&mut session, 0).expect("a step");
+        let added = [planned(0), planned(5)];
+        session.plan.extend(added);
+        history.keep_planned(&added);
+        assert_eq!(history.next_redo(), None);
+        history.undo(&mut session, 0).expect("a step");
+        let labels: Vec<i64> = session.plan.iter().map(|planned| planned.label).collect();
+        assert_eq!(labels, [0, 6, 5]);
     }
 
     #[test]

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use tautline_core::effect::{Hypothesis, HypothesisError, MAX_HYPOTHESIS_BYTES};
 use tautline_core::geometry::Pose;
 use tautline_core::robot::{Robot, presets};
-use tautline_workflow::signature::{Gallery, Signature, Trial};
+use tautline_workflow::signature::Gallery;
 
 use super::Model;
+use super::command::Previewed;
 
 /// What a new hypothesis begins with: one that works, to be changed.
 pub const TEMPLATE: &str = r#"# What you suspect, as a formula. This one works: change it.
@@ -49,14 +50,6 @@ pub struct Preview {
     text: String,
     inputs: Option<u64>,
     pub result: Result<Previewed, String>,
-}
-
-#[derive(Debug, Clone)]
-pub enum Previewed {
-    /// Fitted to the readings of the session.
-    Measured(Trial),
-    /// Simulated at typical size, where nothing is measured.
-    Simulated(Box<Signature>),
 }
 
 /// What waits until it is decided what becomes of an unsaved text.

@@ -46,11 +46,12 @@ macro_rules! picture {
 }
 
 /// The pictures of the pages: name of the file and PNG.
-pub const PICTURES: [(&str, &[u8]); 11] = [
+pub const PICTURES: [(&str, &[u8]); 12] = [
     picture!("start.png"),
     picture!("phase-1.png"),
     picture!("phase-2.png"),
     picture!("phase-3.png"),
+    picture!("until.png"),
     picture!("phase-4.png"),
     picture!("phase-5.png"),
     picture!("doctor.png"),

@@ -58,6 +58,7 @@ use tasks::Tasks;
 use tautline_workflow::adjusting;
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::identification::Identification;
+use tautline_workflow::sequential::planned_poses;
 use tautline_workflow::wording::sentence;
 
 #[derive(Debug, Clone, Default)]
@@ -244,6 +245,29 @@ impl Model {
         Some(sentence(&format!(
             "{why}: connect and arm the controller, which settles it."
         )))
+    }
+
+    /// Why no pose can be decided on, where that is asked for: one sentence.
+    #[must_use]
+    pub fn undecidable(&self) -> Option<&'static str> {
+        let session = self.open.as_ref()?.session();
+        let until = &session.settings.until;
+        let kind = self
+            .link
+            .connected
+            .as_ref()
+            .map(|connected| connected.rig.kind);
+        if !until.enabled {
+            None
+        } else if until.goals.is_empty() {
+            Some("Choose at least one goal.")
+        } else if until.only_planned && planned_poses(session).is_empty() {
+            Some("Plan poses, or let any pose of the workspace be measured.")
+        } else if kind == Some(Kind::Recording) {
+            Some("A recording cannot go to other poses than its own.")
+        } else {
+            None
+        }
     }
 
     /// The last adjustment, if it can be taken back.

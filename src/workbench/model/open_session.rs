@@ -307,6 +307,20 @@ impl OpenSession {
         self.lasting += 1;
     }
 
+    /// Adds poses to the plan, for a run that has decided on them; undoing an edit does not take them away.
+    pub fn extend_plan<T>(&mut self, change: impl FnOnce(&mut Session) -> T) -> T {
+        let before = self.session.plan.clone();
+        let result = change(&mut self.session);
+        let mut added = self.session.plan.clone();
+        added.retain(|planned| !before.contains(planned));
+        if !added.is_empty() {
+            self.history.keep_planned(&added);
+            self.lasting += 1;
+            self.touch(&InputRevision::Unchanged);
+        }
+        result
+    }
+
     /// Adds to the session's log.
     pub fn log(&mut self, phase: LogPhase, text: impl Into<String>) {
         self.session.record(LogEntry {
@@ -355,6 +369,13 @@ impl OpenSession {
     pub fn missing(&self) -> &[i64] {
         self.missing
             .get_or_init(|| missing_labels(&self.session).collect())
+    }
+
+    /// Whether the poses to measure are any of the workspace, each decided on by those before, instead of a plan.
+    #[must_use]
+    pub fn decides_on_poses(&self) -> bool {
+        let until = &self.session.settings.until;
+        until.enabled && !until.only_planned
     }
 
     /// The identification that the session keeps from before it was opened.

@@ -3,6 +3,7 @@
 mod button;
 mod fault_matrix;
 mod import_row;
+mod meter;
 mod modal;
 mod number;
 mod page;
@@ -18,6 +19,7 @@ mod text;
 pub use button::{checkbox, choice, icon_button, icon_only, primary, radio};
 pub use fault_matrix::fault_window;
 pub use import_row::{Import, import_row};
+pub use meter::meter;
 pub(crate) use modal::{backdrop, modal};
 pub(crate) use number::width_of;
 pub use number::{Entered, Number, number, number_checked, parse as parse_number};

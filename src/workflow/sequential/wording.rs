@@ -2,7 +2,7 @@
 
 use tautline_core::diagnosis::Cause;
 use tautline_core::robot::Robot;
-use tautline_core::sequential::{Assessment, Obstacle, Reason};
+use tautline_core::sequential::{Assessment, Goal, NextStep, Obstacle, Reason};
 
 use crate::diagnosis::cause_title;
 use crate::wording::{count, first_lower, list, units};
@@ -19,6 +19,40 @@ pub fn reason_in_words(robot: &Robot, reason: &Reason) -> String {
             set_in_words(robot, other)
         ),
         Reason::Tests(cause) => format!("shows whether there is {}", name(robot, cause)),
+    }
+}
+
+/// What is measured for, in the middle of a sentence.
+#[must_use]
+pub fn goals_in_words(goals: &[Goal]) -> String {
+    let words: Vec<String> = goals.iter().map(|goal| goal_in_words(*goal)).collect();
+    list(&words)
+}
+
+fn goal_in_words(goal: Goal) -> String {
+    // One decimal only where it says something.
+    let percent = |probability: f64| (1e3 * probability).round() / 10.0;
+    match goal {
+        Goal::Accuracy(limit_m) => {
+            format!("all pulleys are accurate to {} mm", units::mm(limit_m, 2))
+        }
+        Goal::Cause(probability) => {
+            format!("it is known to {} % what is wrong", percent(probability))
+        }
+        Goal::FaultFree(probability) => {
+            format!("the robot is free of faults to {} %", percent(probability))
+        }
+    }
+}
+
+/// Why a run ended, to be put after what it has measured; `None` of a step that does not end it.
+#[must_use]
+pub fn end_in_words(step: &NextStep) -> Option<&'static str> {
+    match step {
+        NextStep::Measure { .. } => None,
+        NextStep::Reached => Some("all goals reached"),
+        NextStep::AtLimit => Some("the largest number of poses reached"),
+        NextStep::CannotGetCloser(_) => Some("no pose would bring the goals closer"),
     }
 }
 

@@ -96,8 +96,9 @@ pub fn write_all(into: &Path, only: Option<&str>) -> Result<()> {
 type Section = fn(&mut Looks) -> Result<()>;
 
 /// How names of pictures begin, and what takes them.
-const SECTIONS: [(&[&str], Section); 10] = [
+const SECTIONS: [(&[&str], Section); 11] = [
     (&["demo"], demo),
+    (&["until"], until),
     (&["start", "compare-empty", "which-sensor"], without_session),
     (&["import", "new-robot"], imports),
     (&["inspector-suspended", "inspector-hall"], other_pulleys),
@@ -161,6 +162,8 @@ fn record(looks: &mut Looks) -> Result<()> {
     looks.at("record")?;
     looks.stage.press_first("2026-04");
     looks.at("record-row")?;
+    looks.stage.give(ViewCommand::Select(Selection::cable(2)));
+    looks.at("record-path")?;
     looks.stage.give(ViewCommand::Go(Screen::Start));
     Ok(())
 }
@@ -276,6 +279,31 @@ fn demo(looks: &mut Looks) -> Result<()> {
     ));
     looks.at("demo-error")?;
     looks.stage.give(ViewCommand::Dismiss);
+    looks.stage.give(LinkRequest::Disconnect);
+    looks.stage.give(FileCommand::Answer(Answer::Discard));
+    Ok(())
+}
+
+/// A run that measures until it is known what is wrong: its goals, on the way, and its end.
+fn until(looks: &mut Looks) -> Result<()> {
+    looks.stage.press("Try the demo robot");
+    phase(&mut looks.stage, Phase::Measuring);
+    looks.stage.press("Measure until");
+    looks.at("until-goals")?;
+    looks.stage.press("All pulleys are accurate to");
+    looks.stage.connect_and_arm();
+    looks.stage.press("Start measuring");
+    let measured = |state: &State| state.model.link.run.as_ref().map_or(0, |run| run.done());
+    for (poses, name) in [(3, "until-first"), (11, "until-decides")] {
+        looks.stage.wait("poses", |state| measured(state) >= poses);
+        looks.stage.give(RobotCommand::Speed(0.1));
+        looks.at(name)?;
+        looks.stage.give(RobotCommand::Speed(60.0));
+    }
+    looks
+        .stage
+        .wait("the end", |state| !state.model.link.is_measuring());
+    looks.at("until-ended")?;
     looks.stage.give(LinkRequest::Disconnect);
     looks.stage.give(FileCommand::Answer(Answer::Discard));
     Ok(())

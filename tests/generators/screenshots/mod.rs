@@ -12,14 +12,17 @@ use egui::ThemePreference;
 use tautline_core::effect::{EffectSetting, Hypothesis};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::presets;
+use tautline_core::sequential::{FIRST_POSES, Goal};
 use tautline_core::simulation::{SimulationOptions, simulate};
-use tautline_session::{PhaseData, write_dataset};
+use tautline_session::{PhaseData, UntilSettings, write_dataset};
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
     CompareCommand, FileCommand, HypothesisCommand, IdentificationCommand, RecordCommand,
-    ViewCommand,
+    RobotCommand, ViewCommand,
 };
+use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workbench::shell::State;
 use tautline_workflow::history::Tolerance;
 
 use crate::generators::{hypotheses, sessions};
@@ -44,6 +47,7 @@ pub fn write_all(into: &Path) -> Result<()> {
     // The start screen looks for the sample sessions where the program was started.
     std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))?;
     phases(&into)?;
+    files::write_still(&into.join("until.png"), &until()?.picture()?)?;
     causes(&into)?;
     comparison(&into)?;
     record(&into)?;
@@ -71,6 +75,34 @@ fn phases(into: &Path) -> Result<()> {
 
 fn phase(stage: &mut Stage, step: Phase) {
     stage.give(ViewCommand::Go(Screen::Phase(step)));
+}
+
+/// The demonstration in the middle of a run that measures until it is known what is wrong.
+fn until() -> Result<Stage> {
+    let mut stage = Stage::new(LARGE)?;
+    stage.press("Try the demo robot");
+    phase(&mut stage, Phase::Measuring);
+    stage.give(Edit::SetUntil(UntilSettings {
+        enabled: true,
+        goals: vec![Goal::Cause(0.95), Goal::Accuracy(3e-3)],
+        ..UntilSettings::default()
+    }));
+    stage.connect_and_arm();
+    stage.press("Start measuring");
+    let chosen = |state: &State| {
+        let run = state
+            .model
+            .link
+            .run
+            .as_ref()
+            .filter(|run| run.current.is_some());
+        let until = run.and_then(|run| run.until.as_ref());
+        until.map_or(0, |until| until.poses().len())
+    };
+    stage.wait("a decision", |state| chosen(state) > FIRST_POSES + 2);
+    // Slow enough to stay on its way.
+    stage.give(RobotCommand::Speed(1.0));
+    Ok(stage)
 }
 
 /// Sessions with something wrong, in the phase that finds it.
@@ -113,6 +145,7 @@ fn record(into: &Path) -> Result<()> {
     let mut stage = Stage::new(LARGE)?;
     stage.give(RecordCommand::Open(PathBuf::from("sessions/year-of-mini")));
     stage.give(RecordCommand::SetTolerance(Tolerance::Pulley(0.01)));
+    stage.give(ViewCommand::Select(Selection::cable(2)));
     files::write_still(&into.join("record.png"), &stage.picture()?)
 }
 

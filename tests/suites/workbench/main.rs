@@ -42,6 +42,4 @@ mod timeline;
 mod tolerances;
 mod undo;
 mod unruly;
-mod walk;
-mod which_sensor;
-mod zoom;
+mod until;

@@ -6,7 +6,8 @@ use egui::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_validation::generators::sessions;
-use tautline_workbench::model::command::{FileCommand, RecordCommand};
+use tautline_workbench::model::Selection;
+use tautline_workbench::model::command::{FileCommand, RecordCommand, ViewCommand};
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
 use tautline_workflow::history::Tolerance;
@@ -57,6 +58,22 @@ fn a_folder_that_is_typed_shows_what_changed_and_two_rows_are_compared() {
     press(&mut harness, "Compare A and B");
     assert_eq!(harness.state().state.model.screen, Screen::Compare);
     harness.get_by_label("1 pulley has moved: cable-3. The rest agrees within the noise.");
+}
+
+#[test]
+fn the_path_of_the_selected_pulley_is_drawn_over_the_sessions() {
+    let mut harness = workbench();
+    settle(&mut harness);
+    give(&mut harness, FileCommand::Open(year()));
+    harness.get_by_label("Select a pulley to see its path over the sessions.");
+    give(&mut harness, ViewCommand::Select(Selection::cable(2)));
+    harness.get_by_label_contains("Path of cable-3: 13.");
+    // A row shows its session, as the slider does; it moved between the two.
+    for (session, path) in [("2026-04", "0.0 mm"), ("2026-06", "13.")] {
+        let row = row(&harness, session);
+        press(&mut harness, &row);
+        harness.get_by_label_contains(&format!("Path of cable-3: {path}"));
+    }
 }
 
 #[test]

@@ -4,7 +4,9 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_core::effect::{EffectSetting, Hypothesis};
-use tautline_session::{Connection, LaserSettings, Method, PhaseData, PlannedPose, WinchPair};
+use tautline_session::{
+    Connection, LaserSettings, Method, PhaseData, PlannedPose, UntilSettings, WinchPair,
+};
 use tautline_workbench::model::edit::{Edit, Editable};
 use tautline_workbench::shell::App;
 
@@ -16,7 +18,7 @@ const REDO: Modifiers = Modifiers {
     ..Modifiers::COMMAND
 };
 /// Kinds of edits.
-const KINDS: usize = 14;
+const KINDS: usize = 15;
 
 /// What a pattern of unexplained errors becomes in the model.
 const PATTERN: &str = r#"
@@ -49,6 +51,7 @@ fn kind(edit: &Edit) -> usize {
         Edit::AddPattern { .. } => 11,
         Edit::SetHypothesis(_) => 12,
         Edit::RemoveHypothesis(_) => 13,
+        Edit::SetUntil(_) => 14,
         // It needs a session without poses: the tests of importing undo it.
         Edit::Import(..) => KINDS,
     }
@@ -86,6 +89,10 @@ fn edits(harness: &Harness<'_, App>) -> Vec<Edit> {
         Edit::RemoveEffects(vec![effect()], "remove winch scale".into()),
         Edit::Exclude(2),
         Edit::Include(2),
+        Edit::SetUntil(UntilSettings {
+            enabled: true,
+            ..UntilSettings::default()
+        }),
         Edit::SetPlan(vec![planned], "add a pose".into()),
         Edit::SetRobot(Box::new(robot), "change a radius".into()),
         Edit::SetPhases(Box::new(phases), "add a pair".into()),

@@ -17,8 +17,8 @@ use tautline_core::estimation::{Control, Problem};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::{PartTolerances, Robot};
 use tautline_core::simulation::Simulated;
-use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 use tautline_workflow::diagnosis::Diagnosed;
+use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 use tautline_workflow::formulas::{PATTERN, Reading, find_formulas, formulas, unexplained};
 
 use self::forms::{Form, OnRobot, Origin, forms, ten_files};

@@ -243,6 +243,7 @@ fn the_basis_changes_with_the_inputs_and_with_nothing_else() {
     assert!(same(|s| s.name = "Tuesday".into()));
     assert!(same(|s| s.plan.clear()));
     assert!(same(|s| s.settings.diagnosis.alpha = 0.05));
+    assert!(same(|s| s.settings.until.enabled = true));
     assert!(!same(|s| s.robot.cables[0].pulley.radius_m = 1e-3));
     assert!(!same(|s| s.measurements.length_m.set(1, 0, 0.91)));
     assert!(!same(|s| assert!(s.include(3))));
@@ -292,6 +293,16 @@ fn broken_sessions_are_refused_with_a_pointer() {
     assert!(
         effect.contains("/settings/identification/effects/0/targets/0: found \"c\", expected"),
         "{effect}"
+    );
+    let goal = error(|s| s["settings"]["until"] = json!({"goals": ["cause=95"]}));
+    assert!(
+        goal.contains("/settings/until/goals/0: found the probability \"95\", expected 50 to 98%"),
+        "{goal}"
+    );
+    let none = error(|s| s["settings"]["until"] = json!({"at_most": 0}));
+    assert!(
+        none.contains("/settings/until/at_most: found 0, expected at least 1 pose"),
+        "{none}"
     );
     let truth = error(|s| s["simulator"]["truth"]["name"] = json!(""));
     assert!(truth.contains("s.json, /simulator/truth/name"), "{truth}");

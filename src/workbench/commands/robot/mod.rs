@@ -4,6 +4,7 @@ mod adjust;
 mod files;
 mod plan;
 mod run;
+mod until;
 
 use tautline_link::{ParameterInfo, UntrustedServer};
 use tautline_session::{NamedValue, Phase as LogPhase};
@@ -215,8 +216,8 @@ fn disconnected(model: &mut Model, why: Option<String>) {
     }
 }
 
-/// What has to be so before every frame: a connection ends with its session, what is expected is of the present plan,
-/// and the robot is drawn where it is.
+/// What has to be so before every frame: a connection ends with its session, what is expected is of the present plan, a run
+/// goes to the pose that was decided on, and the robot is drawn where it is.
 pub fn follow(model: &mut Model) {
     let session_id = model.open.as_ref().map(OpenSession::id);
     let connected = model.link.connected.as_ref();
@@ -228,5 +229,6 @@ pub fn follow(model: &mut Model) {
         model.live_platform = None;
     }
     model.check_outlook();
+    until::follow_decision(model);
     run::follow_platform(model);
 }

@@ -8,14 +8,16 @@ use tautline_link::ParameterInfo;
 use tautline_session::{MeasuredPose, MeasuringWarning, Phase as LogPhase};
 
 use super::adjust::{not_recorded, refuses};
+use super::until;
 use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending, RunLog};
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::clock;
 use tautline_workflow::foreign_writes::{ValuesRead, begin_run, end_run};
 use tautline_workflow::planning::poses_in_words;
+use tautline_workflow::sequential::SequentialRun;
 
 /// What readings are compared with: the identified model where it is up to date, else the description.
-fn reference(open: &OpenSession) -> Robot {
+pub(super) fn reference(open: &OpenSession) -> Robot {
     match open.fit().filter(|_| open.fit_is_current()) {
         Some(fit) => fit.model.clone(),
         None => open.session().robot.clone(),
@@ -33,6 +35,9 @@ pub(super) fn start(model: &mut Model) {
         return;
     }
     let session = open.session();
+    if session.settings.until.enabled {
+        return until::start(model);
+    }
     if open.missing().is_empty() {
         return;
     }
@@ -46,7 +51,12 @@ pub(super) fn start(model: &mut Model) {
     };
     open.log(LogPhase::Poses, text);
     let reference = reference(open);
-    model.link.measure(plan, measured, reference);
+    model.link.measure(plan, measured, reference, None);
+    watch(model);
+}
+
+/// Shows the robot and its readings.
+pub(super) fn watch(model: &mut Model) {
     model.playback.follows = true;
     model.request(UiRequest::ShowScope);
 }
@@ -69,13 +79,11 @@ pub(super) fn repeat(model: &mut Model, label: i64) {
             return;
         };
         let reference = reference(open);
-        model
-            .link
-            .measure(vec![(label, pose)], Vec::new(), reference);
-        model.playback.follows = true;
-        model.requests.push(UiRequest::ShowScope);
+        let plan = vec![(label, pose)];
+        model.link.measure(plan, Vec::new(), reference, None);
+        watch(model);
     }
-    open.log(LogPhase::Poses, format!("Pose {label} is measured again."));
+    log(model, format!("Pose {label} is measured again."));
 }
 
 pub(super) fn receive(model: &mut Model, event: DriverEvent) {
@@ -105,6 +113,10 @@ pub(super) fn receive(model: &mut Model, event: DriverEvent) {
         DriverEvent::Skipped(label) => {
             run.skipped.insert(label);
             run.paused = None;
+            if let (Some(until), Some(open)) = (&mut run.until, &model.open) {
+                run.current = None;
+                until.leave_out(label, open.session());
+            }
             log(model, format!("Pose {label} was left out."));
         }
         DriverEvent::Paused(reason) => run.paused = Some(reason),
@@ -160,8 +172,16 @@ fn ended(model: &mut Model, result: Result<(), String>) {
         return;
     };
     let done = run.measured_in_words();
+    let result = match run.undecided.take() {
+        Some(why) => result.and(Err(why)),
+        None => result,
+    };
+    let end = run.until.as_ref().and_then(SequentialRun::end);
     let text = match &result {
-        Ok(()) => format!("Measured {done}."),
+        Ok(()) => format!(
+            "Measured {done}{}.",
+            end.map_or_else(String::new, |end| format!(", {end}"))
+        ),
         Err(why) => format!(
             "Measuring ended after {done}: {}.",
             why.trim_end_matches('.')
@@ -242,6 +262,12 @@ pub fn autosaved(model: &mut Model, label: i64) {
         return;
     }
     model.link.send(DriverCommand::Stored(pending.label));
+    if let Some(run) = model.link.run.as_mut().filter(|run| !run.has_ended())
+        && let Some(until) = &mut run.until
+    {
+        run.current = None;
+        until.measured(pending.label, open.session());
+    }
 }
 
 /// A pose could not be saved: the run waits with it.

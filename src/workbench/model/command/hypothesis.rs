@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use tautline_core::robot::Robot;
-use tautline_workflow::signature::Gallery;
+use tautline_workflow::signature::{Gallery, Signature, Trial};
 
 use super::Answer;
-use crate::model::hypothesis::Previewed;
 
 /// Title of the task that fits a hypothesis to the readings.
 pub const TRYING: &str = "Fitting the hypothesis";
@@ -65,4 +64,13 @@ pub enum HypothesisOutcome {
     },
     /// The gallery of a robot, or one sentence; `None` if it was stopped.
     Gallery(Box<Robot>, Result<Option<Box<Gallery>>, String>),
+}
+
+/// What a hypothesis does to the residuals.
+#[derive(Debug, Clone)]
+pub enum Previewed {
+    /// Fitted to the readings of the session.
+    Measured(Trial),
+    /// Simulated at typical size, where nothing is measured.
+    Simulated(Box<Signature>),
 }

@@ -154,10 +154,13 @@ impl Connection {
         options.tension = rig.tension();
         options.waits_for_connection = rig.reconnects();
         let poses: HashMap<i64, _> = order.plan.iter().copied().collect();
-        let run = MeasuringRun::new(order.plan, rig.robot(), options)
+        let mut run = MeasuringRun::new(order.plan, rig.robot(), options)
             .predicting(predict_by(&order.model, rig.tension()))
             .asking(self.asked.clone())
             .continuing(&order.measured);
+        if order.is_open_ended {
+            run = run.open_ended();
+        }
         let per_revolution = rig.robot().cables.iter();
         Measuring {
             remaining: run.remaining(),

@@ -50,6 +50,10 @@ pub enum DriverCommand {
     PollWhenIdle(bool),
     Speed(f64),
     Measure(Box<MeasuringRequest>),
+    /// An open-ended run measures this pose, too.
+    Add(i64, Pose),
+    /// An open-ended run ends after the poses that it has.
+    Close,
     /// The run measures the pose of this label again, next.
     Repeat(i64),
     /// Ends whatever is going on and stops the platform.
@@ -81,6 +85,8 @@ pub struct MeasuringRequest {
     pub measured: Vec<i64>,
     /// What readings are compared with.
     pub model: Robot,
+    /// Whether poses are added one by one, so that the run does not end when all are measured.
+    pub is_open_ended: bool,
 }
 
 /// How far a new pose is from what was expected of it.

@@ -28,6 +28,7 @@ use self::publisher::StatusPublisher;
 use self::scope::Scope;
 use self::worker::serve;
 use tautline_workflow::controllers::ConnectionSetup;
+use tautline_workflow::sequential::SequentialRun;
 
 pub use self::message::{
     Doing, DriverCommand, DriverEvent, LinkRequest, Live, LivePlatform, Lost, MeasuringRequest,
@@ -248,20 +249,32 @@ impl Link {
         self.send(DriverCommand::PollWhenIdle(polls_when_idle));
     }
 
-    /// Measures the poses of a plan that are not measured yet; readings are compared with `model`.
-    pub fn measure(&mut self, plan: Vec<(i64, Pose)>, measured: Vec<i64>, model: Robot) {
+    /// Measures the poses of a plan that are not measured yet, and then those that `until` decides on, beside so many that were
+    /// measured before; readings are compared with `model`.
+    pub fn measure(
+        &mut self,
+        plan: Vec<(i64, Pose)>,
+        measured: Vec<i64>,
+        model: Robot,
+        until: Option<(SequentialRun, usize)>,
+    ) {
         self.begin();
         let labels = plan.iter().map(|(label, _)| *label);
         let to_measure = labels.filter(|label| !measured.contains(label));
         // What was seen in a run before is still to be looked at.
         let before = self.run.take();
+        let is_open_ended = until.is_some();
         let mut run = RunLog::new(to_measure);
         run.warnings = before.map_or_else(Vec::new, |run| run.warnings);
+        if let Some((until, before)) = until {
+            run = run.until(until, before);
+        }
         self.run = Some(run);
         self.send(DriverCommand::Measure(Box::new(MeasuringRequest {
             plan,
             measured,
             model,
+            is_open_ended,
         })));
     }
 

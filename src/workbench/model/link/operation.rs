@@ -102,6 +102,12 @@ impl Measuring {
         !self.run.is_paused() && self.run.stage() != Phase::Storing
     }
 
+    /// Measures one more pose.
+    pub fn add(&mut self, label: i64, pose: Pose) {
+        self.poses.insert(label, pose);
+        self.run.add(label, pose);
+    }
+
     pub fn tick(&mut self, controller: &mut dyn Controller, now_s: f64) -> Vec<DriverEvent> {
         let events = self.run.tick(controller, now_s);
         let reports = events.into_iter().filter_map(|event| self.report(event));

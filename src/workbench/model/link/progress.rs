@@ -1,5 +1,7 @@
 //! The current operation in words, and its remaining time.
 
+use tautline_workflow::sequential::SequentialRun;
+
 use super::{Doing, Link};
 
 impl Link {
@@ -11,6 +13,12 @@ impl Link {
         if let Some(run) = run {
             return Some(match (&run.paused, run.current) {
                 (Some(_), _) => "Paused".to_owned(),
+                (None, None) if run.until.as_ref().is_some_and(SequentialRun::is_deciding) => {
+                    "Choosing the next pose".to_owned()
+                }
+                (None, None) if run.until.is_some() && run.done() > 0 => {
+                    "Going to the next pose".to_owned()
+                }
                 (None, None) => "Starting".to_owned(),
                 (None, Some(label)) => at_pose(doing, label),
             });
@@ -56,7 +64,12 @@ impl Link {
     /// The remaining time in words: "2 min left".
     #[must_use]
     pub fn time_left(&self) -> Option<String> {
-        Some(format!("{} left", duration(self.time_left_s()?)))
+        let left = duration(self.time_left_s()?);
+        let is_open_ended = self.run.as_ref().is_some_and(|run| run.until.is_some());
+        Some(match is_open_ended {
+            true => format!("at most {left} left"),
+            false => format!("{left} left"),
+        })
     }
 }
 

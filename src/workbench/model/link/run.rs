@@ -7,6 +7,7 @@ use tautline_session::MeasuredPose;
 
 use super::message::Surprise;
 use tautline_workflow::planning::poses_in_words;
+use tautline_workflow::sequential::SequentialRun;
 
 /// A measured pose that waits to be on disk.
 #[derive(Debug, Clone)]
@@ -19,7 +20,7 @@ pub struct Pending {
 }
 
 /// A measuring run as the operator follows it.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub struct RunLog {
     to_measure: BTreeSet<i64>,
     measured: BTreeSet<i64>,
@@ -42,6 +43,12 @@ pub struct RunLog {
     pub ended: Option<Result<(), String>>,
     /// Whether it ended because the controller was restarted.
     pub restarted: bool,
+    /// Decisions on its poses, if they are made one by one.
+    pub until: Option<SequentialRun>,
+    /// Why no pose could be decided on, if that failed.
+    pub undecided: Option<String>,
+    /// Poses that were measured before an open-ended run, the home pose not counted.
+    before: usize,
 }
 
 impl RunLog {
@@ -54,20 +61,40 @@ impl RunLog {
         }
     }
 
+    /// The same run with decisions on further poses, beside those that were measured before, the home pose not counted.
+    #[must_use]
+    pub fn until(self, until: SequentialRun, before: usize) -> Self {
+        Self {
+            until: Some(until),
+            before,
+            ..self
+        }
+    }
+
     #[must_use]
     pub fn has_ended(&self) -> bool {
         self.ended.is_some()
     }
 
-    /// Poses that are measured, the home pose not counted.
+    /// Whether it ended because a decision has ended it.
     #[must_use]
-    pub fn done(&self) -> usize {
-        self.measured.iter().filter(|label| **label != 0).count()
+    pub fn has_decided(&self) -> bool {
+        let until = self.until.as_ref();
+        self.has_ended() && until.is_some_and(|until| until.end().is_some())
     }
 
-    /// Poses in all, those left out and the home pose not counted.
+    /// Poses that are measured, the home pose not counted; of an open-ended run also those that were measured before.
+    #[must_use]
+    pub fn done(&self) -> usize {
+        self.before + self.measured.iter().filter(|label| **label != 0).count()
+    }
+
+    /// Poses in all, those left out and the home pose not counted; of an open-ended run the largest number.
     #[must_use]
     pub fn of(&self) -> usize {
+        if let Some(until) = &self.until {
+            return until.at_most().max(self.done());
+        }
         let wanted = self.to_measure.difference(&self.skipped);
         wanted.filter(|label| **label != 0).count()
     }

@@ -233,6 +233,8 @@ impl Worker {
             DriverCommand::Measure(command) => {
                 self.operation = Operation::Measuring(Box::new(connection.measuring(*command)));
             }
+            DriverCommand::Add(label, pose) => self.operation.measuring(|m| m.add(label, pose)),
+            DriverCommand::Close => self.operation.measuring(|m| m.run.close()),
             DriverCommand::Verify(targets, stage) => self.verify(targets, stage),
             DriverCommand::Requested(LinkRequest::TypedPose(number, pose)) => {
                 if let Operation::Verifying(verifying) = &self.operation

@@ -2,7 +2,7 @@
 
 use super::{Action, NextStep, connecting, identify, plan, waits};
 use crate::model::command::{PLANNING, RobotCommand};
-use crate::model::link::LinkRequest;
+use crate::model::link::{LinkRequest, RunLog};
 use crate::model::phase::{Phase, Progress};
 use crate::model::{Model, OpenSession, phase_status};
 use tautline_workflow::wording::sentence;
@@ -19,12 +19,15 @@ pub(super) fn of(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
     if let Some(waits) = waits(model) {
         return waits;
     }
-    let is_complete = open.missing().is_empty();
-    if is_complete && session.measurements.is_empty() {
+    let decides = session.settings.until.enabled;
+    let has_decided = model.link.run.as_ref().is_some_and(RunLog::has_decided);
+    let is_complete = open.missing().is_empty() || decides && has_decided;
+    let is_empty = session.measurements.is_empty();
+    if is_complete && is_empty && !open.decides_on_poses() {
         let then = "Then: connect the controller and measure.";
         return NextStep::new(status, Some(plan(poses)), then);
     }
-    if is_complete {
+    if is_complete && !is_empty {
         let then = "Then: check whether the model explains the readings.";
         return match open.fit_is_current() {
             true => NextStep::new(status, Some(Action::go(Phase::Identification)), ""),
@@ -34,7 +37,10 @@ pub(super) fn of(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
     if let Some((action, then)) = connecting(model, session) {
         return NextStep::new(status, action, then);
     }
-    let title = match session.measurements.is_empty() {
+    if let Some(why) = model.undecidable() {
+        return NextStep::new(status, None, why);
+    }
+    let title = match is_empty {
         true => "Start measuring",
         false => "Continue measuring",
     };
@@ -49,7 +55,7 @@ fn running(model: &Model) -> Option<NextStep> {
     let share = Some(done as f32 / of.max(1) as f32);
     let Some(reason) = &run.paused else {
         let words = [
-            Some(format!("{done} of {of} poses measured")),
+            Some(poses_measured(run)),
             model.link.doing().map(|doing| lowercase(&doing)),
             model.link.time_left(),
         ];
@@ -66,11 +72,19 @@ fn running(model: &Model) -> Option<NextStep> {
     };
     Some(NextStep {
         progress: Progress::Attention,
-        done: format!("{done} of {of} poses measured; the run is paused."),
+        done: format!("{}; the run is paused.", poses_measured(run)),
         share,
         action,
         then: format!("{}.", sentence(reason.trim_end_matches('.'))),
     })
+}
+
+fn poses_measured(run: &RunLog) -> String {
+    let (done, of) = (run.done(), run.of());
+    match run.until {
+        Some(_) => format!("{done} of at most {of} poses measured"),
+        None => format!("{done} of {of} poses measured"),
+    }
 }
 
 /// A sentence as the rest of another.

@@ -5,8 +5,9 @@ use tautline_workflow::plot::Selection;
 use tautline_workflow::signature::{Image, Placement, Signature, Trial};
 
 use crate::model::Model;
+use crate::model::command::Previewed;
 use crate::model::command::{HypothesisCommand, Outbox, TRYING, ViewCommand};
-use crate::model::hypothesis::{HypothesisDraft, Previewed};
+use crate::model::hypothesis::HypothesisDraft;
 use crate::theme::GRID;
 use crate::views::plots::small;
 use crate::widgets::{Verdict, muted, section, verdict};

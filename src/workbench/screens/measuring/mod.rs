@@ -8,16 +8,16 @@ mod poses;
 mod readings;
 mod run;
 mod table;
+mod until;
 
 use egui::{Button, DragValue, Ui};
 use egui_material_icons::icons;
 use tautline_core::planning::USUAL_POSES;
 use tautline_session::PlannedPose;
 
-use crate::model::Memo;
-use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{Command, Export, FileCommand, PLANNING, RobotCommand};
+use crate::model::{Memo, Model, OpenSession};
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 
 /// State of the panel between frames.
@@ -39,6 +39,7 @@ pub struct PanelState {
     typed: asking::Typed,
     /// Whether the matrix of faults is shown.
     shows_faults: bool,
+    until: until::UntilState,
 }
 
 impl PanelState {
@@ -60,6 +61,7 @@ impl Default for PanelState {
             scrolled_to: None,
             typed: asking::Typed::default(),
             shows_faults: false,
+            until: until::UntilState::default(),
         }
     }
 }
@@ -91,7 +93,7 @@ fn ask(model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let was_asked = panel.asked.as_ref();
     let was_asked = was_asked.is_some_and(|(of, asked)| *of == open.id() && asked == plan);
     let is_busy = model.link.is_busy() || model.tasks.runs(PLANNING);
-    let has_poses = plan.iter().any(|pose| pose.label != 0);
+    let has_poses = plan.iter().any(|pose| pose.label != 0) && !open.decides_on_poses();
     if model.outlook.is_none() && !was_asked && has_poses && !is_busy {
         panel.asked = Some((open.id(), plan.clone()));
         outbox.send(RobotCommand::Expect);
@@ -130,6 +132,14 @@ fn instruments(ui: &mut Ui, model: &Model) {
 
 fn plan(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     section(ui, "Poses to measure");
+    until::settings(ui, model, &mut panel.until, outbox);
+    if model
+        .open
+        .as_ref()
+        .is_some_and(OpenSession::decides_on_poses)
+    {
+        return;
+    }
     let planning = model.tasks.runs(PLANNING);
     let free = !planning && !model.link.is_busy();
     ui.horizontal(|ui| {

@@ -18,10 +18,21 @@ const ROW: f32 = 5.0 * GRID;
 const FULL: f64 = 0.85;
 
 pub(in crate::screens) fn show(ui: &mut Ui, model: &Model) {
+    progress(ui, model);
+    tensions(ui, model);
+}
+
+/// What is done, and where the platform is.
+pub(super) fn progress(ui: &mut Ui, model: &Model) {
     if let Some([done, of]) = model.link.done_of() {
         let part = done as f32 / of.max(1) as f32;
         ui.add(ProgressBar::new(part).desired_height(2.0 * GRID));
-        ui.label(format!("{done} of {of} measured"));
+        let run = model.link.run.as_ref().filter(|run| !run.has_ended());
+        let at_most = match run.is_some_and(|run| run.until.is_some()) {
+            true => "at most ",
+            false => "",
+        };
+        ui.label(format!("{done} of {at_most}{of} measured"));
     }
     if let Some(words) = model.link.doing() {
         muted(ui, &format!("{words}."));
@@ -30,11 +41,10 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model) {
         let [x, y, z] = [0, 1, 2].map(|axis| fixed(pose.position[axis] * 1e3, 1));
         value(ui, "Platform at x, y, z", &format!("{x}, {y}, {z}"), "mm");
     }
-    tensions(ui, model);
 }
 
 /// A bar for each cable, with marks at the smallest and the largest allowed tension.
-fn tensions(ui: &mut Ui, model: &Model) {
+pub(super) fn tensions(ui: &mut Ui, model: &Model) {
     let (Some(open), Some(sample)) = (&model.open, model.link.live().sample) else {
         return;
     };

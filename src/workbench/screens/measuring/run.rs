@@ -4,7 +4,7 @@ use egui::{Button, CollapsingHeader, ScrollArea, Ui};
 use egui_material_icons::icons;
 
 use super::{PanelState, name_of};
-use super::{asking, motion, readings};
+use super::{asking, motion, readings, until};
 use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::{FileCommand, RobotCommand, ViewCommand};
@@ -27,7 +27,12 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
     let session = open.session();
     let missing = open.missing().len();
     let begun = !session.measurements.is_empty();
-    if session.plan.is_empty() && model.link.run.is_none() && !model.link.is_connected() {
+    let until = &session.settings.until;
+    if session.plan.is_empty()
+        && !until.enabled
+        && model.link.run.is_none()
+        && !model.link.is_connected()
+    {
         return;
     }
     section(ui, "Measuring run");
@@ -35,19 +40,26 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
         buttons(ui, model, outbox);
         progress(ui, model, panel, outbox);
     } else {
-        let ready = model.link.is_armed() && missing > 0 && !model.link.is_busy();
+        let undecidable = model.undecidable();
+        let has_poses = match until.enabled {
+            true => undecidable.is_none(),
+            false => missing > 0,
+        };
+        let ready = model.link.is_armed() && has_poses && !model.link.is_busy();
         let text = if begun {
             "Continue measuring"
         } else {
             "Start measuring"
         };
-        if missing > 0 {
+        if missing > 0 || until.enabled {
             if ui.add_enabled(ready, Button::new(text)).clicked() {
                 outbox.send(RobotCommand::Start);
             }
             if !model.link.is_armed() {
                 muted(ui, "Connect and arm the controller first.");
-            } else if begun {
+            } else if let Some(why) = undecidable {
+                muted(ui, why);
+            } else if begun && !until.enabled {
                 muted(
                     ui,
                     &format!("{} not measured yet.", count_are(missing, "planned pose")),
@@ -58,6 +70,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
         }
     }
     pending(ui, model, outbox);
+    until::known(ui, model, &mut panel.until);
     if let Some(run) = &model.link.run {
         outcome(ui, run, outbox);
         surprises(ui, model, run);
@@ -69,7 +82,9 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
 /// Draws a run whose robot moves.
 pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     buttons(ui, model, outbox);
-    motion::show(ui, model);
+    motion::progress(ui, model);
+    until::known(ui, model, &mut panel.until);
+    motion::tensions(ui, model);
     progress(ui, model, panel, outbox);
     pending(ui, model, outbox);
     if let Some(run) = &model.link.run {
@@ -120,7 +135,7 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
                 "Clear the beam path and clean the target, then resume: the pose is approached again. Or skip it.",
             );
         }
-    } else if current.is_none() {
+    } else if current.is_none() && run.until.is_none() {
         muted(ui, "Starting.");
     }
 }

@@ -7,12 +7,15 @@ mod sessions;
 use std::sync::Arc;
 
 use egui::{CentralPanel, Panel, ScrollArea, Slider, Spinner, Ui};
+use nalgebra::DVector;
+use tautline_core::geometry::Vec3;
 use tautline_core::history::{CERTAIN, Part as RobotPart};
 use tautline_workflow::health::HealthVerdict;
 use tautline_workflow::history::{
     POSITION_TOLERANCE_M, Tolerance, changes as told, next_calibration,
 };
 use tautline_workflow::plot::Selection;
+use tautline_workflow::wording::units::mm;
 
 use crate::model::Model;
 use crate::model::command::{Outbox, READING_RECORD, RecordCommand};
@@ -20,7 +23,7 @@ use crate::model::part::Part;
 use crate::model::record::{CheckedPair, OpenRecord};
 use crate::theme::GRID;
 use crate::views::ViewStates;
-use crate::views::robot_3d::scene::{Displacement, Scene, SideNames, Subject};
+use crate::views::robot_3d::scene::{Displacement, PulleyPaths, Scene, SideNames, Subject};
 use crate::views::robot_3d::show_beside;
 use crate::widgets::{
     Entered, Number, Verdict, choice, empty, muted, number_checked, panel_frame, section, verdict,
@@ -203,9 +206,24 @@ fn robot(
                 };
                 ui.add(slider.custom_formatter(name)).labelled_by(label.id);
             });
+            muted(ui, &path_in_words(drawn, model.selection));
         });
     let view = (&mut views.record_3d, &mut views.hovered);
     show_beside(ui, &drawn.scene, model.selection, view, outbox);
+}
+
+/// What the picture shows of the selected pulley.
+fn path_in_words(drawn: &Drawn, selection: Selection) -> String {
+    let moved = |index: usize| drawn.scene.cables.get(index)?.moved;
+    let selected = selection.cable;
+    let Some((index, moved)) = selected.and_then(|index| Some((index, moved(index)?))) else {
+        return "Select a pulley to see its path over the sessions.".to_owned();
+    };
+    format!(
+        "Path of {}: {} mm from its place in the first session; the ring is the chosen one.",
+        drawn.open.record.robot().cables[index].name,
+        mm(moved.by.norm(), 1)
+    )
 }
 
 /// The panel at the right: what changed, when to calibrate again, and the sessions.
@@ -306,29 +324,60 @@ fn scene(open: &OpenRecord, shown: usize) -> Scene {
         ..Subject::new(&first.dataset.robot, &first.dataset.measurements)
     };
     let cables = 0..open.record.robot().cables.len();
-    let displacements = cables.map(|cable| displacement(open, cable, shown));
-    subject.scene().beside(NAMES, displacements)
+    let paths = PulleyPaths {
+        by: cables.clone().map(|cable| path(open, cable)).collect(),
+        date: shown,
+    };
+    let displacements = cables.map(|cable| displacement(open, cable, shown, &paths));
+    let mut scene = subject.scene().beside(NAMES, displacements);
+    scene.paths = Some(paths);
+    scene
+}
+
+/// The index of a pulley among the parts of the record.
+fn part_of(open: &OpenRecord, cable: usize) -> Option<usize> {
+    let mut parts = open.found.history.parts.iter();
+    parts.position(|part| *part == RobotPart::Pulley(cable))
+}
+
+/// How far a pulley is from its place in the first session, in each session.
+fn path(open: &OpenRecord, cable: usize) -> Vec<Vec3> {
+    let history = &open.found.history;
+    let Some(part) = part_of(open, cable) else {
+        return Vec::new();
+    };
+    let states = &history.states[part];
+    let by = |value: &DVector<f64>| {
+        let mut by = Vec3::zeros();
+        for (axis, value) in history.axes[part]
+            .iter()
+            .zip((value - &states[0].value).iter())
+        {
+            by[*axis] = *value;
+        }
+        by
+    };
+    states.iter().map(|state| by(&state.value)).collect()
 }
 
 /// How far a pulley is from its place in the first session.
-fn displacement(open: &OpenRecord, cable: usize, shown: usize) -> Displacement {
+fn displacement(
+    open: &OpenRecord,
+    cable: usize,
+    shown: usize,
+    paths: &PulleyPaths,
+) -> Displacement {
     let history = &open.found.history;
-    let is_it = |part: &RobotPart| *part == RobotPart::Pulley(cable);
     let mut displacement = Displacement {
         from: Default::default(),
-        by: Default::default(),
+        by: paths.by[cable].get(shown).copied().unwrap_or_default(),
         covariance: None,
         is_explained: true,
         moved: Some(false),
     };
-    let Some(part) = history.parts.iter().position(is_it) else {
+    let Some(part) = part_of(open, cable) else {
         return displacement;
     };
-    let states = &history.states[part];
-    let by = &states[shown].value - &states[0].value;
-    for (axis, value) in history.axes[part].iter().zip(by.iter()) {
-        displacement.by[*axis] = *value;
-    }
     let mut jumps = history.jumps.iter();
     let has_jumped = jumps
         .any(|jump| jump.part == part && jump.between[1] <= shown && jump.probability >= CERTAIN);

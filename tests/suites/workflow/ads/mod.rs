@@ -34,3 +34,4 @@ mod opcua_security;
 mod page;
 mod program;
 mod setting_up;
+mod until;

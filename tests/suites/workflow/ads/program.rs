@@ -16,11 +16,11 @@ use tautline_validation::support::program::{self, Answer, Folder, heard, tautlin
 use tautline_validation::support::ads::symbols::{Style, global, mapping};
 use tautline_validation::support::ads::{Host, PASSWORD, Plant, Protocol};
 
-fn controller(plant: &Plant) -> String {
+pub(super) fn controller(plant: &Plant) -> String {
     plant.server.choice()
 }
 
-fn session(path: &str) -> Session {
+pub(super) fn session(path: &str) -> Session {
     let read = read_session(Path::new(path));
     read.unwrap_or_else(|error| panic!("{error}")).value
 }
@@ -41,10 +41,10 @@ fn drawn() -> BTreeMap<String, f64> {
 }
 
 /// A user with files and a password of his own, who trusts the server of a plant.
-struct User(Folder);
+pub(super) struct User(Folder);
 
 impl User {
-    fn of(plant: &Plant) -> Self {
+    pub(super) fn of(plant: &Plant) -> Self {
         let user = Self(Folder::new());
         if let Some(fingerprint) = plant.server.fingerprint {
             let mut servers = TrustedServers::default();
@@ -62,12 +62,12 @@ impl User {
         command
     }
 
-    fn run(&self, words: &[&str]) -> Answer {
+    pub(super) fn run(&self, words: &[&str]) -> Answer {
         program::run(&mut self.command(words))
     }
 
     /// Starts the program, to type there.
-    fn start(&self, words: &[&str]) -> Child {
+    pub(super) fn start(&self, words: &[&str]) -> Child {
         program::spawn(&mut self.command(words), Stdio::piped())
     }
 }
@@ -148,7 +148,7 @@ fn a_robot_is_measured_verified_adjusted_and_verified_again(protocol: Protocol) 
 }
 
 /// Labels of the poses that a run has reported to be on disk.
-fn on_disk(told: &str) -> Vec<i64> {
+pub(super) fn on_disk(told: &str) -> Vec<i64> {
     let labels = told.lines().filter_map(|line| {
         let (label, rest) = line.strip_prefix("pose ")?.split_once(' ')?;
         rest.starts_with("is on disk").then(|| label.parse().ok())?

@@ -1,13 +1,14 @@
 //! `measure --until`: poses are decided on one by one, also by a run that is killed, and what cannot be is refused.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use tautline_core::geometry::Pose;
 use tautline_core::sequential::NextStep;
-use tautline_session::{PlannedPose, Session};
+use tautline_session::PlannedPose;
 use tautline_validation::generators::hypotheses;
-use tautline_workflow::sequential::{SequentialPlanner, UntilRequest, planned_label};
+use tautline_validation::support::decisions::check_decisions;
+use tautline_workflow::sequential::{UntilRequest, planned_label};
 
 use super::{beside, killed, session};
 use crate::commands::program::{Folder, assert_valid, tautline};
@@ -30,28 +31,12 @@ fn arguments(file: &str) -> [&str; 11] {
     ]
 }
 
-/// The pose that is decided on after the first rows of a session.
-fn decided(session: &Session, rows: usize) -> Option<Pose> {
-    let mut before = session.clone();
-    let first: Vec<usize> = (0..rows).collect();
-    before.measurements = session.measurements.select(&first);
-    let request = UntilRequest {
+fn request() -> UntilRequest {
+    UntilRequest {
         goals: vec![GOAL.parse().expect("a goal")],
         at_most: 40,
         seed: 1,
         among: None,
-    };
-    let mut planner = SequentialPlanner::start(&before, request).expect("a robot");
-    planner.ask(&before, &[]);
-    let decision = loop {
-        match planner.poll() {
-            Some(decision) => break decision.expect("a decision"),
-            None => std::thread::sleep(Duration::from_millis(1)),
-        }
-    };
-    match decision.step {
-        NextStep::Measure { pose, .. } => Some(pose),
-        _ => None,
     }
 }
 
@@ -121,13 +106,8 @@ fn a_killed_run_goes_on_with_the_same_decisions() {
     assert_eq!(measured.audit(), []);
     assert!(beside(&file).is_empty());
     assert!(kills > 0, "no kill came in time");
-    for rows in 1..labels.len() {
-        let commanded = measured.measurements.commanded[rows].expect("a command");
-        let pose = decided(&measured, rows).expect("a pose");
-        let off = pose.difference(&commanded).amax();
-        assert!(off < 1e-9, "after {rows} rows: {off}");
-    }
-    assert_eq!(decided(&measured, labels.len()), None);
+    let last = check_decisions(&measured, &request());
+    assert!(matches!(last.step, NextStep::Reached), "{:?}", last.step);
 }
 
 #[test]

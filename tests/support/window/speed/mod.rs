@@ -1,6 +1,7 @@
-//! Speed of the workbench: start, opening, turning the robot, measuring, idling, memory.
+//! Speed of the workbench: start, opening, turning the robot, measuring, the record, idling, memory.
 
 mod measuring;
+mod record;
 mod scene;
 
 use std::path::Path;
@@ -43,6 +44,7 @@ pub fn measure() -> Result<String> {
         scenes.push(scene::of_poses(tempfile::tempdir()?.path(), poses)?);
     }
     scenes.push(measuring::scene(tempfile::tempdir()?.path())?);
+    scenes.push(record::scene(tempfile::tempdir()?.path())?);
     let hour = measuring::hour(tempfile::tempdir()?.path())?;
     Ok(format!(
         "First frame {:.2} s after the start of the process (median of {STARTS}); {OPENED} poses opened and the frame with the \
@@ -55,7 +57,7 @@ pub fn measure() -> Result<String> {
     ))
 }
 
-/// Measures one part: `hour`, `measuring`, or a scene of so many poses.
+/// Measures one part: `hour`, `measuring`, `record`, or a scene of so many poses.
 ///
 /// # Errors
 /// If it is none of these, or the window cannot be opened or driven.
@@ -65,10 +67,11 @@ pub fn part(name: &str) -> Result<String> {
     Ok(match name {
         "hour" => measuring::markdown(&measuring::hour(folder)?),
         "measuring" => scene::markdown(&[measuring::scene(folder)?]),
+        "record" => scene::markdown(&[record::scene(folder)?]),
         poses => {
             let poses = poses
                 .parse()
-                .context("hour, measuring or a number of poses")?;
+                .context("hour, measuring, record or a number of poses")?;
             scene::markdown(&[scene::of_poses(folder, poses)?])
         }
     })

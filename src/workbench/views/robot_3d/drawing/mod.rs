@@ -3,6 +3,7 @@
 mod bands;
 mod colours;
 mod options;
+mod path;
 mod points;
 
 use std::sync::Arc;
@@ -120,6 +121,7 @@ impl Drawing {
         }
         if options.inspected.is_none() {
             drawing.trail(scene, palette);
+            drawing.path(scene, options, selection, palette);
             drawing.errors(scene, options, palette);
             drawing.instruments(scene, palette);
         }
@@ -243,7 +245,9 @@ impl Drawing {
         let tip = moved.from + moved.by * exaggeration;
         let colour = options.arrow_colour_of(scene);
         let ink = tone(arrow_colour(moved, colour, scene, palette));
-        if options.arrows {
+        // The path of a pulley has more to tell than the way from its first place to the chosen one.
+        let has_path = look.is_selected && scene.paths.is_some();
+        if options.arrows && !has_path {
             let most_m = match look.is_inspected {
                 true => 0.3 * placed.wheel.radius_m.max(0.2 * ARROW * scene.frame.size_m),
                 false => ARROW * scene.frame.size_m,

@@ -158,14 +158,15 @@ impl Options {
             .unwrap_or_else(|| scene.fitting_exaggeration())
     }
 
-    /// Where the displacements of a scene end as they are drawn (m).
+    /// Where the displacements of a scene end and the paths of its pulleys are as they are drawn (m).
     #[must_use]
     pub fn tips(&self, scene: &Scene) -> Vec<Vec3> {
         let exaggeration = self.exaggeration_of(scene);
         let moved = scene.cables.iter().filter_map(|cable| cable.moved.as_ref());
-        moved
-            .map(|moved| moved.from + moved.by * exaggeration)
-            .collect()
+        let tips = moved.map(|moved| moved.from + moved.by * exaggeration);
+        let cables = 0..scene.cables.len();
+        let paths = cables.flat_map(|cable| scene.path_of(cable, exaggeration));
+        tips.chain(paths).collect()
     }
 
     /// Whether a cable with its pulley steps back behind others: those that are not inspected, or that did not move where

@@ -91,6 +91,7 @@ impl<'a> Subject<'a> {
                 .live
                 .map_or_else(Arc::default, |live| Arc::clone(&live.trail)),
             besides: self.fit.map_or(Besides::Nothing, |_| Besides::Drawing),
+            paths: None,
             tolerance_m: None,
             frame,
         }

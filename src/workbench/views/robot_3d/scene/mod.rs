@@ -7,6 +7,7 @@ mod displacement;
 pub mod errors;
 mod frame;
 mod measured;
+mod path;
 mod platform;
 mod residuals;
 #[cfg(test)]
@@ -21,6 +22,7 @@ pub use displacement::{Displacement, Placed, Significance};
 pub use errors::PositionError;
 pub use frame::{Floor, FrameBox};
 pub use measured::{MeasuredPose, MeasuredPoses};
+pub use path::PulleyPaths;
 pub use platform::PlatformBox;
 
 use super::camera::Directions;
@@ -180,6 +182,8 @@ pub struct Scene {
     pub errors: Vec<PositionError>,
     /// What pulleys are shown besides the identified ones.
     pub besides: Besides,
+    /// Where the pulleys were at several dates, if that is known.
+    pub paths: Option<PulleyPaths>,
     /// How far a pulley may be from the drawing, if that is known (m).
     pub tolerance_m: Option<f64>,
 }
@@ -202,9 +206,11 @@ impl Scene {
     pub fn fitting_exaggeration(&self) -> f64 {
         let moved = self.cables.iter().filter_map(|cable| cable.moved.as_ref());
         let errors = self.errors.iter().map(|error| error.by.norm());
+        let paths = self.paths.iter().map(PulleyPaths::reach_m);
         let largest_m = moved
             .map(Displacement::reach_m)
             .chain(errors)
+            .chain(paths)
             .fold(0.0, f64::max);
         let most = WELL_SEEN * self.frame.size_m / largest_m;
         EXAGGERATIONS

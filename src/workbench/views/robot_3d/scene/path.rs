@@ -1,0 +1,38 @@
+//! Where pulleys were at several dates.
+
+use tautline_core::geometry::Vec3;
+
+use super::Scene;
+
+/// Where the pulleys were at several dates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PulleyPaths {
+    /// Displacement of the pulley of each cable from its place at the first date (m), in the order of the dates.
+    pub by: Vec<Vec<Vec3>>,
+    /// Index of the date that is shown.
+    pub date: usize,
+}
+
+impl PulleyPaths {
+    /// The longest displacement of any pulley (m), so that the picture keeps its scale from date to date.
+    #[must_use]
+    pub fn reach_m(&self) -> f64 {
+        let all = self.by.iter().flatten();
+        all.map(|by| by.norm()).fold(0.0, f64::max)
+    }
+}
+
+impl Scene {
+    /// Where the path of a pulley is drawn if displacements are magnified so many times, in the order of the dates (m); empty
+    /// where it is not known.
+    #[must_use]
+    pub fn path_of(&self, cable: usize, magnification: f64) -> Vec<Vec3> {
+        let by = self.paths.as_ref().and_then(|paths| paths.by.get(cable));
+        let from = self.cables.get(cable).and_then(|cable| cable.moved);
+        let (Some(by), Some(moved)) = (by, from) else {
+            return Vec::new();
+        };
+        let place = |by: &Vec3| moved.from + by * magnification;
+        by.iter().map(place).collect()
+    }
+}
