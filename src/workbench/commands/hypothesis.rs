@@ -292,7 +292,7 @@ pub(super) fn receive(model: &mut Model, outcome: HypothesisOutcome) {
         }
         HypothesisOutcome::Gallery(robot, result) => {
             if let Some(result) = result.transpose() {
-                let result = result.map(|gallery| Arc::from(gallery));
+                let result = result.map(Arc::from);
                 model.hypothesis.gallery = Some((*robot, result));
             } else {
                 model.messages.info("Simulating effects was stopped.");

@@ -174,8 +174,9 @@ fn images(before: &Identification, after: &Identification, bound: &BoundEffect) 
     let groups = strengths(&parts, |one| (order(one.quantity), one.cable));
     let shown = groups.iter().enumerate().take(MOST_IMAGES);
     let shown = shown.filter(|(place, (.., largest))| *place == 0 || *largest >= LEAST_SEEN);
-    let image = |(_, (key, ..)): (usize, &((usize, Option<usize>), f64, f64))| {
-        let is_own = |one: &Residual| (order(one.quantity), one.cable) == *key;
+    let keys = shown.map(|(_, (key, ..))| *key);
+    let image = |key: (usize, Option<usize>)| {
+        let is_own = |one: &Residual| (order(one.quantity), one.cable) == key;
         let quantity = parts.iter().find(|one| is_own(one))?.quantity;
         let cable = key.1;
         let abscissa = Abscissa::of(before, bound.effect, &[(quantity, cable)]);
@@ -200,7 +201,7 @@ fn images(before: &Identification, after: &Identification, bound: &BoundEffect) 
             figure: abscissa.figure(vec![residuals, pattern.as_rings()]),
         })
     };
-    shown.filter_map(image).collect()
+    keys.filter_map(image).collect()
 }
 
 #[cfg(test)]
