@@ -9,8 +9,8 @@ use opcua_types::{
     CreateSubscriptionRequest, CreateSubscriptionResponse, DataChangeNotification, DataValue,
     DeleteSubscriptionsRequest, DeleteSubscriptionsResponse, MonitoredItemCreateRequest,
     MonitoringMode, MonitoringParameters, NodeId, PublishRequest, PublishResponse, ReadValueId,
-    StatusChangeNotification, StatusCode, SubStatusCode, SubscriptionAcknowledgement,
-    TimestampsToReturn,
+    RequestHeader, StatusChangeNotification, StatusCode, SubStatusCode,
+    SubscriptionAcknowledgement, TimestampsToReturn,
 };
 
 use super::client::{NODES, OpcUaClient, RequestError};
@@ -182,7 +182,11 @@ impl OpcUaClient {
     ) -> Result<(), RequestError> {
         self.request = "to publish live values".to_owned();
         let request = PublishRequest {
-            request_header: self.wire.header(&self.token),
+            // It is answered when there is something to tell, however late.
+            request_header: RequestHeader {
+                timeout_hint: 0,
+                ..self.wire.header(&self.token)
+            },
             subscription_acknowledgements: confirmed.map(|one| vec![one]),
         };
         let sent = self.wire.leave(&request);

@@ -136,6 +136,6 @@ fn files_that_the_page_names_are_there() {
             let place = root().join(from).join(path);
             place.exists() || place.with_extension("rs").exists()
         };
-        assert!(NAMED_FROM.iter().any(|from| is_there(from)), "{path}");
+        assert!(NAMED_FROM.iter().any(is_there), "{path}");
     }
 }
