@@ -278,7 +278,7 @@ fn single_column_evidence(
 
 impl CandidateScore {
     /// Converts to units of the prior at scale 1.
-    fn in_prior_units(&self, candidate: &Candidate) -> Self {
+    pub(super) fn in_prior_units(&self, candidate: &Candidate) -> Self {
         Self {
             score: candidate.prior.tr_mul(&self.score),
             information: candidate.prior.tr_mul(&self.information) * &candidate.prior,

@@ -68,7 +68,9 @@ pub fn single_causes(
 /// Scale of the size prior at which a candidate is most probable, and its log posterior odds there.
 fn best_scale(gram: &Gram<'_>, index: usize) -> Option<(usize, f64)> {
     let candidate = &gram.candidates[index];
-    let values = gram.scores[index].at_scales(candidate);
+    let values = gram.scores[index]
+        .in_prior_units(candidate)
+        .at_scales(candidate);
     let best = values.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(value, scale)| (scale, value + candidate.log_odds))
 }

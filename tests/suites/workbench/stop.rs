@@ -9,7 +9,8 @@ use egui::{Key, Modifiers, Rect, Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
-    FileCommand, IdentificationCommand, ReportCommand, RobotCommand, Setup, ViewCommand, WriteDraft,
+    FileCommand, HypothesisCommand, IdentificationCommand, ReportCommand, RobotCommand, Setup,
+    ViewCommand, WriteDraft,
 };
 use tautline_workbench::model::link::Doing;
 use tautline_workbench::model::phase::Phase;
@@ -111,7 +112,7 @@ struct Dialog {
     field: Option<&'static str>,
 }
 
-const DIALOGS: [Dialog; 7] = [
+const DIALOGS: [Dialog; 8] = [
     Dialog {
         name: "behind the file chooser",
         open: |bench| {
@@ -145,6 +146,16 @@ const DIALOGS: [Dialog; 7] = [
         name: "leaving",
         open: |bench| bench.give(FileCommand::Close),
         shows: "Save the changes?",
+        field: None,
+    },
+    Dialog {
+        name: "unsaved hypothesis",
+        open: |bench| {
+            bench.give(HypothesisCommand::Show);
+            bench.give(HypothesisCommand::SetText("id = 1".to_owned()));
+            bench.give(HypothesisCommand::New);
+        },
+        shows: "Save the hypothesis?",
         field: None,
     },
     Dialog {

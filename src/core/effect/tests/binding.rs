@@ -39,7 +39,7 @@ fn what_makes_no_sense_is_refused() {
     for (request, part) in [
         (
             "cable_slip:cable-2:pose=x",
-            "expected a number for \"pose\"",
+            "found \"pose=x\", expected NAME=NUMBER",
         ),
         ("cable_slip:cable-9:pose=3", "no cable \"cable-9\""),
         (

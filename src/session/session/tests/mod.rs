@@ -296,7 +296,7 @@ fn broken_sessions_are_refused_with_a_pointer() {
     );
     let goal = error(|s| s["settings"]["until"] = json!({"goals": ["cause=95"]}));
     assert!(
-        goal.contains("/settings/until/goals/0: found the probability \"95\", expected 50 to 98%"),
+        goal.contains("/settings/until/goals/0: found \"cause=95\", expected 50 to 98%"),
         "{goal}"
     );
     let none = error(|s| s["settings"]["until"] = json!({"at_most": 0}));

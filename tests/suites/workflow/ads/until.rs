@@ -64,7 +64,10 @@ fn poses_are_decided_on_also_by_a_run_that_is_killed(protocol: Protocol) {
     let log = measured.log();
     for label in labels.iter().filter(|label| **label != 0) {
         let chosen = format!("Pose {label} was chosen: it ");
-        assert!(log.iter().any(|entry| entry.text.starts_with(&chosen)));
+        assert!(
+            log.iter().any(|entry| entry.text.starts_with(&chosen)),
+            "{chosen}{log:?}"
+        );
     }
 }
 

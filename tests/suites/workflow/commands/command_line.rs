@@ -52,8 +52,9 @@ fn examples(words: &[&str]) -> Vec<String> {
 }
 
 /// What examples need beyond the program: files of the user, a controller, typed answers, a long time.
-const NEED_MORE: [&str; 8] = [
+const NEED_MORE: [&str; 9] = [
     "--hypothesis",
+    "--record",
     "tautline history",
     "log.csv",
     "opc.tcp:",
@@ -371,7 +372,13 @@ fn the_effects_and_the_certificate_are_documents_too() {
     let parameters = &slip.expect("listed")["parameters"];
     assert_eq!(parameters[0]["unit"], "m");
     assert_eq!(parameters[1]["is_given"], true);
-    tautline(&["effects", "--json", "-", "--quantities"]).refused(&["--quantities"]);
+    let both = tautline(&["effects", "--json", "-", "--quantities"]);
+    assert_eq!(both.code, Some(2), "{}", both.stderr);
+    assert!(
+        both.stderr.contains("cannot be used with '--quantities'"),
+        "{}",
+        both.stderr
+    );
 
     let folder = Folder::new();
     let mut command = Command::new(program());
