@@ -264,6 +264,7 @@ impl SessionFile {
                     reason,
                 })?;
             recovered.notices.into_iter().for_each(&mut *notify);
+            self.take_log(&recovered.value.session);
             let added = self.session.append_missing(&recovered.value.session);
             let added = added.map_err(|reason| SessionFileError::Misfit { folder, reason })?;
             if !added.is_empty() {
@@ -285,6 +286,16 @@ impl SessionFile {
 }
 
 impl SessionFile {
+    /// Adds what a later state of the session has in its log, such as why each pose was chosen.
+    fn take_log(&mut self, later: &Session) {
+        let known = self.session.log().len();
+        if later.log().get(..known) == Some(self.session.log()) {
+            for entry in &later.log()[known..] {
+                self.session.record(entry.clone());
+            }
+        }
+    }
+
     /// Moves an autosave that could not be recovered completely to a name that nothing removes.
     fn keep(&self, aside: &Path, notify: &mut dyn FnMut(String)) -> Result<(), SessionFileError> {
         let mut name = OsString::from(DAMAGED);
