@@ -13,7 +13,7 @@ use tautline_workbench::model::command::{
     ViewCommand, WriteDraft,
 };
 use tautline_workbench::model::link::Doing;
-use tautline_workbench::model::phase::Phase;
+use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::State;
 use tautline_workbench::views::robot_3d::scene::Shown;
 use tautline_workflow::report::ReportFormat;
@@ -212,6 +212,9 @@ fn a_click_on_stop_reaches_the_robot_through_every_dialog_and_leaves_it_open() {
             bench.harness.query_by_label(dialog.shows).is_none(),
             "{name}"
         );
+        // The dialog about a hypothesis belongs to another screen.
+        bench.give(ViewCommand::Go(Screen::Phase(Phase::Measuring)));
+        step(&mut bench);
         bench.press("Continue measuring");
     }
 }
