@@ -340,7 +340,11 @@ fn divide_by_factor(columns: &mut DMatrix<f64>, l: &DMatrix<f64>) {
 
 /// Largest log evidence over the scales of a candidate, including the prior of the scale, for a score in units of the
 /// prior at scale 1. `None` if it is clearly below `least`.
-fn best_scale(candidate: &Candidate, own: &CandidateScore, least: f64) -> Option<(f64, usize)> {
+pub(super) fn best_scale(
+    candidate: &Candidate,
+    own: &CandidateScore,
+    least: f64,
+) -> Option<(f64, usize)> {
     let (gain, probe) = own.value(candidate, candidate.scales.len() / 2)?;
     if gain < STRONG_GAIN && probe + candidate.log_odds < least - MAX_DEFICIT {
         return None;

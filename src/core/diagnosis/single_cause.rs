@@ -1,8 +1,8 @@
 //! One effect by itself, without rivals: where and at which size it would explain the readings best.
 
+use super::evidence::{Member, best_scale};
 use super::fit::Fit;
 use super::fitted_problem::{problem_at_fitted_poses, with_assumed_tolerances};
-use super::gram::Gram;
 use super::linear_fit::LinearFit;
 use super::priors::AS_STATED;
 use super::relations::is_same_effect_and_targets;
@@ -39,16 +39,18 @@ pub fn single_causes(
     let fit = Fit::new(&problem, &[])?;
     let at = LinearFit::new(&fit, true);
     let mut gram = at.gram(&at.linear.described(AS_STATED));
-    let mut found: Vec<((usize, usize), f64)> = Vec::new();
+    let mut found: Vec<(Member, f64)> = Vec::new();
     for index in 0..gram.candidates.len() {
         let candidate = &gram.candidates[index];
         if !std::ptr::eq(candidate.effect(), effect) || candidate.is_family() {
             continue;
         }
-        let Some((scale, log_odds)) = best_scale(&gram, index) else {
+        let own = gram.scores[index].in_prior_units(candidate);
+        let Some((evidence, scale)) = best_scale(candidate, &own, f64::NEG_INFINITY) else {
             continue;
         };
-        let is_there = |((known, _), _): &&mut ((usize, usize), f64)| {
+        let log_odds = evidence + candidate.log_odds;
+        let is_there = |((known, _), _): &&mut (Member, f64)| {
             is_same_effect_and_targets(&gram.candidates[*known].cause, &candidate.cause)
         };
         match found.iter_mut().find(is_there) {
@@ -63,14 +65,4 @@ pub fn single_causes(
         Some(SingleCause { cause, log_odds })
     };
     Ok(found.into_iter().filter_map(cause).collect())
-}
-
-/// Scale of the size prior at which a candidate is most probable, and its log posterior odds there.
-fn best_scale(gram: &Gram<'_>, index: usize) -> Option<(usize, f64)> {
-    let candidate = &gram.candidates[index];
-    let values = gram.scores[index]
-        .in_prior_units(candidate)
-        .at_scales(candidate);
-    let best = values.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-    best.map(|(value, scale)| (scale, value + candidate.log_odds))
 }
