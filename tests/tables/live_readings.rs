@@ -54,7 +54,13 @@ pub fn study(seconds: f64) -> Result<Vec<Delivered>> {
         let zero = Instant::now();
         plant.server.run_clock(&global("time"), zero);
         let mut client = plant.client();
-        all.push(measure(("ADS", way), seconds, &mut client, zero)?);
+        let mut delivered = measure(("ADS", way), seconds, &mut client, zero)?;
+        if matches!(way, Way::Sent(_)) {
+            // A busy server skips cycles itself, which are not lost on the way.
+            let sent = plant.server.notifications() as f64;
+            delivered.lost = (1.0 - delivered.ages_s.len() as f64 / sent).max(0.0);
+        }
+        all.push(delivered);
     }
     for way in ways {
         let plant = Plant::speaking(Protocol::OpcUa, Style::Arrays);

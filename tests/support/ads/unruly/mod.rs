@@ -232,6 +232,12 @@ impl Unruly {
         lock(&self.state).clock = Some((name.to_owned(), zero));
     }
 
+    /// Number of notifications that were sent so far.
+    #[must_use]
+    pub fn notifications(&self) -> u64 {
+        lock(&self.state).notifications
+    }
+
     /// Number of symbols that clients are subscribed to.
     #[must_use]
     pub fn subscriptions(&self) -> usize {
