@@ -57,7 +57,7 @@ pub fn study(seconds: f64) -> Result<Vec<Delivered>> {
         let mut delivered = measure(("ADS", way), seconds, &mut client, zero)?;
         if matches!(way, Way::Sent(_)) {
             // A busy server skips cycles itself, which are not lost on the way.
-            let sent = plant.server.notifications() as f64;
+            let sent = plant.server.cycles_sent();
             delivered.lost = (1.0 - delivered.ages_s.len() as f64 / sent).max(0.0);
         }
         all.push(delivered);

@@ -12,6 +12,7 @@ pub mod lives;
 pub mod many_poses;
 pub mod motion;
 pub mod nist;
+pub mod parallel;
 pub mod study_speed;
 pub mod table1;
 pub mod tolerances;

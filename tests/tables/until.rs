@@ -2,14 +2,13 @@
 //! other than stated, and parts a little off.
 
 use std::fmt::Write as _;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result, ensure};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
 use tautline_core::diagnosis::{DiagnosisOptions, Finding, diagnose};
 use tautline_core::effect::{
     BoundEffect, CATALOGUE, Effect, EffectSetting, Scope, Search, part_deviations,
@@ -26,8 +25,10 @@ use tautline_core::sequential::{
 use tautline_core::simulation::{SimulationOptions, simulate};
 
 use crate::tables::hidden::{
-    Claim, Found, NoiseFactors, Started, VISIBLE, add_noise, clopper_pearson, judge, wrong_names,
+    Claim, Found, NoiseFactors, Records, Started, VISIBLE, add_noise, clopper_pearson, judge,
+    wrong_names,
 };
+use crate::tables::parallel::in_parallel;
 
 /// Kinds of robots, in turn; the last one is the first with an external instrument.
 const ROBOTS: [&str; 5] = ["mini", "hall", "suspended", "planar", "mini-tracked"];
@@ -58,7 +59,7 @@ struct Machine {
 }
 
 /// What a run or the fixed plan says about a robot.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 struct Said {
     poses: usize,
     /// Hidden faults that are named, and those that are named or listed.
@@ -75,7 +76,7 @@ struct Said {
 }
 
 /// Outcome of one robot.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Outcome {
     faults: usize,
     fixed: Said,
@@ -84,42 +85,44 @@ pub struct Outcome {
     seconds: Vec<f64>,
 }
 
-/// Measures `robots` robots in both ways, from a first seed on.
+/// A robot of the study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Case {
+    /// Which of [`ROBOTS`].
+    kind: usize,
+    faults: usize,
+    seed: u64,
+}
+
+/// The first cases, from a seed on: the kinds in turn, and of each none, one and two faults.
+#[must_use]
+pub fn cases(robots: usize, first_seed: u64) -> Vec<Case> {
+    let case = |number: usize| Case {
+        kind: number % ROBOTS.len(),
+        faults: number / ROBOTS.len() % 3,
+        seed: first_seed + number as u64,
+    };
+    (0..robots).map(case).collect()
+}
+
+/// Measures robots in both ways; the outcomes of those on record come from there.
 ///
 /// # Errors
-/// If a robot cannot be simulated or diagnosed.
-pub fn study(robots: usize, first_seed: u64) -> Result<Vec<Outcome>> {
+/// If a robot cannot be simulated or diagnosed, or the records cannot be written.
+pub fn study(cases: &[Case], records: &Records<Case, Outcome>) -> Result<Vec<Outcome>> {
     let fixed: Result<Vec<Vec<Pose>>> = ROBOTS.iter().map(|name| fixed_plan(name)).collect();
     let fixed = fixed?;
-    let next = AtomicUsize::new(0);
-    let found: Mutex<Vec<(usize, Result<Outcome>)>> = Mutex::new(Vec::new());
-    let work = || {
-        loop {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            if number >= robots {
-                break;
-            }
-            let kind = number % ROBOTS.len();
-            let faults = number / ROBOTS.len() % 3;
-            let seed = first_seed + number as u64;
-            let outcome = outcome((ROBOTS[kind], &fixed[kind]), faults, seed);
-            if let Ok(mut found) = found.lock() {
-                found.push((number, outcome));
-            }
+    let outcome = |case: &Case| -> Result<Outcome> {
+        if let Some(Some(known)) = records.of(case) {
+            return Ok(known.clone());
         }
+        let robot = (ROBOTS[case.kind], fixed[case.kind].as_slice());
+        let outcome =
+            outcome(robot, case.faults, case.seed).with_context(|| format!("{case:?}"))?;
+        records.add(case, Some(&outcome))?;
+        Ok(outcome)
     };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(work);
-        }
-    });
-    let mut found = found.into_inner().unwrap_or_default();
-    found.sort_by_key(|(number, _)| *number);
-    found
-        .into_iter()
-        .map(|(number, outcome)| outcome.with_context(|| format!("robot {number}")))
-        .collect()
+    in_parallel(cases, None, outcome).into_iter().collect()
 }
 
 fn preset(name: &str) -> Result<Preset> {

@@ -81,6 +81,8 @@ pub(super) fn gains_of_accuracy(limit_m: f64, of: &ExpectedInformation) -> Vec<f
 /// What the poses have to tell apart.
 #[derive(Debug, Clone)]
 pub(super) struct Hypotheses {
+    /// Number of poses.
+    poses: usize,
     /// Probabilities: sets of causes, then faults that are not excluded beside the first set.
     probabilities: Vec<f64>,
     /// The sets.
@@ -130,6 +132,7 @@ impl Hypotheses {
         let total: f64 = probabilities.iter().sum();
         probabilities.iter_mut().for_each(|p| *p /= total);
         Ok(Self {
+            poses,
             probabilities,
             sets,
             unseen,
@@ -177,19 +180,13 @@ impl Hypotheses {
 
     /// Share of the entropy that each pose removes.
     pub fn gains(&self) -> Vec<f64> {
-        let poses = self.poses();
         let entropy = self.entropy();
         if entropy <= 0.0 {
-            return vec![0.0; poses];
+            return vec![0.0; self.poses];
         }
-        (0..poses)
+        (0..self.poses)
             .map(|pose| self.information(pose, 1.0) / entropy)
             .collect()
-    }
-
-    fn poses(&self) -> usize {
-        let any = self.of_sets.first().or(self.of_unseen.first());
-        any.map_or(0, Vec::len)
     }
 
     /// The rival of the first hypothesis that a pose makes least probable: the index of a set, or of a fault after them.
@@ -210,7 +207,7 @@ impl Hypotheses {
         };
         (1..self.sets.len()).find(|other| {
             let set = &self.sets[*other];
-            let most = (0..self.poses()).map(|pose| self.lambda((0, *other), pose));
+            let most = (0..self.poses).map(|pose| self.lambda((0, *other), pose));
             let is_other = !contains(first, set) && !contains(set, first);
             is_other && most.fold(0.0, f64::max) * times < decisive
         })
@@ -314,4 +311,24 @@ pub(super) fn best(
     let value = |pose: &usize| gain(*pose) / time(*pose);
     let best = (0..poses.len()).max_by(|a, b| value(a).total_cmp(&value(b)).then(b.cmp(a)))?;
     Some((best, gain(best)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_single_hypothesis_gives_poses_no_gain() {
+        let alone = Hypotheses {
+            poses: 3,
+            probabilities: vec![1.0],
+            sets: vec![Vec::new()],
+            unseen: Vec::new(),
+            of_sets: Vec::new(),
+            of_unseen: Vec::new(),
+        };
+        assert_eq!(alone.gains(), [0.0; 3]);
+        assert_eq!(alone.rival_at(2), None);
+        assert_eq!(alone.inseparable(10.0, 9.0), None);
+    }
 }

@@ -39,6 +39,7 @@ const RUNS_SEED: u64 = 49_000;
 const UNTIL_SEED: u64 = 46_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
 const RECORDS: &str = "target/studies.jsonl";
+const UNTIL_RECORDS: &str = "target/until.jsonl";
 const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
 
 const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
@@ -157,7 +158,9 @@ fn lives_table(lives: Option<&str>) -> Result<String> {
 fn until_table(numbers: &[String]) -> Result<String> {
     let robots = numbers.first().map_or(Ok(300), |text| text.parse())?;
     let first_seed = numbers.get(1).map_or(Ok(UNTIL_SEED), |text| text.parse())?;
-    Ok(until::markdown(&until::study(robots, first_seed)?))
+    let records = Records::open(Path::new(UNTIL_RECORDS))?;
+    let outcomes = until::study(&until::cases(robots, first_seed), &records)?;
+    Ok(until::markdown(&outcomes))
 }
 
 fn tolerances_table(machines: Option<&str>) -> Result<String> {

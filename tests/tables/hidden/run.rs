@@ -1,7 +1,5 @@
 //! Simulates cases, diagnoses them and compares the findings with the truth.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use anyhow::Result;
@@ -23,6 +21,7 @@ use super::measure::{ParameterError, held_out_ratio, parameter_errors, rivals_fi
 use super::robots::Truth;
 use super::visibility::solved;
 use super::{Circumstances, Conditions, Hidden, Plan, Records, Setup, Wanted};
+use crate::tables::parallel::in_parallel;
 
 /// How certain the name of a finding is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -345,47 +344,11 @@ fn errors(
 /// Results by plan in the order of the plans; `None` if the robot has no reading for the effect.
 type Results<T> = Vec<(Plan, Result<Option<T>>)>;
 
-/// Processes all plans in several threads.
-fn in_parallel<T: Send>(
-    plans: &[Plan],
-    threads: usize,
-    job: impl Fn(&Plan) -> Result<Option<T>> + Sync,
-) -> Results<T> {
-    let next = AtomicUsize::new(0);
-    let results = Mutex::new(Vec::new());
-    let work = || {
-        loop {
-            let n = next.fetch_add(1, Ordering::Relaxed);
-            let Some(plan) = plans.get(n) else {
-                break;
-            };
-            let result = job(plan);
-            if let Ok(mut results) = results.lock() {
-                results.push((n, *plan, result));
-            }
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(work);
-        }
-    });
-    let mut results = results.into_inner().unwrap_or_default();
-    results.sort_by_key(|(n, ..)| *n);
-    let numbered = results.into_iter();
-    numbered.map(|(_, plan, result)| (plan, result)).collect()
-}
-
-/// Number of processors of the machine.
-fn processors() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
-}
-
 /// Draws and runs all plans in several threads, by default as many as there are processors. Recorded outcomes are
 /// reused, and new ones are recorded.
 #[must_use]
 pub fn run_all(plans: &[Plan], threads: Option<usize>, records: &Records) -> Study {
-    let job = |plan: &Plan| {
+    let job = |plan: &Plan| -> Result<Option<Outcome>> {
         if let Some(known) = records.of(plan) {
             return Ok(known.clone());
         }
@@ -394,11 +357,11 @@ pub fn run_all(plans: &[Plan], threads: Option<usize>, records: &Records) -> Stu
         Ok(outcome)
     };
     let mut study = Study::default();
-    for (plan, result) in in_parallel(plans, threads.unwrap_or_else(processors), job) {
+    for (plan, result) in plans.iter().zip(in_parallel(plans, threads, job)) {
         match result {
             Ok(Some(outcome)) => study.outcomes.push(outcome),
             Ok(None) => study.not_applicable += 1,
-            Err(error) => study.impossible.push((plan, format!("{error:#}"))),
+            Err(error) => study.impossible.push((*plan, format!("{error:#}"))),
         }
     }
     study
@@ -407,5 +370,6 @@ pub fn run_all(plans: &[Plan], threads: Option<usize>, records: &Records) -> Stu
 /// Draws all plans without diagnosing them.
 #[must_use]
 pub fn draw_all(plans: &[Plan]) -> Results<Drawn> {
-    in_parallel(plans, processors(), draw)
+    let drawn = in_parallel(plans, None, draw);
+    plans.iter().copied().zip(drawn).collect()
 }
