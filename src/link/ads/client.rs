@@ -54,7 +54,8 @@ pub(super) struct AdsClient {
     sums: bool,
     /// Handles of the subscriptions.
     handles: Vec<u32>,
-    rows: Rows,
+    /// While there are any.
+    rows: Option<Rows>,
 }
 
 impl AdsClient {
@@ -81,7 +82,7 @@ impl AdsClient {
                         request: String::new(),
                         sums: true,
                         handles: Vec::new(),
-                        rows: Rows::default(),
+                        rows: None,
                     });
                 }
                 Err(SocketError::Invalid(_)) => {
@@ -222,6 +223,7 @@ impl AdsClient {
         self.unsubscribe()?;
         self.request = format!("to send {} symbols in every cycle", places.len());
         self.wire.keep_notifications();
+        self.rows = Some(Rows::new(every_s));
         for place in places {
             let request = [place.head().concat(), notifications::cycle(every_s)].concat();
             match self.ask(Command::Subscribe, &request, 4) {
@@ -239,6 +241,7 @@ impl AdsClient {
     /// Ends all subscriptions. It does not matter if the controller no longer knows one of them.
     pub fn unsubscribe(&mut self) -> Answer<()> {
         "to end a subscription".clone_into(&mut self.request);
+        self.rows = None;
         for handle in std::mem::take(&mut self.handles) {
             match self.ask(Command::Unsubscribe, &handle.to_le_bytes(), 0) {
                 Ok(_) | Err(RequestError::Refused(_)) => {}
@@ -248,13 +251,16 @@ impl AdsClient {
         Ok(())
     }
 
-    /// The values received at times for which all subscribed places have arrived, the oldest first.
+    /// The received values of all subscribed places, by cycle, the oldest first.
     pub fn notified(&mut self) -> Answer<Vec<Row>> {
         let frames = self.wire.take_notifications();
         "for the rest of a notification".clone_into(&mut self.request);
         let frames = frames.map_err(|broken| self.lost(broken))?;
+        let Some(rows) = &mut self.rows else {
+            return Ok(Vec::new());
+        };
         let count = self.handles.len();
-        let rows = frames.iter().flat_map(|frame| self.rows.take(frame, count));
+        let rows = frames.iter().flat_map(|frame| rows.take(frame, count));
         Ok(rows.collect())
     }
 

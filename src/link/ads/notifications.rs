@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-/// Time units of a subscription per second.
+/// Time units of subscriptions and stamps per second.
 const UNITS_PER_S: f64 = 1e7;
 /// Transmission mode: the controller sends in every cycle, whether values have changed or not.
 const EVERY_CYCLE: u32 = 3;
@@ -13,40 +13,53 @@ const RESERVED: usize = 16;
 
 /// The end of a subscription request, after the place: transmission mode and interval.
 pub(super) fn cycle(every_s: f64) -> Vec<u8> {
-    // The cast saturates, as intended.
-    let units = (every_s * UNITS_PER_S).round() as u32;
     // No delay beyond the cycle, so that values are shown at once.
-    let words = [EVERY_CYCLE, 0, units].map(u32::to_le_bytes);
+    let words = [EVERY_CYCLE, 0, units(every_s)].map(u32::to_le_bytes);
     [words.concat(), vec![0; RESERVED]].concat()
 }
 
-/// The values of one instant received so far, by subscription.
+/// An interval in units of subscriptions and stamps.
+fn units(every_s: f64) -> u32 {
+    // The cast saturates, as intended.
+    (every_s * UNITS_PER_S).round() as u32
+}
+
+/// Values that belong together, by subscription.
 pub(super) type Row = BTreeMap<u32, Vec<u8>>;
 
-/// Collects the values of one instant, which may arrive in several frames.
-#[derive(Debug, Default)]
+/// Collects values that belong together. They may arrive in several frames and, as subscriptions begin in different cycles of
+/// the controller, with stamps that differ by less than the interval of the subscriptions.
+#[derive(Debug)]
 pub(super) struct Rows {
-    /// Time stamp of the incomplete row.
-    stamp: u64,
-    row: Row,
+    /// Interval of the subscriptions, in units of the stamps.
+    every: u64,
+    /// What arrived since the last row, with its stamp.
+    latest: BTreeMap<u32, (u64, Vec<u8>)>,
 }
 
 impl Rows {
+    /// Rows of subscriptions that are sent every `every_s` seconds.
+    pub fn new(every_s: f64) -> Self {
+        Self {
+            every: u64::from(units(every_s)),
+            latest: BTreeMap::new(),
+        }
+    }
+
     /// Adds a frame and returns the rows that have a value for each of `subscriptions` subscriptions. Inconsistent
     /// frames and rows with gaps are dropped.
     pub fn take(&mut self, frame: &[u8], subscriptions: usize) -> Vec<Row> {
         let mut full = Vec::new();
         for (stamp, samples) in parse(frame).unwrap_or_default() {
-            if stamp != self.stamp {
-                self.stamp = stamp;
-                self.row.clear();
+            for (handle, bytes) in samples {
+                self.latest.insert(handle, (stamp, bytes.to_vec()));
             }
-            let samples = samples
-                .into_iter()
-                .map(|(handle, bytes)| (handle, bytes.to_vec()));
-            self.row.extend(samples);
-            if self.row.len() == subscriptions {
-                full.push(std::mem::take(&mut self.row));
+            // What is an interval old has its own successor on the way.
+            self.latest
+                .retain(|_, (at, _)| stamp.abs_diff(*at) < self.every);
+            if self.latest.len() == subscriptions {
+                let row = std::mem::take(&mut self.latest).into_iter();
+                full.push(row.map(|(handle, (_, bytes))| (handle, bytes)).collect());
             }
         }
         full
@@ -93,6 +106,11 @@ impl<'a> Bytes<'a> {
 mod tests {
     use super::*;
 
+    /// An interval of ten units.
+    fn rows() -> Rows {
+        Rows::new(10.0 / UNITS_PER_S)
+    }
+
     type Samples<'a> = &'a [(u32, &'a [u8])];
 
     fn frame(stamps: &[(u64, Samples<'_>)]) -> Vec<u8> {
@@ -118,8 +136,8 @@ mod tests {
         let (a, b, c, d): ([u8; 2], [u8; 1], [u8; 2], [u8; 1]) = ([1, 2], [3], [4, 5], [6]);
         let expected = vec![row([&a, &b]), row([&c, &d])];
         let whole = frame(&[(10, &[(1, &a), (2, &b)]), (20, &[(1, &c), (2, &d)])]);
-        assert_eq!(Rows::default().take(&whole, 2), expected);
-        let mut rows = Rows::default();
+        assert_eq!(rows().take(&whole, 2), expected);
+        let mut rows = self::rows();
         let parts = [
             frame(&[(10, &[(1, &a)])]),
             frame(&[(10, &[(2, &b)]), (20, &[(2, &d)])]),
@@ -130,26 +148,33 @@ mod tests {
     }
 
     #[test]
+    fn subscriptions_of_different_cycles_are_put_together() {
+        let value = |number: u8| [number];
+        let mut rows = self::rows();
+        for cycle in 0..5 {
+            let at = 100 + 10 * u64::from(cycle);
+            let first = frame(&[(at, &[(1, &value(cycle))])]);
+            assert!(rows.take(&first, 2).is_empty());
+            let second = frame(&[(at + 7, &[(2, &value(cycle + 100))])]);
+            let expected = row([&value(cycle), &value(cycle + 100)]);
+            assert_eq!(rows.take(&second, 2), [expected]);
+        }
+    }
+
+    #[test]
     fn rows_with_gaps_and_frames_that_do_not_add_up_are_left_out() {
-        let mut rows = Rows::default();
+        let mut rows = self::rows();
         assert!(rows.take(&frame(&[(10, &[(1, &[1])])]), 2).is_empty());
         let next = frame(&[(20, &[(2, &[2])]), (20, &[(1, &[3])])]);
         assert_eq!(rows.take(&next, 2), [row([&[3], &[2]])]);
         let whole = frame(&[(30, &[(1, &[1, 2]), (2, &[3])])]);
         for length in 0..whole.len() {
-            assert!(
-                Rows::default().take(&whole[..length], 2).is_empty(),
-                "{length}"
-            );
+            assert!(rows().take(&whole[..length], 2).is_empty(), "{length}");
         }
         let mut huge = whole.clone();
         huge[4..8].fill(0xff);
-        assert!(Rows::default().take(&huge, 2).is_empty());
-        assert!(
-            Rows::default()
-                .take(&[whole, vec![0]].concat(), 2)
-                .is_empty()
-        );
+        assert!(rows().take(&huge, 2).is_empty());
+        assert!(rows().take(&[whole, vec![0]].concat(), 2).is_empty());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What the server answers while it behaves.
 
 use std::sync::mpsc::Sender;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use super::super::host::Written;
 use super::memory;
@@ -139,8 +139,11 @@ pub(super) fn notification(state: &mut State, connection: u64) -> Option<Vec<u8>
         samples.extend((bytes.len() as u32).to_le_bytes());
         samples.extend(bytes);
     }
-    state.notifications += 1;
-    let stamp = state.notifications.to_le_bytes();
+    state.notified += due.len();
+    let since = SystemTime::now()
+        .duration_since(SystemTime::UNIX_EPOCH)
+        .ok()?;
+    let stamp = ((since.as_nanos() / 100) as u64).to_le_bytes();
     let count = (due.len() as u32).to_le_bytes();
     let rest = [&1_u32.to_le_bytes()[..], &stamp, &count, &samples].concat();
     let told = Request {

@@ -83,8 +83,8 @@ struct State {
     /// By their handles.
     subscriptions: BTreeMap<u32, Subscription>,
     last_subscription: u32,
-    /// Notifications that were sent so far.
-    notifications: u64,
+    /// Values that were sent in notifications so far.
+    notified: usize,
     /// The symbol that shows the time, and when it was zero.
     clock: Option<(String, Instant)>,
     /// Called before each value of a parameter is written, with the number of values before.
@@ -232,10 +232,11 @@ impl Unruly {
         lock(&self.state).clock = Some((name.to_owned(), zero));
     }
 
-    /// Number of notifications that were sent so far.
+    /// How often the values of all present subscriptions were sent so far.
     #[must_use]
-    pub fn notifications(&self) -> u64 {
-        lock(&self.state).notifications
+    pub fn cycles_sent(&self) -> f64 {
+        let state = lock(&self.state);
+        state.notified as f64 / state.subscriptions.len() as f64
     }
 
     /// Number of symbols that clients are subscribed to.
