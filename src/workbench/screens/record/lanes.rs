@@ -22,16 +22,23 @@ const GAP: f32 = 2.0 * GRID;
 
 /// The plots of a record.
 #[derive(Debug)]
-pub(super) struct Lanes(Vec<(Part, Arc<Figure>)>);
+pub(super) struct Lanes {
+    plots: Vec<(Part, Arc<Figure>)>,
+    /// The frame in which they were made.
+    generation: u64,
+}
 
 impl Lanes {
-    pub(super) fn new(open: &OpenRecord) -> Self {
+    pub(super) fn new(open: &OpenRecord, generation: u64) -> Self {
         let parts = open.found.history.parts.iter().enumerate();
         let drawn = parts.map(|(index, part)| {
             let figure = lane(&open.record, &open.found, index);
             (part.clone(), Arc::new(figure))
         });
-        Self(drawn.collect())
+        Self {
+            plots: drawn.collect(),
+            generation,
+        }
     }
 }
 
@@ -47,8 +54,8 @@ pub(super) fn show(ui: &mut Ui, model: &Model, lanes: &Lanes, outbox: &mut Outbo
         let columns = (ui.available_width() / WIDTH).floor().max(1.0);
         let width = (ui.available_width() - GAP * (columns - 1.0)) / columns;
         Grid::new("courses").spacing(vec2(GAP, GAP)).show(ui, |ui| {
-            for (index, (part, figure)) in lanes.0.iter().enumerate() {
-                one(ui, model, (part, figure), width, outbox);
+            for (index, (part, figure)) in lanes.plots.iter().enumerate() {
+                one(ui, model, (part, figure, lanes.generation), width, outbox);
                 if (index + 1) % columns as usize == 0 {
                     ui.end_row();
                 }
@@ -60,7 +67,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, lanes: &Lanes, outbox: &mut Outbo
 fn one(
     ui: &mut Ui,
     model: &Model,
-    (part, figure): (&Part, &Arc<Figure>),
+    (part, figure, generation): (&Part, &Arc<Figure>, u64),
     width: f32,
     outbox: &mut Outbox,
 ) {
@@ -68,6 +75,7 @@ fn one(
     let plot = Linked {
         name: &name,
         figure,
+        generation,
         size: vec2(width, HEIGHT),
         link: "courses",
     };

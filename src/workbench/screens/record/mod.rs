@@ -53,10 +53,10 @@ struct Drawn {
 }
 
 impl Drawn {
-    fn new(open: &Arc<OpenRecord>, shown: usize) -> Self {
+    fn new(ui: &Ui, open: &Arc<OpenRecord>, shown: usize) -> Self {
         Self {
             scene: Arc::new(scene(open, shown)),
-            lanes: lanes::Lanes::new(open),
+            lanes: lanes::Lanes::new(open, ui.ctx().cumulative_pass_nr()),
             shown,
             open: Arc::clone(open),
         }
@@ -116,7 +116,7 @@ fn opened(
     }
     panel.shown = panel.shown.min(last);
     let known = known.filter(|drawn| Arc::ptr_eq(&drawn.open, open));
-    let mut drawn = known.unwrap_or_else(|| Drawn::new(open, panel.shown));
+    let mut drawn = known.unwrap_or_else(|| Drawn::new(ui, open, panel.shown));
     if drawn.shown != panel.shown {
         drawn.scene = Arc::new(scene(open, panel.shown));
         drawn.shown = panel.shown;

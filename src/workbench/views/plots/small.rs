@@ -20,7 +20,8 @@ pub(crate) fn show(
     selection: Selection,
 ) -> Option<Selection> {
     let size = vec2(ui.available_width(), height);
-    let (_, events) = draw(ui, (name, figure, size), (None, false), selection);
+    let drawn = (name, figure, ui.ctx().cumulative_pass_nr());
+    let (_, events) = draw(ui, drawn, (size, None, false), selection);
     events.into_iter().find_map(|event| match event {
         PlotEvent::Selected(selection) => Some(selection),
         _ => None,
@@ -32,6 +33,8 @@ pub(crate) struct Linked<'a> {
     /// Accessible name.
     pub(crate) name: &'a str,
     pub(crate) figure: &'a Figure,
+    /// Changes with the figure.
+    pub(crate) generation: u64,
     pub(crate) size: Vec2,
     /// What the plots have in common.
     pub(crate) link: &'a str,
@@ -47,9 +50,9 @@ pub(crate) struct Asked {
 
 /// Draws one of several plots that belong together; its menu saves it.
 pub(crate) fn show_linked(ui: &mut Ui, plot: &Linked<'_>, selection: Selection) -> Asked {
-    let drawn = (plot.name, plot.figure, plot.size);
+    let drawn = (plot.name, plot.figure, plot.generation);
     let link = Some(Id::unique(plot.link));
-    let (view, events) = draw(ui, drawn, (link, true), selection);
+    let (view, events) = draw(ui, drawn, (plot.size, link, true), selection);
     let mut asked = Asked::default();
     for event in events {
         match event {
@@ -69,8 +72,8 @@ type KeptView = Arc<Mutex<PlotView>>;
 
 fn draw(
     ui: &mut Ui,
-    (name, figure, size): (&str, &Figure, Vec2),
-    (link, can_be_saved): (Option<Id>, bool),
+    (name, figure, generation): (&str, &Figure, u64),
+    (size, link, can_be_saved): (Vec2, Option<Id>, bool),
     selection: Selection,
 ) -> (KeptView, Vec<PlotEvent>) {
     let id = ui.make_persistent_id(name);
@@ -80,7 +83,7 @@ fn draw(
         name,
         id: id.with("plot"),
         figure,
-        generation: ui.ctx().cumulative_pass_nr(),
+        generation,
         whole: figure.whole(),
         selection,
         size,
