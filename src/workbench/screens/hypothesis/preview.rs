@@ -77,7 +77,7 @@ fn measured(
     ui.add(Label::new(placement.sentence()).wrap());
     muted(
         ui,
-        "Filled marks are the residuals without it, circles the part that it explains. Whether another cause explains them better, the doctor knows.",
+        "Filled marks are the residuals without it, circles the part that it explains. Another cause may explain them better: ask the doctor.",
     );
     images(ui, &placement.images, model.selection, outbox);
 }
