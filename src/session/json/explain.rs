@@ -26,9 +26,11 @@ pub(super) fn deserialize<T: VersionedFile>(
     let mut note = |path: serde_ignored::Path<'_>| unknown.push(pointer_of_ignored(&path));
     let mut track = Track::new();
     let document = Value::Object(document);
-    let result = {
+    let result: Result<T, _> = {
         let tracked = serde_path_to_error::Deserializer::new(&document, &mut track);
-        T::deserialize(serde_ignored::Deserializer::new(tracked, &mut note))
+        let noted = serde_ignored::Deserializer::new(tracked, &mut note);
+        // Otherwise each type would be compiled anew for each place of a file that it stands in.
+        erased_serde::deserialize(&mut <dyn erased_serde::Deserializer<'_>>::erase(noted))
     };
     match result {
         Ok(_) if T::KEYS_ARE_CHECKED && !unknown.is_empty() => {

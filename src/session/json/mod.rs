@@ -145,9 +145,15 @@ const READABLE_BYTES: u64 = 64 << 20;
 
 /// A value preceded by its `format` and `version`.
 #[derive(Serialize)]
-struct Envelope<'a, T> {
+struct Envelope<'a> {
     format: &'static str,
     version: u32,
     #[serde(flatten)]
-    body: &'a T,
+    body: &'a dyn erased_serde::Serialize,
+}
+
+/// A part of a file as a JSON value.
+pub(crate) fn value_of(part: &dyn erased_serde::Serialize) -> Value {
+    // Serialising fails only for keys that are not strings, and there are none.
+    serde_json::to_value(part).unwrap_or(Value::Null)
 }

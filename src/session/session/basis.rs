@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 
 use serde::Serialize;
-use serde_json::Value;
 use tautline_core::robot::Robot;
 
 use super::{IdentificationSettings, MeasurementTable, Session};
 use crate::fingerprint::Fingerprint;
+use crate::json::value_of;
 
 /// The inputs of identification and diagnosis.
 #[derive(Serialize)]
@@ -29,8 +29,6 @@ impl Session {
             excluded: &self.excluded,
             identification: &self.settings.identification,
         };
-        // Serialising fails only for keys that are not strings, and there are none.
-        let value = serde_json::to_value(inputs).unwrap_or(Value::Null);
-        Fingerprint::new().and_value(&value).to_hex()
+        Fingerprint::new().and_value(&value_of(&inputs)).to_hex()
     }
 }

@@ -2,10 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::Value;
-
 use super::{Adjustment, Outcome, Session};
 use crate::fingerprint::Fingerprint;
+use crate::json::value_of;
 
 impl Session {
     /// The values of the controller by name: as it was last read, and as the adjustments left it.
@@ -30,11 +29,8 @@ impl Session {
     /// Fingerprint of the values of the controller: 16 hexadecimal digits.
     #[must_use]
     pub fn controller_fingerprint(&self) -> String {
-        let values = serde_json::to_value(self.controller_values());
-        // Serialising fails only for keys that are not strings.
-        Fingerprint::new()
-            .and_value(&values.unwrap_or(Value::Null))
-            .to_hex()
+        let values = value_of(&self.controller_values());
+        Fingerprint::new().and_value(&values).to_hex()
     }
 }
 

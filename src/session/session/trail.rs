@@ -14,6 +14,7 @@ use serde_json::{Map, Value, json};
 use super::{Adjustment, MeasurementTable, Outcome, Session, Timestamp, Verification};
 use crate::audit_key::{AuditKey, is_signed};
 use crate::fingerprint::sha256;
+use crate::json::value_of;
 
 /// The hash before the first entry.
 const ORIGIN: &str = "";
@@ -191,13 +192,8 @@ impl TrailEntry {
             signature: None,
             ..self.clone()
         };
-        value_of(&unsigned).map_or_else(String::new, |value| sha256(&value))
+        sha256(&value_of(&unsigned))
     }
-}
-
-/// Serialising fails only for keys that are not strings, and there are none.
-fn value_of(part: &impl Serialize) -> Option<Value> {
-    serde_json::to_value(part).ok()
 }
 
 impl Session {
@@ -248,14 +244,14 @@ impl Session {
                     outcome: Outcome::Begun,
                     read_back: Vec::new(),
                     ..adjustment.clone()
-                })?
+                })
             }
             TrailPart::Verification(number) => {
                 let verification = self.verifications.get(number)?;
                 value_of(&Verification {
                     accepted: None,
                     ..verification.clone()
-                })?
+                })
             }
             _ => return None,
         };
@@ -347,13 +343,13 @@ impl Session {
     fn hash_of(&self, part: TrailPart, row_of: &dyn Fn(i64) -> Option<usize>) -> Option<String> {
         let value = match part {
             TrailPart::Pose(label) => self.pose_value(label, row_of(label)?),
-            TrailPart::Adjustment(number) => value_of(self.adjustments.get(number)?)?,
-            TrailPart::Verification(number) => value_of(self.verifications.get(number)?)?,
+            TrailPart::Adjustment(number) => value_of(self.adjustments.get(number)?),
+            TrailPart::Verification(number) => value_of(self.verifications.get(number)?),
             TrailPart::StoppedVerification(number) => {
-                value_of(self.stopped_verifications.get(number)?)?
+                value_of(self.stopped_verifications.get(number)?)
             }
-            TrailPart::ForeignWrite(number) => value_of(self.foreign_writes.get(number)?)?,
-            TrailPart::Log(number) => value_of(self.log.get(number)?)?,
+            TrailPart::ForeignWrite(number) => value_of(self.foreign_writes.get(number)?),
+            TrailPart::Log(number) => value_of(self.log.get(number)?),
         };
         Some(sha256(&value))
     }
