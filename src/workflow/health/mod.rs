@@ -4,7 +4,7 @@ mod document;
 mod words;
 
 use tautline_core::comparison::Identified;
-use tautline_core::effect::EffectSetting;
+use tautline_core::effect::{EffectSetting, Hypothesis};
 use tautline_core::estimation::{Control, Method, ParameterId};
 use tautline_core::geometry::Pose;
 use tautline_core::history::{CERTAIN, DatedRun, HealthCheck, Jump, Part, check};
@@ -135,11 +135,13 @@ impl Baseline {
     ) -> Result<Checked, HealthError> {
         let robot = &self.identification.dataset.robot;
         same_machine(robot, &dataset.robot).map_err(HealthError::Other)?;
+        let mut described = dataset.robot.clone();
+        self.add_hypotheses(&mut described)?;
         let samples = dataset
             .measurements
             .independent_samples(&dataset.robot, MOST_SAMPLES);
         let expected = Dataset {
-            robot: self.expected(&dataset.robot),
+            robot: self.expected(&described),
             measurements: samples.unwrap_or_else(|| dataset.measurements.clone()),
         };
         let effects: Vec<_> = (self.identification.free_effects().iter())
@@ -163,6 +165,20 @@ impl Baseline {
             checked.more_poses = more_poses(&checked.identification, method);
         }
         Ok(checked)
+    }
+
+    /// Makes the hypotheses that the calibration has in its model known to a robot, whose description may have been written
+    /// before them.
+    fn add_hypotheses(&self, robot: &mut Robot) -> Result<(), HealthError> {
+        let known = &self.identification.dataset.robot.hypotheses;
+        let known = known.iter().filter_map(|text| Hypothesis::parse(text).ok());
+        let effects = self.identification.free_effects();
+        let is_used = |one: &Hypothesis| effects.iter().any(|bound| bound.effect.id() == one.id());
+        for hypothesis in known.filter(is_used) {
+            let added = robot.add_hypothesis(&hypothesis);
+            added.map_err(|error| HealthError::Other(error.to_string()))?;
+        }
+        Ok(())
     }
 
     /// Checks a robot with some effects in its model.

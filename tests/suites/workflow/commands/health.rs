@@ -1,14 +1,16 @@
 //! check --against and plan --check-against: is a robot as it was at its calibration?
 
 use serde_json::{Value, json};
+use tautline_core::effect::Hypothesis;
+use tautline_core::measurement::Dataset;
 use tautline_core::robot::{Robot, presets};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
-use tautline_session::{PhaseData, write_dataset};
+use tautline_session::{PhaseData, Session, Timestamp, write_dataset, write_session};
 
 use super::program::{Folder, assert_number, assert_valid, tautline};
 
-/// Writes a run of a true robot with some poses, described by the drawing.
-fn run(folder: &Folder, name: &str, truth: &Robot, (poses, seed): (usize, u64)) -> String {
+/// The readings of a true robot at some poses.
+fn readings(truth: &Robot, (poses, seed): (usize, u64)) -> Dataset {
     let preset = presets::find("mini").expect("a preset");
     let options = SimulationOptions {
         geometry: TrueGeometry::Nominal,
@@ -16,8 +18,13 @@ fn run(folder: &Folder, name: &str, truth: &Robot, (poses, seed): (usize, u64)) 
         tension: Some(preset.tension),
         ..SimulationOptions::new(poses, seed)
     };
-    let mut dataset = simulate(truth, &options).expect("a run").dataset;
-    dataset.robot = preset.robot;
+    simulate(truth, &options).expect("a run").dataset
+}
+
+/// Writes a run of a true robot with some poses, described by the drawing.
+fn run(folder: &Folder, name: &str, truth: &Robot, poses_and_seed: (usize, u64)) -> String {
+    let mut dataset = readings(truth, poses_and_seed);
+    dataset.robot = mini();
     let path = folder.join(name);
     write_dataset(path.as_ref(), &dataset, &PhaseData::default()).expect("written");
     path
@@ -92,6 +99,46 @@ fn an_unchanged_robot_is_as_it_was_and_a_moved_pulley_and_a_drum_are_told_apart(
         readable.starts_with("Something changed: winch scale (cable-3) by "),
         "{readable}"
     );
+}
+
+/// A fault that no effect of the catalogue describes.
+const CROSSTALK: &str = r#"
+id = "encoder_crosstalk"
+title = "Crosstalk between neighbouring encoders"
+scope = "cable"
+cause = "The encoder of {cable} picks up {share} of the revolutions of its neighbour."
+workshop = "Separate the two encoder cables and ground their shields."
+
+[parameters.share]
+unit = "1"
+typical = [0.001, 0.01]
+
+[change]
+paid = "paid + share * paid_of(next)"
+"#;
+
+#[test]
+fn a_hypothesis_of_the_calibration_need_not_be_in_the_description_of_today() {
+    let folder = Folder::new();
+    let mut truth = mini();
+    let hypothesis = Hypothesis::parse(CROSSTALK).expect("a hypothesis");
+    truth.add_hypothesis(&hypothesis).expect("room for it");
+    let described = truth.clone();
+    truth.effects = serde_json::from_value(json!([
+        { "effect": "encoder_crosstalk", "targets": ["cable-3"], "parameters": { "share": 0.01 } }
+    ]))
+    .expect("an effect");
+    let mut session = Session::new("before", described, Timestamp::from_unix_seconds(0));
+    session.measurements = readings(&truth, (40, 1)).measurements;
+    session.settings.identification.effects = truth.effects.clone();
+    let before = folder.join("before.json");
+    write_session(before.as_ref(), &session).expect("written");
+    let today = run(&folder, "today", &truth, (12, 2));
+
+    let found = tautline(&["check", &today, "--against", &before, "--json", "-"])
+        .succeeded()
+        .json();
+    assert_eq!(found["verdict"], "unchanged");
 }
 
 #[test]
