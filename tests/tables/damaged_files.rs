@@ -70,10 +70,14 @@ fn damaged(whole: &[u8], random: &mut impl Rng) -> Vec<u8> {
 
 /// Where the damaged file of a kind goes, and the command that reads it.
 fn command(folder: &Folder, kind: &str, name: &str, turn: usize) -> Result<(PathBuf, Vec<String>)> {
-    let robot = seeds().join("robot_json/planar.json");
     let dataset = folder.path().join("dataset");
     std::fs::create_dir_all(&dataset)?;
-    std::fs::copy(&robot, dataset.join("robot.json"))?;
+    for (seed, name) in [
+        ("robot_json/planar.json", "robot.json"),
+        ("poses_csv/all.csv", "poses.csv"),
+    ] {
+        std::fs::copy(seeds().join(seed), dataset.join(name))?;
+    }
     let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect();
     let text = |path: &Path| path.to_str().map(str::to_owned).context("UTF-8");
     let file = folder.path().join(name);
@@ -89,19 +93,23 @@ fn command(folder: &Folder, kind: &str, name: &str, turn: usize) -> Result<(Path
             };
             (file, words(&[&import[..], &more].concat()))
         }
-        "poses_csv" => (dataset.join("poses.csv"), words(&["check", &in_dataset])),
-        "phase_csvs" => (
-            dataset.join(format!("{name}.csv")),
-            words(&["precalibrate", &in_dataset]),
-        ),
+        "poses_csv" | "phase_csvs" => {
+            let name = match kind {
+                "poses_csv" => "poses.csv".to_owned(),
+                _ => format!("{name}.csv"),
+            };
+            let table = folder.join("table.csv");
+            let export = ["export", &in_dataset, "--out", &table];
+            (dataset.join(name), words(&export))
+        }
         "robot_json" => (file, words(&["symbols", &shown])),
-        "session_file" => (file, words(&["audit", &shown])),
+        "session_file" => (file, words(&["effects", &shown])),
         "hypothesis" => (file, words(&["effects", "--hypothesis", &shown])),
         other => anyhow::bail!("no command reads the seeds {other}"),
     })
 }
 
-/// Whether a command has refused its input as it should: by a sentence.
+/// What is wrong with the end of a command, which reads its input or refuses it by a sentence.
 fn fault(end: &End) -> Option<String> {
     let last = end.told.lines().last().unwrap_or_default();
     let what = match end.code {

@@ -283,7 +283,7 @@ fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox
             let problem = problems.of(Field::User);
             let hint = "name at the controller";
             line(ui, ("User", hint), &mut draft.user, problem);
-            let hint = format!("that of {PASSWORD}, or kept");
+            let hint = format!("{PASSWORD}, or kept");
             secret(ui, ("Password", &hint), draft.password.text_mut());
             keeping(ui, draft, outbox);
         }
