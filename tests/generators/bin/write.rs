@@ -47,7 +47,7 @@ const UNTIL_SEED: u64 = 46_000;
 const RECORDS: &str = "target/studies.jsonl";
 const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], kills [RUNS], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], kills [RUNS [none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, hypotheses, random-runs PROGRAM FOLDER [RUNS]";
 
@@ -74,7 +74,7 @@ fn main() -> Result<()> {
                 live_readings::markdown(&live_readings::study(seconds)?)
             );
         }
-        Some("kills") => println!("{}", kills_table(argument)?),
+        Some("kills") => println!("{}", kills_table(&arguments[1..])?),
         Some("damaged-files") => println!("{}", damaged_files_table(argument)?),
         Some("hangprinter") => println!("{}", hangprinter_table(argument)?),
         Some("isolability") => println!("{}", isolability_table()?),
@@ -108,11 +108,18 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Kills so many measuring runs and adjustments over OPC UA; what should not have happened goes to standard error.
-fn kills_table(runs: Option<&str>) -> Result<String> {
-    let runs = runs.map_or(Ok(50), str::parse)?;
+/// Kills so many measuring runs and adjustments over OPC UA, without security, encrypted or both; what should not have happened
+/// goes to standard error.
+fn kills_table(arguments: &[String]) -> Result<String> {
+    let runs = arguments.first().map_or(Ok(50), |runs| runs.parse())?;
+    let protocols = match arguments.get(1).map(String::as_str) {
+        None => vec![Protocol::OpcUa, Protocol::OpcUaEncrypted],
+        Some("none") => vec![Protocol::OpcUa],
+        Some("encrypted") => vec![Protocol::OpcUaEncrypted],
+        Some(_) => bail!(USAGE),
+    };
     let mut all = Vec::new();
-    for protocol in [Protocol::OpcUa, Protocol::OpcUaEncrypted] {
+    for protocol in protocols {
         let kills = kills::study(protocol, runs, KILLS_SEED)?;
         for fault in &kills.faults {
             eprintln!("{protocol:?}: {fault}");
