@@ -55,6 +55,9 @@ pub enum LinkError {
     /// The controller cannot do it at present.
     #[error("the controller refused: {0}")]
     Refused(String),
+    /// The controller does not know the user, or allows nothing to it.
+    #[error("the controller refused: {0}")]
+    UnknownUser(String),
     /// The certificate of the controller's server is unknown, or another than the one that is trusted.
     #[error("{0}")]
     Untrusted(Box<UntrustedServer>),

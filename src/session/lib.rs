@@ -17,6 +17,7 @@ mod import;
 mod input_file;
 mod json;
 mod opcua_key;
+mod pem;
 mod phases;
 mod plan_table;
 mod plots;
@@ -29,6 +30,7 @@ mod session;
 mod symbols_file;
 mod table;
 mod trusted_servers;
+mod user_certificate;
 
 pub use atomic::{ReservedFile, link_target, reserve, write_bytes, write_text};
 pub use audit_key::AuditKey;
@@ -72,9 +74,9 @@ pub use session::{
     ResultDocument, ResultRecord, RunValues, Session, Settings, Simulator, Stage,
     StoppedVerification, SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolParameter,
     SymbolPose, SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue, Timestamp, TrailAuthor,
-    TrailEntry, TrailFault, TrailPart, TrailRecord, TrailSignature, UntilSettings, ValueChange,
-    Verification, is_per_cable, name_of_cable, parse_session, read_session, without_user,
-    write_session,
+    TrailEntry, TrailFault, TrailPart, TrailRecord, TrailSignature, UntilSettings,
+    UserCertificateFiles, ValueChange, Verification, is_per_cable, name_of_cable, parse_session,
+    read_session, without_user, write_session,
 };
 pub use symbols_file::{parse_symbols, read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};

@@ -2,25 +2,19 @@
 
 use std::path::Path;
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-
 use crate::atomic::create_private;
 use crate::error::{Place, ReadError, WriteError};
 use crate::json::read_limited;
+use crate::pem::{CERTIFICATE, PRIVATE_KEY, decoded, encoded, section};
 
 /// Largest size of a file.
 const MAX_BYTES: u64 = 1 << 16;
-/// Number of characters of a line.
-const LINE: usize = 64;
-const CERTIFICATE: &str = "CERTIFICATE";
-const PRIVATE_KEY: &str = "PRIVATE KEY";
 
 /// A certificate with its private key.
 pub struct OpcUaKey {
     /// The certificate (DER).
     pub certificate: Vec<u8>,
-    /// The private key (PKCS #8, PEM).
+    /// The private key (PKCS #8 or PKCS #1, PEM).
     pub private_key: String,
 }
 
@@ -36,10 +30,7 @@ impl OpcUaKey {
         let file = path.display().to_string();
         let bytes = read_limited(path, &file, MAX_BYTES)?;
         let text = String::from_utf8_lossy(&bytes);
-        let certificate = section(&text, CERTIFICATE).and_then(|section| {
-            let lines = section.lines().filter(|line| !line.starts_with("-----"));
-            STANDARD.decode(lines.collect::<String>()).ok()
-        });
+        let certificate = section(&text, CERTIFICATE).and_then(decoded);
         let key = certificate.zip(section(&text, PRIVATE_KEY));
         let Some((certificate, private_key)) = key else {
             let message = format!(
@@ -59,35 +50,9 @@ impl OpcUaKey {
     /// # Errors
     /// If there is such a file or it cannot be written.
     pub fn create(path: &Path, certificate: &[u8], private_key: &[u8]) -> Result<(), WriteError> {
-        let text = pem(PRIVATE_KEY, private_key) + &pem(CERTIFICATE, certificate);
+        let text = encoded(PRIVATE_KEY, private_key) + &encoded(CERTIFICATE, certificate);
         create_private(path, text.as_bytes())
     }
-}
-
-fn marks(label: &str) -> [String; 2] {
-    ["BEGIN", "END"].map(|word| format!("-----{word} {label}-----"))
-}
-
-/// A part of a file with its marks.
-fn section<'t>(text: &'t str, label: &str) -> Option<&'t str> {
-    let [begin, end] = marks(label);
-    let at = text.find(&begin)?;
-    let length = text[at..].find(&end)? + end.len();
-    text.get(at..at + length)
-}
-
-fn pem(label: &str, bytes: &[u8]) -> String {
-    let [begin, end] = marks(label);
-    let text = STANDARD.encode(bytes);
-    let mut lines = vec![begin.as_str()];
-    let mut rest = text.as_str();
-    while !rest.is_empty() {
-        let (line, left) = rest.split_at(LINE.min(rest.len()));
-        lines.push(line);
-        rest = left;
-    }
-    lines.push(&end);
-    lines.join("\n") + "\n"
 }
 
 #[cfg(test)]

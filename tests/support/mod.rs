@@ -5,6 +5,8 @@ pub mod bad_input_cases;
 pub mod console_page;
 pub mod decisions;
 pub mod harness;
+pub mod keyring;
 pub mod phase_tables;
 pub mod program;
+pub mod python;
 pub mod window;

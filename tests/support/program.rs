@@ -1,10 +1,11 @@
 //! The built program, for suites that start it.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
-use std::time::SystemTime;
+use std::thread::sleep;
+use std::time::{Duration, Instant, SystemTime};
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -137,6 +138,8 @@ pub fn command(arguments: &[&str]) -> Command {
     // Nobody's settings, such as hypotheses of their own, take part.
     let absent = format!("tautline-tests-{}", std::process::id());
     command.env("TAUTLINE_HOME", std::env::temp_dir().join(absent));
+    // Nobody's keyring is asked either.
+    command.env("DBUS_SESSION_BUS_ADDRESS", "unix:path=/dev/null");
     command
 }
 
@@ -190,6 +193,62 @@ pub fn heard(mut child: Child, mut heard: impl FnMut(&str, &mut Child)) -> Answe
         stderr,
         ..output.into()
     }
+}
+
+/// Starts the program and kills it once `when` says so; its standard error until then, and whether it was still running.
+///
+/// # Panics
+/// If it cannot be started.
+pub fn killed(command: &mut Command, mut when: impl FnMut(Duration) -> bool) -> (String, bool) {
+    let mut child = command
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let begun = Instant::now();
+    while !when(begun.elapsed()) {
+        if child.try_wait().expect("a state").is_some() {
+            break;
+        }
+        sleep(Duration::from_micros(200));
+    }
+    let ran = child.try_wait().expect("a state").is_none();
+    // It may end by itself meanwhile.
+    let _ = child.kill();
+    let mut told = String::new();
+    let mut stderr = child.stderr.take().expect("a pipe");
+    stderr.read_to_string(&mut told).expect("text");
+    child.wait().expect("it has ended");
+    (told, ran)
+}
+
+/// Labels of the poses that a measuring run has reported to be on disk.
+#[must_use]
+pub fn on_disk(told: &str) -> Vec<i64> {
+    let labels = told.lines().filter_map(|line| {
+        let (label, rest) = line.strip_prefix("pose ")?.split_once(' ')?;
+        rest.starts_with("is on disk").then(|| label.parse().ok())?
+    });
+    labels.collect()
+}
+
+/// Files next to a session file that belong to it.
+///
+/// # Panics
+/// If the folder cannot be read.
+#[must_use]
+pub fn beside(path: &str) -> Vec<PathBuf> {
+    let folder = Path::new(path).parent().expect("a folder");
+    let name = Path::new(path).file_name().expect("a name");
+    let name = format!("{}.", name.to_string_lossy());
+    let entries = std::fs::read_dir(folder).expect("readable").flatten();
+    let paths = entries.map(|entry| entry.path());
+    let belongs = |path: &PathBuf| {
+        path.file_name()
+            .is_some_and(|n| n.to_string_lossy().starts_with(&name))
+    };
+    paths.filter(belongs).collect()
 }
 
 /// A folder with paths in it as text.

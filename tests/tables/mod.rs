@@ -1,12 +1,14 @@
 //! The tables of docs/VALIDATION.md.
 
 pub mod adjusted;
+pub mod damaged_files;
 pub mod formulas;
 pub mod hangprinter;
 pub mod health;
 pub mod hidden;
 pub mod hypothesis_files;
 pub mod isolability;
+pub mod kills;
 pub mod live_readings;
 pub mod lives;
 pub mod many_poses;

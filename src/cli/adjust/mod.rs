@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let changed = link.take(&mut file.session, &choice)?;
     if let Some(open) = adjusting::open(&file.session).cloned() {
         let setup = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
-        let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
+        let mut connection = Connection::open(&setup, link, arguments.robot_arguments.speed)?;
         return match interrupted::settle(arguments, &mut file, &mut connection, &open)? {
             Next::Done => Ok(()),
             Next::RollBack => {
@@ -111,14 +111,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     if arguments.roll_back {
         let setup = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
-        let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
+        let mut connection = Connection::open(&setup, link, arguments.robot_arguments.speed)?;
         return roll_back(arguments, &mut file, &mut connection);
     }
     let identified = Identified::of(&file.session, arguments.method)?;
     check_doubts(arguments, &identified)?;
     let effects = &identified.model.effects;
     let setup = ConnectionSetup::chosen(&file.session, effects, &choice, Some(&file.controller()));
-    let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
+    let mut connection = Connection::open(&setup, link, arguments.robot_arguments.speed)?;
     if changed && !arguments.dry_run {
         file.save()?;
     }

@@ -134,7 +134,7 @@ fn returned(
     if !setup.has_instrument() {
         typed::require("The robot was not moved: the poses have to be typed")?;
     }
-    let mut connection = Connection::open(&setup, None)?;
+    let mut connection = Connection::open(&setup, &arguments.link, None)?;
     interrupt::listen()?;
     connection.controller.arm().map_err(link_error)?;
     let mut instrument = connection.home_instrument.take();

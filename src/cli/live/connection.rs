@@ -8,7 +8,8 @@ use anyhow::{Result, anyhow};
 use tautline_link::laser::ManualLaser;
 use tautline_link::{Activity, Clock, Controller, Instrument, LinkError};
 
-use super::credentials::with_credentials;
+use super::LinkArguments;
+use super::credentials::SignIn;
 use crate::BadInput;
 use tautline_workflow::controllers::{ConnectionSetup, OpenError, SimulationClock};
 
@@ -52,20 +53,23 @@ pub struct Connection {
 
 impl Connection {
     /// Opens the connection; without a `speed`, a robot that is not real runs as fast as it can be computed.
-    pub fn open(setup: &ConnectionSetup, speed: Option<f64>) -> Result<Self> {
+    pub fn open(setup: &ConnectionSetup, link: &LinkArguments, speed: Option<f64>) -> Result<Self> {
         let pace = match speed {
             _ if setup.runs_in_real_time() => Pace::Real,
             Some(speed) => Pace::Faster(speed),
             None => Pace::Computed,
         };
-        let setup = &with_credentials(setup)?;
+        let signed_in = SignIn::of(setup, &link.passwords)?;
+        let setup = &signed_in.setup;
         let opened = setup.open(speed.unwrap_or(1.0));
         let opened = opened.map_err(|error| match error {
             OpenError::Read(error) => error.into(),
             OpenError::Link(error) => link_error(error),
         })?;
         let mut controller: Box<dyn Controller> = Box::new(opened.controller);
-        controller.connect().map_err(link_error)?;
+        let connected = controller.connect();
+        connected.map_err(|error| signed_in.refused(error))?;
+        signed_in.accepted();
         Ok(Self {
             controller,
             instrument: opened.instrument,

@@ -6,6 +6,7 @@ pub mod interrupt;
 pub mod typed;
 
 pub use connection::{Connection, link_error};
+use credentials::PasswordArguments;
 pub use tautline_workflow::session_file::SessionFile;
 
 use crate::output::note;
@@ -22,7 +23,7 @@ use tautline_workflow::controllers::{ControllerChoice, UserKeys};
 /// Arguments that choose a controller and allow it to act.
 #[derive(Debug, clap::Args)]
 pub struct RobotArguments {
-    /// sim (the session's simulated robot), replay:DIR (a recorded dataset), ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT][?security=..&policy=..&user=NAME]
+    /// sim (the session's simulated robot), replay:DIR (a recorded dataset), ads:HOST[:PORT]/NETID or opc.tcp://HOST[:PORT][?security=..&policy=..&user=NAME], with user-certificate=FILE&user-key=FILE for a user with a certificate
     #[arg(long, value_name = "CONTROLLER")]
     pub controller: String,
     /// Allow moving the robot and changing its parameters
@@ -47,6 +48,8 @@ pub struct LinkArguments {
     /// Trust the certificate with this SHA-256 fingerprint for the opc.tcp: controller from now on; compare it at the server
     #[arg(long, value_name = "FINGERPRINT")]
     trust_server: Option<String>,
+    #[command(flatten)]
+    pub passwords: PasswordArguments,
 }
 
 impl LinkArguments {
@@ -62,6 +65,7 @@ impl LinkArguments {
         if let Some(fingerprint) = &self.trust_server {
             trust(choice, fingerprint)?;
         }
+        self.passwords.check(choice)?;
         Ok(session.connection != before)
     }
 }

@@ -165,7 +165,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         file.session.laser_source = laser.clone();
     }
     let setup = ConnectionSetup::chosen(&file.session, &[], &choice, Some(&file.controller()));
-    let mut connection = Connection::open(&setup, arguments.robot_arguments.speed)?;
+    let mut connection = Connection::open(&setup, link, arguments.robot_arguments.speed)?;
     interrupt::listen()?;
     file.save()?;
     connection.controller.arm().map_err(link_error)?;

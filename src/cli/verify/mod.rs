@@ -174,7 +174,7 @@ fn driven(
     if !setup.has_instrument() {
         typing::require("The robot was not moved: its positions have to be typed")?;
     }
-    let mut connection = Connection::open(&setup, arguments.speed)?;
+    let mut connection = Connection::open(&setup, &arguments.link, arguments.speed)?;
     interrupt::listen()?;
     connection.controller.arm().map_err(link_error)?;
     let source = match &connection.instrument {

@@ -4,20 +4,28 @@ use std::fmt;
 use std::str::FromStr;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
-use tautline_session::{OpcUaPlace, OpcUaPolicy, OpcUaSecurity, without_user};
+use tautline_session::{
+    OpcUaPlace, OpcUaPolicy, OpcUaSecurity, UserCertificateFiles, without_user,
+};
 
+use super::passwords::Account;
 use crate::error::LinkError;
 
 /// Prefix of addresses.
 const SCHEME: &str = "opc.tcp://";
-/// Characters of a user that stand for themselves in an address.
+/// Options with the files of a user's certificate.
+const CERTIFICATE: &str = "user-certificate";
+const KEY: &str = "user-key";
+/// Characters of a user or a path that stand for themselves in an address.
 const PLAIN: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'-')
     .remove(b'.')
     .remove(b'_')
+    .remove(b'/')
     .remove(b'\\');
 
-/// Address of a controller: `opc.tcp://HOST[:PORT][/PATH][?security=..&policy=..&user=NAME]`.
+/// Address of a controller: `opc.tcp://HOST[:PORT][/PATH][?security=..&policy=..&user=NAME]`, or with
+/// `user-certificate=FILE&user-key=FILE` in place of the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OpcUaAddress {
     /// Host name or address.
@@ -30,8 +38,10 @@ pub struct OpcUaAddress {
     pub security: Option<OpcUaSecurity>,
     /// Algorithms of the protection; without it the best that the server offers.
     pub policy: Option<OpcUaPolicy>,
-    /// Name of the user; without it an anonymous one.
+    /// Name of the user; without it and a certificate an anonymous one.
     pub user: Option<String>,
+    /// Certificate of the user, instead of a name.
+    pub user_certificate: Option<UserCertificateFiles>,
 }
 
 impl OpcUaAddress {
@@ -43,6 +53,14 @@ impl OpcUaAddress {
             true => format!("{SCHEME}[{host}]:{port}"),
             false => format!("{SCHEME}{}:{port}", host.to_lowercase()),
         }
+    }
+
+    /// The user with a password at the server.
+    #[must_use]
+    pub fn account(&self) -> Option<Account> {
+        let user = self.user.clone()?;
+        let server = self.origin();
+        Some(Account { server, user })
     }
 
     /// The address without options, which names the controller however it is reached.
@@ -57,7 +75,7 @@ impl OpcUaAddress {
         }
     }
 
-    /// The address as a session stores it.
+    /// The address as a session stores it, which may be opened in another folder.
     #[must_use]
     pub fn place(&self, timeout_s: f64) -> OpcUaPlace {
         let address = self.clone();
@@ -68,6 +86,7 @@ impl OpcUaAddress {
             security: address.security,
             policy: address.policy,
             user: address.user,
+            user_certificate: address.user_certificate.map(|files| files.absolute()),
             timeout_s,
         }
     }
@@ -83,6 +102,7 @@ impl From<&OpcUaPlace> for OpcUaAddress {
             security: place.security,
             policy: place.policy,
             user: place.user,
+            user_certificate: place.user_certificate,
         }
     }
 }
@@ -98,29 +118,41 @@ fn named<T: Copy + fmt::Display>(all: &[T], (key, text): (&str, &str)) -> Result
         })
 }
 
+/// A text of an option, whose special characters are written as `%20`.
+fn decoded((key, value): (&str, &str)) -> Result<String, String> {
+    let text = percent_decode_str(value).decode_utf8();
+    let text = text.map_err(|_| format!("has a {key} that is not UTF-8"))?;
+    Ok(text.into_owned())
+}
+
 /// Options after the question mark.
 fn read_options(address: &mut OpcUaAddress, query: &str) -> Result<(), String> {
+    let (mut certificate, mut private_key) = (None, None);
     for option in query.split('&') {
         let (key, value) = option.split_once('=').unwrap_or((option, ""));
         match key {
             "security" => address.security = Some(named(&OpcUaSecurity::ALL, (key, value))?),
             "policy" => address.policy = Some(named(&OpcUaPolicy::ALL, (key, value))?),
-            "user" => {
-                let user = percent_decode_str(value).decode_utf8();
-                let user = user.map_err(|_| "has a user that is not UTF-8".to_owned())?;
-                address.user = Some(user.into_owned());
-            }
+            "user" => address.user = Some(decoded((key, value))?),
+            CERTIFICATE => certificate = Some(decoded((key, value))?),
+            KEY => private_key = Some(decoded((key, value))?),
             "password" => {
                 return Err("has a password, which others could read there: give the user only, the password is asked for or taken from TAUTLINE_PASSWORD".to_owned());
             }
             // Its value is not shown, as it may be a secret.
             key => {
                 return Err(format!(
-                    "has an unknown option {key:?}, expected security, policy or user"
+                    "has an unknown option {key:?}, expected security, policy, user, {CERTIFICATE} or {KEY}"
                 ));
             }
         }
     }
+    address.user_certificate = match (certificate, private_key) {
+        (Some(certificate), Some(key)) => Some(UserCertificateFiles { certificate, key }),
+        (None, None) => None,
+        (Some(_), None) => return Err(format!("has {CERTIFICATE}, expected {KEY} with it")),
+        (None, Some(_)) => return Err(format!("has {KEY}, expected {CERTIFICATE} with it")),
+    };
     let checked = address.place(1.0).check();
     checked.map_err(|error| format!("has an option that does not fit: {}", error.message))
 }
@@ -161,6 +193,7 @@ impl FromStr for OpcUaAddress {
             security: None,
             policy: None,
             user: None,
+            user_certificate: None,
         };
         if let Some(query) = query {
             let options = read_options(&mut address, query);
@@ -175,18 +208,17 @@ impl FromStr for OpcUaAddress {
 impl fmt::Display for OpcUaAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.url())?;
+        let encoded = |text: &str| utf8_percent_encode(text, PLAIN).to_string();
+        let files = self.user_certificate.as_ref();
         let options = [
             (
                 "security",
                 self.security.map(|security| security.to_string()),
             ),
             ("policy", self.policy.map(|policy| policy.to_string())),
-            (
-                "user",
-                self.user
-                    .as_ref()
-                    .map(|user| utf8_percent_encode(user, PLAIN).to_string()),
-            ),
+            ("user", self.user.as_deref().map(encoded)),
+            (CERTIFICATE, files.map(|files| encoded(&files.certificate))),
+            (KEY, files.map(|files| encoded(&files.key))),
         ];
         let options = options
             .into_iter()
@@ -220,6 +252,10 @@ mod tests {
                 "opc.tcp://plc/UA?user=anna%20%26%20co@plant",
                 "opc.tcp://plc:4840/UA?user=anna%20%26%20co%40plant",
             ),
+            (
+                "opc.tcp://plc?user-key=/home/anna/own key.pem&user-certificate=C:\\anna.der",
+                "opc.tcp://plc:4840?user-certificate=C%3A\\anna.der&user-key=/home/anna/own%20key.pem",
+            ),
         ] {
             let address: OpcUaAddress = text.parse().expect(text);
             assert_eq!(address.to_string(), shown);
@@ -250,6 +286,18 @@ mod tests {
             (
                 "opc.tcp://plc?security=None&policy=Basic256Sha256",
                 "without security, expected no policy",
+            ),
+            (
+                "opc.tcp://plc?user-certificate=anna.der",
+                "has user-certificate, expected user-key with it",
+            ),
+            (
+                "opc.tcp://plc?user-certificate=anna.der&user-key=",
+                "expected the file with the private key",
+            ),
+            (
+                "opc.tcp://plc?user=anna&user-certificate=a&user-key=b",
+                "a certificate names its user",
             ),
         ] {
             let told = text.parse::<OpcUaAddress>().expect_err(text).to_string();

@@ -18,6 +18,14 @@ const KEY_BITS: std::ops::RangeInclusive<usize> = 2048..=4096;
 /// Uses of a key, by their identifiers: server authentication, and any.
 const SERVER_USES: [&str; 2] = ["1.3.6.1.5.5.7.3.1", "2.5.29.37.0"];
 
+/// Why a key does not have a size that the policies allow, as the rest of a sentence.
+pub(super) fn size_problem(key: &PublicKey) -> Option<String> {
+    let bits = key.bit_length();
+    let (low, high) = (KEY_BITS.start(), KEY_BITS.end());
+    (!KEY_BITS.contains(&bits))
+        .then(|| format!("has a key of {bits} bits, expected {low} to {high}"))
+}
+
 /// The fields of a certificate.
 pub(super) struct Fields(Certificate);
 
@@ -63,14 +71,12 @@ impl Fields {
         day(&self.0.tbs_certificate.validity.not_after)
     }
 
-    /// Why it is not valid at a time, as the rest of a sentence that begins with "its certificate".
-    fn time_problem(&self, now: SystemTime) -> Option<String> {
+    /// Why it is not valid at a time, as the rest of a sentence that begins with the certificate; `advice` is what to do about
+    /// one that has expired.
+    pub fn time_problem(&self, now: SystemTime, advice: &str) -> Option<String> {
         let validity = &self.0.tbs_certificate.validity;
         if now > validity.not_after.to_system_time() {
-            return Some(format!(
-                "expired on {}: make a new one at the server and trust that",
-                self.last_day()
-            ));
+            return Some(format!("expired on {}: {advice}", self.last_day()));
         }
         let first = validity.not_before.to_system_time();
         (now < first).then(|| {
@@ -154,11 +160,8 @@ impl ServerCertificate {
         let key = certificate
             .public_key()
             .map_err(|_| wrong("has a key of another kind than RSA".to_owned()))?;
-        if !KEY_BITS.contains(&key.bit_length()) {
-            let bits = key.bit_length();
-            let (low, high) = (KEY_BITS.start(), KEY_BITS.end());
-            let text = format!("has a key of {bits} bits, expected {low} to {high}");
-            return Err(wrong(text));
+        if let Some(problem) = size_problem(&key) {
+            return Err(wrong(problem));
         }
         Ok(Self {
             der: der.to_vec(),
@@ -173,7 +176,7 @@ impl ServerCertificate {
         let problem = match fields {
             None => Some("cannot be read".to_owned()),
             Some(fields) => fields
-                .time_problem(now)
+                .time_problem(now, "make a new one at the server and trust that")
                 .or_else(|| fields.host_problem(host))
                 .or_else(|| fields.use_problem()),
         };

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use tautline_session::CertificateFingerprint;
 
 use super::identity::ClientIdentity;
+use super::passwords::Account;
 use crate::error::LinkError;
 
 /// A password, which is shown nowhere.
@@ -28,6 +29,11 @@ impl Password {
     /// The text while it is typed.
     pub fn text_mut(&mut self) -> &mut String {
         &mut self.0
+    }
+
+    #[cfg(feature = "keyring")]
+    pub(super) fn text(&self) -> &str {
+        &self.0
     }
 
     pub(super) fn as_bytes(&self) -> &[u8] {
@@ -54,6 +60,12 @@ pub trait KeyStore: fmt::Debug + Send + Sync {
     /// # Errors
     /// If the list of trusted servers cannot be read.
     fn trusted(&self, server: &str) -> Result<Option<CertificateFingerprint>, LinkError>;
+
+    /// The password that is stored for a user, for whom none was given.
+    ///
+    /// # Errors
+    /// If it cannot be known whether there is one.
+    fn password(&self, account: &Account) -> Result<Option<Password>, LinkError>;
 }
 
 /// Keys of nobody: no server is trusted, so that only connections without security are possible.
@@ -70,6 +82,10 @@ impl KeyStore for NoKeys {
     fn trusted(&self, _server: &str) -> Result<Option<CertificateFingerprint>, LinkError> {
         Ok(None)
     }
+
+    fn password(&self, _account: &Account) -> Result<Option<Password>, LinkError> {
+        Ok(None)
+    }
 }
 
 /// What a client brings along; by default nothing.
@@ -77,7 +93,7 @@ impl KeyStore for NoKeys {
 pub struct Credentials {
     /// Keys and trust.
     pub keys: Arc<dyn KeyStore>,
-    /// Password of the user in the address.
+    /// Password of the user in the address; without it that which is stored.
     pub password: Option<Password>,
 }
 

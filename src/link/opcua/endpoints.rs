@@ -1,5 +1,6 @@
 //! What a server offers, and the choice from it.
 
+use opcua_crypto::SecurityPolicy;
 use opcua_types::{EndpointDescription, MessageSecurityMode, UserTokenPolicy, UserTokenType};
 use tautline_session::{OpcUaPolicy, OpcUaSecurity};
 
@@ -15,11 +16,7 @@ pub(super) type Protected = (OpcUaSecurity, Option<OpcUaPolicy>);
 
 /// The protection of an endpoint; `None` if it is one that we do not have.
 pub(super) fn protection_of(endpoint: &EndpointDescription) -> Option<Protected> {
-    let uri = endpoint.security_policy_uri.as_ref();
-    let policy = || {
-        let mut all = OpcUaPolicy::ALL.into_iter();
-        all.find(|policy| policy_of(*policy).to_uri() == uri)
-    };
+    let policy = || known_policy(endpoint.security_policy_uri.as_ref());
     match endpoint.security_mode {
         MessageSecurityMode::None => Some((OpcUaSecurity::None, None)),
         MessageSecurityMode::Sign => Some((OpcUaSecurity::Sign, Some(policy()?))),
@@ -30,23 +27,52 @@ pub(super) fn protection_of(endpoint: &EndpointDescription) -> Option<Protected>
     }
 }
 
-/// The way in which an endpoint takes a user: anonymous, or with a name.
-pub(super) fn token_of<'e>(
-    endpoint: &'e EndpointDescription,
-    user: Option<&str>,
-) -> Option<&'e UserTokenPolicy> {
-    let wanted = match user {
-        Some(_) => UserTokenType::UserName,
-        None => UserTokenType::Anonymous,
+/// The policy with a name of the standard, if it is one of ours.
+fn known_policy(uri: &str) -> Option<OpcUaPolicy> {
+    let mut known = OpcUaPolicy::ALL.into_iter();
+    known.find(|policy| policy_of(*policy).to_uri() == uri)
+}
+
+/// How a user says who he is.
+pub(super) fn kind_of_user(address: &OpcUaAddress) -> UserTokenType {
+    match (&address.user, &address.user_certificate) {
+        (_, Some(_)) => UserTokenType::Certificate,
+        (Some(_), None) => UserTokenType::UserName,
+        (None, None) => UserTokenType::Anonymous,
+    }
+}
+
+/// The policy under which an endpoint takes the proof of a user: that of the token, or of the endpoint if the token has none.
+/// `None` if that is none of ours.
+pub(super) fn policy_of_token(
+    endpoint: &EndpointDescription,
+    token: &UserTokenPolicy,
+) -> Option<SecurityPolicy> {
+    let own = token.security_policy_uri.as_ref();
+    let uri = match own.is_empty() {
+        true => endpoint.security_policy_uri.as_ref(),
+        false => own,
     };
+    known_policy(uri).map(policy_of)
+}
+
+/// The way in which an endpoint takes a user of a kind.
+pub(super) fn token_of(
+    endpoint: &EndpointDescription,
+    wanted: UserTokenType,
+) -> Option<&UserTokenPolicy> {
     let tokens = endpoint.user_identity_tokens.iter().flatten();
     let fitting = tokens.filter(|token| token.token_type == wanted);
-    // A password is sent by the best protection that is offered for it.
-    fitting.max_by_key(|token| {
-        let uri = token.security_policy_uri.as_ref();
-        OpcUaPolicy::ALL
-            .into_iter()
-            .rfind(|policy| policy_of(*policy).to_uri() == uri)
+    // Passwords and proofs are sent by the best protection that is offered for them.
+    fitting.max_by_key(|token| known_policy(token.security_policy_uri.as_ref()))
+}
+
+/// That a server takes no users of a kind, with advice.
+pub(super) fn no_users(wanted: UserTokenType) -> LinkError {
+    LinkError::Refused(match wanted {
+        UserTokenType::Certificate => "it takes no users with a certificate: allow them at the server, or give the name of a user instead, like ?user=NAME".to_owned(),
+        UserTokenType::Anonymous => "it takes no anonymous clients: add a user to the address, like ?user=NAME".to_owned(),
+        _ => "it takes no users with a name and a password: create one at the server".to_owned(),
     })
 }
 
@@ -65,26 +91,21 @@ pub(super) fn choose<'e>(
         address.security.is_none_or(|wanted| wanted == security)
             && (address.policy.is_none() || address.policy == policy)
     };
-    let user = address.user.as_deref();
+    let user = kind_of_user(address);
     let wanted = known.iter().filter(|(_, found)| is_wanted(*found));
     let protected = wanted.clone().max_by_key(|(_, found)| *found);
     let fitting = wanted.filter(|(endpoint, _)| token_of(endpoint, user).is_some());
     if let Some(found) = fitting.max_by_key(|(_, found)| *found) {
         return Ok(*found);
     }
-    Err(LinkError::Refused(match protected {
-        None => format!(
+    Err(match protected {
+        Some(_) => no_users(user),
+        None => LinkError::Refused(format!(
             "it does not offer {}; it offers {}",
             wish(address),
             in_words(&known)
-        ),
-        Some(_) if user.is_some() => {
-            "it takes no users with a name and a password: create one at the server".to_owned()
-        }
-        Some(_) => {
-            "it takes no anonymous clients: add a user to the address, like ?user=NAME".to_owned()
-        }
-    }))
+        )),
+    })
 }
 
 fn wish(address: &OpcUaAddress) -> String {

@@ -11,6 +11,49 @@ const KEY_BITS: u32 = 2048;
 /// Time for which our certificate is valid (days). A plant that trusts it should not come to a stop after a year.
 const DAYS: u32 = 3653;
 
+/// Why a certificate and a private key are no pair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum KeyPairError {
+    /// The certificate cannot be read.
+    Certificate,
+    /// The private key cannot be read as one of RSA.
+    Key,
+    /// The certificate has a key of another kind than RSA.
+    Kind,
+    /// The two do not belong together.
+    Mismatch,
+}
+
+/// A certificate and the private key that belongs to it.
+pub(super) struct KeyPair {
+    pub der: Vec<u8>,
+    pub certificate: X509,
+    pub key: PrivateKey,
+}
+
+impl KeyPair {
+    /// A pair from its certificate (DER) and its private key (PKCS #8 or PKCS #1 in PEM).
+    pub fn read(certificate: &[u8], key: &str) -> Result<Self, KeyPairError> {
+        let der = certificate.to_vec();
+        let certificate = X509::from_der(&der).map_err(|_| KeyPairError::Certificate)?;
+        let public = certificate.public_key().map_err(|_| KeyPairError::Kind)?;
+        let key = PrivateKey::from_pem(key.as_bytes()).map_err(|_| KeyPairError::Key)?;
+        // The sizes of both keys are what the lengths of messages depend on; a signature shows the rest.
+        let mut signature = vec![0; key.size()];
+        let is_pair = public.size() == key.size()
+            && key.sign_sha256(&der, &mut signature).is_ok()
+            && public.verify_sha256(&der, &signature).unwrap_or(false);
+        match is_pair {
+            true => Ok(Self {
+                der,
+                certificate,
+                key,
+            }),
+            false => Err(KeyPairError::Mismatch),
+        }
+    }
+}
+
 /// Our certificate with its private key.
 #[derive(Debug)]
 pub struct ClientIdentity {
@@ -59,20 +102,18 @@ impl ClientIdentity {
     /// If one of them cannot be read or they do not belong together. The key is not shown.
     pub fn read(certificate: &[u8], key: &str) -> Result<Self, LinkError> {
         let wrong = |what: &str| LinkError::Setup(format!("our certificate {what}"));
-        let der = certificate.to_vec();
-        let certificate = X509::from_der(&der).map_err(|_| wrong("cannot be read"))?;
-        let key = PrivateKey::from_pem(key.as_bytes());
-        let key = key.map_err(|_| wrong("has a private key that cannot be read"))?;
-        let public = certificate.public_key();
-        let public = public.map_err(|_| wrong("has a key of an unknown kind"))?;
-        // The sizes of both keys are what the lengths of messages depend on; a signature shows the rest.
-        let mut signature = vec![0; key.size()];
-        let is_pair = public.size() == key.size()
-            && key.sign_sha256(&der, &mut signature).is_ok()
-            && public.verify_sha256(&der, &signature).unwrap_or(false);
-        if !is_pair {
-            return Err(wrong("does not belong to its private key"));
-        }
+        let KeyPair {
+            der,
+            certificate,
+            key,
+        } = KeyPair::read(certificate, key).map_err(|problem| {
+            wrong(match problem {
+                KeyPairError::Certificate => "cannot be read",
+                KeyPairError::Key => "has a private key that cannot be read",
+                KeyPairError::Kind => "has a key of an unknown kind",
+                KeyPairError::Mismatch => "does not belong to its private key",
+            })
+        })?;
         let uri = Fields::of(&der).and_then(|fields| fields.uri());
         let uri = uri.ok_or_else(|| wrong("has no name of the application"))?;
         Ok(Self {

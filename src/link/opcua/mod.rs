@@ -15,6 +15,7 @@ mod endpoints;
 mod identity;
 mod opening;
 mod options;
+mod passwords;
 mod program;
 mod protection;
 mod subscription;
@@ -22,6 +23,7 @@ mod subscription;
 mod testing;
 #[cfg(test)]
 mod tests;
+mod user;
 mod values;
 mod wire;
 
@@ -34,6 +36,7 @@ pub use address::OpcUaAddress;
 pub use credentials::{Credentials, KeyStore, Password};
 pub use identity::ClientIdentity;
 pub use options::OpcUaOptions;
+pub use passwords::{Account, DesktopKeyring, HAS_KEYRING, PasswordStore, PasswordStoreError};
 
 use crate::clock::Clock;
 use crate::error::LinkError;

@@ -8,15 +8,18 @@ use opcua_types::{
     ApplicationDescription, ApplicationType, ByteString, CreateSessionRequest,
     CreateSessionResponse, EndpointDescription, ExtensionObject, GetEndpointsRequest,
     GetEndpointsResponse, MessageSecurityMode, NodeId, SignatureData, StatusCode, SubStatusCode,
-    UAString, UserNameIdentityToken, UserTokenPolicy,
+    UAString, UserNameIdentityToken, UserTokenPolicy, UserTokenType, X509IdentityToken,
 };
-use tautline_session::{OpcUaPolicy, OpcUaSecurity};
+use tautline_session::OpcUaSecurity;
 
 use super::OpcUaServer;
+use super::address::OpcUaAddress;
 use super::certificate::ServerCertificate;
 use super::client::{OpcUaClient, RequestError};
-use super::endpoints::{choose, token_of};
+use super::credentials::Credentials;
+use super::endpoints::{choose, kind_of_user, no_users, policy_of_token, token_of};
 use super::protection::{Protection, policy_of};
+use super::user::UserIdentity;
 use super::wire::{Wire, explain};
 use crate::error::{LinkError, UntrustedServer};
 use crate::timed_socket::{SocketError, addresses_of, timeout_of};
@@ -32,8 +35,13 @@ const OURS: &str = "if it does not trust our certificate yet, add the one that `
 
 /// Connects to a server and opens a session.
 pub(super) fn open(server: &OpcUaServer) -> Result<OpcUaClient, LinkError> {
+    // Files that cannot be used are told before anything is sent.
+    let files = server.address.user_certificate.as_ref();
+    let user = files.map(|files| UserIdentity::read(files, SystemTime::now()));
+    let user = user.transpose()?;
+    let begin = |wire| begin(server, user.as_ref(), wire);
     if server.address.security == Some(OpcUaSecurity::None) {
-        return begin(server, connect(server, None)?);
+        return begin(connect(server, None)?);
     }
     let mut plain = connect(server, None)?;
     let offered = endpoints(server, &mut plain)?;
@@ -42,7 +50,7 @@ pub(super) fn open(server: &OpcUaServer) -> Result<OpcUaClient, LinkError> {
         // Whoever stands between could say that the server offers nothing.
         let known = server.credentials.keys.trusted(&server.address.origin())?;
         return match known {
-            None => begin(server, plain),
+            None => begin(plain),
             Some(_) => Err(LinkError::Refused(
                 "it offers no security any more, although its certificate is trusted: if that is intended, add ?security=None to the address".to_owned(),
             )),
@@ -52,7 +60,7 @@ pub(super) fn open(server: &OpcUaServer) -> Result<OpcUaClient, LinkError> {
     plain.close();
     let identity = server.credentials.keys.identity()?;
     let protection = Protection::new(security, policy, identity, certificate);
-    begin(server, connect(server, Some(protection))?)
+    begin(connect(server, Some(protection))?)
 }
 
 /// Connects to the first address of the host that answers.
@@ -123,7 +131,11 @@ fn trusted(server: &OpcUaServer, sent: &ByteString) -> Result<ServerCertificate,
 }
 
 /// Creates and activates a session.
-fn begin(server: &OpcUaServer, wire: Wire) -> Result<OpcUaClient, LinkError> {
+fn begin(
+    server: &OpcUaServer,
+    certified: Option<&UserIdentity>,
+    wire: Wire,
+) -> Result<OpcUaClient, LinkError> {
     let mut client = OpcUaClient::new(wire, server.options.timeout_s);
     let protection = client.wire.protection();
     let (uri, certificate, nonce) = match protection {
@@ -158,13 +170,15 @@ fn begin(server: &OpcUaServer, wire: Wire) -> Result<OpcUaClient, LinkError> {
     let created: CreateSessionResponse = client.ask(&request).map_err(to_error)?;
     client.token = created.authentication_token.clone();
     let endpoint = used_endpoint(server, &client, &created, &nonce)?;
-    let user = server.address.user.as_deref();
-    let token = token_of(&endpoint, user).ok_or_else(|| refused_user(user))?;
-    let user_identity_token = match user {
-        None => ExtensionObject::from_message(AnonymousIdentityToken {
-            policy_id: token.policy_id.clone(),
-        }),
-        Some(name) => named_user(server, &client, (&endpoint, token), &created, name)?,
+    let user = kind_of_user(&server.address);
+    let token = token_of(&endpoint, user).ok_or_else(|| no_users(user))?;
+    let at = (&endpoint, token);
+    let (user_identity_token, user_token_signature) = match certified {
+        Some(certified) => certified_user(server, &client, at, &created, certified)?,
+        None => (
+            user_token(server, &client, at, &created)?,
+            SignatureData::null(),
+        ),
     };
     let client_signature = match client.wire.protection() {
         Some(protection) => protection.sign(&created.server_nonce)?,
@@ -174,28 +188,44 @@ fn begin(server: &OpcUaServer, wire: Wire) -> Result<OpcUaClient, LinkError> {
         request_header: client.wire.header(&client.token),
         client_signature,
         user_identity_token,
+        user_token_signature,
         ..Default::default()
     };
     let activated = client.ask::<ActivateSessionResponse>(&request);
-    activated.map_err(|error| match (error, user) {
-        (RequestError::Refused(status), Some(user)) if is_about_user(status) => {
-            let text = format!(
-                "it does not know the user {user:?} with this password, or allows nothing to it (OPC UA {})",
-                status.sub_code()
-            );
-            LinkError::Refused(text)
+    activated.map_err(|error| match error {
+        RequestError::Refused(status) => {
+            refused_user(&server.address, status).unwrap_or_else(|| to_error(error))
         }
-        (error, _) => to_error(error),
+        error @ RequestError::Lost(_) => to_error(error),
     })?;
     Ok(client)
 }
 
-fn is_about_user(status: StatusCode) -> bool {
+/// The refusal of a user; `None` if the status is about something else.
+fn refused_user(address: &OpcUaAddress, status: StatusCode) -> Option<LinkError> {
     use SubStatusCode as S;
-    matches!(
-        status.sub_code(),
+    let code = status.sub_code();
+    let is_unknown = matches!(
+        code,
         S::BadUserAccessDenied | S::BadIdentityTokenRejected | S::BadIdentityTokenInvalid
-    )
+    );
+    let is_about_certificate = matches!(
+        code,
+        S::BadUserSignatureInvalid
+            | S::BadCertificateInvalid
+            | S::BadCertificateTimeInvalid
+            | S::BadCertificateUntrusted
+    );
+    let who = match (&address.user, &address.user_certificate) {
+        (Some(user), _) if is_unknown => format!("the user {user:?} with this password"),
+        (_, Some(files)) if is_unknown || is_about_certificate => {
+            format!("the user of the certificate {:?}", files.certificate)
+        }
+        _ => return None,
+    };
+    Some(LinkError::UnknownUser(format!(
+        "it does not know {who}, or allows nothing to it (OPC UA {code})"
+    )))
 }
 
 fn to_error(error: RequestError) -> LinkError {
@@ -209,13 +239,6 @@ fn to_error(error: RequestError) -> LinkError {
             _ => explain(status),
         }),
     }
-}
-
-fn refused_user(user: Option<&str>) -> LinkError {
-    LinkError::Refused(match user {
-        Some(_) => "it takes no users with a name and a password: create one at the server".to_owned(),
-        None => "it does not take clients without encryption and without a user: allow the security policy None with anonymous users, or add a user to the address".to_owned(),
-    })
 }
 
 /// The endpoint of the session as the server describes it on the channel. On a protected channel the server must have signed
@@ -232,9 +255,12 @@ fn used_endpoint(
         let mut open = offered
             .iter()
             .filter(|endpoint| endpoint.security_mode == MessageSecurityMode::None);
-        let user = server.address.user.as_deref();
+        let user = kind_of_user(&server.address);
         let fitting = open.find(|endpoint| token_of(endpoint, user).is_some());
-        return fitting.cloned().ok_or_else(|| refused_user(user));
+        return fitting.cloned().ok_or_else(|| match user {
+            UserTokenType::Anonymous => LinkError::Refused("it does not take clients without encryption and without a user: allow the security policy None with anonymous users, or add a user to the address".to_owned()),
+            user => no_users(user),
+        });
     };
     let certificate = protection.server();
     if !certificate.is(created.server_certificate.as_ref()) {
@@ -256,6 +282,54 @@ fn used_endpoint(
     }
 }
 
+/// The token of a user without a certificate.
+fn user_token(
+    server: &OpcUaServer,
+    client: &OpcUaClient,
+    (endpoint, token): (&EndpointDescription, &UserTokenPolicy),
+    created: &CreateSessionResponse,
+) -> Result<ExtensionObject, LinkError> {
+    match &server.address.user {
+        Some(name) => named_user(server, client, (endpoint, token), created, name),
+        None => Ok(ExtensionObject::from_message(AnonymousIdentityToken {
+            policy_id: token.policy_id.clone(),
+        })),
+    }
+}
+
+/// The certificate of the server on its channel, which without protection is compared only now.
+fn certificate_of_server(
+    server: &OpcUaServer,
+    client: &OpcUaClient,
+    created: &CreateSessionResponse,
+) -> Result<ServerCertificate, LinkError> {
+    match client.wire.protection() {
+        Some(protection) => Ok(protection.server().clone()),
+        None => trusted(server, &created.server_certificate),
+    }
+}
+
+/// The token of a user with a certificate, who proves by a signature that the private key is his.
+fn certified_user(
+    server: &OpcUaServer,
+    client: &OpcUaClient,
+    (endpoint, token): (&EndpointDescription, &UserTokenPolicy),
+    created: &CreateSessionResponse,
+    user: &UserIdentity,
+) -> Result<(ExtensionObject, SignatureData), LinkError> {
+    let policy = policy_of_token(endpoint, token).ok_or_else(|| {
+        let text = "it takes users with a certificate without a signature, or under a policy that Tautline does not have: use ?security=SignAndEncrypt";
+        LinkError::Refused(text.to_owned())
+    })?;
+    let certificate = certificate_of_server(server, client, created)?;
+    let signature = user.sign(policy, (&certificate, &created.server_nonce))?;
+    let token = ExtensionObject::from_message(X509IdentityToken {
+        policy_id: token.policy_id.clone(),
+        certificate_data: user.certificate(),
+    });
+    Ok((token, signature))
+}
+
 /// The token of a user with a name, whose password is encrypted with the certificate of the server.
 fn named_user(
     server: &OpcUaServer,
@@ -264,28 +338,21 @@ fn named_user(
     created: &CreateSessionResponse,
     name: &str,
 ) -> Result<ExtensionObject, LinkError> {
-    let password = server
-        .credentials
-        .password
-        .as_ref()
-        .ok_or_else(|| LinkError::Refused(format!("the user {name:?} needs a password")))?;
-    let protection = client.wire.protection();
-    let channel = protection.map(Protection::policy);
-    let own = token.security_policy_uri.as_ref();
-    let policy = match own.is_empty() {
-        true => channel,
-        false => known_policy(own),
+    let Credentials { keys, password } = &server.credentials;
+    let password = match (password, server.address.account()) {
+        (None, Some(account)) => keys.password(&account)?,
+        (given, _) => given.clone(),
     };
+    let needed = || LinkError::Refused(format!("the user {name:?} needs a password"));
+    let password = password.ok_or_else(needed)?;
+    let channel = client.wire.protection().map(Protection::policy);
     let is_encrypted = endpoint.security_mode == MessageSecurityMode::SignAndEncrypt;
-    let is_plain = own == SecurityPolicy::None.to_uri();
-    if policy.is_none() && !(is_encrypted && is_plain) {
+    let is_plain = token.security_policy_uri.as_ref() == SecurityPolicy::None.to_uri();
+    if policy_of_token(endpoint, token).is_none() && !(is_encrypted && is_plain) {
         let text = "it would take the password without encryption that Tautline has: use ?security=SignAndEncrypt";
         return Err(LinkError::Refused(text.to_owned()));
     }
-    let certificate = match protection {
-        Some(protection) => protection.server().clone(),
-        None => trusted(server, &created.server_certificate)?,
-    };
+    let certificate = certificate_of_server(server, client, created)?;
     let secret = opcua_crypto::legacy_encrypt_secret(
         channel.unwrap_or(SecurityPolicy::None),
         endpoint.security_mode,
@@ -306,10 +373,4 @@ fn named_user(
         password: secret.secret,
         encryption_algorithm: secret.encryption_algorithm,
     }))
-}
-
-/// The policy with a name of the standard, if it is one of ours.
-fn known_policy(uri: &str) -> Option<SecurityPolicy> {
-    let mut known = OpcUaPolicy::ALL.into_iter().map(policy_of);
-    known.find(|policy| policy.to_uri() == uri)
 }

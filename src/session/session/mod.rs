@@ -36,8 +36,8 @@ pub use adjustment::{Adjustment, NamedValue, Outcome, ValueChange};
 pub use connection::{
     AdsPlace, Connection, ControllerKind, OpcUaPlace, OpcUaPolicy, OpcUaSecurity, RecordingPlace,
     SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolParameter, SymbolPose,
-    SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue, is_per_cable, name_of_cable,
-    without_user,
+    SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue, UserCertificateFiles, is_per_cable,
+    name_of_cable, without_user,
 };
 pub(crate) use document::SessionFile;
 pub use foreign_write::{ForeignWrite, RunValues};

@@ -2,17 +2,18 @@
 
 use std::sync::Arc;
 
-use tautline_link::opcua::{Credentials, Password};
+use tautline_link::opcua::{Account, Credentials, Password};
 use tautline_link::{LinkError, UntrustedServer};
 use tautline_session::{
-    Connection, LaserSettings, LastConnection, SymbolMapping, read_versioned, write_versioned,
+    Connection, LaserSettings, LastConnection, SymbolMapping, UserCertificateFiles, read_versioned,
+    write_versioned,
 };
 use tautline_workflow::controllers::{PASSWORD, UserKeys, check_symbols};
 
 use super::file_dialog::pick;
 use super::file_tasks::{ask_save, write};
 use crate::model::command::file_choice::FileRequest;
-use crate::model::command::{CHECKING, RobotCommand, Setup, SetupOutcome};
+use crate::model::command::{CHECKING, RobotCommand, Setup, SetupOutcome, UserFile};
 use crate::model::dialogs::SaveContent;
 use crate::model::edit::Edit;
 use crate::model::messages::{Severity, full_sentence};
@@ -30,13 +31,31 @@ pub(super) fn perform(model: &mut Model, setup: Setup) {
     match setup {
         Setup::Open => ask(model, ConnectionRequest::Open),
         Setup::Close => ask(model, ConnectionRequest::Close),
-        Setup::UsePassword(password) => model.link.password = password,
+        Setup::UsePassword { password, keeps } => {
+            model.link.password = password;
+            model.link.keeps_password = keeps;
+        }
+        Setup::ForgetPassword(account) => forget(model, account),
         Setup::Trust(server) => trust(model, &server),
         Setup::Save(settings) => save(model, settings),
         Setup::PickRecording => pick(model, FileRequest::folder("Recording"), |folder| {
             RobotCommand::Setup(Setup::Recording(folder))
         }),
         Setup::Recording(folder) => ask(model, ConnectionRequest::SetFolder(folder)),
+        Setup::PickUserFile(which) => {
+            let request = match which {
+                UserFile::Certificate => {
+                    FileRequest::file("Certificate of the user", &["der", "pem", "crt", "cer"])
+                }
+                UserFile::Key => FileRequest::file("Private key", &["pem", "key", "der"]),
+            };
+            pick(model, request, move |path| {
+                RobotCommand::Setup(Setup::TakeUserFile(which, path))
+            });
+        }
+        Setup::TakeUserFile(which, path) => {
+            ask(model, ConnectionRequest::SetUserFile(which, path));
+        }
         Setup::Check(what) => check(model, *what),
         Setup::AskImport => {
             let request = FileRequest::file("Names of symbols", &["json"]);
@@ -76,24 +95,74 @@ fn save(model: &mut Model, settings: Box<(Connection, LaserSettings)>) {
     if !connection.is_empty() && model.preferences.last_connection != reached {
         model.change_preferences(|preferences| preferences.last_connection = reached);
     }
+    let files = connection.opcua.as_ref();
+    let files = files.and_then(|place| place.user_certificate.as_ref());
+    if let Some(warning) = files.and_then(UserCertificateFiles::warning) {
+        model.messages.warning(full_sentence(&warning));
+    }
     if is_new && let Some(open) = &mut model.open {
         open.edit(Edit::SetConnection(settings));
     }
 }
 
-/// What the user brings along to a server that asks who it is. A typed password comes before that of the environment.
+/// Keys, trust and passwords of the user.
+fn keys(model: &Model) -> UserKeys {
+    let keys = UserKeys::of(model.folders.clone());
+    match &model.options.passwords {
+        Some(passwords) => keys.with_passwords(Arc::clone(passwords)),
+        None => keys,
+    }
+}
+
+/// Keeps the password that the controller has accepted, if that was wanted.
+pub(super) fn accepted(model: &mut Model, account: Option<Account>) {
+    let is_wanted = std::mem::take(&mut model.link.keeps_password);
+    let Some((account, password)) = account.zip(model.link.password.clone()) else {
+        return;
+    };
+    if !is_wanted {
+        return;
+    }
+    let passwords = Arc::clone(keys(model).passwords());
+    start(model, "Keeping the password", move || {
+        let user = &account.user;
+        let kept = passwords.save(&account, &password);
+        let kept = kept.map(|()| format!("The password of {user} is kept on this computer."));
+        SetupOutcome::Password(
+            kept.map_err(|error| format!("The password of {user} was not kept: {error}.")),
+        )
+    });
+}
+
+fn forget(model: &mut Model, account: Account) {
+    let passwords = Arc::clone(keys(model).passwords());
+    model.link.password = None;
+    start(model, "Forgetting the password", move || {
+        let user = &account.user;
+        SetupOutcome::Password(match passwords.forget(&account) {
+            Ok(true) => Ok(format!(
+                "The password of {user} is no longer on this computer."
+            )),
+            Ok(false) => Ok(format!("No password of {user} is kept on this computer.")),
+            Err(error) => Err(full_sentence(&error.to_string())),
+        })
+    });
+}
+
+/// What the user brings along to a server that asks who it is. A typed password comes before that of the environment, and that
+/// before the stored one.
 pub(super) fn credentials(model: &Model) -> Credentials {
     let typed = model.link.password.clone();
     let given = || std::env::var(PASSWORD).ok().map(Password::new);
     Credentials {
-        keys: Arc::new(UserKeys::of(model.folders.clone())),
+        keys: Arc::new(keys(model)),
         password: typed.or_else(given),
     }
 }
 
 /// Trusts the certificate that the operator has compared.
 fn trust(model: &mut Model, server: &UntrustedServer) {
-    let keys = UserKeys::of(model.folders.clone());
+    let keys = keys(model);
     match keys.trust(&server.server, server.fingerprint) {
         Ok(()) => {
             let text = format!("Trusted the certificate of {}.", server.server);
@@ -132,6 +201,8 @@ pub(super) fn receive(model: &mut Model, outcome: SetupOutcome) {
     match outcome {
         SetupOutcome::Checked(checked) => ask(model, ConnectionRequest::ShowChecked(checked)),
         SetupOutcome::Untrusted(server) => ask(model, ConnectionRequest::AskTrust(server)),
+        SetupOutcome::Password(Ok(text)) => model.messages.info(text),
+        SetupOutcome::Password(Err(text)) => refuse(model, text),
         SetupOutcome::Imported(Ok(mapping)) => {
             let Some(open) = &model.open else {
                 return;

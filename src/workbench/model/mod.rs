@@ -31,8 +31,10 @@ pub(crate) mod tasks;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use tautline_link::adjusting::{Difference, plan_adjustment};
+use tautline_link::opcua::PasswordStore;
 use tautline_session::{Adjustment, Folders, Preferences, Session, UnsavedSession};
 
 pub use memo::Memo;
@@ -75,6 +77,8 @@ pub struct Options {
     pub observed: Option<PathBuf>,
     /// Whether files are chosen in a window of the program even where the desktop has dialogs for that.
     pub no_desktop_dialogs: bool,
+    /// Where passwords are kept; by default in the keyring of the desktop.
+    pub passwords: Option<Arc<dyn PasswordStore>>,
 }
 
 /// What is shown of the measured poses and of the robot in motion.

@@ -8,6 +8,7 @@ use tautline_link::UntrustedServer;
 use tautline_link::symbols::SymbolCheck;
 use tautline_session::SymbolMapping;
 
+use super::command::UserFile;
 use super::plot_preparation::Preparation;
 use tautline_workflow::precalibration::Table;
 
@@ -48,6 +49,8 @@ pub enum ConnectionRequest {
     AskTrust(Box<UntrustedServer>),
     /// Fills in the folder of a recording.
     SetFolder(PathBuf),
+    /// Fills in a file of the user at the controller.
+    SetUserFile(UserFile, PathBuf),
     /// Shows the symbols as the controller describes them.
     ShowChecked(Result<Vec<SymbolCheck>, String>),
     /// Fills in names of symbols.

@@ -6,10 +6,12 @@ use tautline_core::effect::{EffectSetting, find};
 use tautline_core::robot::Robot;
 use tautline_core::simulation::{TensionRange, Workspace, draw_deviations};
 use tautline_link::ads::{AdsAddress, AdsOptions};
-use tautline_link::opcua::{Credentials, OpcUaAddress, OpcUaOptions, OpcUaServer};
+use tautline_link::opcua::{Account, Credentials, OpcUaAddress, OpcUaOptions, OpcUaServer};
 use tautline_link::simulated::SimulatedSetup;
 use tautline_link::{LastState, Limits};
-use tautline_session::{Connection, ControllerKind, LaserSettings, Session, SymbolMapping};
+use tautline_session::{
+    Connection, ControllerKind, LaserSettings, Session, SymbolMapping, UserCertificateFiles,
+};
 
 use super::choice::ControllerChoice;
 
@@ -182,9 +184,18 @@ impl ConnectionSetup {
 
     /// The user at the server, whose password it needs.
     #[must_use]
-    pub fn user(&self) -> Option<&str> {
+    pub fn account(&self) -> Option<Account> {
         match &self.source {
-            Source::OpcUa(server, _) => server.address.user.as_deref(),
+            Source::OpcUa(server, _) => server.address.account(),
+            _ => None,
+        }
+    }
+
+    /// The files of the user at the server, if it is known by a certificate.
+    #[must_use]
+    pub fn user_certificate(&self) -> Option<&UserCertificateFiles> {
+        match &self.source {
+            Source::OpcUa(server, _) => server.address.user_certificate.as_ref(),
             _ => None,
         }
     }

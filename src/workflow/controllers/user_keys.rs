@@ -1,9 +1,11 @@
-//! Keys and trusted servers in the folders of the user.
+//! Keys and trusted servers in the folders of the user, and passwords in the keyring of the desktop.
 
 use std::sync::Arc;
 
 use tautline_link::LinkError;
-use tautline_link::opcua::{ClientIdentity, KeyStore};
+use tautline_link::opcua::{
+    Account, ClientIdentity, DesktopKeyring, KeyStore, Password, PasswordStore, PasswordStoreError,
+};
 use tautline_session::{CertificateFingerprint, Folders, OpcUaKey, TrustedServers};
 
 /// Name of the environment variable with the password of the user at the controller.
@@ -13,6 +15,7 @@ pub const PASSWORD: &str = "TAUTLINE_PASSWORD";
 #[derive(Debug, Clone)]
 pub struct UserKeys {
     folders: Folders,
+    passwords: Arc<dyn PasswordStore>,
 }
 
 fn to_error(error: impl std::error::Error) -> LinkError {
@@ -20,10 +23,26 @@ fn to_error(error: impl std::error::Error) -> LinkError {
 }
 
 impl UserKeys {
-    /// Those in the folders of a user.
+    /// Those in the folders of a user; passwords are in the keyring of the desktop.
     #[must_use]
     pub fn of(folders: Folders) -> Self {
-        Self { folders }
+        Self {
+            folders,
+            passwords: Arc::new(DesktopKeyring),
+        }
+    }
+
+    /// The same with passwords elsewhere.
+    #[must_use]
+    pub fn with_passwords(mut self, passwords: Arc<dyn PasswordStore>) -> Self {
+        self.passwords = passwords;
+        self
+    }
+
+    /// Where passwords are kept.
+    #[must_use]
+    pub fn passwords(&self) -> &Arc<dyn PasswordStore> {
+        &self.passwords
     }
 
     /// Trusts a certificate of a server from now on, in place of another one.
@@ -72,6 +91,17 @@ impl KeyStore for UserKeys {
     fn trusted(&self, server: &str) -> Result<Option<CertificateFingerprint>, LinkError> {
         let servers = TrustedServers::read(&self.folders.trusted_servers()).map_err(to_error)?;
         Ok(servers.find(server))
+    }
+
+    fn password(&self, account: &Account) -> Result<Option<Password>, LinkError> {
+        match self.passwords.find(account) {
+            Ok(found) => Ok(found),
+            Err(PasswordStoreError::NotBuilt) => Ok(None),
+            Err(error) => Err(LinkError::Setup(format!(
+                "the user {:?} needs a password, and {error}",
+                account.user
+            ))),
+        }
     }
 }
 

@@ -8,12 +8,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use tautline_validation::generators::{hypotheses, random_runs, screenshots, sessions, your_data};
+use tautline_validation::support::ads::Protocol;
 use tautline_validation::support::window;
 use tautline_validation::tables::hidden::Records;
 use tautline_validation::tables::motion::{Late, RECORDING};
 use tautline_validation::tables::{
-    adjusted, formulas, hangprinter, health, hypothesis_files, isolability, live_readings, lives,
-    many_poses, motion, nist, study_speed, table1, tolerances, truth, until, which_sensor,
+    adjusted, damaged_files, formulas, hangprinter, health, hypothesis_files, isolability, kills,
+    live_readings, lives, many_poses, motion, nist, study_speed, table1, tolerances, truth, until,
+    which_sensor,
 };
 
 /// Presets of the truth study.
@@ -35,6 +37,10 @@ const FILES_SEED: u64 = 47_000;
 const HEALTH_SEED: u64 = 45_000;
 /// Seed of the first random run.
 const RUNS_SEED: u64 = 49_000;
+/// Seed of the moments at which programs are killed.
+const KILLS_SEED: u64 = 50_000;
+/// Seed of the damage to files.
+const DAMAGE_SEED: u64 = 51_000;
 /// Seed of the first robot that is measured until it is certain.
 const UNTIL_SEED: u64 = 46_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
@@ -42,7 +48,7 @@ const RECORDS: &str = "target/studies.jsonl";
 const UNTIL_RECORDS: &str = "target/until.jsonl";
 const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], kills [RUNS [none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, hypotheses, random-runs PROGRAM FOLDER [RUNS]";
 
@@ -69,6 +75,8 @@ fn main() -> Result<()> {
                 live_readings::markdown(&live_readings::study(seconds)?)
             );
         }
+        Some("kills") => println!("{}", kills_table(&arguments[1..])?),
+        Some("damaged-files") => println!("{}", damaged_files_table(argument)?),
         Some("hangprinter") => println!("{}", hangprinter_table(argument)?),
         Some("isolability") => println!("{}", isolability_table()?),
         Some("motion") => println!("{}", motion_table(&arguments[1..])?),
@@ -99,6 +107,37 @@ fn main() -> Result<()> {
         _ => bail!(USAGE),
     }
     Ok(())
+}
+
+/// Kills so many measuring runs and adjustments over OPC UA, without security, encrypted or both; what should not have happened
+/// goes to standard error.
+fn kills_table(arguments: &[String]) -> Result<String> {
+    let runs = arguments.first().map_or(Ok(50), |runs| runs.parse())?;
+    let protocols = match arguments.get(1).map(String::as_str) {
+        None => vec![Protocol::OpcUa, Protocol::OpcUaEncrypted],
+        Some("none") => vec![Protocol::OpcUa],
+        Some("encrypted") => vec![Protocol::OpcUaEncrypted],
+        Some(_) => bail!(USAGE),
+    };
+    let mut all = Vec::new();
+    for protocol in protocols {
+        let kills = kills::study(protocol, runs, KILLS_SEED)?;
+        for fault in &kills.faults {
+            eprintln!("{protocol:?}: {fault}");
+        }
+        all.push(kills);
+    }
+    Ok(kills::markdown(&all))
+}
+
+/// Reads so many damaged files; panics, aborts and time limits go to standard error.
+fn damaged_files_table(files: Option<&str>) -> Result<String> {
+    let files = files.map_or(Ok(1000), str::parse)?;
+    let outcomes = damaged_files::study(files, DAMAGE_SEED)?;
+    for fault in outcomes.values().flat_map(|outcome| &outcome.faults) {
+        eprintln!("{fault}");
+    }
+    Ok(damaged_files::markdown(&outcomes))
 }
 
 fn isolability_table() -> Result<String> {

@@ -7,7 +7,7 @@ use egui::{Key, Modifiers, ThemePreference};
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
     Answer, Command, CompareCommand, FileCommand, HypothesisCommand, RecordCommand,
-    RecordingCommand, ReportCommand, RobotCommand, ViewCommand,
+    RecordingCommand, ReportCommand, RobotCommand, Setup, ViewCommand,
 };
 use tautline_workbench::model::comparison::Side;
 use tautline_workbench::model::edit::Edit;
@@ -112,7 +112,7 @@ const SECTIONS: [(&[&str], Section); 11] = [
 
 /// How names of pictures of dialogs begin.
 const DIALOGS: &[&str] = &[
-    "palette", "log", "report", "manual", "about", "unsaved", "save-as", "menu",
+    "palette", "log", "report", "manual", "about", "connect", "unsaved", "save-as", "menu",
 ];
 
 /// Screens that need no session.
@@ -432,6 +432,14 @@ fn dialogs(looks: &mut Looks) -> Result<()> {
     looks.stage.give(ViewCommand::About(true));
     looks.at("about")?;
     looks.stage.give(ViewCommand::About(false));
+    looks.stage.give(RobotCommand::Setup(Setup::Open));
+    looks.stage.press("Controller with OPC UA");
+    for sign_in in ["Name and password", "Certificate"] {
+        looks.stage.press(sign_in);
+        let name = sign_in.split(' ').next().unwrap_or_default();
+        looks.at(&format!("connect-{}", name.to_lowercase()))?;
+    }
+    looks.stage.give(RobotCommand::Setup(Setup::Close));
     looks.stage.give(Edit::Rename("Another name".into()));
     looks.stage.give(FileCommand::Close);
     looks.at("unsaved")?;

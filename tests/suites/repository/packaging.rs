@@ -60,8 +60,8 @@ fn files_of_the_debian_package_are_there() {
 }
 
 #[test]
-fn packages_have_all_formats() {
+fn packages_have_all_formats_and_store_passwords() {
     let builds = text(".ci/package");
     let mut builds = builds.lines().filter(|line| line.contains("cargo build"));
-    assert!(builds.all(|line| line.ends_with(" --features more-formats")));
+    assert!(builds.all(|line| line.ends_with(" --features more-formats,keyring")));
 }

@@ -1,9 +1,12 @@
 //! The demonstration on a simulated robot whose time runs fast, and how tests drive it.
 
+use std::sync::Arc;
+
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use tautline_session::{Folders, Session};
 use tautline_validation::support::harness::{connect_and_arm, wait, words};
+use tautline_validation::support::keyring::MemoryPasswords;
 use tautline_workbench::model::Options;
 use tautline_workbench::model::command::Command;
 use tautline_workbench::model::command::{FileCommand, RobotCommand, ViewCommand};
@@ -46,6 +49,7 @@ impl Bench {
             folders: Some(Self::folders(&folder)),
             demo_seed,
             robot_speed: Some(60.0),
+            passwords: Some(Arc::new(MemoryPasswords::default())),
             ..Options::default()
         };
         let harness = Harness::builder()

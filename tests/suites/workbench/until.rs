@@ -372,6 +372,7 @@ fn a_controller_with_opcua_goes_to_the_poses_that_are_decided_on() {
         security: None,
         policy: None,
         user: None,
+        user_certificate: None,
         timeout_s: 20.0,
     });
     let mut bench = Bench::of_session(&session);

@@ -3,6 +3,8 @@
 mod ads;
 mod bad_input;
 mod commands;
+#[cfg(target_os = "linux")]
+mod damaged_files;
 mod headless;
 mod markers;
 mod pipeline;

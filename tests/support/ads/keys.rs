@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use tautline_link::LinkError;
-use tautline_link::opcua::{ClientIdentity, Credentials, KeyStore, Password};
+use tautline_link::opcua::{Account, ClientIdentity, Credentials, KeyStore, Password};
 use tautline_session::CertificateFingerprint;
 
 /// Making a key takes a while: all clients of a process have the same.
@@ -44,5 +44,9 @@ impl KeyStore for TestKeys {
     fn trusted(&self, server: &str) -> Result<Option<CertificateFingerprint>, LinkError> {
         let trusted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(trusted.get(server).copied())
+    }
+
+    fn password(&self, _account: &Account) -> Result<Option<Password>, LinkError> {
+        Ok(None)
     }
 }

@@ -7,8 +7,10 @@ mod plant;
 mod server;
 pub mod symbols;
 pub mod unruly;
+mod user;
 
 pub use host::Host;
 pub use keys::TestKeys;
 pub use plant::Plant;
-pub use server::{PASSWORD, Protocol, Server, USER};
+pub use server::{PASSWORD, Protocol, Server, USER, user_certificates};
+pub use user::User;

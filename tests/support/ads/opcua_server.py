@@ -4,7 +4,8 @@ Orders and what clients write are the same lines of JSON as those of server.py. 
 nodes; added here are counts of requests, status codes for single nodes, and connections that end amid a request.
 
 An argument of JSON makes it a server with security: the policies by their names in asyncua, the user with the password, the
-lifetime of keys, and what is wrong with its certificate, which the package cryptography makes.
+files of certificates of users, the policy of the tokens of users, the lifetime of keys, and what is wrong with its certificate,
+which the package cryptography makes.
 """
 
 import asyncio
@@ -28,6 +29,7 @@ from asyncua.common.connection import SecureConnection  # noqa: E402
 from asyncua.crypto.permission_rules import User, UserRole  # noqa: E402
 from asyncua.crypto.validator import CertificateValidator, CertificateValidatorOptions  # noqa: E402
 from asyncua.server.uaprocessor import UaProcessor  # noqa: E402
+from asyncua.server.user_managers import CertificateUserManager  # noqa: E402
 from asyncua.ua.ua_binary import nodeid_from_binary, struct_from_binary  # noqa: E402
 from cryptography import x509  # noqa: E402
 from cryptography.hazmat.primitives import hashes, serialization  # noqa: E402
@@ -187,7 +189,8 @@ class Rig:
     def __init__(self, security):
         self.security = security
         user = security.get("user")
-        self.server = Server(user_manager=OneUser(*user) if user else None)
+        self.certified = CertificateUserManager() if "certified" in security else None
+        self.server = Server(user_manager=self.certified or (OneUser(*user) if user else None))
         self.kinds = {}
         self.fingerprint = None
 
@@ -201,7 +204,11 @@ class Rig:
         self.server.set_certificate_validator(CertificateValidator(options).validate)
         if "lifetime_ms" in self.security:
             open_for(self.security["lifetime_ms"])
-        if "user" in self.security:
+        for k, path in enumerate(self.security.get("certified", [])):
+            await self.certified.add_user(path, f"user {k}")
+        if self.certified:
+            self.server.set_identity_tokens([ua.X509IdentityToken])
+        elif "user" in self.security:
             self.server.set_identity_tokens([ua.UserNameIdentityToken])
 
     async def start(self):
@@ -218,6 +225,10 @@ class Rig:
         self.plain_read, self.plain_write = service.read, service.write
         service.read, service.write = self.read, self.write
         await self.server.start()
+        if "token_policy" in self.security:
+            for endpoint in self.server.iserver.endpoints:
+                for token in endpoint.UserIdentityTokens:
+                    token.SecurityPolicyUri = self.security["token_policy"]
         return self.server.bserver.port
 
     def read(self, parameters):

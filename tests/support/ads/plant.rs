@@ -74,6 +74,16 @@ impl Plant {
         Self::with(Server::start(protocol), (style, STEP_S), |_| ())
     }
 
+    /// Starts an encrypted controller whose security is that of the script of its server; see there.
+    ///
+    /// # Panics
+    /// If the server cannot be started.
+    #[must_use]
+    pub fn with_security(security: &Value, style: Style) -> Self {
+        let server = Server::with_security(Protocol::OpcUaEncrypted, Some(security));
+        Self::with(server, (style, STEP_S), |_| ())
+    }
+
     /// Starts a controller whose simulated time runs fast.
     ///
     /// # Panics

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::{Child, ChildStdin, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -19,6 +19,7 @@ use tautline_session::{CertificateFingerprint, SymbolMapping};
 
 use super::host::{Host, Orders, Written, ads_client};
 use super::keys::TestKeys;
+use crate::support::python::python;
 
 /// How long an order may take before a test fails.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -77,6 +78,16 @@ impl Protocol {
     }
 }
 
+/// Makes certificates of users with their keys in a folder; the script says under which names.
+///
+/// # Panics
+/// If its Python environment is missing.
+pub fn user_certificates(folder: &Path) {
+    let mut made = python("tests/support/ads/user_certificates.py");
+    let status = made.arg(folder).status().expect("a process");
+    assert!(status.success(), "the certificates are made");
+}
+
 /// Gives orders to a process, as lines of JSON.
 fn orders_to(pipe: ChildStdin) -> Orders {
     let pipe = Mutex::new(pipe);
@@ -118,14 +129,7 @@ impl Server {
     /// If its Python environment is missing.
     #[must_use]
     pub fn with_security(protocol: Protocol, security: Option<&Value>) -> Self {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let python = root.join("target/python/bin/python");
-        assert!(
-            python.exists(),
-            "the Python environment of this test is missing: make it by bash .ci/python"
-        );
-        let mut process = Command::new(python)
-            .arg(root.join(protocol.script()))
+        let mut process = python(protocol.script())
             .args(security.map(Value::to_string))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -169,6 +173,7 @@ impl Server {
             security: None,
             policy: None,
             user: (self.protocol == Protocol::OpcUaEncrypted).then(|| USER.to_owned()),
+            user_certificate: None,
         }
     }
 

@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 
 pub(super) use check::check;
 pub use place::{
-    AdsPlace, ControllerKind, OpcUaPlace, OpcUaPolicy, OpcUaSecurity, RecordingPlace, without_user,
+    AdsPlace, ControllerKind, OpcUaPlace, OpcUaPolicy, OpcUaSecurity, RecordingPlace,
+    UserCertificateFiles, without_user,
 };
 
 /// Settings of the connection to the robot's controller.

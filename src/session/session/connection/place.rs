@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::robot::FieldError;
 
-use crate::error::fail;
+use crate::error::{below, fail};
 
 /// Valid timeouts (s).
 pub(super) const TIMEOUT_S: std::ops::RangeInclusive<f64> = 0.05..=60.0;
@@ -168,6 +168,39 @@ impl fmt::Display for OpcUaPolicy {
     }
 }
 
+/// Files of a user whom a server knows by a certificate.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UserCertificateFiles {
+    /// Path of the certificate (DER or PEM).
+    pub certificate: String,
+    /// Path of its private key (PKCS #8 or PKCS #1, DER or PEM, not encrypted). The key itself is never stored.
+    pub key: String,
+}
+
+impl UserCertificateFiles {
+    /// Checks the paths; pointers are relative to them.
+    ///
+    /// # Errors
+    /// The first path that is empty or has control characters.
+    pub fn check(&self) -> Result<(), FieldError> {
+        let paths = [
+            (
+                "/certificate",
+                &self.certificate,
+                "the certificate of the user",
+            ),
+            ("/key", &self.key, "the private key of the certificate"),
+        ];
+        for (at, path, what) in paths {
+            if path.trim().is_empty() || path.contains(char::is_control) {
+                return fail(at, format!("found {path:?}, expected the file with {what}"));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Address of an OPC UA controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -189,6 +222,9 @@ pub struct OpcUaPlace {
     /// Name of the user at the server; absent for an anonymous one. The password is never stored.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub user: Option<String>,
+    /// Certificate of the user at the server, instead of a name and a password.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub user_certificate: Option<UserCertificateFiles>,
     /// Timeout for connecting and for responses (s), 0.05 to 60.
     #[serde(default = "super::one")]
     pub timeout_s: f64,
@@ -225,6 +261,16 @@ impl OpcUaPlace {
                 "/user",
                 format!("found {user:?}, expected the name of a user"),
             );
+        }
+        if let Some(files) = &self.user_certificate {
+            if let Some(user) = &self.user {
+                let message = format!(
+                    "found the name {user:?} and a certificate, expected one of them: a certificate names its user"
+                );
+                return fail("/user", message);
+            }
+            let below_it = |error| below("/user_certificate", error);
+            files.check().map_err(below_it)?;
         }
         timeout(self.timeout_s)
     }

@@ -99,6 +99,7 @@ pub fn receive(model: &mut Model, event: DriverEvent) {
             model.messages.info(format!("Connected: {identity}."));
             model.link.identity = identity;
             model.link.protection = protection;
+            setup::accepted(model, rig.account());
             let is_own = rig.kind == Kind::OfSession;
             let arms = std::mem::take(&mut model.link.arms_when_connected) && is_own;
             model.link.connected = Some(Connected { session_id, rig });

@@ -30,7 +30,7 @@ pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutco
 pub use report::{ReportCommand, ReportDraft};
 pub(crate) use robot::STOP;
 pub use robot::{EXPECTING, Export, PLANNING, PlanOutcome, PlanOutlook, RobotCommand, WriteDraft};
-pub use setup::{CHECKING, Setup, SetupOutcome};
+pub use setup::{CHECKING, Setup, SetupOutcome, UserFile};
 pub use study::{AskedRobot, SIMULATING, StudyCommand};
 pub use view::{PoseStep, ViewCommand};
 

@@ -74,6 +74,8 @@ pub struct Link {
     pub protection: Option<LinkProtection>,
     /// Password of the user at the controller, as typed; it is kept nowhere else.
     pub password: Option<Password>,
+    /// Whether the password is kept once the controller has accepted it.
+    pub keeps_password: bool,
     pub parameters: Vec<ParameterInfo>,
     pub parameters_version: u64,
     /// The measuring run, also after its end.
@@ -119,6 +121,7 @@ impl Link {
             identity: String::new(),
             protection: None,
             password: None,
+            keeps_password: false,
             parameters: Vec::new(),
             parameters_version: 0,
             run: None,

@@ -1,16 +1,19 @@
 //! What is typed into the connection dialog, and the settings that it makes.
 
+use std::path::Path;
+
 use tautline_core::robot::{FieldError, Robot};
 use tautline_link::UntrustedServer;
-use tautline_link::opcua::{OpcUaAddress, Password};
+use tautline_link::opcua::{Account, OpcUaAddress, Password};
 use tautline_session::{
     AdsPlace, Connection, ControllerKind, LaserSettings, LastConnection, OpcUaPlace, OpcUaPolicy,
-    OpcUaSecurity, RecordingPlace, Session, SymbolMapping,
+    OpcUaSecurity, RecordingPlace, Session, SymbolMapping, UserCertificateFiles,
 };
 
 use super::laser::LaserDraft;
 use super::names::{Names, default_names};
 use super::problems::{Field, Part, Problems};
+use crate::model::command::{Setup, UserFile};
 use crate::widgets::parse_number;
 
 /// What the session has at present.
@@ -37,6 +40,25 @@ impl Present {
     }
 }
 
+/// How a user signs in at a server.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SignIn {
+    #[default]
+    Anonymous,
+    Name,
+    Certificate,
+}
+
+impl SignIn {
+    fn of(place: &OpcUaPlace) -> Self {
+        match (&place.user, &place.user_certificate) {
+            (_, Some(_)) => Self::Certificate,
+            (Some(_), None) => Self::Name,
+            (None, None) => Self::Anonymous,
+        }
+    }
+}
+
 #[derive(Debug)]
 pub struct Draft {
     /// Id of the session that it belongs to.
@@ -56,9 +78,15 @@ pub struct Draft {
     pub url: String,
     pub security: Option<OpcUaSecurity>,
     pub policy: Option<OpcUaPolicy>,
+    pub sign_in: SignIn,
     pub user: String,
     /// Password of the user, which no settings have.
     pub password: Password,
+    /// Whether the password is kept on this computer.
+    pub keeps_password: bool,
+    /// Paths of the certificate of the user and of its private key.
+    pub certificate: String,
+    pub key: String,
     pub url_timeout: String,
     ads: Names,
     nodes: Names,
@@ -82,6 +110,9 @@ impl Draft {
             place.as_ref().map_or_else(|| usual.to_owned(), of)
         };
         let opcua = connection.opcua.clone().or_else(|| reached.opcua.clone());
+        let files = opcua
+            .as_ref()
+            .and_then(|place| place.user_certificate.as_ref());
         let robot = &session.robot;
         let names = |own: &Option<SymbolMapping>, kind| {
             Names::of(own.as_ref(), &default_names(kind, robot), robot)
@@ -111,7 +142,11 @@ impl Draft {
                 .as_ref()
                 .and_then(|place| place.user.clone())
                 .unwrap_or_default(),
+            sign_in: opcua.as_ref().map(SignIn::of).unwrap_or_default(),
             password: Password::default(),
+            keeps_password: false,
+            certificate: files.map_or_else(String::new, |files| files.certificate.clone()),
+            key: files.map_or_else(String::new, |files| files.key.clone()),
             url_timeout: number(opcua.as_ref().map(|place| place.timeout_s)),
             ads: names(&connection.ads, ControllerKind::Ads),
             nodes: names(&connection.nodes, ControllerKind::OpcUa),
@@ -208,10 +243,37 @@ impl Draft {
         Some(place)
     }
 
-    /// The password, if one was typed.
+    /// The password, if one was typed for the user.
     #[must_use]
     pub fn password(&self) -> Option<Password> {
-        (!self.password.is_empty()).then(|| self.password.clone())
+        let has_one = self.sign_in == SignIn::Name && !self.password.is_empty();
+        has_one.then(|| self.password.clone())
+    }
+
+    /// The command that takes the password; it is kept only if it was typed.
+    #[must_use]
+    pub fn use_password(&self) -> Setup {
+        let password = self.password();
+        Setup::UsePassword {
+            keeps: self.keeps_password && password.is_some(),
+            password,
+        }
+    }
+
+    /// The user whose password may be stored, as far as the fields say.
+    #[must_use]
+    pub fn account(&self) -> Option<Account> {
+        let place = self.opcua(&mut Problems::default())?;
+        OpcUaAddress::from(&place).account()
+    }
+
+    /// Fills in the path of a file of the user.
+    pub fn set_user_file(&mut self, which: UserFile, path: &Path) {
+        let field = match which {
+            UserFile::Certificate => &mut self.certificate,
+            UserFile::Key => &mut self.key,
+        };
+        *field = path.display().to_string();
     }
 
     fn opcua(&self, problems: &mut Problems) -> Option<OpcUaPlace> {
@@ -219,20 +281,31 @@ impl Draft {
         let address = problems.take(Field::Url, address.map_err(|error| error.to_string()));
         let timeout_s = problems.take(Field::UrlTimeout, parse_number(&self.url_timeout));
         let place = address?.place(timeout_s?);
-        let user = self.user.trim();
+        // The user of an address is the only one.
+        let sign_in = match SignIn::of(&place) {
+            SignIn::Anonymous => self.sign_in,
+            _ => SignIn::Anonymous,
+        };
+        let user = (sign_in == SignIn::Name).then(|| self.user.trim().to_owned());
+        let files = || UserCertificateFiles {
+            certificate: self.certificate.trim().to_owned(),
+            key: self.key.trim().to_owned(),
+        };
+        let user_certificate = (sign_in == SignIn::Certificate).then(|| files().absolute());
         // What an address says comes before the other fields, so that one that was copied from elsewhere holds.
         let place = OpcUaPlace {
             security: place.security.or(self.security),
             policy: place.policy.or(self.policy),
-            user: place
-                .user
-                .or_else(|| (!user.is_empty()).then(|| user.to_owned())),
+            user: place.user.or(user),
+            user_certificate: place.user_certificate.or(user_certificate),
             ..place
         };
         let fields = [
             ("/host", Field::Url),
             ("/policy", Field::Policy),
             ("/user", Field::User),
+            ("/user_certificate/certificate", Field::UserCertificate),
+            ("/user_certificate/key", Field::UserKey),
             ("/timeout_s", Field::UrlTimeout),
         ];
         checked(place.check(), &fields, problems)?;
@@ -325,10 +398,36 @@ mod tests {
                 security: Some(OpcUaSecurity::SignAndEncrypt),
                 policy: Some(OpcUaPolicy::Basic256Sha256),
                 user: Some("anna".into()),
+                user_certificate: None,
                 timeout_s: 0.5,
             }),
             nodes: Some(SymbolMapping::default_nodes_for(&session.robot)),
         };
+        let certified = OpcUaPlace {
+            user: None,
+            user_certificate: Some(
+                UserCertificateFiles {
+                    certificate: "anna.der".into(),
+                    key: "anna.key".into(),
+                }
+                .absolute(),
+            ),
+            ..session.connection.opcua.clone().expect("an address")
+        };
+        let anonymous = OpcUaPlace {
+            user_certificate: None,
+            ..certified.clone()
+        };
+        session.connection.controller = ControllerKind::OpcUa;
+        for place in [
+            certified,
+            anonymous,
+            session.connection.opcua.clone().expect("it"),
+        ] {
+            session.connection.opcua = Some(place);
+            let settings = draft(&session).settings(&Present::of(&session));
+            assert_eq!(settings.expect("settings").0, session.connection);
+        }
         for kind in [
             ControllerKind::Ads,
             ControllerKind::OpcUa,
@@ -375,5 +474,19 @@ mod tests {
         let problems = draft.settings(&Present::of(&session)).expect_err("wrong");
         let text = problems.of(Field::Url).expect("a problem");
         assert!(text.contains("expected opc.tcp://"), "{text}");
+        draft.url = "opc.tcp://plc".into();
+        for (sign_in, field, expected) in [
+            (SignIn::Name, Field::User, "the name of a user"),
+            (
+                SignIn::Certificate,
+                Field::UserCertificate,
+                "the file with the certificate",
+            ),
+        ] {
+            draft.sign_in = sign_in;
+            let problems = draft.settings(&Present::of(&session)).expect_err("empty");
+            let text = problems.of(field).expect("a problem");
+            assert!(text.contains(expected), "{text}");
+        }
     }
 }

@@ -1,34 +1,51 @@
 //! Fields with what is wrong with them.
 
 use egui::{RichText, TextEdit, Ui, WidgetInfo};
+use egui_material_icons::icons;
 
 use crate::theme;
-use crate::widgets::muted;
+use crate::widgets::{icon_button, muted};
 
 /// Width of a field (points).
 const WIDTH: f32 = 240.0;
 
 /// A line of a grid: name, field, and below that what is wrong.
 pub fn line(ui: &mut Ui, names: (&str, &str), text: &mut String, problem: Option<&str>) {
-    edit(ui, names, text, (problem, false));
+    edit(ui, names, text, (problem, false), |_| ());
+}
+
+/// The same for the path of a file, with a button that asks for it; whether that was pressed.
+pub fn file(
+    ui: &mut Ui,
+    (names, choose): ((&str, &str), &str),
+    text: &mut String,
+    problem: Option<&str>,
+) -> bool {
+    edit(ui, names, text, (problem, false), |ui| {
+        icon_button(ui, icons::ICON_FOLDER_OPEN, choose, true).clicked()
+    })
 }
 
 /// The same for a text that is not shown.
 pub fn secret(ui: &mut Ui, names: (&str, &str), text: &mut String) {
-    edit(ui, names, text, (None, true));
+    edit(ui, names, text, (None, true), |_| ());
 }
 
-fn edit(
+/// A line with what stands beside its field.
+fn edit<T>(
     ui: &mut Ui,
     (name, hint): (&str, &str),
     text: &mut String,
     (problem, is_secret): (Option<&str>, bool),
-) {
+    beside: impl FnOnce(&mut Ui) -> T,
+) -> T {
     ui.label(name);
-    ui.vertical(|ui| {
+    let shown = ui.vertical(|ui| {
         let width = WIDTH.min(ui.available_width());
         let edit = TextEdit::singleline(text).hint_text(hint);
-        let response = ui.add(edit.password(is_secret).desired_width(width));
+        let edit = edit.password(is_secret).desired_width(width);
+        let shown = ui.horizontal(|ui| (ui.add(edit), beside(ui)));
+        let (response, beside) = shown.inner;
         let value = match is_secret {
             true => "\u{2022}".repeat(text.chars().count()),
             false => text.clone(),
@@ -44,8 +61,10 @@ fn edit(
             let text = RichText::new(sentence).small().color(colour);
             ui.add(egui::Label::new(text).wrap());
         }
+        beside
     });
     ui.end_row();
+    shown.inner
 }
 
 /// A name and what belongs to it, in one line.

@@ -11,21 +11,22 @@ mod test_line;
 
 use egui::{Grid, ScrollArea, Ui};
 use egui_material_icons::icons;
+use tautline_link::opcua::{HAS_KEYRING, Password, PasswordStoreError};
 use tautline_session::{Connection, ControllerKind, LaserSettings, OpcUaPolicy, OpcUaSecurity};
 use tautline_workflow::controllers::PASSWORD;
 use tautline_workflow::wording::sentence;
 
-use self::draft::Present;
-use self::field::{line, secret};
+use self::draft::{Present, SignIn};
+use self::field::{file, line, secret};
 use self::names::default_names;
 use self::problems::{Field, Part, Problems};
 use self::symbols::SymbolRows;
-use crate::model::command::{CHECKING, Outbox, RobotCommand, Setup};
+use crate::model::command::{CHECKING, Outbox, RobotCommand, Setup, UserFile};
 use crate::model::messages::full_sentence;
 use crate::model::{ConnectionRequest, Model};
 use crate::theme::{self, GRID};
 use crate::widgets::{
-    TabOf, Verdict, choice, heading, icon_button, modal, muted, primary, tab_row, verdict,
+    TabOf, Verdict, checkbox, choice, heading, icon_button, modal, muted, primary, tab_row, verdict,
 };
 
 pub use draft::Draft;
@@ -67,6 +68,9 @@ pub fn apply(dialog: &mut Option<Box<Draft>>, request: ConnectionRequest, model:
         }
         (ConnectionRequest::SetFolder(folder), Some(draft)) => {
             draft.folder = folder.display().to_string();
+        }
+        (ConnectionRequest::SetUserFile(which, path), Some(draft)) => {
+            draft.set_user_file(which, &path);
         }
         (ConnectionRequest::ShowChecked(checked), Some(draft)) => {
             draft.names_mut().rows.checked = Some(checked);
@@ -220,12 +224,12 @@ fn controller(
             );
         }
         ControllerKind::OpcUa => {
-            opcua(ui, draft, problems);
+            opcua(ui, draft, problems, outbox);
         }
     }
 }
 
-fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems) {
+fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox) {
     let rows = Grid::new("opcua")
         .num_columns(2)
         .spacing([3.0 * GRID, 1.5 * GRID]);
@@ -246,10 +250,7 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems) {
             (&mut draft.policy, &OpcUaPolicy::ALL),
             problem,
         );
-        let problem = problems.of(Field::User);
-        line(ui, ("User", "anonymous"), &mut draft.user, problem);
-        let hint = format!("that of {PASSWORD}");
-        secret(ui, ("Password", &hint), draft.password.text_mut());
+        user(ui, draft, problems, outbox);
         let problem = problems.of(Field::UrlTimeout);
         line(ui, ("Timeout (s)", "1"), &mut draft.url_timeout, problem);
     });
@@ -259,8 +260,77 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems) {
     }
     wrapped(
         ui,
-        "Without a choice the best security is used that the server offers. The password is not saved. docs/OPC-UA.md says what the controller has to allow. Nothing moves and nothing is written before it is armed.",
+        "Without a choice the best security is used that the server offers. A session keeps the name or the paths, never a password or a key. docs/OPC-UA.md says what the controller has to allow. Nothing moves and nothing is written before it is armed.",
     );
+}
+
+/// The lines of a grid that say who signs in.
+fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox) {
+    ui.label("Sign in");
+    ui.horizontal_wrapped(|ui| {
+        for (sign_in, text) in [
+            (SignIn::Anonymous, "Anonymous"),
+            (SignIn::Name, "Name and password"),
+            (SignIn::Certificate, "Certificate"),
+        ] {
+            choice(ui, &mut draft.sign_in, sign_in, text);
+        }
+    });
+    ui.end_row();
+    match draft.sign_in {
+        SignIn::Anonymous => {}
+        SignIn::Name => {
+            let problem = problems.of(Field::User);
+            let hint = "name at the controller";
+            line(ui, ("User", hint), &mut draft.user, problem);
+            let hint = format!("{PASSWORD}, or kept");
+            secret(ui, ("Password", &hint), draft.password.text_mut());
+            keeping(ui, draft, outbox);
+        }
+        SignIn::Certificate => {
+            let problem = problems.of(Field::UserCertificate);
+            let names = (("User certificate", "DER or PEM"), "Choose certificate…");
+            let mut wanted =
+                file(ui, names, &mut draft.certificate, problem).then_some(UserFile::Certificate);
+            let problem = problems.of(Field::UserKey);
+            let names = (("Private key", "without a password"), "Choose key…");
+            if file(ui, names, &mut draft.key, problem) {
+                wanted = Some(UserFile::Key);
+            }
+            if let Some(which) = wanted {
+                outbox.send(RobotCommand::Setup(Setup::PickUserFile(which)));
+            }
+        }
+    }
+}
+
+/// The line of a grid about passwords that are kept on this computer.
+fn keeping(ui: &mut Ui, draft: &mut Draft, outbox: &mut Outbox) {
+    ui.label("");
+    ui.horizontal_wrapped(|ui| {
+        let missing = PasswordStoreError::NotBuilt.to_string();
+        ui.add_enabled_ui(HAS_KEYRING, |ui| {
+            let text = "Remember the password on this computer";
+            checkbox(ui, &mut draft.keeps_password, text)
+                .on_hover_text("In the keyring of the desktop, once the controller has accepted it")
+                .on_disabled_hover_text(full_sentence(&missing));
+        });
+        let account = draft.account().filter(|_| HAS_KEYRING);
+        let forget = egui::Button::new("Forget it");
+        let forget = ui.add_enabled(account.is_some(), forget);
+        let forget = forget
+            .on_hover_text("Removes the password of this user from the keyring of the desktop")
+            .on_disabled_hover_text(match HAS_KEYRING {
+                true => "Needs an address and a user".to_owned(),
+                false => full_sentence(&missing),
+            });
+        if let (true, Some(account)) = (forget.clicked(), account) {
+            draft.password = Password::default();
+            draft.keeps_password = false;
+            outbox.send(RobotCommand::Setup(Setup::ForgetPassword(account)));
+        }
+    });
+    ui.end_row();
 }
 
 /// A line of a grid with a choice from all values or the best that the server offers.
@@ -333,7 +403,7 @@ fn symbols(
             )
             .on_disabled_hover_text("Needs an address, valid names, and no connection");
         if let (true, Ok((connection, _))) = (check.clicked(), settings) {
-            outbox.send(RobotCommand::Setup(Setup::UsePassword(draft.password())));
+            outbox.send(RobotCommand::Setup(draft.use_password()));
             let setup = Setup::Check(Box::new(connection));
             outbox.send(RobotCommand::Setup(setup));
         }
@@ -418,7 +488,7 @@ fn footer(
             outbox.send(RobotCommand::Setup(Setup::Save(Box::new(settings))));
             draft.refused = None;
             draft.untrusted = None;
-            outbox.send(RobotCommand::Setup(Setup::UsePassword(draft.password())));
+            outbox.send(RobotCommand::Setup(draft.use_password()));
             if connect {
                 draft.connects = true;
                 draft.laser.release();

@@ -14,6 +14,8 @@ pub enum Field {
     Url,
     Policy,
     User,
+    UserCertificate,
+    UserKey,
     UrlTimeout,
     Symbol(usize),
     /// Something of all symbols.

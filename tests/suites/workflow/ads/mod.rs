@@ -29,8 +29,12 @@ use over_all;
 mod adjusting;
 mod calibrating;
 mod faults;
+mod kills;
 mod live;
+#[cfg(target_os = "linux")]
+mod opcua_passwords;
 mod opcua_security;
+mod opcua_user_certificate;
 mod page;
 mod program;
 mod setting_up;

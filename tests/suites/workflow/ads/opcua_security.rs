@@ -16,7 +16,7 @@ use tautline_validation::support::ads::{PASSWORD, Protocol, Server, TestKeys, US
 use tautline_validation::support::program::{self, Folder};
 
 /// All policies of the server.
-const POLICIES: [&str; 6] = [
+pub(super) const POLICIES: [&str; 6] = [
     "Aes128Sha256RsaOaep_Sign",
     "Aes128Sha256RsaOaep_SignAndEncrypt",
     "Basic256Sha256_Sign",
@@ -26,7 +26,7 @@ const POLICIES: [&str; 6] = [
 ];
 
 /// A server with the variables of a controller.
-fn server(mut security: Value) -> Server {
+pub(super) fn server(mut security: Value) -> Server {
     security["user"] = json!([USER, PASSWORD]);
     let server = Server::with_security(Protocol::OpcUaEncrypted, Some(&security));
     let robot = presets::find("mini").expect("a preset").robot;
@@ -38,7 +38,11 @@ fn encrypted(certificate: Value) -> Server {
     server(json!({"policies": ["Basic256Sha256_SignAndEncrypt"], "certificate": certificate}))
 }
 
-fn client(address: OpcUaAddress, credentials: Credentials, timeout_s: f64) -> SymbolController {
+pub(super) fn client(
+    address: OpcUaAddress,
+    credentials: Credentials,
+    timeout_s: f64,
+) -> SymbolController {
     let robot = presets::find("mini").expect("a preset").robot;
     let mapping: SymbolMapping = Protocol::OpcUa.mapping(&mapping(&robot, Style::Arrays));
     let server = OpcUaServer {
@@ -54,7 +58,7 @@ fn client(address: OpcUaAddress, credentials: Credentials, timeout_s: f64) -> Sy
 }
 
 /// Why it cannot connect.
-fn refused(address: OpcUaAddress, credentials: Credentials) -> LinkError {
+pub(super) fn refused(address: OpcUaAddress, credentials: Credentials) -> LinkError {
     let mut client = client(address, credentials, 20.0);
     let error = client.connect().expect_err("refused");
     assert_eq!(client.protection(), None);
@@ -268,7 +272,7 @@ fn a_password_is_never_sent_where_others_can_read_it() {
 }
 
 /// Everything below a folder, as text.
-fn content(folder: &Path) -> String {
+pub(super) fn content(folder: &Path) -> String {
     let entries = std::fs::read_dir(folder).expect("a folder");
     let texts = entries.map(|entry| {
         let path = entry.expect("an entry").path();

@@ -3,18 +3,18 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::Stdio;
 
 use serde_json::{Value, json};
 use tautline_core::robot::presets;
 use tautline_link::parameters::parameters_of;
 use tautline_link::simulated::SimulatedTracker;
 use tautline_link::{Controller, Instrument};
-use tautline_session::{Folders, Outcome, Session, TrustedServers, read_session, write_symbols};
-use tautline_validation::support::program::{self, Answer, Folder, heard, tautline};
+use tautline_session::{Outcome, Session, read_session, write_symbols};
+use tautline_validation::support::program::{self, Folder, heard, on_disk, tautline};
 
 use tautline_validation::support::ads::symbols::{Style, global, mapping};
-use tautline_validation::support::ads::{Host, PASSWORD, Plant, Protocol};
+use tautline_validation::support::ads::{Host, Plant, Protocol, User};
 
 pub(super) fn controller(plant: &Plant) -> String {
     plant.server.choice()
@@ -38,38 +38,6 @@ fn drawn() -> BTreeMap<String, f64> {
     let robot = presets::find("mini").expect("a preset").robot;
     let parameters = parameters_of(&robot).into_iter();
     parameters.map(|p| (p.name, p.value)).collect()
-}
-
-/// A user with files and a password of his own, who trusts the server of a plant.
-pub(super) struct User(Folder);
-
-impl User {
-    pub(super) fn of(plant: &Plant) -> Self {
-        let user = Self(Folder::new());
-        if let Some(fingerprint) = plant.server.fingerprint {
-            let mut servers = TrustedServers::default();
-            servers.trust(&plant.server.url().origin(), fingerprint);
-            let path = Folders::below(user.0.path()).trusted_servers();
-            servers.write(&path).expect("written");
-        }
-        user
-    }
-
-    fn command(&self, words: &[&str]) -> Command {
-        let mut command = program::command(words);
-        command.env("TAUTLINE_HOME", self.0.path());
-        command.env("TAUTLINE_PASSWORD", PASSWORD);
-        command
-    }
-
-    pub(super) fn run(&self, words: &[&str]) -> Answer {
-        program::run(&mut self.command(words))
-    }
-
-    /// Starts the program, to type there.
-    pub(super) fn start(&self, words: &[&str]) -> Child {
-        program::spawn(&mut self.command(words), Stdio::piped())
-    }
 }
 
 /// Verifies, and types what a tracker measures where the program asks for it; largest AP (m).
@@ -145,15 +113,6 @@ fn a_robot_is_measured_verified_adjusted_and_verified_again(protocol: Protocol) 
         .succeeded()
         .json();
     assert_eq!(again["outcome"], "nothing_to_write");
-}
-
-/// Labels of the poses that a run has reported to be on disk.
-pub(super) fn on_disk(told: &str) -> Vec<i64> {
-    let labels = told.lines().filter_map(|line| {
-        let (label, rest) = line.strip_prefix("pose ")?.split_once(' ')?;
-        rest.starts_with("is on disk").then(|| label.parse().ok())?
-    });
-    labels.collect()
 }
 
 fn the_controller_dies_while_measuring(protocol: Protocol) {

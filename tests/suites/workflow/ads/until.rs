@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 
 use tautline_core::sequential::NextStep;
 use tautline_validation::support::ads::symbols::Style;
-use tautline_validation::support::ads::{Plant, Protocol};
+use tautline_validation::support::ads::{Plant, Protocol, User};
 use tautline_validation::support::decisions::check_decisions;
-use tautline_validation::support::program::{Folder, heard};
+use tautline_validation::support::program::{Folder, heard, on_disk};
 use tautline_workflow::sequential::UntilRequest;
 
-use super::program::{User, controller, on_disk, session};
+use super::program::{controller, session};
 
 const GOAL: &str = "accuracy=2mm";
 const AT_MOST: usize = 40;

@@ -9,18 +9,10 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{beside, killed, plan, session};
 use crate::commands::program::{Folder, tautline};
+use tautline_validation::support::program::on_disk;
 
 const KILLS: usize = 50;
 const POSES: usize = 12;
-
-/// Labels of the poses that a run has reported to be on disk.
-fn on_disk(told: &str) -> Vec<i64> {
-    let labels = told.lines().filter_map(|line| {
-        let (label, rest) = line.strip_prefix("pose ")?.split_once(' ')?;
-        rest.starts_with("is on disk").then(|| label.parse().ok())?
-    });
-    labels.collect()
-}
 
 #[test]
 fn a_killed_run_loses_no_pose_and_repeats_none() {
