@@ -59,6 +59,7 @@ fn print_items(items: &[CheckItem]) {
     for item in items {
         let outcome = match item.outcome {
             CheckOutcome::Pass => "pass",
+            CheckOutcome::Notice => "notice",
             CheckOutcome::Fail => "FAIL",
             CheckOutcome::NotEvaluated => "not evaluated",
         };

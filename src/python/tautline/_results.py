@@ -531,13 +531,13 @@ class Readiness(Tabular):
         Returns
         -------
         Table
-            Columns `name`, `outcome` (`pass`, `fail` or `not_evaluated`), `sentence`, `action`.
+            Columns `name`, `outcome` (`pass`, `notice`, `fail` or `not_evaluated`), `sentence`, `action`.
         """
         return table_of_rows("checks", ["name", "outcome", "sentence", "action"], self.document["checks"])
 
     def __repr__(self) -> str:
-        failed = [one["sentence"] for one in self.document["checks"] if one["outcome"] == "fail"]
-        return f"Readiness({'ready' if self.ready else ' '.join(failed)})"
+        said = [one["sentence"] for one in self.document["checks"] if one["outcome"] in ("fail", "notice")]
+        return f"Readiness({'; '.join(['ready' if self.ready else 'not ready', *said])})"
 
 
 @dataclass(repr=False, eq=False)

@@ -1,5 +1,6 @@
 //! Readiness check before identification: whether the readings are complete and plausible, whether they determine the
-//! geometry, and which faults they would reveal. Every part passes, fails or is not evaluated, with a sentence and advice.
+//! geometry, and which faults they would reveal. Every part passes, fails, gives a notice or is not evaluated, with a sentence and
+//! advice.
 
 mod faults;
 mod readings;
@@ -29,6 +30,8 @@ pub const PLAUSIBLE: &str = "plausible";
 pub enum CheckOutcome {
     /// Passed.
     Pass,
+    /// Passed, but limits what can be concluded from the readings.
+    Notice,
     /// Something must be done first.
     Fail,
     /// Could not be evaluated.
@@ -255,8 +258,9 @@ fn faults(
     );
     let by_poses = of_exact_parts.map(|found| are_mostly_unseen(&IsolabilityTable::of(found)));
     match by_poses {
-        // Some faults are below the noise at any poses; the poses are poor if that holds for more than half of the faults.
-        Some(true) => item(CheckOutcome::Fail, sentence).with(BETTER_POSES),
+        // Some faults are below the noise at any poses; the poses are poor if that holds for more than half of the faults. The
+        // pulleys can be identified from them all the same.
+        Some(true) => item(CheckOutcome::Notice, sentence).with(BETTER_POSES),
         None => item(CheckOutcome::Pass, sentence).with(BETTER_POSES),
         Some(false) => item(
             CheckOutcome::Pass,

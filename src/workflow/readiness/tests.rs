@@ -36,6 +36,18 @@ fn a_good_run_is_ready() {
 }
 
 #[test]
+fn poses_that_hide_most_faults_are_a_notice_not_a_failure() {
+    let mut dataset = measured();
+    let first: Vec<usize> = (0..=25).collect();
+    dataset.measurements = dataset.measurements.select(&first);
+    let found = check(&dataset, None);
+    assert!(found.ready, "{:?}", found.checks);
+    let item = &found.checks[3];
+    assert_eq!(item.outcome, CheckOutcome::Notice, "{item:?}");
+    assert_eq!(item.action.as_deref(), Some(BETTER_POSES));
+}
+
+#[test]
 fn poses_in_the_frame_of_a_camera_determine_no_geometry() {
     let preset = presets::find("mini").expect("a preset");
     let mut robot = preset.robot;

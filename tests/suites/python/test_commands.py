@@ -110,10 +110,10 @@ def test_readiness_is_that_of_the_command(tmp_path: Path, program: Path) -> None
     data.write(tmp_path / "data")
     found = tautline.check(data)
     # Random poses determine the geometry, and do not show all faults.
-    assert found.table()["outcome"].tolist() == ["pass", "pass", "pass", "fail"]
-    assert not found.ready and "kinds of fault" in repr(found)
+    assert found.table()["outcome"].tolist() == ["pass", "pass", "pass", "notice"]
+    assert found.ready and "kinds of fault" in repr(found)
     answer = subprocess.run([program, "check", tmp_path / "data", "--json", "-"], capture_output=True)
-    assert answer.returncode == 5
+    assert answer.returncode == 0
     assert json.loads(answer.stdout)["checks"] == found.document["checks"]
     spoilt = data.copy()
     spoilt["rev_3"] = np.nan

@@ -19,7 +19,7 @@ fn between<'a>(text: &'a str, begin: &str, end: &str) -> &'a str {
 fn a_session_has_one_type_with_an_icon_that_the_program_opens() {
     let desktop = text("assets/linux/tautline.desktop");
     let kind = text("assets/linux/tautline.xml");
-    let about = text("assets/linux/io.github.tautline.tautline.metainfo.xml");
+    let about = text("assets/linux/tautline.metainfo.xml");
     let name = between(&kind, "<mime-type type=\"", "\"");
     assert!(desktop.contains(&format!("\nMimeType={name};\n")));
     assert!(about.contains(&format!("<mediatype>{name}</mediatype>")));
@@ -56,12 +56,53 @@ fn files_of_the_debian_package_are_there() {
             count += 1;
         }
     }
-    assert!(count > 6, "only {count} files");
+    // Copyright, changelog, menu entry, icons of the program and of a session, and the type of a session.
+    assert_eq!(count, 6);
 }
 
 #[test]
 fn packages_have_all_formats_and_store_passwords() {
-    let builds = text(".ci/package");
-    let mut builds = builds.lines().filter(|line| line.contains("cargo build"));
-    assert!(builds.all(|line| line.ends_with(" --features more-formats,keyring")));
+    let script = text(".ci/package");
+    let is_build = |line: &&str| line.trim_start().starts_with("cargo \"${for_cargo[@]}\"");
+    let builds: Vec<&str> = script.lines().filter(is_build).collect();
+    assert_eq!(builds.len(), 1);
+    assert!(builds[0].ends_with(" --features more-formats,keyring"));
+}
+
+/// What is written in many files about whoever publishes the program is the same in all of them.
+#[test]
+fn who_publishes_is_stated_alike() {
+    let about = text("assets/linux/tautline.metainfo.xml");
+    let developers = between(&about, "<developer_name>", "</developer_name>");
+    for (file, said) in [
+        ("CITATION.cff", format!("\n  - name: {developers}\n")),
+        ("LICENSE-MIT", format!(" {developers}\n")),
+        ("assets/linux/copyright", format!(" {developers}\n")),
+        (
+            "src/python/pyproject.toml",
+            format!("authors = [{{ name = \"{developers}\" }}]"),
+        ),
+        (
+            "src/workbench/Cargo.toml",
+            format!("copyright = \"2026, {developers}\""),
+        ),
+    ] {
+        assert!(text(file).contains(&said), "{file} lacks {said:?}");
+    }
+    let home = |file: &str, begin: &str, end: &str| {
+        let text = text(file);
+        let after = text.split_once(begin)?.1;
+        Some(after.split_once(end).expect(end).0.to_owned())
+    };
+    let homes = [
+        home(
+            "assets/linux/tautline.metainfo.xml",
+            "<url type=\"homepage\">",
+            "</url>",
+        ),
+        home("src/workbench/Cargo.toml", "\nhomepage = \"", "\""),
+        home("src/python/pyproject.toml", "\nHomepage = \"", "\""),
+        home("CITATION.cff", "\nurl: \"", "\""),
+    ];
+    assert!(homes.iter().all(|home| *home == homes[0]), "{homes:?}");
 }

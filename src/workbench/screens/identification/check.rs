@@ -88,12 +88,13 @@ fn warnings(ui: &mut Ui, session: &Session) {
 fn show_item(ui: &mut Ui, panel: &mut Panel<'_>, item: &CheckItem) {
     let kind = match item.outcome {
         CheckOutcome::Pass => Verdict::Good,
+        CheckOutcome::Notice => Verdict::Doubtful,
         CheckOutcome::Fail => Verdict::Bad,
         CheckOutcome::NotEvaluated => Verdict::Neutral,
     };
     let not = match item.outcome {
         CheckOutcome::NotEvaluated => " (not evaluated)",
-        CheckOutcome::Pass | CheckOutcome::Fail => "",
+        CheckOutcome::Pass | CheckOutcome::Notice | CheckOutcome::Fail => "",
     };
     verdict(
         ui,

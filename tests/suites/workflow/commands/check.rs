@@ -54,6 +54,22 @@ fn a_good_dataset_is_ready() {
 }
 
 #[test]
+fn poses_that_hide_most_faults_leave_the_dataset_ready() {
+    let folder = Folder::new();
+    let run = folder.join("run");
+    tautline(&["simulate", "--robot", "mini", "--out", &run]).succeeded();
+    let text = tautline(&["check", &run]).succeeded().stdout;
+    assert!(
+        text.contains("Faults visible: notice. At typical size these poses show"),
+        "{text}"
+    );
+    let answer = tautline(&["check", &run, "--json", "-"]).succeeded().json();
+    assert_valid(&answer);
+    assert_eq!(answer["ready"], true);
+    assert_eq!(answer["checks"][3]["outcome"], "notice");
+}
+
+#[test]
 fn a_reversed_encoder_fails_with_its_own_exit_code() {
     let folder = Folder::new();
     let run = simulated(&folder);
