@@ -106,8 +106,8 @@ impl<'a> Bytes<'a> {
 mod tests {
     use super::*;
 
-    /// An interval of ten units.
-    fn rows() -> Rows {
+    /// Rows of an interval of ten units.
+    fn empty() -> Rows {
         Rows::new(10.0 / UNITS_PER_S)
     }
 
@@ -136,8 +136,8 @@ mod tests {
         let (a, b, c, d): ([u8; 2], [u8; 1], [u8; 2], [u8; 1]) = ([1, 2], [3], [4, 5], [6]);
         let expected = vec![row([&a, &b]), row([&c, &d])];
         let whole = frame(&[(10, &[(1, &a), (2, &b)]), (20, &[(1, &c), (2, &d)])]);
-        assert_eq!(rows().take(&whole, 2), expected);
-        let mut rows = self::rows();
+        assert_eq!(empty().take(&whole, 2), expected);
+        let mut rows = empty();
         let parts = [
             frame(&[(10, &[(1, &a)])]),
             frame(&[(10, &[(2, &b)]), (20, &[(2, &d)])]),
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn subscriptions_of_different_cycles_are_put_together() {
         let value = |number: u8| [number];
-        let mut rows = self::rows();
+        let mut rows = empty();
         for cycle in 0..5 {
             let at = 100 + 10 * u64::from(cycle);
             let first = frame(&[(at, &[(1, &value(cycle))])]);
@@ -163,18 +163,18 @@ mod tests {
 
     #[test]
     fn rows_with_gaps_and_frames_that_do_not_add_up_are_left_out() {
-        let mut rows = self::rows();
+        let mut rows = empty();
         assert!(rows.take(&frame(&[(10, &[(1, &[1])])]), 2).is_empty());
         let next = frame(&[(20, &[(2, &[2])]), (20, &[(1, &[3])])]);
         assert_eq!(rows.take(&next, 2), [row([&[3], &[2]])]);
         let whole = frame(&[(30, &[(1, &[1, 2]), (2, &[3])])]);
         for length in 0..whole.len() {
-            assert!(rows().take(&whole[..length], 2).is_empty(), "{length}");
+            assert!(empty().take(&whole[..length], 2).is_empty(), "{length}");
         }
         let mut huge = whole.clone();
         huge[4..8].fill(0xff);
-        assert!(rows().take(&huge, 2).is_empty());
-        assert!(rows().take(&[whole, vec![0]].concat(), 2).is_empty());
+        assert!(empty().take(&huge, 2).is_empty());
+        assert!(empty().take(&[whole, vec![0]].concat(), 2).is_empty());
     }
 
     #[test]
