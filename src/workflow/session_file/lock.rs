@@ -24,7 +24,8 @@ pub fn unsaved_folder(session: &Path) -> PathBuf {
 #[derive(Debug)]
 pub struct FileLock {
     folder: PathBuf,
-    lock: File,
+    /// Always there until this value ends.
+    lock: Option<File>,
     /// The session file itself, so that it is locked under all its names; `None` if there is none yet, or its system does not
     /// lock it.
     session: Option<File>,
@@ -85,7 +86,7 @@ impl FileLock {
                 Ok(()) if is_still(&file, &lock).map_err(failed)? => {
                     let mut held = Self {
                         folder,
-                        lock: file,
+                        lock: Some(file),
                         session: None,
                     };
                     held.session = lock_file(session)?;
@@ -106,12 +107,17 @@ impl FileLock {
 
 impl Drop for FileLock {
     fn drop(&mut self) {
-        // The lock is released last. A folder that contains unsaved poses is not empty and so stays.
+        // While it is locked, so that no other program has locked it.
         let _ = fs::remove_file(self.folder.join(LOCK_NAME));
-        let _ = fs::remove_dir(&self.folder);
-        for lock in self.session.iter().chain([&self.lock]) {
+        for lock in [self.session.take(), self.lock.take()]
+            .into_iter()
+            .flatten()
+        {
             let _ = lock.unlock();
         }
+        // Windows removes no folder in which a removed file is still open. A folder that contains unsaved poses, or the lock of
+        // the next program, is not empty and so stays.
+        let _ = fs::remove_dir(&self.folder);
     }
 }
 
@@ -170,10 +176,22 @@ fn is_same(_: &Metadata, _: &Metadata) -> bool {
     true
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
 mod tests {
     use super::*;
 
+    #[test]
+    fn nothing_is_left_of_a_lock() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let session = folder.path().join("session.json");
+        let held = FileLock::acquire(&session).expect("free");
+        assert!(unsaved_folder(&session).exists());
+        drop(held);
+        assert!(!unsaved_folder(&session).exists());
+        FileLock::acquire(&session).expect("free again");
+    }
+
+    #[cfg(unix)]
     #[test]
     fn a_file_with_two_names_is_locked_under_both() {
         let folder = tempfile::tempdir().expect("a folder");
