@@ -16,17 +16,7 @@ use crate::measured::{document, give, press};
 use crate::support::{settle, workbench};
 
 /// Physics that no effect of the catalogue has.
-const CROSSTALK: &str = r#"id = "encoder_crosstalk"
-title = "Crosstalk between neighbouring encoders"
-scope = "cable"
-cause = "The encoder of {cable} picks up {share} of the revolutions of its neighbour."
-workshop = "Separate the two encoder cables and ground their shields."
-[parameters.share]
-unit = "1"
-typical = [0.001, 0.01]
-[change]
-paid = "paid + share * paid_of(next)"
-"#;
+const CROSSTALK: &str = include_str!("../fuzz/seeds/hypothesis/crosstalk.toml");
 
 /// The field with the text.
 const TEXT: &str = "Text";

@@ -4,14 +4,12 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
-use tautline_core::robot::presets;
-use tautline_session::{Folders, TrustedServers, write_symbols};
-use tautline_validation::support::ads::symbols::{Style, mapping};
-use tautline_validation::support::ads::{PASSWORD, Protocol, Server, USER};
+use tautline_session::{Folders, TrustedServers};
+use tautline_validation::support::ads::{PASSWORD, Server, USER};
 use tautline_validation::support::keyring::{SecretService, StoredItem};
 use tautline_validation::support::program::{self, Answer, Folder};
 
-use super::opcua_security::{content, server};
+use super::opcua_security::{content, measuring, server};
 
 /// A user at a server that it trusts, with a session of its own.
 struct Desk {
@@ -28,9 +26,6 @@ impl Desk {
         servers.trust(&server.url().origin(), fingerprint);
         let path = Folders::below(folder.path()).trusted_servers();
         servers.write(&path).expect("written");
-        let robot = presets::find("mini").expect("a preset").robot;
-        let nodes = Protocol::OpcUa.mapping(&mapping(&robot, Style::Arrays));
-        write_symbols(&folder.path().join("nodes.json"), &nodes).expect("written");
         Self { server, folder }
     }
 
@@ -46,29 +41,8 @@ impl Desk {
     }
 
     fn measure(&self, keyring: &SecretService, given: Option<&str>, more: &[&str]) -> Answer {
-        let (file, symbols) = (self.folder.join("s.json"), self.folder.join("nodes.json"));
         let controller = self.server.url().to_string();
-        let words = [
-            "measure",
-            &file,
-            "--robot",
-            "mini",
-            "--poses",
-            "8",
-            "--arm",
-            "--controller",
-            &controller,
-            "--symbols",
-            &symbols,
-            "--timeout",
-            "20",
-        ];
-        let mut command = program::command(&[&words[..], more].concat());
-        command.env("TAUTLINE_HOME", self.folder.path());
-        match given {
-            Some(password) => command.env("TAUTLINE_PASSWORD", password),
-            None => command.env_remove("TAUTLINE_PASSWORD"),
-        };
+        let mut command = measuring(&self.folder, &controller, given, more);
         keyring.serve(&mut command);
         let answer = program::run(&mut command);
         assert!(!answer.stderr.contains(PASSWORD), "{}", answer.stderr);

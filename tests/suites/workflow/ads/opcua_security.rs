@@ -1,6 +1,7 @@
 //! Security of OPC UA against asyncua: policies, users, certificates, keys that expire.
 
 use std::path::Path;
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
@@ -284,36 +285,38 @@ pub(super) fn content(folder: &Path) -> String {
     texts.collect()
 }
 
+/// The program that measures at a server, for a user whose files and session `s.json` are in a folder.
+pub(super) fn measuring(
+    folder: &Folder,
+    controller: &str,
+    password: Option<&str>,
+    more: &[&str],
+) -> Command {
+    let (file, symbols) = (folder.join("s.json"), folder.join("nodes.json"));
+    let robot = presets::find("mini").expect("a preset").robot;
+    let nodes = Protocol::OpcUa.mapping(&mapping(&robot, Style::Arrays));
+    write_symbols(Path::new(&symbols), &nodes).expect("written");
+    let words = ["measure", &file, "--robot", "mini", "--poses", "8", "--arm"];
+    let link = ["--controller", controller, "--symbols", &symbols];
+    let patience = ["--timeout", "20"];
+    let mut command = program::command(&[&words[..], &link, &patience, more].concat());
+    command.env("TAUTLINE_HOME", folder.path());
+    match password {
+        Some(password) => command.env("TAUTLINE_PASSWORD", password),
+        None => command.env_remove("TAUTLINE_PASSWORD"),
+    };
+    command
+}
+
 #[test]
 fn a_server_is_trusted_and_a_password_given_on_the_command_line() {
     let server = encrypted(json!({}));
     let folder = Folder::new();
-    let (home, file) = (folder.join("home"), folder.join("s.json"));
     let controller = server.url().to_string();
     assert!(controller.ends_with("?user=anna"), "{controller}");
-    let symbols = folder.join("nodes.json");
-    let robot = presets::find("mini").expect("a preset").robot;
-    let nodes = Protocol::OpcUa.mapping(&mapping(&robot, Style::Arrays));
-    write_symbols(Path::new(&symbols), &nodes).expect("written");
     let measure = |password: Option<&str>, more: &[&str]| {
-        let words = [
-            "measure", &file, "--robot", "mini", "--poses", "8", "--arm", "--quiet",
-        ];
-        let link = [
-            "--controller",
-            &controller,
-            "--symbols",
-            &symbols,
-            "--timeout",
-            "20",
-        ];
-        let mut command = program::command(&[&words[..], &link, more].concat());
-        command.env("TAUTLINE_HOME", &home);
-        match password {
-            Some(password) => command.env("TAUTLINE_PASSWORD", password),
-            None => command.env_remove("TAUTLINE_PASSWORD"),
-        };
-        program::run(&mut command)
+        let more = [&["--quiet"], more].concat();
+        program::run(&mut measuring(&folder, &controller, password, &more))
     };
     let fingerprint = server.fingerprint.expect("a certificate").to_string();
     measure(None, &[]).refused(&["the user \"anna\" needs a password", "TAUTLINE_PASSWORD"]);

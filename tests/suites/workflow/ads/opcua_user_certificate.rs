@@ -3,17 +3,13 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use tautline_core::robot::presets;
 use tautline_link::opcua::{Credentials, OpcUaAddress};
 use tautline_link::{Controller, LinkError, LinkProtection};
-use tautline_session::{
-    OpcUaPolicy, OpcUaSecurity, UserCertificateFiles, read_session, write_symbols,
-};
-use tautline_validation::support::ads::symbols::{Style, mapping};
-use tautline_validation::support::ads::{Protocol, Server, TestKeys, user_certificates};
+use tautline_session::{OpcUaPolicy, OpcUaSecurity, UserCertificateFiles, read_session};
+use tautline_validation::support::ads::{Server, TestKeys, user_certificates};
 use tautline_validation::support::program::{self, Folder};
 
-use super::opcua_security::{POLICIES, client, refused, server};
+use super::opcua_security::{POLICIES, client, measuring, refused, server};
 
 /// Certificates and keys of users.
 struct Users(Folder);
@@ -210,11 +206,6 @@ fn a_session_keeps_the_paths_of_a_user_and_never_the_key() {
     let users = Users::new();
     let server = users.server(json!({"policies": ["Basic256Sha256_SignAndEncrypt"]}));
     let folder = Folder::new();
-    let (home, file) = (folder.join("home"), folder.join("s.json"));
-    let symbols = folder.join("nodes.json");
-    let robot = presets::find("mini").expect("a preset").robot;
-    let nodes = Protocol::OpcUa.mapping(&mapping(&robot, Style::Arrays));
-    write_symbols(Path::new(&symbols), &nodes).expect("written");
     let fingerprint = server.fingerprint.expect("a certificate").to_string();
     // Relative to the folder of the command, which is not that of the session.
     let address = OpcUaAddress {
@@ -222,26 +213,9 @@ fn a_session_keeps_the_paths_of_a_user_and_never_the_key() {
         ..server.url()
     };
     let controller = format!("{address}?user-certificate=anna.pem&user-key=anna.key");
-    let mut command = program::command(&[
-        "measure",
-        &file,
-        "--robot",
-        "mini",
-        "--poses",
-        "8",
-        "--arm",
-        "--controller",
-        &controller,
-        "--symbols",
-        &symbols,
-        "--timeout",
-        "20",
-        "--trust-server",
-        &fingerprint,
-    ]);
-    command
-        .env("TAUTLINE_HOME", &home)
-        .current_dir(users.0.path());
+    let trusting = ["--trust-server", &fingerprint];
+    let mut command = measuring(&folder, &controller, None, &trusting);
+    command.current_dir(users.0.path());
     let answer = program::run(&mut command);
     // The variables are there, but no program behind them that takes part in arming.
     assert_eq!(answer.code, Some(1), "{}", answer.stderr);
@@ -258,6 +232,7 @@ fn a_session_keeps_the_paths_of_a_user_and_never_the_key() {
         "{}",
         answer.stderr
     );
+    let file = folder.join("s.json");
     let session = read_session(Path::new(&file)).expect("a session").value;
     let place = session.connection.opcua.expect("an address");
     let expected = users.files("anna.pem", "anna.key");

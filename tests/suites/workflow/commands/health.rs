@@ -102,20 +102,7 @@ fn an_unchanged_robot_is_as_it_was_and_a_moved_pulley_and_a_drum_are_told_apart(
 }
 
 /// A fault that no effect of the catalogue describes.
-const CROSSTALK: &str = r#"
-id = "encoder_crosstalk"
-title = "Crosstalk between neighbouring encoders"
-scope = "cable"
-cause = "The encoder of {cable} picks up {share} of the revolutions of its neighbour."
-workshop = "Separate the two encoder cables and ground their shields."
-
-[parameters.share]
-unit = "1"
-typical = [0.001, 0.01]
-
-[change]
-paid = "paid + share * paid_of(next)"
-"#;
+const CROSSTALK: &str = include_str!("../../fuzz/seeds/hypothesis/crosstalk.toml");
 
 #[test]
 fn a_hypothesis_of_the_calibration_need_not_be_in_the_description_of_today() {
