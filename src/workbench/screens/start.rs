@@ -90,6 +90,11 @@ fn open(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
 
 fn new_robot(ui: &mut Ui, outbox: &mut Outbox) {
     section(ui, "New robot");
+    template_buttons(ui, outbox);
+}
+
+/// A button for each template, and one for a robot that is typed.
+pub(super) fn template_buttons(ui: &mut Ui, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
         for template in Template::ALL {
             let button = ui.button(template.title());

@@ -24,7 +24,7 @@ pub(crate) use modal::{backdrop, modal};
 pub(crate) use number::width_of;
 pub use number::{Entered, Number, number, number_checked, parse as parse_number};
 pub use page::page;
-pub use panel_frame::panel_frame;
+pub use panel_frame::{one_part, panel_frame};
 pub use parts::parts;
 pub use pose_fields::PoseFields;
 pub use probability::probability;

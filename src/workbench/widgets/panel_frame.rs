@@ -1,7 +1,8 @@
-//! The frame of a panel beside others.
+//! The frame of a panel beside others, and panels one at a time where there is no room for all.
 
-use egui::{Frame, Margin, Ui};
+use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 
+use crate::model::part::Part;
 use crate::theme::{self, GRID};
 
 /// Fill and margin of a panel.
@@ -9,4 +10,24 @@ pub fn panel_frame(ui: &Ui) -> Frame {
     Frame::new()
         .fill(theme::of(ui).panel)
         .inner_margin(Margin::same(3 * GRID as i8))
+}
+
+/// One part at a time: tabs with the titles of the parts, and below them the chosen part, drawn by `draw`.
+pub fn one_part(
+    ui: &mut Ui,
+    chosen: &mut Part,
+    parts: [(Part, &str); 3],
+    draw: impl FnOnce(&mut Ui, Part),
+) {
+    let frame = panel_frame(ui);
+    Panel::top("tabs of parts").frame(frame).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            for (part, title) in parts {
+                ui.selectable_value(chosen, part, title);
+            }
+        });
+    });
+    CentralPanel::no_frame()
+        .frame(frame)
+        .show(ui, |ui| draw(ui, *chosen));
 }

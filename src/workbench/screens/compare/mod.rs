@@ -17,7 +17,7 @@ use crate::views::ViewStates;
 use crate::views::plots::{residuals_of_both, small};
 use crate::views::robot_3d::scene::{Scene, Subject};
 use crate::views::robot_3d::show_beside;
-use crate::widgets::{Verdict, empty, muted, panel_frame, section, verdict};
+use crate::widgets::{Verdict, empty, muted, one_part, panel_frame, section, verdict};
 use tautline_workflow::comparison::{unexplained, verdict as in_words};
 use tautline_workflow::plot::figure::Figure;
 use tautline_workflow::samples::Sample;
@@ -127,27 +127,16 @@ fn compact(
     (part, views): (&mut Part, &mut ViewStates),
     outbox: &mut Outbox,
 ) {
-    let side = panel_frame(ui);
-    Panel::top("parts of the comparison")
-        .frame(side)
-        .show(ui, |ui| {
-            ui.horizontal(|ui| {
-                for (one, title) in [
-                    (Part::Panel, "Differences"),
-                    (Part::Robot, "3D view"),
-                    (Part::Plots, "Residuals"),
-                ] {
-                    ui.selectable_value(part, one, title);
-                }
-            });
-        });
-    CentralPanel::no_frame()
-        .frame(side)
-        .show(ui, |ui| match part {
-            Part::Panel => differences(ui, model, drawn, views, outbox),
-            Part::Robot => robots(ui, model, drawn, views, outbox),
-            Part::Plots => residuals(ui, model, drawn, outbox),
-        });
+    let parts = [
+        (Part::Panel, "Differences"),
+        (Part::Robot, "3D view"),
+        (Part::Plots, "Residuals"),
+    ];
+    one_part(ui, part, parts, |ui, part| match part {
+        Part::Panel => differences(ui, model, drawn, views, outbox),
+        Part::Robot => robots(ui, model, drawn, views, outbox),
+        Part::Plots => residuals(ui, model, drawn, outbox),
+    });
 }
 
 fn robots(ui: &mut Ui, model: &Model, drawn: &Drawn, views: &mut ViewStates, outbox: &mut Outbox) {

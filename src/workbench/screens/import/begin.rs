@@ -2,13 +2,12 @@
 
 use egui::Ui;
 use tautline_core::robot::presets;
-use tautline_workflow::templates::Template;
 
 use super::PanelState;
 use super::files::path_row;
 use crate::model::Model;
-use crate::model::command::{FileCommand, Outbox, RecordingCommand, ViewCommand};
-use crate::model::phase::Screen;
+use crate::model::command::{FileCommand, Outbox, RecordingCommand};
+use crate::screens::start::template_buttons;
 use crate::theme::GRID;
 use crate::widgets::{heading, icon_button, muted, page, section};
 use egui_material_icons::icons;
@@ -65,21 +64,7 @@ fn robot(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox
         }
     });
     muted(ui, "Or begin with a new one, and describe it later:");
-    ui.horizontal_wrapped(|ui| {
-        for template in Template::ALL {
-            let button = ui.button(template.title());
-            if button.on_hover_text(template.summary()).clicked() {
-                outbox.send(FileCommand::New(template));
-            }
-        }
-        if ui
-            .button("Empty table")
-            .on_hover_text("Type or paste the numbers of all cables")
-            .clicked()
-        {
-            outbox.send(ViewCommand::Go(Screen::NewRobot));
-        }
-    });
+    template_buttons(ui, outbox);
     ui.add_space(GRID);
     if icon_button(
         ui,

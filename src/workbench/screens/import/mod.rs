@@ -19,7 +19,7 @@ use crate::model::command::{Outbox, RecordingCommand};
 use crate::model::importing::{ChannelPlace, OpenImport};
 use crate::model::part::Part;
 use crate::theme::GRID;
-use crate::widgets::panel_frame;
+use crate::widgets::{one_part, panel_frame};
 
 #[derive(Debug, Default)]
 pub struct PanelState {
@@ -116,27 +116,18 @@ fn wide(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelStat
 
 /// One part at a time, where the window has no room for all of them.
 fn compact(ui: &mut Ui, model: &Model, bench: &mut Bench<'_>, panel: &mut PanelState) {
-    let side = panel_frame(ui);
-    Panel::top("parts of the import")
-        .frame(side)
-        .show(ui, |ui| {
-            ui.horizontal(|ui| {
-                for (one, title) in [
-                    (Part::Robot, "Channels"),
-                    (Part::Panel, "Recipe"),
-                    (Part::Plots, "Over time"),
-                ] {
-                    ui.selectable_value(&mut panel.part, one, title);
-                }
-            });
-        });
-    CentralPanel::no_frame()
-        .frame(side)
-        .show(ui, |ui| match panel.part {
-            Part::Panel => steps(ui, model, bench, panel),
-            Part::Robot => channels::show(ui, bench),
-            Part::Plots => course::show(ui, bench),
-        });
+    let parts = [
+        (Part::Robot, "Channels"),
+        (Part::Panel, "Recipe"),
+        (Part::Plots, "Over time"),
+    ];
+    let mut part = panel.part;
+    one_part(ui, &mut part, parts, |ui, part| match part {
+        Part::Panel => steps(ui, model, bench, panel),
+        Part::Robot => channels::show(ui, bench),
+        Part::Plots => course::show(ui, bench),
+    });
+    panel.part = part;
 }
 
 /// The steps from channels to poses; the last one stays at the bottom.

@@ -30,17 +30,26 @@ pub(crate) struct TableColumn {
     pub(crate) empty: Empty,
     /// Display units per SI unit.
     per_si: f64,
-    get: fn(&Cable) -> Option<f64>,
-    set: fn(&mut Cable, f64),
-    clear: fn(&mut Cable),
+    number: CableNumber,
+}
+
+/// Place of a number in the description of a cable.
+#[derive(Clone, Copy)]
+enum CableNumber {
+    Always(fn(&mut Cable) -> &mut f64),
+    Optional {
+        get: fn(&Cable) -> Option<f64>,
+        set: fn(&mut Cable, Option<f64>),
+    },
 }
 
 impl TableColumn {
     const fn new(
-        (title, unit): (&'static str, &'static str),
-        (per_si, decimals): (f64, usize),
-        get: fn(&Cable) -> Option<f64>,
-        set: fn(&mut Cable, f64),
+        title: &'static str,
+        unit: &'static str,
+        per_si: f64,
+        decimals: usize,
+        number: fn(&mut Cable) -> &mut f64,
     ) -> Self {
         Self {
             title,
@@ -48,10 +57,12 @@ impl TableColumn {
             decimals,
             empty: Empty::Missing,
             per_si,
-            get,
-            set,
-            clear: |_| {},
+            number: CableNumber::Always(number),
         }
+    }
+
+    const fn mm(title: &'static str, decimals: usize, number: fn(&mut Cable) -> &mut f64) -> Self {
+        Self::new(title, "mm", 1e3, decimals, number)
     }
 
     const fn or(self, default: f64) -> Self {
@@ -61,148 +72,82 @@ impl TableColumn {
         }
     }
 
-    const fn or_unknown(self, clear: fn(&mut Cable)) -> Self {
-        Self {
-            empty: Empty::Unknown,
-            clear,
-            ..self
-        }
-    }
-
     /// Whether one number can be that of all cables.
     pub(crate) fn is_common(&self) -> bool {
         !self.title.ends_with(['x', 'y', 'z'])
     }
 
+    fn get(&self, cable: &mut Cable) -> Option<f64> {
+        let value = match self.number {
+            CableNumber::Always(number) => Some(*number(cable)),
+            CableNumber::Optional { get, .. } => get(cable),
+        };
+        value.map(|value| value * self.per_si)
+    }
+
     fn put(&self, cable: &mut Cable, value: Option<f64>) {
-        match (value, self.empty) {
-            (Some(value), _) | (None, Empty::Default(value)) => {
-                (self.set)(cable, value / self.per_si);
-            }
-            (None, _) => (self.clear)(cable),
+        let value = match self.empty {
+            Empty::Default(default) => value.or(Some(default)),
+            Empty::Missing | Empty::Unknown => value,
+        };
+        let value = value.map(|value| value / self.per_si);
+        match (self.number, value) {
+            (CableNumber::Always(number), Some(value)) => *number(cable) = value,
+            (CableNumber::Always(_), None) => {}
+            (CableNumber::Optional { set, .. }, value) => set(cable, value),
         }
     }
 }
 
 /// Pulley and platform anchor in the frames of base and platform, then winch and cable.
 pub(crate) static COLUMNS: [TableColumn; 18] = [
-    TableColumn::new(
-        ("Pulley x", "mm"),
-        (1e3, 2),
-        |c| Some(c.pulley.entry_point_m[0]),
-        |c, v| c.pulley.entry_point_m[0] = v,
-    ),
-    TableColumn::new(
-        ("Pulley y", "mm"),
-        (1e3, 2),
-        |c| Some(c.pulley.entry_point_m[1]),
-        |c, v| c.pulley.entry_point_m[1] = v,
-    ),
-    TableColumn::new(
-        ("Pulley z", "mm"),
-        (1e3, 2),
-        |c| Some(c.pulley.entry_point_m[2]),
-        |c, v| c.pulley.entry_point_m[2] = v,
-    ),
-    TableColumn::new(
-        ("Anchor x", "mm"),
-        (1e3, 2),
-        |c| Some(c.platform_anchor_m[0]),
-        |c, v| c.platform_anchor_m[0] = v,
-    ),
-    TableColumn::new(
-        ("Anchor y", "mm"),
-        (1e3, 2),
-        |c| Some(c.platform_anchor_m[1]),
-        |c, v| c.platform_anchor_m[1] = v,
-    ),
-    TableColumn::new(
-        ("Anchor z", "mm"),
-        (1e3, 2),
-        |c| Some(c.platform_anchor_m[2]),
-        |c, v| c.platform_anchor_m[2] = v,
-    ),
-    TableColumn::new(
-        ("Swivel axis x", ""),
-        (1.0, 4),
-        |c| Some(c.pulley.swivel_axis[0]),
-        |c, v| c.pulley.swivel_axis[0] = v,
-    ),
-    TableColumn::new(
-        ("Swivel axis y", ""),
-        (1.0, 4),
-        |c| Some(c.pulley.swivel_axis[1]),
-        |c, v| c.pulley.swivel_axis[1] = v,
-    ),
-    TableColumn::new(
-        ("Swivel axis z", ""),
-        (1.0, 4),
-        |c| Some(c.pulley.swivel_axis[2]),
-        |c, v| c.pulley.swivel_axis[2] = v,
-    ),
-    TableColumn::new(
-        ("Pulley radius", "mm"),
-        (1e3, 2),
-        |c| Some(c.pulley.radius_m),
-        |c, v| c.pulley.radius_m = v,
-    ),
-    TableColumn::new(
-        ("Pulley known to", "mm"),
-        (1e3, 1),
-        |c| match c.pulley.entry_point_sd_m {
-            PerAxis::Same(sd) => sd,
-            PerAxis::Each(_) => None,
+    TableColumn::mm("Pulley x", 2, |c| &mut c.pulley.entry_point_m[0]),
+    TableColumn::mm("Pulley y", 2, |c| &mut c.pulley.entry_point_m[1]),
+    TableColumn::mm("Pulley z", 2, |c| &mut c.pulley.entry_point_m[2]),
+    TableColumn::mm("Anchor x", 2, |c| &mut c.platform_anchor_m[0]),
+    TableColumn::mm("Anchor y", 2, |c| &mut c.platform_anchor_m[1]),
+    TableColumn::mm("Anchor z", 2, |c| &mut c.platform_anchor_m[2]),
+    TableColumn::new("Swivel axis x", "", 1.0, 4, |c| {
+        &mut c.pulley.swivel_axis[0]
+    }),
+    TableColumn::new("Swivel axis y", "", 1.0, 4, |c| {
+        &mut c.pulley.swivel_axis[1]
+    }),
+    TableColumn::new("Swivel axis z", "", 1.0, 4, |c| {
+        &mut c.pulley.swivel_axis[2]
+    }),
+    TableColumn::mm("Pulley radius", 2, |c| &mut c.pulley.radius_m),
+    TableColumn {
+        title: "Pulley known to",
+        unit: "mm",
+        decimals: 1,
+        empty: Empty::Unknown,
+        per_si: 1e3,
+        number: CableNumber::Optional {
+            get: |c| match c.pulley.entry_point_sd_m {
+                PerAxis::Same(sd) => sd,
+                PerAxis::Each(_) => None,
+            },
+            set: |c, sd| c.pulley.entry_point_sd_m = PerAxis::Same(sd),
         },
-        |c, v| c.pulley.entry_point_sd_m = PerAxis::known(v),
-    )
-    .or_unknown(|c| c.pulley.entry_point_sd_m = PerAxis::default()),
-    TableColumn::new(
-        ("Drum diameter", "mm"),
-        (1e3, 2),
-        |c| Some(c.winch.drum_diameter_m),
-        |c, v| c.winch.drum_diameter_m = v,
-    ),
-    TableColumn::new(
-        ("Drum pitch", "mm"),
-        (1e3, 2),
-        |c| Some(c.winch.drum_pitch_m),
-        |c, v| c.winch.drum_pitch_m = v,
-    )
-    .or(0.0),
-    TableColumn::new(
-        ("Gear ratio", ""),
-        (1.0, 4),
-        |c| Some(c.winch.gear_ratio),
-        |c, v| c.winch.gear_ratio = v,
-    )
-    .or(1.0),
-    TableColumn::new(
-        ("Cable to pulley", "mm"),
-        (1e3, 0),
-        |c| Some(c.winch.length_to_pulley_m),
-        |c, v| c.winch.length_to_pulley_m = v,
-    )
-    .or(0.0),
-    TableColumn::new(
-        ("Length noise", "mm"),
-        (1e3, 3),
-        |c| Some(c.winch.length_sd_m),
-        |c, v| c.winch.length_sd_m = v,
-    ),
-    TableColumn::new(
-        ("Axial stiffness", "kN"),
-        (1e-3, 1),
-        |c| c.cable.axial_stiffness_n,
-        |c, v| c.cable.axial_stiffness_n = Some(v),
-    )
-    .or_unknown(|c| c.cable.axial_stiffness_n = None),
-    TableColumn::new(
-        ("Weight", "N/m"),
-        (1.0, 3),
-        |c| Some(c.cable.weight_n_per_m),
-        |c, v| c.cable.weight_n_per_m = v,
-    )
-    .or(0.0),
+    },
+    TableColumn::mm("Drum diameter", 2, |c| &mut c.winch.drum_diameter_m),
+    TableColumn::mm("Drum pitch", 2, |c| &mut c.winch.drum_pitch_m).or(0.0),
+    TableColumn::new("Gear ratio", "", 1.0, 4, |c| &mut c.winch.gear_ratio).or(1.0),
+    TableColumn::mm("Cable to pulley", 0, |c| &mut c.winch.length_to_pulley_m).or(0.0),
+    TableColumn::mm("Length noise", 3, |c| &mut c.winch.length_sd_m),
+    TableColumn {
+        title: "Axial stiffness",
+        unit: "kN",
+        decimals: 1,
+        empty: Empty::Unknown,
+        per_si: 1e-3,
+        number: CableNumber::Optional {
+            get: |c| c.cable.axial_stiffness_n,
+            set: |c, stiffness| c.cable.axial_stiffness_n = stiffness,
+        },
+    },
+    TableColumn::new("Weight", "N/m", 1.0, 3, |c| &mut c.cable.weight_n_per_m).or(0.0),
 ];
 
 #[derive(Debug, Clone, PartialEq)]
@@ -215,9 +160,8 @@ pub(crate) struct CableTable {
 impl CableTable {
     pub(crate) fn of(robot: &Robot) -> Self {
         let cells = |cable: &Cable| {
-            COLUMNS
-                .each_ref()
-                .map(|column| (column.get)(cable).map(|value| value * column.per_si))
+            let mut cable = cable.clone();
+            COLUMNS.each_ref().map(|column| column.get(&mut cable))
         };
         Self {
             names: robot.cables.iter().map(|c| c.name.clone()).collect(),

@@ -26,7 +26,8 @@ use crate::views::ViewStates;
 use crate::views::robot_3d::scene::{Displacement, PulleyPaths, Scene, SideNames, Subject};
 use crate::views::robot_3d::show_beside;
 use crate::widgets::{
-    Entered, Number, Verdict, choice, empty, muted, number_checked, panel_frame, section, verdict,
+    Entered, Number, Verdict, choice, empty, muted, number_checked, one_part, panel_frame, section,
+    verdict,
 };
 
 #[derive(Debug, Default)]
@@ -160,27 +161,18 @@ fn compact(
     (panel, views): (&mut PanelState, &mut ViewStates),
     outbox: &mut Outbox,
 ) {
-    let side = panel_frame(ui);
-    Panel::top("parts of the record")
-        .frame(side)
-        .show(ui, |ui| {
-            ui.horizontal(|ui| {
-                for (one, title) in [
-                    (Part::Panel, "Changes"),
-                    (Part::Robot, "3D view"),
-                    (Part::Plots, "Courses"),
-                ] {
-                    ui.selectable_value(&mut panel.part, one, title);
-                }
-            });
-        });
-    CentralPanel::no_frame()
-        .frame(side)
-        .show(ui, |ui| match panel.part {
-            Part::Panel => changes(ui, model, drawn, panel, outbox),
-            Part::Robot => robot(ui, model, drawn, (panel, views), outbox),
-            Part::Plots => lanes::show(ui, model, &drawn.lanes, outbox),
-        });
+    let parts = [
+        (Part::Panel, "Changes"),
+        (Part::Robot, "3D view"),
+        (Part::Plots, "Courses"),
+    ];
+    let mut part = panel.part;
+    one_part(ui, &mut part, parts, |ui, part| match part {
+        Part::Panel => changes(ui, model, drawn, panel, outbox),
+        Part::Robot => robot(ui, model, drawn, (panel, views), outbox),
+        Part::Plots => lanes::show(ui, model, &drawn.lanes, outbox),
+    });
+    panel.part = part;
 }
 
 /// The pulleys in 3D at a date, and the slider that chooses it.
