@@ -19,7 +19,12 @@ fn links(text: &str) -> Vec<&str> {
 
 #[test]
 fn links_lead_to_files() {
-    for name in ["README.md", "docs/ARCHITECTURE.md", "docs/NOTATION.md"] {
+    for name in [
+        "README.md",
+        "docs/ARCHITECTURE.md",
+        "docs/FORMATS.md",
+        "docs/NOTATION.md",
+    ] {
         let path = root().join(name);
         let text = fs::read_to_string(&path).expect("a document");
         let folder = path.parent().expect("a folder");

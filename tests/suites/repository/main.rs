@@ -1,8 +1,8 @@
 //! What holds for the repository as a whole.
 
 mod files;
+mod formats;
 mod layout;
 mod licences;
 mod packaging;
-mod readme;
 mod safety;
