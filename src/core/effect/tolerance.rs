@@ -29,9 +29,9 @@ impl MachineClass {
 /// two standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TypicalTolerance {
-    /// For small machines, in the unit of the parameter.
+    /// Standard deviation on a smaller machine, in the unit of the parameter.
     pub small: f64,
-    /// For large machines.
+    /// Standard deviation on a machine whose frame is larger than 4 m.
     pub large: f64,
     /// Where the value comes from.
     pub source: &'static str,

@@ -43,7 +43,7 @@ const INTERVAL: f64 = 0.95;
 /// Seed of the futures, the same for all questions.
 const SEED: u64 = 36;
 
-/// What has to stay within its tolerance.
+/// Quantity with a tolerance.
 #[derive(Debug, Clone, Copy)]
 pub enum Tolerance<'a> {
     /// Displacement of a pulley from its value in the last session (m).

@@ -79,7 +79,7 @@ pub fn equilibrium_residual(
 /// Whether tensions within the limits can balance the platform.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Feasibility {
-    /// They can, to rounding.
+    /// The tensions balance the platform to rounding.
     Feasible,
     /// They cannot.
     Infeasible,

@@ -926,7 +926,7 @@ impl Proposal<'_> {
         };
     }
 
-    /// Whether the frame of an external instrument has to be found.
+    /// Asks for the frame of the instrument if poses are not in the base frame.
     fn instrument(&mut self, sources: &[Source]) {
         if !self.is_given("meas_x_m") {
             return;

@@ -79,7 +79,7 @@ def import_readings(
     weighed: bool = False,
     memory_limit_gib: float = 2.0,
 ) -> Import:
-    """Makes a dataset of files of other programs.
+    """Makes a dataset from files written by other programs.
 
     Parameters
     ----------

@@ -151,7 +151,7 @@ class Study(Columns):
         chunk : tuple of int, optional
             Number of a chunk and how many there are, `(3, 7)`.
         threads : int, optional
-            Number of threads; by default that of the processor.
+            Number of threads; by default the number of processor cores.
 
         Returns
         -------

@@ -273,7 +273,7 @@ impl Session {
         self.trail.add(new, false, (by, now));
     }
 
-    /// Whether there is anything to seal.
+    /// Whether every record is in a sealed entry.
     #[must_use]
     pub fn is_sealed(&self) -> bool {
         self.trail.pending.is_empty() && (!self.trail.is_empty() || self.parts().is_empty())

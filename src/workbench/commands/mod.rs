@@ -104,7 +104,7 @@ pub fn autosaved(model: &mut Model, event: AutosaveEvent) {
     }
 }
 
-/// Takes what a task came to.
+/// Handles the outcome of a task.
 pub fn receive(model: &mut Model, outcome: Outcome) {
     match outcome {
         Outcome::File(outcome) => file::receive(model, outcome),

@@ -28,7 +28,7 @@ pub struct CheckedPair {
 #[derive(Debug, Default)]
 pub struct RecordState {
     folder: Option<PathBuf>,
-    /// What has to stay within its tolerance.
+    /// Monitored quantity.
     pub tolerance: Tolerance,
     result: Option<Result<Arc<OpenRecord>, String>>,
     /// The last health check.

@@ -285,7 +285,7 @@ impl Checked {
         self.verdict == HealthVerdict::Changed && self.certain().is_none()
     }
 
-    /// Whether the few poses are explained by what may have changed.
+    /// Whether the check poses fit the calibration or one change of it.
     #[must_use]
     pub fn is_explained(&self) -> bool {
         FitVerdict::of(self.identification.solution.p_value()).holds()

@@ -40,7 +40,7 @@ pub const TOLERANCE_M: f64 = 5e-3;
 /// Position error of the platform that is tolerable if nothing else is said (m).
 pub const POSITION_TOLERANCE_M: f64 = 1e-3;
 
-/// What has to stay within its tolerance until the next calibration.
+/// Quantity with a tolerance until the next calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Tolerance {
     /// Displacement of a pulley from its value in the last session (m).
@@ -173,7 +173,7 @@ pub struct RobotHistory {
     pub history: History,
     /// Whether all sessions have dates; otherwise nothing is said of rates and dates.
     pub is_dated: bool,
-    /// What has to stay within its tolerance.
+    /// Quantity with a tolerance.
     pub tolerance: Tolerance,
     /// When it should be calibrated again; `None` without dates.
     pub forecast: Option<Forecast>,

@@ -33,7 +33,7 @@ pub enum IdentificationCommand {
     Stop,
 }
 
-/// What it came to; `inputs` is the number of the inputs it was computed from.
+/// Outcome of an identification; `inputs` is the number of the inputs it was computed from.
 #[derive(Debug)]
 pub enum IdentificationOutcome {
     /// Of the check before it.

@@ -20,7 +20,7 @@ pub enum RecordCommand {
     Open(PathBuf),
     /// Chooses another folder.
     Close,
-    /// What has to stay within its tolerance until the next calibration.
+    /// Quantity monitored until the next calibration.
     SetTolerance(Tolerance),
     /// Compares two of its sessions, by their places in the order of time.
     Compare([usize; 2]),

@@ -118,7 +118,7 @@ pub enum DriverEvent {
     Regained(Vec<ParameterInfo>),
     /// What the controller holds before the first pose of a run is commanded.
     ValuesAtStart(Vec<ParameterInfo>),
-    /// What it holds at the end of the run.
+    /// Controller values after the run.
     ValuesAtEnd(Vec<ParameterInfo>),
     /// The controller is going to a pose.
     Commanded(i64),

@@ -30,7 +30,7 @@ pub struct RunLog {
     pub current: Option<i64>,
     /// Why it waits, if it does.
     pub paused: Option<String>,
-    /// What did not look right, the oldest first.
+    /// Warnings, oldest first.
     pub warnings: Vec<Warning>,
     /// Number of warnings that the session has already.
     stored_warnings: usize,

@@ -42,7 +42,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     }
 }
 
-/// What is missed and by how much, and below it along what; says whether it was clicked.
+/// One dependence: reading, excess, variable. Returns whether it was clicked.
 fn line(
     ui: &mut Ui,
     diagnosed: &Diagnosed,

@@ -246,7 +246,7 @@ fn changes(ui: &mut Ui, model: &Model, drawn: &Drawn, panel: &mut PanelState, ou
     });
 }
 
-/// What has to stay within its tolerance, and the tolerance.
+/// Chooses the monitored quantity and its limit.
 fn tolerance(ui: &mut Ui, known: Tolerance, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         ui.label("Tolerance of");

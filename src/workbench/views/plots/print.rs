@@ -54,7 +54,7 @@ fn paint(
     draw::draw(&mut canvas, figure, &layout, selection, colours, resolution);
 }
 
-/// As PNG that knows its size on paper.
+/// PNG with its resolution in dots per metre.
 fn encoded(image: &image::RgbImage) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
     let dots = RESOLUTION.round() as u32;

@@ -70,7 +70,7 @@ pub struct Robot3d {
     shown: Option<u64>,
     /// When the camera or the platform moved last, in time of the window (s).
     moved_s: Option<f64>,
-    /// The platform that moves as it is shown, and since when, in time of the window (s).
+    /// Live platform, and the time of its last update in time of the window (s).
     followed: Option<(LivePlatform, f64)>,
     picture: PictureRequest,
 }

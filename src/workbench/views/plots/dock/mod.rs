@@ -36,7 +36,7 @@ pub struct Panes {
     single: Tree,
     detached: BTreeSet<PlotId>,
     plots: BTreeMap<PlotId, PlotState>,
-    /// What the live scope stands in front of, since it came by itself: docked, and in one place.
+    /// Plots that the live scope hides, restored when it closes: docked, and in one place.
     before_scope: [Option<PlotId>; 2],
     /// The arrangement that the preferences have.
     known: Plots,

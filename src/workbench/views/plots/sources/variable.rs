@@ -58,7 +58,7 @@ fn choose(ui: &mut Ui, options: &mut PlotOptions, input: &OptionsInput<'_>) {
     }
 }
 
-/// Which readings along which variable, each choice so wide.
+/// Two combo boxes of equal width: reading and variable.
 fn along(
     ui: &mut Ui,
     prepared: &Prepared,
