@@ -7,9 +7,9 @@
 //! best are compared exactly, with the noise estimated again. The odds of an error are those of all functions and sizes
 //! together.
 //!
-//! [`ErrorSearch::beside`] looks for errors beside all causes. The part of the functions that effects of the catalogue
+//! [`ErrorSearch::find_beside`] looks for errors beside all causes. The part of the functions that effects of the catalogue
 //! express is removed there, so that a cause too small to be found is not reported as an error.
-//! [`ErrorSearch::instead`] looks for errors that explain the readings without some of the causes; there the functions
+//! [`ErrorSearch::find_in_place`] looks for errors that explain the readings without some of the causes; there the functions
 //! are complete.
 
 use nalgebra::{DMatrix, SymmetricEigen};
