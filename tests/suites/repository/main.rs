@@ -1,5 +1,6 @@
 //! What holds for the repository as a whole.
 
+mod budget;
 mod files;
 mod formats;
 mod layout;
