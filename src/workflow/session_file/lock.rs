@@ -1,9 +1,10 @@
 //! The lock of a session file.
 
-use std::fs::{self, File, FileType, Metadata, TryLockError};
+use std::fs::{self, File, FileType, TryLockError};
 use std::io::{Error as IoError, ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 
+use same_file::Handle;
 use tautline_session::link_target;
 
 use crate::controllers::beside;
@@ -156,24 +157,12 @@ fn check_own(path: &Path, is_ours: fn(&FileType) -> bool) -> IoResult<()> {
     }
 }
 
-/// Whether an open file is still the one at `path`, which another program may have removed.
+/// Whether an open file is still the one at `path`, which another program may have removed or replaced.
 fn is_still(file: &File, path: &Path) -> IoResult<bool> {
-    match fs::symlink_metadata(path) {
+    match Handle::from_path(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
-        there => Ok(is_same(&file.metadata()?, &there?)),
+        there => Ok(Handle::from_file(file.try_clone()?)? == there?),
     }
-}
-
-#[cfg(unix)]
-fn is_same(a: &Metadata, b: &Metadata) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    (a.dev(), a.ino()) == (b.dev(), b.ino())
-}
-
-/// On systems where open files cannot be removed, it always is.
-#[cfg(not(unix))]
-fn is_same(_: &Metadata, _: &Metadata) -> bool {
-    true
 }
 
 #[cfg(test)]
@@ -189,6 +178,18 @@ mod tests {
         drop(held);
         assert!(!unsaved_folder(&session).exists());
         FileLock::acquire(&session).expect("free again");
+    }
+
+    #[test]
+    fn a_lock_that_was_removed_or_replaced_is_another_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(LOCK_NAME);
+        let held = File::create(&path).expect("a file");
+        assert!(is_still(&held, &path).expect("compared"));
+        fs::rename(&path, folder.path().join("aside")).expect("renamed");
+        assert!(!is_still(&held, &path).expect("compared"));
+        File::create(&path).expect("a file");
+        assert!(!is_still(&held, &path).expect("compared"));
     }
 
     #[cfg(unix)]
