@@ -75,6 +75,11 @@ pub fn read_source(path: &Path) -> Result<Source, ReadError> {
 /// As [`read_source`], if it was stopped, and if it needs more memory than there is.
 pub(crate) fn read_watched(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
     let source = read(path, watch)?;
+    let mut series = source.series.iter();
+    if series.all(|one| one.channels.is_empty() || one.rows == 0) {
+        let message = "found a table without numbers, expected readings";
+        return Err(ReadError::new(&source.file, Place::File, message));
+    }
     let taken = watch.budget().take(source.memory());
     taken.map_err(|over| over_budget(&source.file, over))?;
     Ok(source)

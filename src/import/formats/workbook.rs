@@ -14,8 +14,8 @@ use crate::text::Cells;
 pub(super) const MAX_COLUMNS: usize = 16_384;
 /// Maximum number of cells, including empty ones in between.
 pub(super) const MAX_CELLS: usize = 50_000_000;
-/// Memory of a cell besides its text: its string, and its range in the row.
-pub(super) const CELL: usize = size_of::<String>() + size_of::<(usize, usize)>();
+/// Memory of a cell besides its text: its string, its range in the row, and the smallest block that the system allocates.
+pub(super) const CELL: usize = size_of::<String>() + size_of::<(usize, usize)>() + 32;
 
 /// The archive of a workbook.
 pub(super) struct Workbook<'a> {

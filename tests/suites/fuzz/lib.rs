@@ -1,6 +1,7 @@
 //! What the targets share.
 
 use tautline_core::robot::Robot;
+use tautline_import::{MemoryBudget, import, propose, read_robot_description, read_source};
 use tautline_session::ReadError;
 
 /// The robot whose tables are read.
@@ -18,4 +19,28 @@ pub fn check_error(error: &ReadError, file: &str) {
     assert!(text.starts_with(file), "{text}");
     assert!(!text.chars().any(char::is_control), "{text}");
     assert!(text.len() < 1500, "{text}");
+}
+
+/// Whatever a file holds, it is read or refused; whatever was read has a proposal, which is a recipe of these channels.
+pub fn check_import(bytes: &[u8]) {
+    let path = std::env::temp_dir().join(format!("tautline-fuzz-{}.foreign", std::process::id()));
+    std::fs::write(&path, bytes).expect("written");
+    let file = path.display().to_string();
+    if let Err(error) = read_robot_description(&[path.clone()]) {
+        check_error(&error, &file);
+    }
+    let source = match read_source(&path) {
+        Ok(source) => source,
+        Err(error) => return check_error(&error, &file),
+    };
+    for series in &source.series {
+        assert!(series.channels.iter().all(|channel| channel.values.len() == series.rows));
+        assert!(series.texts.iter().all(|text| text.codes.len() == series.rows));
+    }
+    let robot = robot();
+    let sources = [source];
+    let (recipe, _) = propose(&sources, &robot);
+    if let Err(error) = import(&sources, &recipe, "recipe.json", &robot, &MemoryBudget::default()) {
+        assert!(!error.to_string().chars().any(char::is_control), "{error}");
+    }
 }

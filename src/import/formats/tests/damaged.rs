@@ -1,6 +1,9 @@
 use std::path::Path;
 
+use tautline_core::robot::presets;
+
 use super::*;
+use crate::{import, propose};
 
 /// Every file of the fuzzing seeds with bytes changed, left out, doubled and cut off at random places.
 #[test]
@@ -15,6 +18,8 @@ fn damaged_files_are_read_or_refused_in_one_sentence() {
             .wrapping_add(1_442_695_040_888_963_407);
         (state >> 33) as usize % below.max(1)
     };
+    let robot = presets::find("planar").expect("a preset").robot;
+    let budget = MemoryBudget::default();
     let mut read = 0;
     for entry in std::fs::read_dir(folder).expect("seeds") {
         let path = entry.expect("a seed").path();
@@ -47,6 +52,12 @@ fn damaged_files_are_read_or_refused_in_one_sentence() {
                                 .iter()
                                 .all(|text| text.codes.len() == series.rows)
                         );
+                    }
+                    // Whatever was read has a proposal.
+                    if read % 5 == 0 {
+                        let sources = [source];
+                        let (recipe, _) = propose(&sources, &robot);
+                        let _ = import(&sources, &recipe, "recipe", &robot, &budget);
                     }
                 }
                 Err(sentence) => {

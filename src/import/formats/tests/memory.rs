@@ -51,6 +51,17 @@ fn small_files_that_hold_much_are_refused() {
 }
 
 #[test]
+fn short_cells_count_with_the_blocks_that_they_take() {
+    let cell = "<table:table-cell office:value=\"1\" table:number-columns-repeated=\"1000\"/>";
+    let rows =
+        format!("<table:table-row table:number-rows-repeated=\"200\">{cell}</table:table-row>");
+    let budget = MemoryBudget::new(12 << 20);
+    let told = Bench::new().read_within(&budget, "g.ods", &open_document(&rows));
+    let told = told.expect_err("72 bytes for each of 200,000 cells");
+    assert!(told.contains("needs more than 12.0 MiB"), "{told}");
+}
+
+#[test]
 fn windows_and_pages_are_asked_for() {
     for name in ["h5py.h5", "newer.h5", "pandas.parquet"] {
         let told = Bench::new().read_within(&MemoryBudget::new(8), name, &seed(name));

@@ -1,5 +1,6 @@
 //! Files as recorders write them, by hand: every variant is read to the same channels, or refused in one sentence.
 
+mod any_types;
 mod binary;
 mod c3d;
 mod damaged;
