@@ -109,6 +109,15 @@ impl Fields {
         })
     }
 
+    /// Why it is not that of the application as the server calls itself, if it does.
+    fn application_problem(&self, application: &str) -> Option<String> {
+        let own = self.uri().unwrap_or_default();
+        (own != application && !application.is_empty()).then(|| {
+            let (own, application) = (own.escape_debug(), application.escape_debug());
+            format!("is that of the application \"{own}\", expected \"{application}\": make one at the server with the name that it states")
+        })
+    }
+
     /// Why its key may not be used for this.
     fn use_problem(&self) -> Option<String> {
         let fields = &self.0.tbs_certificate;
@@ -170,14 +179,19 @@ impl ServerCertificate {
         })
     }
 
-    /// Why it cannot be used for a server on this host at this time, in a sentence.
-    pub fn check(&self, host: &str, now: SystemTime) -> Result<(), LinkError> {
+    /// Why it cannot be used for a server on this host with this name of its application at this time, in a sentence.
+    pub fn check(
+        &self,
+        (host, application): (&str, &str),
+        now: SystemTime,
+    ) -> Result<(), LinkError> {
         let fields = Fields::of(&self.der);
         let problem = match fields {
             None => Some("cannot be read".to_owned()),
             Some(fields) => fields
                 .time_problem(now, "make a new one at the server and trust that")
                 .or_else(|| fields.host_problem(host))
+                .or_else(|| fields.application_problem(application))
                 .or_else(|| fields.use_problem()),
         };
         problem.map_or(Ok(()), |what| {

@@ -56,7 +56,8 @@ pub(super) fn open(server: &OpcUaServer) -> Result<OpcUaClient, LinkError> {
             )),
         };
     };
-    let certificate = trusted(server, &endpoint.server_certificate)?;
+    let application = &endpoint.server.application_uri;
+    let certificate = trusted(server, &endpoint.server_certificate, application)?;
     plain.close();
     let identity = server.credentials.keys.identity()?;
     let protection = Protection::new(security, policy, identity, certificate);
@@ -115,7 +116,11 @@ fn endpoints(server: &OpcUaServer, wire: &mut Wire) -> Result<Vec<EndpointDescri
 }
 
 /// The certificate that the server sent, if it is trusted and can be used.
-fn trusted(server: &OpcUaServer, sent: &ByteString) -> Result<ServerCertificate, LinkError> {
+fn trusted(
+    server: &OpcUaServer,
+    sent: &ByteString,
+    application: &UAString,
+) -> Result<ServerCertificate, LinkError> {
     let certificate = ServerCertificate::read(sent.as_ref())?;
     let (origin, fingerprint) = (server.address.origin(), certificate.fingerprint());
     let known = server.credentials.keys.trusted(&origin)?;
@@ -126,7 +131,8 @@ fn trusted(server: &OpcUaServer, sent: &ByteString) -> Result<ServerCertificate,
             known,
         })));
     }
-    certificate.check(&server.address.host, SystemTime::now())?;
+    let names = (server.address.host.as_str(), application.as_ref());
+    certificate.check(names, SystemTime::now())?;
     Ok(certificate)
 }
 
@@ -302,10 +308,14 @@ fn certificate_of_server(
     server: &OpcUaServer,
     client: &OpcUaClient,
     created: &CreateSessionResponse,
+    endpoint: &EndpointDescription,
 ) -> Result<ServerCertificate, LinkError> {
     match client.wire.protection() {
         Some(protection) => Ok(protection.server().clone()),
-        None => trusted(server, &created.server_certificate),
+        None => {
+            let application = &endpoint.server.application_uri;
+            trusted(server, &created.server_certificate, application)
+        }
     }
 }
 
@@ -321,7 +331,7 @@ fn certified_user(
         let text = "it takes users with a certificate without a signature, or under a policy that Tautline does not have: use ?security=SignAndEncrypt";
         LinkError::Refused(text.to_owned())
     })?;
-    let certificate = certificate_of_server(server, client, created)?;
+    let certificate = certificate_of_server(server, client, created, endpoint)?;
     let signature = user.sign(policy, (&certificate, &created.server_nonce))?;
     let token = ExtensionObject::from_message(X509IdentityToken {
         policy_id: token.policy_id.clone(),
@@ -352,7 +362,7 @@ fn named_user(
         let text = "it would take the password without encryption that Tautline has: use ?security=SignAndEncrypt";
         return Err(LinkError::Refused(text.to_owned()));
     }
-    let certificate = certificate_of_server(server, client, created)?;
+    let certificate = certificate_of_server(server, client, created, endpoint)?;
     let secret = opcua_crypto::legacy_encrypt_secret(
         channel.unwrap_or(SecurityPolicy::None),
         endpoint.security_mode,

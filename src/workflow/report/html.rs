@@ -6,6 +6,8 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::document::{Align, Block, Document, Section, Table};
 use crate::wording::printable;
 
+/// What a browser may load or run: nothing but the styles, pictures and fonts in the file.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:";
 const STYLE: &str = include_str!("report.css");
 
 /// The content of the HTML file.
@@ -15,6 +17,7 @@ pub fn render(document: &Document) -> String {
         html lang="en" {
             head {
                 meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (document.title) }
                 style { (PreEscaped(STYLE)) }

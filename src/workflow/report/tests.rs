@@ -195,6 +195,9 @@ fn html_is_well_formed_and_needs_nothing_else() {
         let is_local = !tag.contains("src=") || tag.contains("src=\"data:image/png;base64,");
         assert!(is_local && !tag.contains("href"), "{tag}");
     }
+    // Should something have come in with the content after all, a browser loads and runs nothing.
+    let policy = "http-equiv=\"Content-Security-Policy\" content=\"default-src 'none';";
+    assert!(html.contains(policy), "{html}");
     assert!(!html.contains("http:") && !html.contains("https:") && !html.contains("url("));
 }
 

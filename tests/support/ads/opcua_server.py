@@ -157,7 +157,7 @@ def certificate(wishes):
     begins = datetime.datetime(2020, 1, 1, tzinfo=datetime.timezone.utc)
     year = wishes.get("until", 2100)
     host = ipaddress.ip_address(wishes.get("host", "127.0.0.1"))
-    names = [x509.UniformResourceIdentifier("urn:tests"), x509.DNSName("plc"), x509.IPAddress(host)]
+    names = [x509.UniformResourceIdentifier(wishes.get("application", "urn:tests")), x509.DNSName("plc"), x509.IPAddress(host)]
     signs = wishes.get("signs", True)
     usage = x509.KeyUsage(signs, signs, True, True, False, False, False, False, False)
     purpose = x509.ObjectIdentifier("1.3.6.1.5.5.7.3." + wishes.get("purpose", "1"))

@@ -197,6 +197,10 @@ fn certificates_that_do_not_fit_are_refused_in_a_sentence_each() {
             json!({"host": "127.0.0.2"}),
             "its certificate is that of plc, 127.0.0.2, expected \"127.0.0.1\"",
         ),
+        (
+            json!({"application": "urn:other"}),
+            "its certificate is that of the application \"urn:other\", expected \"urn:tests\"",
+        ),
         (json!({"purpose": "4"}), "it is not that of a server"),
         (
             json!({"signs": false}),
