@@ -89,8 +89,18 @@ pub trait Controller: Send {
     /// Permits motion and writing.
     ///
     /// # Errors
-    /// If there is no connection or a fault.
+    /// If there is no connection or a fault; [`LinkError::Occupied`] if another program is armed, or one that was killed still
+    /// appears to be.
     fn arm(&mut self) -> Result<(), LinkError>;
+
+    /// Checks that no other program is armed since [`Controller::arm`]. By default nothing, for controllers that have only
+    /// one client.
+    ///
+    /// # Errors
+    /// [`LinkError::Occupied`] if there is one, or the connection is lost.
+    fn confirm_alone(&mut self) -> Result<(), LinkError> {
+        Ok(())
+    }
 
     /// Forbids motion and writing; a motion in progress is stopped.
     fn disarm(&mut self);

@@ -52,6 +52,9 @@ pub enum LinkError {
     /// The controller is not armed.
     #[error("the controller is not armed: arm it before it may move or change values")]
     NotArmed,
+    /// Another program is armed at the controller; states the evidence.
+    #[error("another program is armed at the controller: {0}")]
+    Occupied(String),
     /// The controller cannot do it at present.
     #[error("the controller refused: {0}")]
     Refused(String),

@@ -5,6 +5,8 @@
 //! re-established and the values are read again: they are all new, all old, or mixed. A mixture requires that the
 //! operator arms the controller again, after which [`settle_adjustment`] restores the old values.
 //!
+//! Once another program has armed, the controller takes nothing more from this one: what it holds is read and said.
+//!
 //! A controller may hold NaN or infinity. Such a value is overwritten like any other, but cannot be
 //! restored, because only finite numbers are written.
 
@@ -440,7 +442,9 @@ fn write_and_compare(
     values: &[(String, f64)],
 ) -> Result<Vec<String>, LinkError> {
     controller.write(values)?;
-    differing(controller, values)
+    let differing = differing(controller, values)?;
+    controller.confirm_alone()?;
+    Ok(differing)
 }
 
 /// Names of the values that the controller does not hold.

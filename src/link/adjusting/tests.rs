@@ -70,6 +70,32 @@ fn a_value_that_arrives_changed_is_taken_back() {
 }
 
 #[test]
+fn nothing_more_is_written_once_another_program_has_armed() {
+    let new = new_values();
+    // After three values all were written and read back, but the other program may change them.
+    for after in 0..=3 {
+        let (mut robot, _) = robot(vec![Fault::AnotherArms { after }]);
+        let mut waited = Vec::new();
+        let mut policy = attempts(2, &mut waited);
+        let adjustment = write_adjustment_reconnecting(&mut robot, &new, &mut policy).unwrap();
+        drop(policy);
+        let written = new[..after].iter().map(|(name, _)| name.clone());
+        let expected = match after {
+            0 => ControllerValues::Old,
+            _ => ControllerValues::Mixed(written.collect()),
+        };
+        assert_eq!(adjustment.holds, expected);
+        let problem = adjustment.problem.unwrap();
+        assert!(problem.contains("another program is armed"), "{problem}");
+        // Nothing was rolled back, and nobody reconnected.
+        let held = held(&mut robot);
+        let written = held.iter().zip(OLD).filter(|(now, old)| **now != *old);
+        assert_eq!((written.count(), waited.len()), (after, 0));
+        assert!(matches!(robot.arm(), Err(LinkError::Occupied(_))));
+    }
+}
+
+#[test]
 fn old_values_that_cannot_be_brought_back_are_named() {
     let (adjustment, _) = attempt(vec![differs(9)]);
     let names = vec!["cable-2.entry_point.y_m".to_owned()];

@@ -255,6 +255,11 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
         }
     }
 
+    fn confirm_alone(&mut self) -> Result<(), LinkError> {
+        let answer = self.inner.confirm_alone();
+        self.noted(answer)
+    }
+
     fn disarm(&mut self) {
         self.armed.set(false);
         self.inner.disarm();

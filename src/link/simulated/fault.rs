@@ -100,6 +100,11 @@ pub enum Fault {
         /// Number of values written before.
         after: usize,
     },
+    /// Another program arms after a number of values were written.
+    AnotherArms {
+        /// Number of values written before.
+        after: usize,
+    },
     /// A written value is changed.
     WriteDiffers {
         /// Name of the parameter.
@@ -162,6 +167,7 @@ impl Fault {
             | Self::Drive(_)
             | Self::WriteFails { .. }
             | Self::WriteDisconnects { .. }
+            | Self::AnotherArms { .. }
             | Self::WriteDiffers { .. } => {}
         }
     }

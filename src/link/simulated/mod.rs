@@ -293,6 +293,9 @@ impl SimulatedRobot {
                 seconds: 1.0,
             });
         }
+        if (self.faults).contains(&Fault::AnotherArms { after: index }) {
+            return self.confirm_alone();
+        }
         if (self.faults).contains(&Fault::WriteDisconnects { after: index }) {
             self.drop_connection();
             let text = "it broke while values were written";
@@ -369,8 +372,18 @@ impl Controller for SimulatedRobot {
 
     fn arm(&mut self) -> Result<(), LinkError> {
         self.check_able()?;
+        self.confirm_alone()?;
         self.armed = true;
         Ok(())
+    }
+
+    fn confirm_alone(&mut self) -> Result<(), LinkError> {
+        let is_another = |fault: &Fault| matches!(fault, Fault::AnotherArms { .. });
+        if !self.faults.iter().any(is_another) {
+            return Ok(());
+        }
+        self.armed = false;
+        Err(LinkError::Occupied("its watchdog is not ours".to_owned()))
     }
 
     fn disarm(&mut self) {

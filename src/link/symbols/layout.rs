@@ -86,6 +86,8 @@ pub(super) struct StatusSlots {
     pub acknowledged: Option<Slot>,
     /// Permission to move and write; written when armed.
     pub release: Option<Slot>,
+    /// Counter of the program that is armed.
+    pub watchdog: Option<Slot>,
 }
 
 impl StatusSlots {
@@ -97,6 +99,7 @@ impl StatusSlots {
             self.fault_text,
             self.acknowledged,
             self.release,
+            self.watchdog,
         ];
         all.into_iter().flatten().map(|slot| slot.symbol)
     }
@@ -113,7 +116,6 @@ pub(super) struct Layout {
     pub readings: ReadingSlots,
     pub status: StatusSlots,
     pub command: Option<CommandSlots>,
-    pub watchdog: Option<Slot>,
     pub parameters: Vec<ParameterSlot>,
 }
 
@@ -133,7 +135,6 @@ impl Layout {
             number: symbols.single(&command.number, Expected::Counter),
             acknowledged: symbols.single(&command.acknowledged, Expected::Counter),
         });
-        let watchdog = symbols.optional(&mapping.watchdog, Expected::Counter);
         let parameters = symbols.parameters(&mapping.parameters, robot)?;
         Ok(Self {
             wanted: symbols.0,
@@ -142,7 +143,6 @@ impl Layout {
             readings,
             status,
             command,
-            watchdog,
             parameters,
         })
     }
@@ -209,6 +209,7 @@ impl Symbols {
             fault_text: self.optional(&mapping.state.fault_text, Expected::Text),
             acknowledged: command.map(|c| self.single(&c.acknowledged, Expected::Counter)),
             release: self.optional(&mapping.release, Expected::Flag),
+            watchdog: self.optional(&mapping.watchdog, Expected::Counter),
         }
     }
 
@@ -351,7 +352,7 @@ mod tests {
         let known = parameters_of(&robot);
         assert_eq!(names.len(), known.len());
         assert!(known.iter().all(|p| names.contains(&&p.name)));
-        assert_eq!(layout.wanted.len() - layout.sampled, 3 + 6 + 1);
+        assert_eq!(layout.wanted.len() - layout.sampled, 3 + 6);
         let last = layout
             .parameters
             .iter()

@@ -13,6 +13,8 @@ pub(super) struct Status {
     pub acknowledged: u32,
     /// Whether motion and writing are still permitted; true if there is no such symbol.
     pub released: bool,
+    /// Number that the program that is armed has written last; `None` if there is no such symbol.
+    pub watchdog: Option<u32>,
 }
 
 fn values(raw: &SymbolValues, channel: &Channel) -> Vec<f64> {
@@ -61,5 +63,6 @@ pub(super) fn status_of(raw: &SymbolValues, slots: &StatusSlots) -> Status {
         // The cast wraps the value into a 32-bit counter.
         acknowledged: slots.acknowledged.map_or(0, |slot| raw.number(slot) as u32),
         released: slots.release.is_none_or(|slot| raw.number(slot) == 1.0),
+        watchdog: slots.watchdog.map(|slot| raw.number(slot) as u32),
     }
 }

@@ -87,6 +87,9 @@ impl<C: Controller> Controller for Stored<C> {
     fn arm(&mut self) -> Result<(), LinkError> {
         self.inner.arm()
     }
+    fn confirm_alone(&mut self) -> Result<(), LinkError> {
+        self.inner.confirm_alone()
+    }
     fn disarm(&mut self) {
         self.inner.disarm();
     }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use tautline_core::geometry::Pose;
@@ -25,6 +25,9 @@ use super::unruly::Unruly;
 
 /// Simulated time of a sample (s).
 const STEP_S: f64 = 0.05;
+/// Time without a count of the watchdog after which the program ends the release; a little longer than that of the sample
+/// program, as a machine that runs many tests at once is slow.
+const WATCHDOG: Duration = Duration::from_secs(3);
 /// Simulated time of a sample where the program is the client: it samples at the rate of a real robot.
 const LONG_STEP_S: f64 = 0.25;
 
@@ -176,6 +179,7 @@ impl<H: Host> Plant<H> {
             acknowledged: 7.0,
             fault: None,
             shown: Arc::clone(&shown),
+            counted: Instant::now(),
         };
         program.show();
         // Orders are carried out in turn: what is shown is there after this.
@@ -265,6 +269,8 @@ struct Program {
     acknowledged: f64,
     fault: Option<String>,
     shown: Arc<Mutex<Shown>>,
+    /// When the watchdog was last counted.
+    counted: Instant,
 }
 
 impl Program {
@@ -272,7 +278,10 @@ impl Program {
         while !end.load(Ordering::Relaxed) {
             match wrote.recv_timeout(Duration::from_millis(20)) {
                 Ok((name, values)) => self.take(name, values),
-                Err(RecvTimeoutError::Timeout) => continue,
+                Err(RecvTimeoutError::Timeout) => {
+                    self.end_stale_release();
+                    continue;
+                }
                 Err(RecvTimeoutError::Disconnected) => return,
             }
             while let Ok((name, values)) = wrote.try_recv() {
@@ -286,8 +295,12 @@ impl Program {
     fn take(&mut self, name: String, values: Vec<f64>) {
         let first = values.first().copied().unwrap_or(0.0);
         match name.strip_prefix("GVL_Tautline.") {
-            Some("watchdog") => self.clock.advance(self.step_s),
+            Some("watchdog") => {
+                self.counted = Instant::now();
+                self.clock.advance(self.step_s);
+            }
             Some("release") if first == 1.0 => {
+                self.counted = Instant::now();
                 self.fault = self.robot.arm().err().map(|e| e.to_string());
             }
             Some("release") => {
@@ -301,6 +314,14 @@ impl Program {
             _ => {
                 self.written.insert(name, values);
             }
+        }
+    }
+
+    fn end_stale_release(&mut self) {
+        if self.robot.state().armed && self.counted.elapsed() > WATCHDOG {
+            self.robot.disarm();
+            self.orders
+                .give(&json!({"set": {global("release"): [false]}}));
         }
     }
 

@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use tautline_core::geometry::Pose;
 
-use super::super::sample::{Status, status_of};
+use super::super::sample::Status;
 use super::SymbolController;
+use crate::controller::Controller;
 use crate::error::LinkError;
 
 /// Largest difference between the controller's last commanded pose and that of Tautline (m and rad); allows for single precision.
@@ -33,6 +34,13 @@ impl SymbolController {
     /// Disarms if the controller accepted a command of another client: two clients driving it at the same time are dangerous,
     /// and readings would not belong to the commanded pose.
     fn check_alone(&mut self) {
+        if let Some(text) = self.foreign_count().filter(|_| self.armed) {
+            // At rest nothing more is written; a motion must not go on without this program's supervision.
+            return match self.moves() {
+                true => self.stand_back(text),
+                false => self.yield_to(&text),
+            };
+        }
         if !self.armed || self.layout.command.is_none() {
             return;
         }
@@ -61,14 +69,36 @@ impl SymbolController {
         }
     }
 
-    /// Yields the controller to another client.
+    /// Stops any motion and yields the controller to another client.
     fn stand_back(&mut self, by: String) {
-        self.pending = None;
         // Without the release any motion is stopped; if that cannot be written, the connection ends, which the
         // watchdog notices.
         let _ = self.release(false);
+        self.yield_to(&by);
+    }
+
+    fn yield_to(&mut self, by: &str) {
+        self.pending = None;
         self.armed = false;
         self.own_fault = Some(format!("another client commands it: {by}"));
+    }
+
+    /// The number of the watchdog, in words, unless this program wrote it. Without a release nothing is confirmed while arming.
+    pub(super) fn foreign_count(&self) -> Option<String> {
+        self.layout.status.release?;
+        let (found, [first, last]) = (self.status.watchdog?, self.counted);
+        (found.wrapping_sub(first) > last.wrapping_sub(first))
+            .then(|| format!("its watchdog is {found}, the last number of Tautline was {last}"))
+    }
+
+    /// Refuses a release that this program has not set.
+    pub(super) fn check_free(&self) -> Result<(), LinkError> {
+        let is_own = self.status.watchdog.is_some() && self.foreign_count().is_none();
+        if self.layout.status.release.is_none() || !self.status.released || is_own {
+            return Ok(());
+        }
+        let text = "its release is TRUE. That of a program that was killed ends within seconds, by the controller's watchdog";
+        Err(LinkError::Occupied(text.to_owned()))
     }
 
     /// Checks with the controller whether values may be written now.
@@ -77,11 +107,7 @@ impl SymbolController {
             self.own_fault = Some(text.clone());
             return Err(LinkError::Refused(text));
         }
-        let status = self.with(|program, layout| {
-            let raw = program.read(&mut layout.status.symbols())?;
-            Ok(status_of(&raw, &layout.status))
-        })?;
-        self.take(status);
+        self.confirm_alone()?;
         self.check_release();
         self.check_armed()?;
         if self.moves() {
@@ -92,8 +118,8 @@ impl SymbolController {
     }
 
     /// Waits until the release has outlasted several cycles of the controller's program, as a switch that is off revokes it
-    /// only in the next cycle.
-    pub(super) fn confirm_release(&mut self) -> Result<(), LinkError> {
+    /// only in the next cycle. Meanwhile the watchdog may be what it was `before`, but no number of another program.
+    pub(super) fn confirm_release(&mut self, before: Option<u32>) -> Result<(), LinkError> {
         if self.layout.status.release.is_none() {
             return Ok(());
         }
@@ -110,11 +136,16 @@ impl SymbolController {
                 let text = "it revoked the release at once: turn on the switch at the robot, then arm it again";
                 return Err(LinkError::Refused(text.to_owned()));
             }
-            self.count_sample()?;
             let changed = |last_s: f64| (time_s - last_s).abs() > 0.0;
             cycles += usize::from(last_s.replace(time_s).is_some_and(changed));
             let passed_s = self.clock.now_s() - begun_s;
-            if cycles >= CONFIRMING_CYCLES && passed_s >= shortest_s {
+            let is_confirmed = cycles >= CONFIRMING_CYCLES && passed_s >= shortest_s;
+            if let Some(text) = self.foreign_count()
+                && (is_confirmed || self.status.watchdog != before)
+            {
+                return Err(LinkError::Occupied(text));
+            }
+            if is_confirmed {
                 return Ok(());
             }
             if passed_s > LONGEST_CONFIRMING_S {
@@ -123,6 +154,7 @@ impl SymbolController {
                 );
                 return Err(LinkError::Refused(text));
             }
+            self.count_sample()?;
             thread::sleep(CONFIRMING_PAUSE);
         }
     }

@@ -5,6 +5,7 @@ mod checks;
 mod tests;
 
 use std::collections::HashMap;
+use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::Arc;
 
 use tautline_core::geometry::Pose;
@@ -55,7 +56,9 @@ pub struct SymbolController {
     pending: Option<Pending>,
     /// A fault detected by Tautline, shown until it is armed again.
     own_fault: Option<String>,
-    watchdog: u32,
+    /// First and last number that this program wrote to the watchdog. The first is random, so that no two programs write the
+    /// same.
+    counted: [u32; 2],
     state_asked_s: f64,
 }
 
@@ -84,7 +87,7 @@ impl SymbolController {
             last_commanded: None,
             pending: None,
             own_fault: None,
-            watchdog: 0,
+            counted: [RandomState::new().build_hasher().finish() as u32; 2],
             state_asked_s: f64::NEG_INFINITY,
         })
     }
@@ -222,23 +225,31 @@ impl SymbolController {
         names.iter().map(place).collect()
     }
 
+    /// Sets the release; together with a number of the watchdog, so that nobody sees one without the other.
     fn release(&mut self, on: bool) -> Result<(), LinkError> {
+        let count = self.next_count().filter(|_| on);
         self.with(|program, layout| match layout.status.release {
             Some(slot) => {
                 program.check_unchanged()?;
-                program.write(&[(slot, f64::from(u8::from(on)))])
+                let release = [(slot, f64::from(u8::from(on)))].into_iter();
+                program.write(&release.chain(count).collect::<Vec<_>>())
             }
             None => Ok(()),
         })
     }
 
+    /// The next number of the watchdog.
+    fn next_count(&mut self) -> Option<(Slot, f64)> {
+        self.counted[1] = self.counted[1].wrapping_add(1);
+        let slot = self.layout.status.watchdog?;
+        Some((slot, f64::from(self.counted[1])))
+    }
+
     fn count_sample(&mut self) -> Result<(), LinkError> {
-        let next = self.watchdog.wrapping_add(1);
-        self.watchdog = next;
-        self.with(|program, layout| match layout.watchdog {
-            Some(slot) => program.write(&[(slot, f64::from(next))]),
+        match self.next_count() {
+            Some(next) => self.with(|program, _| program.write(&[next])),
             None => Ok(()),
-        })
+        }
     }
 }
 
@@ -299,14 +310,28 @@ impl Controller for SymbolController {
         self.number = self.last_number()?;
         self.pending = None;
         self.last_commanded = None;
+        self.check_free()?;
+        let before = self.status.watchdog;
         self.release(true)?;
-        if let Err(error) = self.confirm_release() {
-            // A release left behind would obey whoever commands the controller next.
-            let _ = self.release(false);
+        if let Err(error) = self.confirm_release(before) {
+            // A release left behind would obey whoever commands the controller next; that of another program is its own.
+            if !matches!(error, LinkError::Occupied(_)) {
+                let _ = self.release(false);
+            }
             return Err(error);
         }
         self.armed = true;
         Ok(())
+    }
+
+    fn confirm_alone(&mut self) -> Result<(), LinkError> {
+        let status = self.with(|program, layout| {
+            let raw = program.read(&mut layout.status.symbols())?;
+            Ok(status_of(&raw, &layout.status))
+        })?;
+        self.take(status);
+        self.foreign_count()
+            .map_or(Ok(()), |text| Err(LinkError::Occupied(text)))
     }
 
     fn disarm(&mut self) {
@@ -411,7 +436,10 @@ impl Controller for SymbolController {
             .collect();
         for block in raw.chunks(BLOCK) {
             self.check_writable()?;
-            self.with(|program, _| program.write(block))?;
+            // The controller revokes the release of a program that does not count.
+            let counted = block.iter().copied().chain(self.next_count());
+            let counted: Vec<(Slot, f64)> = counted.collect();
+            self.with(|program, _| program.write(&counted))?;
         }
         Ok(())
     }

@@ -147,6 +147,73 @@ fn write(controller: &mut SymbolController) -> Result<(), LinkError> {
     controller.write(&[(VALUE.0.to_owned(), VALUE.1)])
 }
 
+/// Another client of the same controller.
+fn another(server: &Server) -> SymbolController {
+    let robot = presets::find("mini").expect("a preset").robot;
+    let mapping = SymbolMapping::default_for(&robot);
+    let clock = Arc::new(SystemClock::start());
+    let boxed = Box::new(server.clone());
+    let made = SymbolController::new(boxed, (&mapping, &robot), 2.0, clock);
+    let mut controller = made.expect("a controller");
+    controller.connect().expect("connected");
+    controller
+}
+
+#[test]
+fn a_release_of_another_program_refuses_arming() {
+    let (mut controller, server) = connected(0.01, u64::MAX, true);
+    server.plc().set("release", 1.0);
+    server.plc().set("watchdog", 41.0);
+    let told = controller.arm().expect_err("another is armed");
+    assert!(matches!(told, LinkError::Occupied(_)), "{told}");
+    assert_eq!(server.plc().memory["GVL_Tautline.release"], [1.0]);
+    assert_eq!(server.plc().memory["GVL_Tautline.watchdog"], [41.0]);
+    // The controller's watchdog has ended it.
+    server.plc().set("release", 0.0);
+    controller.arm().expect("armed");
+    // A release that this program has set is its own, also on a new connection.
+    controller.forget();
+    controller.connect().expect("connected again");
+    controller.arm().expect("armed again");
+}
+
+#[test]
+fn of_two_programs_that_arm_at_once_at_most_one_is_armed() {
+    for round in 0..12_u64 {
+        let (mut one, server) = connected(0.01, u64::MAX, true);
+        let mut two = another(&server);
+        let (one_armed, two_armed) = std::thread::scope(|scope| {
+            let first = scope.spawn(|| one.arm().is_ok());
+            std::thread::sleep(std::time::Duration::from_millis(5 * round));
+            let second = two.arm().is_ok();
+            (first.join().expect("a thread"), second)
+        });
+        assert!(!(one_armed && two_armed), "round {round}");
+        assert!(one_armed || two_armed, "round {round}");
+    }
+}
+
+#[test]
+fn nothing_is_written_beside_another_program_that_counts() {
+    let (mut controller, server) = connected(0.01, u64::MAX, true);
+    controller.arm().expect("armed");
+    write(&mut controller).expect("written");
+    controller.confirm_alone().expect("alone");
+    assert_eq!(server.plc().written, 1);
+    let own = server.plc().memory["GVL_Tautline.watchdog"][0];
+    server.plc().set("watchdog", own + 1.0);
+    let told = controller.confirm_alone().expect_err("another counts");
+    assert!(matches!(told, LinkError::Occupied(_)), "{told}");
+    assert!(write(&mut controller).is_err());
+    assert!(!controller.state().armed);
+    controller.disarm();
+    // Not even the release, which is that of the other program.
+    let plc = server.plc();
+    assert_eq!(plc.written, 1);
+    assert_eq!(plc.memory["GVL_Tautline.release"], [1.0]);
+    assert_eq!(plc.memory["GVL_Tautline.watchdog"], [own + 1.0]);
+}
+
 #[test]
 fn nothing_is_written_while_the_switch_is_off() {
     for (cycle_s, has_clock) in [
