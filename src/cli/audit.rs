@@ -35,7 +35,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["session", "signed_by", "contains", "json"])]
     new_key: bool,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<AuditDocument>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {

@@ -1,18 +1,16 @@
 //! `tautline certificate`.
 
-use std::path::PathBuf;
-
 use anyhow::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_link::opcua::KeyStore;
-use tautline_session::{Folders, VersionedFile, write_bytes};
+use tautline_session::{Folders, VersionedFile};
 use tautline_workflow::controllers::UserKeys;
 
 use crate::examples::examples;
 use crate::live::link_error;
-use crate::output::{JsonOutput, confirm, say};
-use crate::replace::Replace;
+use crate::output::{JsonOutput, confirm, say, write_file};
+use crate::replace::OutputFile;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -22,11 +20,9 @@ use crate::replace::Replace;
 pub struct Arguments {
     /// File to write the certificate to, in the binary form (DER) that servers read
     #[arg(short, long, value_name = "FILE.der")]
-    out: Option<PathBuf>,
+    out: Option<OutputFile>,
     #[command(flatten)]
-    replace: Replace,
-    #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<CertificateDocument>,
 }
 
 /// The certificate with which this computer connects to OPC UA servers.
@@ -52,7 +48,6 @@ impl VersionedFile for CertificateDocument {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let out = arguments.out.as_deref();
-    arguments.replace.permit(&[out], Some(&arguments.json))?;
     let folders = Folders::of_user()?;
     let place = folders.opcua_key();
     let identity = UserKeys::of(folders).identity().map_err(link_error)?;
@@ -71,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         say!("SHA-1:       {}", document.sha1);
     })?;
     if let Some(out) = out {
-        write_bytes(out, identity.certificate())?;
+        write_file(out, identity.certificate())?;
         if arguments.json.is_text() {
             confirm!("written to {}", out.display());
         }

@@ -1,13 +1,11 @@
 //! `tautline completions`.
 
-use std::path::PathBuf;
-
 use anyhow::Result;
 use clap_complete::Shell;
 
 use crate::examples::examples;
 use crate::output::write_file;
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -21,14 +19,11 @@ pub struct Arguments {
     shell: Shell,
     /// File to write; - is standard output
     #[arg(short, long, value_name = "FILE", default_value = "-")]
-    out: PathBuf,
-    #[command(flatten)]
-    replace: Replace,
+    out: OutputFile,
 }
 
 /// Writes the completions of `command`.
 pub fn run(arguments: &Arguments, mut command: clap::Command) -> Result<()> {
-    arguments.replace.permit(&[Some(&arguments.out)], None)?;
     let name = command.get_name().to_owned();
     let mut text = Vec::new();
     clap_complete::generate(arguments.shell, &mut command, name, &mut text);

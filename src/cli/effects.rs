@@ -22,7 +22,7 @@ use crate::examples::examples;
 use crate::hypothesis_arguments::{HypothesisFiles, of_user};
 use crate::input;
 use crate::output::{JsonOutput, confirm, line, note, say, write_file};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 use crate::report_format::report_format;
 use crate::table;
 
@@ -51,11 +51,9 @@ pub struct Arguments {
     quantities: bool,
     /// Write pictures of the residuals that each effect causes on this robot; the name ends with .html or .pdf
     #[arg(long, value_name = "FILE", conflicts_with_all = ["quantities", "as_text", "json"])]
-    gallery: Option<PathBuf>,
+    gallery: Option<OutputFile>,
     #[command(flatten)]
-    replace: Replace,
-    #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<EffectsDocument>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -67,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.hypotheses.add_to(&mut subject.robot)?;
     match (&arguments.as_text, &arguments.gallery) {
         (Some(id), _) => print_text(&subject.robot, id),
-        (None, Some(path)) => write_gallery(arguments, path, &subject),
+        (None, Some(path)) => write_gallery(path, &subject),
         (None, None) => {
             let document = EffectsDocument::of(&subject.robot);
             let sources = sources(arguments, &subject)?;
@@ -116,9 +114,8 @@ fn fitted_poses(session: &Session) -> Vec<Pose> {
     away.map(|(_, pose)| pose).collect()
 }
 
-fn write_gallery(arguments: &Arguments, path: &Path, subject: &Subject) -> Result<()> {
+fn write_gallery(path: &Path, subject: &Subject) -> Result<()> {
     let format = report_format("--gallery", path)?;
-    arguments.replace.permit(&[Some(path)], None)?;
     let gallery = Gallery::new(&subject.robot, &subject.poses, &mut |_, _| {
         Control::Continue
     });

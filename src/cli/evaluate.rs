@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use tautline_core::estimation::{Control, Poses};
 use tautline_core::robot::Robot;
-use tautline_workflow::identification::{IdentificationRequest, identify};
+use tautline_workflow::identification::{IdentificationDocument, IdentificationRequest, identify};
 
 use crate::examples::examples;
 use crate::failure::Reservation;
@@ -28,7 +28,7 @@ pub struct Arguments {
     #[arg(long)]
     poses_held: bool,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<IdentificationDocument>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {

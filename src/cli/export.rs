@@ -17,7 +17,7 @@ use crate::examples::examples;
 use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
 use crate::output::{confirm, is_standard, write_file};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -30,9 +30,7 @@ pub struct Arguments {
     dataset: PathBuf,
     /// File to write: .csv or .parquet with one table, or .mat (MATLAB version 5) with one struct per table; - is CSV on standard output
     #[arg(short, long, value_name = "FILE")]
-    out: PathBuf,
-    #[command(flatten)]
-    replace: Replace,
+    out: OutputFile,
     /// What to write: the measured poses, identified values with their standard deviations, or readings with their residuals; may be repeated
     #[arg(long, value_enum, default_value = "poses")]
     table: Vec<Content>,
@@ -69,7 +67,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         );
         return Err(BadInput::new(message));
     }
-    arguments.replace.permit(&[Some(&arguments.out)], None)?;
     let folder = &arguments.dataset;
     let is_identified = contents.iter().any(|content| *content != Content::Poses);
     let (dataset, fit) = if is_identified {

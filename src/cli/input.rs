@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::output::is_standard;
 use crate::{BadInput, standard_input};
 use anyhow::Result;
+use clap::builder::RangedU64ValueParser;
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 use tautline_session::{
@@ -15,6 +16,16 @@ use tautline_workflow::clock;
 use tautline_workflow::comparison::as_session;
 use tautline_workflow::machines::{self, Machine};
 use tautline_workflow::readiness::{ReadingFault, reading_faults};
+
+/// Largest number of poses that is planned or measured: more take months.
+pub const MOST_POSES: u64 = 10_000;
+/// Largest number of poses that is simulated, or from which a plan chooses.
+pub const MOST_SIMULATED: u64 = 1_000_000;
+
+/// Parses a number that has an upper bound, as each unit takes memory and time.
+pub fn at_most(most: u64) -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(..=most)
+}
 
 /// Prints the notices and returns what was read.
 pub fn noticed<T>(read: Loaded<T>) -> T {

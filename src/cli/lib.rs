@@ -49,7 +49,7 @@ mod volume;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use tautline_session::{ReadError, Session};
 use tautline_workflow::identification::Identification;
 use tautline_workflow::session_file::SessionFileError;
@@ -92,6 +92,9 @@ struct Arguments {
     /// Print errors, questions and results only: no notices, no progress, no confirmation of files written
     #[arg(short, long, global = true)]
     quiet: bool,
+    /// Replace files that exist; results in JSON are replaced by those of the same kind without it
+    #[arg(long, global = true)]
+    replace: bool,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -192,8 +195,12 @@ pub struct Window {
 
 /// Runs the command line.
 pub fn run(window: &Window) -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
+    let parsed = Arguments::command().try_get_matches().and_then(|matches| {
+        let arguments = Arguments::from_arg_matches(&matches)?;
+        Ok((matches, arguments))
+    });
+    let (matches, arguments) = match parsed {
+        Ok(parsed) => parsed,
         Err(error) if error.use_stderr() => {
             let words = std::env::args_os().skip(1);
             match mistyped::first_word(words, &Arguments::command()) {
@@ -226,6 +233,9 @@ pub fn run(window: &Window) -> ExitCode {
             },
         ));
     };
+    if let Err(refused) = replace::permit_all(&matches, arguments.replace) {
+        return finish(Err(refused));
+    }
     let result = match command {
         Command::New(arguments) => new::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
@@ -341,24 +351,12 @@ mod tests {
             if one.get_id() == "out" {
                 assert_eq!(one.get_short(), Some('o'), "{place}");
             }
-            let writes = [
-                "out",
-                "model_out",
-                "report",
-                "csv",
-                "statistics",
-                "recipe_out",
-            ];
-            if writes.iter().any(|name| one.get_id() == *name) && command.get_name() != "plan" {
-                let mut all = command.get_arguments();
-                assert!(all.any(|one| one.get_id() == "replace"), "{place}");
-            }
         }
         command.get_subcommands().for_each(check_arguments);
     }
 
     #[test]
-    fn numbers_name_their_units_results_have_json_and_files_can_be_replaced() {
+    fn numbers_name_their_units_and_results_have_json() {
         check_arguments(&Arguments::command());
         Arguments::command().debug_assert();
     }

@@ -6,11 +6,10 @@ use anyhow::{Context, Result};
 use clap::builder::StyledStr;
 use clap_mangen::Man;
 use clap_mangen::roff::{Roff, roman};
-use tautline_session::write_bytes;
 
 use crate::examples::examples;
-use crate::output::confirm;
-use crate::replace::Replace;
+use crate::output::{confirm, write_file};
+use crate::replace::{OutputFile, permit};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -19,9 +18,7 @@ use crate::replace::Replace;
 pub struct Arguments {
     /// Folder to write the pages to
     #[arg(short, long, value_name = "DIR")]
-    out: PathBuf,
-    #[command(flatten)]
-    replace: Replace,
+    out: OutputFile,
 }
 
 /// A page: its file, and its text.
@@ -29,16 +26,15 @@ type Page = (PathBuf, Vec<u8>);
 
 /// Writes a page for `command` and for each of its subcommands.
 pub fn run(arguments: &Arguments, command: clap::Command) -> Result<()> {
-    let out = &arguments.out;
+    let out: &Path = &arguments.out;
     let mut command = command.disable_help_subcommand(true);
     command.build();
     let mut pages = Vec::new();
     collect(&command, out, &mut pages)?;
-    let files: Vec<_> = pages.iter().map(|(file, _)| Some(file.as_path())).collect();
-    arguments.replace.permit(&files, None)?;
+    pages.iter().try_for_each(|(file, _)| permit(file, &[]))?;
     std::fs::create_dir_all(out).with_context(|| format!("{} cannot be created", out.display()))?;
     for (file, text) in &pages {
-        write_bytes(file, text)?;
+        write_file(file, text)?;
     }
     confirm!("{}: {} pages", out.display(), pages.len());
     Ok(())

@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write, stdout};
-use std::path::{Path, PathBuf};
+use std::marker::PhantomData;
+use std::path::Path;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,6 +12,8 @@ use serde::Serialize;
 use tautline_core::robot::Robot;
 use tautline_session::{ReservedFile, VersionedFile, write_bytes, write_robot};
 use tautline_workflow::wording::{is_obeyed, printable};
+
+use crate::replace::{OutputFile, permit};
 
 /// First error of writing to standard output.
 static FAILURE: OnceLock<std::io::Error> = OnceLock::new();
@@ -108,28 +111,35 @@ macro_rules! note {
 }
 pub(crate) use note;
 
-/// `--json`.
+/// `--json`, for a document of one or two formats.
 #[derive(Debug, clap::Args)]
-pub struct JsonOutput {
+pub struct JsonOutput<D: VersionedFile, E: VersionedFile = D> {
     /// Write the results as JSON, over those of an earlier run; - is standard output
-    #[arg(id = "json", long, value_name = "FILE")]
-    file: Option<PathBuf>,
+    #[arg(
+        id = "json",
+        long,
+        value_name = "FILE",
+        value_parser = OutputFile::parser(vec![D::FORMAT, E::FORMAT])
+    )]
+    file: Option<OutputFile>,
+    #[arg(skip)]
+    documents: PhantomData<(D, E)>,
 }
 
-impl JsonOutput {
+impl<D: VersionedFile, E: VersionedFile> JsonOutput<D, E> {
     /// Whether standard output is for human-readable text, not JSON.
     pub fn is_text(&self) -> bool {
         !self.file.as_deref().is_some_and(is_standard)
     }
 
     /// Writes a document as JSON if requested, and prints the human-readable form.
-    pub fn deliver<D: VersionedFile>(&self, document: &D, print: impl FnOnce()) -> Result<()> {
+    pub fn deliver<F: VersionedFile>(&self, document: &F, print: impl FnOnce()) -> Result<()> {
         self.open(0)?.deliver(document, print)
     }
 
     /// Opens the requested file, with space for the document and a result of at most [`RESULT`] bytes, before something is
     /// done that cannot be repeated.
-    pub fn reserve<D: VersionedFile>(&self, document: &D) -> Result<ReservedOutput> {
+    pub fn reserve(&self, document: &D) -> Result<ReservedOutput> {
         let text = pretty(&tautline_session::versioned(document))?;
         self.open(text.len() as u64 + RESULT)
     }
@@ -137,7 +147,10 @@ impl JsonOutput {
     fn open(&self, bytes: u64) -> Result<ReservedOutput> {
         let path = self.file.as_deref().filter(|_| self.is_text());
         let file = match path {
-            Some(path) => Some(ReservedFile::create(path, bytes)?),
+            Some(path) => {
+                permit(path, &[D::FORMAT, E::FORMAT])?;
+                Some(ReservedFile::create(path, bytes)?)
+            }
             None => None,
         };
         Ok(ReservedOutput {
@@ -186,20 +199,24 @@ pub fn write_json<T: Serialize>(target: &Path, value: &T) -> Result<()> {
         print(&json_printable(text.trim_end()));
         return check();
     }
-    Ok(tautline_session::write_text(target, &text)?)
+    write_file(target, text.as_bytes())
 }
 
 /// Writes a model file; `-` is standard output.
 pub fn write_model(target: &Path, robot: &Robot) -> Result<()> {
     match is_standard(target) {
         true => write_json(target, &tautline_session::versioned(robot)),
-        false => Ok(write_robot(target, robot)?),
+        false => {
+            permit(target, &[])?;
+            Ok(write_robot(target, robot)?)
+        }
     }
 }
 
 /// Writes a file of any kind; `-` is standard output, where a terminal gets no control characters.
 pub fn write_file(target: &Path, bytes: &[u8]) -> Result<()> {
     if !is_standard(target) {
+        permit(target, &[])?;
         return Ok(write_bytes(target, bytes)?);
     }
     note_failure(match stdout().is_terminal() {

@@ -18,7 +18,7 @@ use crate::diagnose::diagnose_with_progress;
 use crate::examples::examples;
 use crate::hypothesis_arguments::HypothesisFiles;
 use crate::position_tolerance::{PositionTolerance, metres};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 use crate::report_format::report_format;
 use crate::{Window, input};
 
@@ -34,9 +34,7 @@ pub struct Arguments {
     subject: PathBuf,
     /// File to write; its name must end with .html or .pdf; - is HTML on standard output
     #[arg(short, long, value_name = "FILE")]
-    out: PathBuf,
-    #[command(flatten)]
-    replace: Replace,
+    out: OutputFile,
     /// Parts to include, separated by commas; all by default
     #[arg(
         long,
@@ -128,7 +126,6 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
     if let Some(mm) = arguments.tolerance {
         metres("--tolerance", mm)?;
     }
-    arguments.replace.permit(&[Some(&arguments.out)], None)?;
     let mut session = input::session(&arguments.subject)?;
     HypothesisFiles::default().add_to(&mut session.robot)?;
     let next_calibration = arguments.next_calibration()?;

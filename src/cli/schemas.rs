@@ -1,6 +1,6 @@
 //! `tautline schemas`.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use anyhow::{Context, Result};
 
@@ -9,7 +9,7 @@ use super::measure::MeasuringDocument;
 use super::output::write_json;
 use crate::examples::examples;
 use crate::output::confirm;
-use crate::replace::Replace;
+use crate::replace::{OutputFile, permit};
 use tautline_import::{ImportDocument, Recipe};
 use tautline_study::{StudyFile, StudyPlan, StudyResult};
 use tautline_workflow::accuracy::{Accuracy, VerificationDocument};
@@ -33,13 +33,11 @@ use tautline_workflow::readiness::ReadinessDocument;
 pub struct Arguments {
     /// Folder to write to
     #[arg(short, long, value_name = "DIR")]
-    out: PathBuf,
-    #[command(flatten)]
-    replace: Replace,
+    out: OutputFile,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let out = &arguments.out;
+    let out: &Path = &arguments.out;
     let mut schemas = tautline_session::schemas();
     schemas.push(tautline_session::versioned_schema::<Recipe>());
     schemas.push(tautline_session::versioned_schema::<ImportDocument>());
@@ -67,8 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let files: Vec<_> = schemas
         .map(|schema| (out.join(schema.file_name), schema.schema))
         .collect();
-    let paths: Vec<_> = files.iter().map(|(path, _)| Some(path.as_path())).collect();
-    arguments.replace.permit(&paths, None)?;
+    files.iter().try_for_each(|(path, _)| permit(path, &[]))?;
     std::fs::create_dir_all(out).with_context(|| format!("{} cannot be created", out.display()))?;
     for (path, schema) in &files {
         write_json(path, schema)?;

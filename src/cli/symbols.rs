@@ -1,14 +1,12 @@
 //! `tautline symbols`.
 
-use std::path::PathBuf;
-
 use anyhow::Result;
 use tautline_session::SymbolMapping;
 
 use crate::examples::examples;
 use crate::input;
 use crate::output::write_json;
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -23,13 +21,10 @@ pub struct Arguments {
     opcua: bool,
     /// File to write; - is standard output
     #[arg(short, long, value_name = "FILE", default_value = "-")]
-    out: PathBuf,
-    #[command(flatten)]
-    replace: Replace,
+    out: OutputFile,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments.replace.permit(&[Some(&arguments.out)], None)?;
     let robot = input::robot(&arguments.robot)?.robot;
     let mapping = match arguments.opcua {
         true => SymbolMapping::default_nodes_for(&robot),

@@ -1,7 +1,11 @@
 //! Opening of input files.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use same_file::is_same_file;
 
 use crate::error::{Place, ReadError};
 
@@ -17,5 +21,21 @@ pub fn open_input(path: &Path, file: &str) -> Result<File, ReadError> {
         let message = "is a pipe or a device, expected a file";
         return Err(ReadError::new(file, Place::File, message));
     }
-    File::open(path).map_err(failed)
+    let opened = File::open(path).map_err(failed)?;
+    if let Ok(absolute) = std::path::absolute(path) {
+        let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+        read.insert(absolute);
+    }
+    Ok(opened)
+}
+
+/// Files that this program has opened with [`open_input`].
+static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Whether a file was opened with [`open_input`], under whatever name, so that no output replaces it.
+#[must_use]
+pub fn was_read(path: &Path) -> bool {
+    let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    read.iter()
+        .any(|read| is_same_file(read, path).unwrap_or(false))
 }

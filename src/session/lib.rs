@@ -45,7 +45,7 @@ pub use fingerprint::Fingerprint;
 pub use folders::Folders;
 pub use hypothesis_file::{HypothesisFolder, add_hypothesis, parse_hypothesis, read_hypothesis};
 pub use import::{Import, import, is_own};
-pub use input_file::open_input;
+pub use input_file::{open_input, was_read};
 pub use json::{
     Migration, Schema, VersionedFile, parse_versioned, parse_versioned_toml, read_versioned,
     read_versioned_toml, schema_for, versioned, versioned_schema, write_versioned,
@@ -81,6 +81,7 @@ pub use session::{
 pub use symbols_file::{parse_symbols, read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};
 pub use trusted_servers::{CertificateFingerprint, NotAFingerprint, TrustedServers};
+pub use user_certificate::exposed_key;
 
 /// The JSON Schemas of all files that are read.
 #[must_use]

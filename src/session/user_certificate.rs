@@ -50,13 +50,19 @@ impl UserCertificateFiles {
     /// That other users of the computer can read the private key, if they can.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
-        let key = &self.key;
-        is_exposed(Path::new(key)).then(|| {
-            format!(
-                "the private key {key} can be read by other users of this computer: `chmod 600` keeps it to you"
-            )
-        })
+        exposed_key(Path::new(&self.key))
     }
+}
+
+/// That other users of the computer can read a file with a private key, if they can.
+#[must_use]
+pub fn exposed_key(path: &Path) -> Option<String> {
+    let key = path.display();
+    is_exposed(path).then(|| {
+        format!(
+            "the private key {key} can be read by other users of this computer: `chmod 600` keeps it to you"
+        )
+    })
 }
 
 #[cfg(unix)]

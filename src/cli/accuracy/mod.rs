@@ -10,7 +10,7 @@ use crate::examples::examples;
 use crate::output::{JsonOutput, note};
 use crate::{BadInput, standard_input};
 pub use report::print;
-use tautline_workflow::accuracy::{accuracy, group, is_partly_oriented, word};
+use tautline_workflow::accuracy::{Accuracy, accuracy, group, is_partly_oriented, word};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -22,7 +22,7 @@ pub struct Arguments {
     #[arg(value_name = "CHECK.csv")]
     check: PathBuf,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<Accuracy>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {

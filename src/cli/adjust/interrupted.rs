@@ -43,7 +43,7 @@ pub fn settle(
         let robot = &arguments.robot_arguments;
         robot.require_arm("The old values were not restored")?;
         interrupt::finish_first()?;
-        connection.controller.arm().map_err(link_error)?;
+        connection.arm()?;
     }
     let output = arguments.json.reserve(&document)?;
     let attempt = settle_adjustment(&mut *connection.controller, &old, &new).map_err(link_error)?;
@@ -66,6 +66,9 @@ pub fn settle(
     written.deliver(output, document)?;
     match written.outcome {
         Outcome::Unsettled(text) => Err(anyhow!("{text}")),
+        Outcome::RolledBack if arguments.roll_back && kept.is_some() => {
+            Err(anyhow!("{}", kept.unwrap_or_default()))
+        }
         // The old values were requested, and they are in the controller.
         _ if arguments.roll_back => Ok(Next::Done),
         _ => Err(Reservation::Settled.into()),

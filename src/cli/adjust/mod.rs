@@ -24,7 +24,7 @@ use crate::live::{Connection, RobotArguments, SessionFile, link_error};
 use crate::measure::require_simulated;
 use crate::method::MethodName;
 use crate::output::{self, JsonOutput, note, notice, say};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 use identified::Identified;
 use interrupted::Next;
 use writing::write;
@@ -65,14 +65,12 @@ pub struct Arguments {
     roll_back: bool,
     /// Write the values of the controller and the identified values as a CSV table; - is standard output
     #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
+    csv: Option<OutputFile>,
     /// Write the identified values as constants in Structured Text; - is standard output
     #[arg(long, value_name = "FILE")]
-    structured_text: Option<PathBuf>,
+    structured_text: Option<OutputFile>,
     #[command(flatten)]
-    replace: Replace,
-    #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<AdjustmentDocument>,
 }
 
 impl Arguments {
@@ -83,11 +81,6 @@ impl Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let choice = arguments.robot_arguments.choice()?;
-    let files = [
-        arguments.csv.as_deref(),
-        arguments.structured_text.as_deref(),
-    ];
-    arguments.replace.permit(&files, Some(&arguments.json))?;
     let mut file = SessionFile::open(&arguments.session, &mut notice)?;
     let place = arguments.session.display().to_string();
     require_simulated(&file.session, &choice, &place)?;
@@ -202,10 +195,12 @@ fn roll_back(
     let mut document = AdjustmentDocument::new(connection.controller.identity());
     document.set_not_restored(&not_restorable(&file.session));
     let output = arguments.json.reserve(&document)?;
+    let kept = not_restored(&file.session);
     let written = write(file, connection, &parameters, &values, Purpose::RollBack)?;
     written.deliver(output, document)?;
-    match written.outcome {
-        Outcome::RolledBack => Ok(()),
+    match (written.outcome, kept) {
+        (Outcome::RolledBack, None) => Ok(()),
+        (Outcome::RolledBack, Some(kept)) => Err(anyhow!("{kept}")),
         _ => Err(anyhow!("{}", written.text)),
     }
 }

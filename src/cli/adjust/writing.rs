@@ -18,7 +18,7 @@ use tautline_workflow::clock;
 use tautline_workflow::foreign_writes::{ValuesRead, end_run};
 
 use super::report::print;
-use crate::live::{Connection, SessionFile, interrupt, link_error};
+use crate::live::{Connection, SessionFile, interrupt};
 use crate::output::{ReservedOutput, note};
 use tautline_workflow::adjusting::AdjustmentDocument;
 
@@ -58,7 +58,7 @@ pub fn write(
     purpose: Purpose,
 ) -> Result<WriteOutcome> {
     interrupt::finish_first()?;
-    connection.controller.arm().map_err(link_error)?;
+    connection.arm()?;
     // A run that was killed has not been compared yet, and its values are about to be replaced.
     let identity = connection.controller.identity();
     let read = ValuesRead {

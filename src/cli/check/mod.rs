@@ -5,6 +5,7 @@ mod against;
 use std::path::PathBuf;
 
 use anyhow::Result;
+use tautline_workflow::health::HealthDocument;
 use tautline_workflow::readiness::{CheckItem, CheckOutcome, ReadinessDocument, check};
 
 use crate::examples::examples;
@@ -26,7 +27,7 @@ pub struct Arguments {
     #[command(flatten)]
     hypotheses: HypothesisFiles,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<ReadinessDocument, HealthDocument>,
     /// Session or dataset folder of the calibration: is the robot still as it was then?
     #[arg(long, value_name = "DATASET|SESSION")]
     against: Option<PathBuf>,

@@ -18,7 +18,7 @@ use tautline_workflow::report::{ComparisonInput, ReportChoice, render_comparison
 use crate::examples::examples;
 use crate::input;
 use crate::output::{JsonOutput, note, write_file};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 use crate::report_format::report_format;
 
 #[derive(Debug, clap::Args)]
@@ -37,12 +37,10 @@ pub struct Arguments {
     #[arg(long, value_name = "PROBABILITY", default_value_t = LEVEL)]
     level: f64,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<ComparisonDocument>,
     /// Write a report of the comparison; its name must end with .html or .pdf; - is HTML on standard output
     #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
-    #[command(flatten)]
-    replace: Replace,
+    report: Option<OutputFile>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -55,7 +53,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let report = arguments.report.as_deref();
     let format = report.map(|path| report_format("--report", path));
     let format = format.transpose()?;
-    arguments.replace.permit(&[report], Some(&arguments.json))?;
     let (name_a, first) = identified(&arguments.first)?;
     let (name_b, second) = identified(&arguments.second)?;
     let names = [name_a, name_b];

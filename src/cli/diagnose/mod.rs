@@ -11,7 +11,7 @@ use anyhow::Result;
 use tautline_core::estimation::{Control, EstimationError};
 use tautline_core::measurement::Dataset;
 use tautline_session::Session;
-use tautline_workflow::diagnosis::Diagnosed;
+use tautline_workflow::diagnosis::{Diagnosed, DiagnosisDocument};
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, dataset_to_diagnose, diagnose_dataset};
 use tautline_workflow::identification::{
     IdentificationError, extrapolation, identified, identify_session,
@@ -21,7 +21,7 @@ use crate::examples::examples;
 use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
 use crate::output::{JsonOutput, line, write_model};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 use progress::ProgressLine;
 
 #[derive(Debug, clap::Args)]
@@ -43,12 +43,10 @@ pub struct Arguments {
     #[command(flatten)]
     hypotheses: HypothesisFiles,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<DiagnosisDocument>,
     /// Write the identified robot, with the effects found, as a model file; - is standard output
     #[arg(long, value_name = "FILE")]
-    model_out: Option<PathBuf>,
-    #[command(flatten)]
-    replace: Replace,
+    model_out: Option<OutputFile>,
     /// Also print the statistics behind the verdicts
     #[arg(long)]
     explain: bool,
@@ -67,9 +65,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             format!("--time-limit: found {limit_s}, expected a number of seconds above 0");
         return Err(BadInput::new(message));
     }
-    arguments
-        .replace
-        .permit(&[arguments.model_out.as_deref()], Some(&arguments.json))?;
     let mut session = input::session(&arguments.subject)?;
     arguments.hypotheses.add_to(&mut session.robot)?;
     let place = arguments.subject.display();

@@ -17,7 +17,7 @@ use crate::failure::BadInput;
 use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
 use crate::output::{JsonOutput, confirm, write_file};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -34,12 +34,10 @@ pub struct Arguments {
     #[command(flatten)]
     hypotheses: HypothesisFiles,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<FormulasDocument>,
     /// Write the likeliest pattern as a hypothesis file; - is standard output
     #[arg(short, long, value_name = "FILE.toml")]
-    out: Option<PathBuf>,
-    #[command(flatten)]
-    replace: Replace,
+    out: Option<OutputFile>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -50,7 +48,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         )));
     }
     let out = arguments.out.as_deref();
-    arguments.replace.permit(&[out], Some(&arguments.json))?;
     let mut session = input::session(&arguments.subject)?;
     arguments.hypotheses.add_to(&mut session.robot)?;
     let place = arguments.subject.display();

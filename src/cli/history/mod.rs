@@ -16,7 +16,7 @@ use crate::BadInput;
 use crate::examples::examples;
 use crate::output::{JsonOutput, note, write_file};
 use crate::position_tolerance::{PositionTolerance, metres};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 use crate::report_format::report_format;
 
 #[derive(Debug, clap::Args)]
@@ -40,15 +40,13 @@ pub struct Arguments {
     #[command(flatten)]
     position: PositionTolerance,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<HistoryDocument>,
     /// Write a report of the record; its name must end with .html or .pdf; - is HTML on standard output
     #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
+    report: Option<OutputFile>,
     /// Write the pulleys of all sessions with all sessions taken into account, one row each; - is standard output
     #[arg(long, value_name = "FILE.csv")]
-    csv: Option<PathBuf>,
-    #[command(flatten)]
-    replace: Replace,
+    csv: Option<OutputFile>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -59,9 +57,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (report, csv) = (arguments.report.as_deref(), arguments.csv.as_deref());
     let format = report.map(|path| report_format("--report", path));
     let format = format.transpose()?;
-    arguments
-        .replace
-        .permit(&[report, csv], Some(&arguments.json))?;
     let folder = &arguments.folder;
     let record = RobotRecord::open(folder, clock::now(), &mut |_, _| Control::Continue)
         .map_err(|error| BadInput::new(error.to_string()))?;

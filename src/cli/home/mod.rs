@@ -47,7 +47,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DEG")]
     orientation_sd: Option<f64>,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<HomeDocument>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -136,7 +136,7 @@ fn returned(
     }
     let mut connection = Connection::open(&setup, &arguments.link, None)?;
     interrupt::listen()?;
-    connection.controller.arm().map_err(link_error)?;
+    connection.arm()?;
     let mut instrument = connection.home_instrument.take();
     let mut poses = Vec::new();
     let mut progress = ProgressLine::new();

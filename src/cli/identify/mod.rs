@@ -23,7 +23,7 @@ use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
 use crate::method::MethodName;
 use crate::output::{JsonOutput, say, write_file, write_model};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 use crate::tolerances::TolerancesName;
 pub use report::print;
 
@@ -56,28 +56,19 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub repeat: usize,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<IdentificationDocument>,
     /// Write every reading with its residual, redundancy, smallest detectable error and the influence of that error (CSV); - is standard output
     #[arg(long, value_name = "FILE")]
-    statistics: Option<PathBuf>,
+    statistics: Option<OutputFile>,
     /// Write every identified value with its standard deviation, prior and 95 % interval (CSV); - is standard output
     #[arg(long, value_name = "FILE")]
-    values: Option<PathBuf>,
+    values: Option<OutputFile>,
     /// Write the identified robot as a model file; - is standard output
     #[arg(long, value_name = "FILE")]
-    model_out: Option<PathBuf>,
-    #[command(flatten)]
-    replace: Replace,
+    model_out: Option<OutputFile>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let files = [
-        &arguments.statistics,
-        &arguments.values,
-        &arguments.model_out,
-    ];
-    let files = files.map(Option::as_deref);
-    arguments.replace.permit(&files, Some(&arguments.json))?;
     let request = request(arguments, input::identifiable_dataset(&arguments.dataset)?)?;
     let (model, document, is_usable) = match arguments.method {
         MethodName::Published => {

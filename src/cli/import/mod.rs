@@ -15,14 +15,15 @@ use tautline_import::{
     is_robot_description, propose_around, read_robot_description, read_sources,
 };
 use tautline_session::{
-    Loaded, ReadError, read_robot, versioned, write_robot, write_text, write_versioned,
+    Loaded, ReadError, VersionedFile, read_robot, versioned, write_robot, write_text,
+    write_versioned,
 };
 
 use crate::examples::examples;
 use crate::input::{self, noticed};
 use crate::output::{JsonOutput, confirm, note, write_json, write_model};
 use crate::progress::ProgressLine;
-use crate::replace::Replace;
+use crate::replace::{OutputFile, permit};
 use crate::{BadInput, standard_input};
 
 /// Name of the recipe that is stored beside the poses.
@@ -57,13 +58,13 @@ pub struct Arguments {
         value_name = "FOLDER",
         required_unless_present = "channels"
     )]
-    out: Option<PathBuf>,
+    out: Option<OutputFile>,
     /// Only list the channels and the proposed recipe
     #[arg(long)]
     channels: bool,
     /// Write the recipe that was used or proposed; - is standard output
     #[arg(long, value_name = "FILE")]
-    recipe_out: Option<PathBuf>,
+    recipe_out: Option<OutputFile>,
     /// Apply the suggestions of the data check to the recipe: units, signs, swapped channels, steps, jumps, dead channels
     #[arg(long)]
     apply_suggestions: bool,
@@ -77,9 +78,7 @@ pub struct Arguments {
     #[arg(long, value_name = "GIB", default_value_t = 2.0)]
     memory_limit: f64,
     #[command(flatten)]
-    replace: Replace,
-    #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<ImportDocument>,
 }
 
 /// Which files are read, and how to get what this build leaves out.
@@ -102,12 +101,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return robot_description(arguments);
     }
     // Checked before a long log is read.
-    let poses = arguments.out.as_ref().map(|folder| folder.join(POSES));
-    let poses = poses.as_deref().filter(|_| !arguments.channels);
-    let recipe_out = arguments.recipe_out.as_deref();
-    arguments
-        .replace
-        .permit(&[poses, recipe_out], Some(&arguments.json))?;
+    if let (Some(folder), false) = (&arguments.out, arguments.channels) {
+        permit(&folder.join(POSES), &[])?;
+        permit(&folder.join(RECIPE), &[Recipe::FORMAT])?;
+    }
     let robot = robot(arguments)?;
     let budget = budget(arguments)?;
     let mut sources = noticed(read(&arguments.sources, &budget)?);
@@ -215,9 +212,9 @@ fn robot_description(arguments: &Arguments) -> Result<()> {
     let out = if out.is_dir() {
         out.join(ROBOT)
     } else {
-        out.clone()
+        out.to_path_buf()
     };
-    arguments.replace.permit(&[Some(&out)], None)?;
+    permit(&out, &[])?;
     let robot = noticed(read_robot_description(&arguments.sources)?);
     write_model(&out, &robot)?;
     confirm!(

@@ -1,8 +1,8 @@
 //! A connected controller and its clock.
 
-use crate::output::message;
+use crate::output::{message, note};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Result, anyhow};
 use tautline_link::laser::ManualLaser;
@@ -21,6 +21,8 @@ const SHORTEST_TICK: Duration = Duration::from_millis(1);
 const STEP_S: f64 = 0.05;
 /// Longest time step of a simulated robot (s).
 const LONGEST_STEP_S: f64 = 0.2;
+/// Longest time in which a controller's watchdog ends the release of a program that was killed.
+const WATCHDOG: Duration = Duration::from_secs(5);
 /// Timeout of homing (s) on the controller's clock.
 const HOMING_S: f64 = 120.0;
 
@@ -70,6 +72,9 @@ impl Connection {
         let connected = controller.connect();
         connected.map_err(|error| signed_in.refused(error))?;
         signed_in.accepted();
+        for warning in setup.warnings(controller.protection().as_ref()) {
+            note!("{warning}");
+        }
         Ok(Self {
             controller,
             instrument: opened.instrument,
@@ -79,6 +84,25 @@ impl Connection {
             clock: opened.clock,
             pace,
         })
+    }
+
+    /// Arms the controller. The release of a program that was killed is waited for, until the controller's watchdog ends it.
+    pub fn arm(&mut self) -> Result<()> {
+        let begun = Instant::now();
+        let mut is_told = false;
+        loop {
+            match self.controller.arm() {
+                Err(error @ LinkError::Occupied(_))
+                    if begun.elapsed() < WATCHDOG && !super::interrupt::requested() =>
+                {
+                    if !std::mem::replace(&mut is_told, true) {
+                        note!("{error}: waiting up to {} s", WATCHDOG.as_secs());
+                    }
+                    thread::sleep(10 * TICK);
+                }
+                armed => return armed.map_err(link_error),
+            }
+        }
     }
 
     /// Time (s) on the controller's clock.

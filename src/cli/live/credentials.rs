@@ -7,7 +7,7 @@ use std::sync::Arc;
 use anyhow::Result;
 use tautline_link::LinkError;
 use tautline_link::opcua::{Account, Credentials, Password, PasswordStore, PasswordStoreError};
-use tautline_session::{Folders, UserCertificateFiles};
+use tautline_session::Folders;
 use tautline_workflow::controllers::{ConnectionSetup, ControllerChoice, PASSWORD, UserKeys};
 
 use super::connection::link_error;
@@ -80,10 +80,6 @@ impl SignIn {
                 passwords: None,
                 saves: false,
             });
-        }
-        let files = setup.user_certificate();
-        if let Some(warning) = files.and_then(UserCertificateFiles::warning) {
-            note!("{warning}");
         }
         let keys = UserKeys::of(Folders::of_user()?);
         let passwords = Arc::clone(keys.passwords());

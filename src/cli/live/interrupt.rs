@@ -1,6 +1,8 @@
 //! Interrupts by the operator (Ctrl-C) or the system, which end a run in an orderly way.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
 
 use tautline_core::estimation::Control;
 
@@ -11,8 +13,11 @@ static FINISHES: AtomicBool = AtomicBool::new(false);
 
 /// Exit code of a program that was interrupted twice.
 const INTERRUPTED: i32 = 130;
+/// Time that a run has to stop the robot and to withdraw the release after the second interrupt.
+const STOPPING: Duration = Duration::from_secs(1);
 
-/// From now on, the first interrupt is only noted; a second one ends the program.
+/// From now on, the first interrupt is only noted, so that the run ends in an orderly way; a second one ends the program, even
+/// if the run does not end within a second.
 ///
 /// # Errors
 /// If the operating system does not allow it; a robot must not move then.
@@ -22,6 +27,7 @@ pub fn listen() -> anyhow::Result<()> {
     }
     let note = || {
         if REQUESTED.swap(true, Ordering::SeqCst) && !FINISHES.load(Ordering::SeqCst) {
+            thread::sleep(STOPPING);
             std::process::exit(INTERRUPTED);
         }
     };

@@ -1,14 +1,20 @@
 //! Prompts at the terminal.
 
-use crate::output::message;
 use std::io::{BufRead, IsTerminal, stdin};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
 
 use anyhow::Result;
 
+use super::interrupt;
 use crate::BadInput;
+use crate::output::message;
 
 /// Number of attempts to type a valid answer.
 const TRIES: usize = 3;
+/// Interval of looking for an interrupt while nothing is typed.
+const POLL: Duration = Duration::from_millis(50);
 
 /// Fails if no answers can be typed: standard input is neither a terminal nor a file or pipe.
 pub fn require(what: &str) -> Result<()> {
@@ -49,15 +55,29 @@ pub fn numbers<const N: usize>(line: &str) -> Option<[f64; N]> {
         .then_some(numbers)
 }
 
+/// The next line of standard input; `None` at its end, or if the command is interrupted before.
+fn line() -> Option<String> {
+    let (sender, typed) = channel();
+    // A system call that waits for input cannot be ended; the thread ends with the program.
+    thread::spawn(move || {
+        let mut line = String::new();
+        let length = stdin().lock().read_line(&mut line);
+        sender.send(matches!(length, Ok(1..)).then_some(line))
+    });
+    loop {
+        match typed.recv_timeout(POLL) {
+            Ok(line) => return line,
+            Err(RecvTimeoutError::Timeout) if !interrupt::requested() => {}
+            Err(_) => return None,
+        }
+    }
+}
+
 /// Asks a question and reads lines from standard input until one is valid; `None` if there is none.
 pub fn answer<T>(question: &str, expected: &str, read: impl Fn(&str) -> Option<T>) -> Option<T> {
     message(question);
     for _ in 0..TRIES {
-        let mut line = String::new();
-        let length = stdin().lock().read_line(&mut line);
-        if !matches!(length, Ok(1..)) {
-            return None;
-        }
+        let line = line()?;
         if let Some(answer) = read(&line) {
             return Some(answer);
         }

@@ -23,7 +23,7 @@ use crate::effect_arguments::HiddenEffects;
 use crate::examples::examples;
 use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
-use crate::live::{Connection, RobotArguments, SessionFile, interrupt, link_error, typed};
+use crate::live::{Connection, RobotArguments, SessionFile, interrupt, typed};
 use crate::output::{JsonOutput, note, notice};
 pub use document::MeasuringDocument;
 use drive::{Drive, RunEnd};
@@ -50,7 +50,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.csv")]
     plan: Option<PathBuf>,
     /// Number of poses to plan if there is no plan, without the home pose
-    #[arg(long, value_name = "N", default_value_t = USUAL_POSES)]
+    #[arg(long, value_name = "N", default_value_t = USUAL_POSES, value_parser = input::at_most(input::MOST_POSES))]
     poses: usize,
     /// Seed of the plan and of a new simulated robot
     #[arg(long, value_name = "SEED", default_value_t = 1)]
@@ -68,7 +68,7 @@ pub struct Arguments {
     #[arg(long, value_name = "GOAL", conflicts_with_all = ["stop_at", "poses"])]
     until: Vec<Goal>,
     /// Largest number of poses with --until, without the home pose
-    #[arg(long, value_name = "N", default_value_t = AT_MOST, requires = "until")]
+    #[arg(long, value_name = "N", default_value_t = AT_MOST, requires = "until", value_parser = input::at_most(input::MOST_POSES))]
     at_most: usize,
     /// Source of laser distances: controller, manual (typed at each pose), tcp:HOST:PORT or serial:PORT[:BAUD],
     /// both with ?pattern=..&unit=mm; stored in the session
@@ -78,7 +78,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1)]
     retries: usize,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<MeasuringDocument>,
 }
 
 impl Arguments {
@@ -168,7 +168,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut connection = Connection::open(&setup, link, arguments.robot_arguments.speed)?;
     interrupt::listen()?;
     file.save()?;
-    connection.controller.arm().map_err(link_error)?;
+    connection.arm()?;
     let stops = (stop_at_m, arguments.until(&file.session)?);
     let drive = Drive::new(&file.session, &setup, stops, arguments.retries);
     let ended = drive.run(&mut file, &mut connection)?;

@@ -1,7 +1,5 @@
 //! `tautline new`.
 
-use std::path::PathBuf;
-
 use anyhow::Result;
 use clap::builder::PossibleValuesParser;
 use tautline_core::robot::PartTolerances;
@@ -11,7 +9,7 @@ use tautline_workflow::templates::Template;
 use crate::BadInput;
 use crate::examples::examples;
 use crate::output::{confirm, write_model};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -33,14 +31,11 @@ pub struct Arguments {
     height: Option<f64>,
     /// The robot.json to write; - is standard output
     #[arg(short, long, value_name = "FILE")]
-    out: PathBuf,
-    #[command(flatten)]
-    replace: Replace,
+    out: OutputFile,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let out = &arguments.out;
-    arguments.replace.permit(&[Some(out)], None)?;
     let Machine {
         mut robot,
         summary,

@@ -19,7 +19,7 @@ use crate::examples::examples;
 use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input;
 use crate::output::{JsonOutput, confirm, say, write_file};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 use check_against::Detect;
 use goal::GoalName;
 use tautline_workflow::isolability::IsolabilityDocument;
@@ -36,7 +36,7 @@ pub struct Arguments {
     #[arg(value_name = "NAME|FILE", required_unless_present = "check_against", help = input::robot_help("Robot"))]
     robot: Option<String>,
     /// Number of poses, without the home pose; 25, for a check 8
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = input::at_most(input::MOST_POSES))]
     poses: Option<usize>,
     /// Session or dataset folder of a calibration: plan the few poses that best show whether its robot has changed
     #[arg(long, value_name = "DATASET|SESSION", conflicts_with_all = ["robot", "volume"])]
@@ -45,7 +45,7 @@ pub struct Arguments {
     #[arg(long, value_name = "MOVE|faults")]
     detect: Option<String>,
     /// Number of feasible poses to choose from
-    #[arg(long, value_name = "N", default_value_t = 3000)]
+    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = input::at_most(input::MOST_SIMULATED))]
     candidates: usize,
     /// Seed of the random poses
     #[arg(long, value_name = "SEED", default_value_t = 1)]
@@ -66,16 +66,13 @@ pub struct Arguments {
     hypotheses: HypothesisFiles,
     /// Write the poses, in the order of measurement, as a table; - is standard output
     #[arg(short, long, value_name = "FILE.csv")]
-    out: Option<PathBuf>,
+    out: Option<OutputFile>,
     #[command(flatten)]
-    replace: Replace,
-    #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<PlanDocument>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let (out, json) = (arguments.out.as_deref(), &arguments.json);
-    arguments.replace.permit(&[out], Some(json))?;
     let goal = goal::goal(arguments.goal, arguments.volume.as_deref())?;
     let detect = arguments.detect.as_deref().map(check_against::detect);
     let detect = detect.transpose()?;

@@ -11,7 +11,7 @@ use tautline_workflow::precalibration::{Calibration, Precalibration};
 use crate::BadInput;
 use crate::examples::examples;
 use crate::output::{JsonOutput, note, write_model};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
@@ -23,18 +23,13 @@ pub struct Arguments {
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<Precalibration>,
     /// Write the robot with the fitted values as a model file; - is standard output
     #[arg(long, value_name = "FILE")]
-    model_out: Option<PathBuf>,
-    #[command(flatten)]
-    replace: Replace,
+    model_out: Option<OutputFile>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments
-        .replace
-        .permit(&[arguments.model_out.as_deref()], Some(&arguments.json))?;
     let tables = read_calibration_tables(&arguments.dataset)?;
     let (robot, phases) = &tables.value;
     let fits = Calibration::new(robot, phases);

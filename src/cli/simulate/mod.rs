@@ -3,8 +3,6 @@
 mod motion;
 mod phases;
 
-use std::path::PathBuf;
-
 use crate::BadInput;
 use anyhow::Result;
 use tautline_core::planning::USUAL_POSES;
@@ -18,7 +16,7 @@ use crate::examples::examples;
 use crate::hypothesis_arguments::HypothesisFiles;
 use crate::input::{self, RobotSource};
 use crate::output::confirm;
-use crate::replace::Replace;
+use crate::replace::{OutputFile, permit};
 use crate::tolerances::TolerancesName;
 
 #[derive(Debug, clap::Args)]
@@ -32,7 +30,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME|FILE", help = input::robot_help("Robot to simulate"))]
     robot: String,
     /// Number of poses, without the home pose
-    #[arg(long, value_name = "N", default_value_t = USUAL_POSES)]
+    #[arg(long, value_name = "N", default_value_t = USUAL_POSES, value_parser = input::at_most(input::MOST_SIMULATED))]
     poses: usize,
     /// Seed of all random numbers
     #[arg(long, value_name = "SEED", default_value_t = 1)]
@@ -57,15 +55,22 @@ pub struct Arguments {
     phases: bool,
     /// Folder to write the dataset to
     #[arg(short, long, value_name = "DIR")]
-    out: PathBuf,
-    #[command(flatten)]
-    replace: Replace,
+    out: OutputFile,
 }
 
 /// File of the true robot.
 const TRUTH: &str = "truth.json";
-/// Files by which a folder is known to hold a dataset.
-const FILES: [&str; 3] = ["robot.json", "poses.csv", TRUTH];
+/// Files that may be written.
+const FILES: [&str; 8] = [
+    "robot.json",
+    "poses.csv",
+    "winch.csv",
+    "force.csv",
+    "home.csv",
+    "elongation.csv",
+    "check.csv",
+    TRUTH,
+];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Truth {
@@ -75,9 +80,8 @@ enum Truth {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let existing = FILES.map(|name| arguments.out.join(name));
-    let existing = existing.each_ref().map(|file| Some(file.as_path()));
-    arguments.replace.permit(&existing, None)?;
+    let mut files = FILES.iter().map(|name| arguments.out.join(name));
+    files.try_for_each(|file| permit(&file, &[]))?;
     let RobotSource { mut robot, machine } = input::robot(&arguments.robot)?;
     let described = robot.hypotheses.clone();
     arguments.hypotheses.add_to(&mut robot)?;

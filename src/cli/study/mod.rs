@@ -5,11 +5,13 @@ use std::time::Instant;
 
 use anyhow::Result;
 use tautline_core::threads::available;
-use tautline_session::Loaded;
+use tautline_session::{Loaded, VersionedFile};
 use tautline_study::plan::PLAN;
 use tautline_study::report::{render_report, sentences};
 use tautline_study::run::run as run_chunks;
-use tautline_study::{RESULT, StudyError, StudyFile, StudyPlan, merge, read_plan, read_result};
+use tautline_study::{
+    RESULT, StudyError, StudyFile, StudyPlan, StudyResult, merge, read_plan, read_result,
+};
 use tautline_workflow::clock;
 
 use crate::examples::examples;
@@ -17,7 +19,7 @@ use crate::hypothesis_arguments::HypothesisFiles;
 use crate::live::interrupt;
 use crate::output::{JsonOutput, confirm, is_standard, note, say, write_file};
 use crate::progress::ProgressLine;
-use crate::replace::Replace;
+use crate::replace::{OutputFile, permit};
 use crate::report_format::report_format;
 use crate::{BadInput, standard_input, table};
 
@@ -35,7 +37,7 @@ pub enum Command {
         hypotheses: HypothesisFiles,
         /// Folder of the study; by default beside the file, with the same name
         #[arg(short, long, value_name = "DIR")]
-        out: Option<PathBuf>,
+        out: Option<OutputFile>,
     },
     /// Simulate all chunks, or one; finished chunks are not repeated
     #[command(after_help = examples(&[
@@ -62,7 +64,7 @@ pub enum Command {
         #[arg(value_name = "DIR")]
         folder: PathBuf,
         #[command(flatten)]
-        json: JsonOutput,
+        json: JsonOutput<StudyResult>,
     },
     /// Write the report as HTML or PDF
     #[command(after_help = examples(&[
@@ -74,9 +76,7 @@ pub enum Command {
         folder: PathBuf,
         /// File to write; its name must end with .html or .pdf; - is HTML on standard output
         #[arg(short, long, value_name = "FILE")]
-        out: PathBuf,
-        #[command(flatten)]
-        replace: Replace,
+        out: OutputFile,
     },
 }
 
@@ -93,11 +93,7 @@ pub fn run(command: &Command) -> Result<()> {
             threads,
         } => simulate(folder, chunk.as_deref(), *threads),
         Command::Merge { folder, json } => join(folder, json),
-        Command::Report {
-            folder,
-            out,
-            replace,
-        } => report(folder, out, *replace),
+        Command::Report { folder, out } => report(folder, out),
     }
 }
 
@@ -154,6 +150,7 @@ fn plan(path: &Path, hypotheses: &HypothesisFiles, out: Option<&Path>) -> Result
         }
         None => &beside,
     };
+    permit(&folder.join(PLAN), &[StudyPlan::FORMAT])?;
     interrupt::listen()?;
     let mut progress = Progress::new("cells");
     let mut observe = |done: usize, all: usize| {
@@ -255,8 +252,9 @@ fn simulate(folder: &Path, chunk: Option<&str>, threads: Option<u16>) -> Result<
     Ok(())
 }
 
-fn join(folder: &Path, json: &JsonOutput) -> Result<()> {
+fn join(folder: &Path, json: &JsonOutput<StudyResult>) -> Result<()> {
     let plan = read_plan(folder).map_err(correctable)?;
+    permit(&folder.join(RESULT), &[StudyResult::FORMAT])?;
     let result = merge(&plan, folder).map_err(correctable)?;
     json.deliver(&result, || {
         sentences(&plan, &result)
@@ -270,8 +268,7 @@ fn join(folder: &Path, json: &JsonOutput) -> Result<()> {
     })
 }
 
-fn report(folder: &Path, out: &Path, replace: Replace) -> Result<()> {
-    replace.permit(&[Some(out)], None)?;
+fn report(folder: &Path, out: &Path) -> Result<()> {
     let format = report_format("--out", out)?;
     let plan = read_plan(folder).map_err(correctable)?;
     let result = read_result(&plan, folder).map_err(correctable)?;

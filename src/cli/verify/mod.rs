@@ -11,11 +11,11 @@ use anyhow::{Context, Result, anyhow};
 use tautline_link::verifying::{CheckTarget, circle, cube_poses, line};
 use tautline_session::{CheckRow, Outcome, Phase, Session, Stage, Verification, write_check};
 
-use super::live::{Connection, LinkArguments, SessionFile, interrupt, link_error, typed as typing};
+use super::live::{Connection, LinkArguments, SessionFile, interrupt, typed as typing};
 use super::measure::{refuse_unsettled, require_simulated};
 use crate::examples::examples;
 use crate::output::{JsonOutput, note, notice, write_file};
-use crate::replace::Replace;
+use crate::replace::OutputFile;
 use crate::{BadInput, standard_input};
 use tautline_workflow::accuracy::VerificationDocument;
 use tautline_workflow::adjusting::{in_effect, title};
@@ -59,14 +59,12 @@ pub struct Arguments {
     check: Option<PathBuf>,
     /// Write commanded and measured poses as a check.csv; - is standard output
     #[arg(short, long, value_name = "FILE.csv")]
-    out: Option<PathBuf>,
-    #[command(flatten)]
-    replace: Replace,
+    out: Option<OutputFile>,
     /// Whether this is before or after the adjustment; by default according to the session's records
     #[arg(long, value_enum)]
     stage: Option<StageName>,
     #[command(flatten)]
-    json: JsonOutput,
+    json: JsonOutput<VerificationDocument>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -89,7 +87,6 @@ enum StageName {
 pub fn run(arguments: &Arguments) -> Result<()> {
     check(arguments)?;
     let (out, json) = (arguments.out.as_deref(), &arguments.json);
-    arguments.replace.permit(&[out], Some(json))?;
     let choice = choice(arguments)?;
     if choice.is_some() && !arguments.arm {
         let message = "The robot was not moved: add --arm once nobody is near the robot";
@@ -176,7 +173,7 @@ fn driven(
     }
     let mut connection = Connection::open(&setup, &arguments.link, arguments.speed)?;
     interrupt::listen()?;
-    connection.controller.arm().map_err(link_error)?;
+    connection.arm()?;
     let source = match &connection.instrument {
         Some(instrument) => format!("with the {}", instrument.identity().to_lowercase()),
         None => "typed in".to_owned(),

@@ -8,9 +8,10 @@ use tautline_core::simulation::{TensionRange, Workspace, draw_deviations};
 use tautline_link::ads::{AdsAddress, AdsOptions};
 use tautline_link::opcua::{Account, Credentials, OpcUaAddress, OpcUaOptions, OpcUaServer};
 use tautline_link::simulated::SimulatedSetup;
-use tautline_link::{LastState, Limits};
+use tautline_link::{LastState, Limits, LinkProtection};
 use tautline_session::{
-    Connection, ControllerKind, LaserSettings, Session, SymbolMapping, UserCertificateFiles,
+    Connection, ControllerKind, Folders, LaserSettings, Session, SymbolMapping,
+    UserCertificateFiles, exposed_key,
 };
 
 use super::choice::ControllerChoice;
@@ -198,6 +199,36 @@ impl ConnectionSetup {
             Source::OpcUa(server, _) => server.address.user_certificate.as_ref(),
             _ => None,
         }
+    }
+
+    /// What the connection to a real controller lacks, a sentence each.
+    #[must_use]
+    pub fn warnings(&self, protection: Option<&LinkProtection>) -> Vec<String> {
+        let Some(mapping) = self.source.mapping() else {
+            return Vec::new();
+        };
+        let lacks = |is_lacking: bool, text: &str| is_lacking.then(|| text.to_owned());
+        let found = [
+            lacks(
+                protection == Some(&LinkProtection::Open),
+                "the connection is not encrypted: everybody on its network can read and change what is sent",
+            ),
+            lacks(
+                mapping.release.is_none(),
+                "the mapping has no release: neither a switch at the robot nor another program that is armed is noticed",
+            ),
+            lacks(
+                mapping.watchdog.is_none(),
+                "the mapping has no watchdog: the controller does not notice that this program has ended, nor this program that another one is armed",
+            ),
+        ];
+        let own = Folders::of_user().map(|folders| [folders.opcua_key(), folders.audit_key()]);
+        let users = self
+            .user_certificate()
+            .map(|files| files.key.clone().into());
+        let keys = own.into_iter().flatten().chain(users);
+        let exposed = keys.filter_map(|key| exposed_key(&key));
+        found.into_iter().flatten().chain(exposed).collect()
     }
 
     /// Whether it is limited to real time.
@@ -399,6 +430,27 @@ mod tests {
             panic!("a session offers a simulated robot");
         };
         assert_eq!(again.truth, setup.truth);
+    }
+
+    #[test]
+    fn what_a_connection_lacks_is_said() {
+        let robot = presets::find("mini").expect("a preset").robot;
+        let mut session = Session::new("test", robot.clone(), Timestamp::from_unix_seconds(0));
+        let choice: ControllerChoice = "ads:plc/1.2.3.4.1.1".parse().expect("an address");
+        let said = |session: &Session, protection| {
+            let setup = ConnectionSetup::chosen(session, &[], &choice, None);
+            let said = setup.warnings(Some(&protection)).join("; ");
+            ["not encrypted", "no release", "no watchdog"].map(|part| said.contains(part))
+        };
+        let protected = || LinkProtection::Protected("signed".to_owned());
+        assert_eq!(said(&session, protected()), [false; 3]);
+        assert_eq!(said(&session, LinkProtection::Open), [true, false, false]);
+        let mut mapping = SymbolMapping::default_for(&robot);
+        (mapping.release, mapping.watchdog) = (None, None);
+        session.connection.ads = Some(mapping);
+        assert_eq!(said(&session, protected()), [false, true, true]);
+        let simulated = ConnectionSetup::of(&session, &[]);
+        assert!(simulated.warnings(None).is_empty());
     }
 
     #[test]

@@ -185,6 +185,89 @@ fn files_are_replaced_only_if_that_was_asked_for() {
 }
 
 #[test]
+fn counts_have_an_upper_bound() {
+    let folder = Folder::new();
+    let out = folder.join("data");
+    for words in [
+        &["plan", "mini", "--poses", "1000000000"][..],
+        &["plan", "mini", "--candidates", "1000000000"],
+        &[
+            "simulate",
+            "--robot",
+            "mini",
+            "-o",
+            &out,
+            "--poses",
+            "1000000000",
+        ],
+    ] {
+        let answer = tautline(words);
+        assert_eq!(answer.code, Some(2), "{}", answer.stderr);
+        assert!(
+            answer.stderr.contains("1000000000 is not in 0..="),
+            "{}",
+            answer.stderr
+        );
+    }
+}
+
+#[test]
+fn no_output_replaces_an_input_and_none_follows_a_link() {
+    let folder = Folder::new();
+    let data = folder.join("data");
+    tautline(&["simulate", "--robot", "mini", "--poses", "12", "-o", &data]).succeeded();
+    // Neither a session that the same command makes.
+    let run = folder.join("run.json");
+    let measure = [
+        "measure",
+        &run,
+        "--controller",
+        "sim",
+        "--robot",
+        "mini",
+        "--arm",
+        "--json",
+        &run,
+    ];
+    tautline(&measure).refused(&["run.json: is an input of this command"]);
+    assert!(!std::path::Path::new(&run).exists());
+    let robot = folder.join("data/robot.json");
+    let poses = folder.join("data/poses.csv");
+    let other = folder.write("other.json", "{\"format\": \"tautline-session\"}");
+    let link = folder.join("link.json");
+    std::os::unix::fs::symlink(&other, &link).expect("a link");
+    let before = [&robot, &poses, &other].map(|file| std::fs::read(file).expect("a file"));
+    for (words, why) in [
+        (vec!["identify", &data, "--json", &robot], "already exists"),
+        (
+            vec!["identify", &data, "--json", &robot, "--replace"],
+            "is an input",
+        ),
+        (
+            vec!["identify", &data, "--model-out", &robot, "--replace"],
+            "is an input",
+        ),
+        (
+            vec!["export", &data, "-o", &poses, "--replace"],
+            "is an input",
+        ),
+        (vec!["identify", &data, "--json", &other], "already exists"),
+        (
+            vec!["identify", &data, "--json", &link, "--replace"],
+            "is a link",
+        ),
+        (
+            vec!["simulate", "--robot", &robot, "-o", &data, "--replace"],
+            "is an input",
+        ),
+    ] {
+        tautline(&words).refused(&[why]);
+        let now = [&robot, &poses, &other].map(|file| std::fs::read(file).expect("a file"));
+        assert!(now == before, "{words:?}");
+    }
+}
+
+#[test]
 fn a_dash_is_standard_input_and_output() {
     let folder = Folder::new();
     let data = folder.join("data");

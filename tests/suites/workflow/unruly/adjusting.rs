@@ -55,7 +55,7 @@ fn a_half_written_adjustment_is_settled_before_anything_else() {
             "tautline adjust",
         ]);
     }
-    with(&["adjust"]).refused(&["--arm"]);
+    with(&["adjust", "--quiet"]).refused(&["--arm"]);
     let found = with(&["adjust", "--dry-run"]).succeeded().stdout;
     assert!(
         found.contains("9 of 31 values in the controller differed from before"),
@@ -362,7 +362,10 @@ fn what_is_no_number_is_shown_overwritten_and_recorded() {
         .find(|c| c.name.starts_with("cable-3.winch"));
     assert!(change.is_some_and(|change| change.before.is_nan()));
     let back = [adjust.as_slice(), &["--arm", "--roll-back", "--json", "-"]].concat();
-    let back = tautline(&back).succeeded().json();
+    let back = tautline(&back);
+    assert_eq!(back.code, Some(1), "a value is not restored");
+    assert!(back.stderr.contains("was NaN and keeps"), "{}", back.stderr);
+    let back = back.json();
     assert_eq!(
         back["not_restored"],
         json!(["cable-3.winch.drum_diameter_m"])

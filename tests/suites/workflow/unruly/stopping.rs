@@ -8,7 +8,7 @@ use tautline_validation::support::ads::Plant;
 use tautline_validation::support::ads::unruly::{Action, Kind};
 use tautline_validation::support::program::Folder;
 
-use super::{controller, heard, held, last_outcome, measured, start, wait_until};
+use super::{RELEASE, controller, heard, held, last_outcome, measured, start, wait_until};
 
 fn send(child: &Child, signal: Signal) {
     let pid = Pid::from_raw(child.id() as i32).expect("a process");
@@ -42,6 +42,27 @@ fn values_are_finished_before_the_program_ends() {
         assert_ne!(held(&plant), old);
         assert_eq!(last_outcome(&file), Outcome::Written);
     }
+}
+
+#[test]
+fn two_interrupts_end_a_run_after_the_release_is_withdrawn() {
+    let plant = Plant::unruly();
+    let folder = Folder::new();
+    let file = folder.join("run.json");
+    let controller = controller(&plant);
+    let robot = ["--robot", "mini", "--poses", "12", "--timeout", "20"];
+    let measure = ["measure", &file, "--controller", &controller, "--arm"];
+    let mut child = start(&[&measure[..], &robot].concat());
+    wait_until(&mut child, || {
+        plant.server.numbers("GVL_Tautline.moving") == [1.0]
+    });
+    // The second one comes while the program waits for an answer.
+    plant.server.fault(Kind::Read, 1, Action::Late(400));
+    send(&child, Signal::INT);
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    send(&child, Signal::INT);
+    heard(child, |_, _| ());
+    assert_eq!(plant.server.numbers(RELEASE), [0.0]);
 }
 
 #[test]
