@@ -3,6 +3,8 @@
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::process::Stdio;
+use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
@@ -14,7 +16,7 @@ use tautline_session::{Outcome, Session, read_session};
 
 use crate::support::ads::symbols::Style;
 use crate::support::ads::{Host, Plant, Protocol, User};
-use crate::support::program::{Answer, Folder, beside, killed, on_disk};
+use crate::support::program::{Answer, Folder, beside, killed, on_disk, run, spawn};
 
 /// Poses of a run, and the home pose.
 const POSES: usize = 12;
@@ -23,6 +25,19 @@ const LABELS: usize = POSES + 1;
 const TWICE: usize = 3;
 /// Time that each answer of the controller takes while values are written (s), so that kills fall between them.
 const DELAY_S: f64 = 0.005;
+/// What the values of a pair may be, as the second method has other doubts.
+const ALLOWED: [&str; 4] = [
+    "--allow-unconverged",
+    "--allow-unexplained",
+    "--allow-implausible",
+    "--allow-finding",
+];
+/// Pairs for each kill of one of a pair.
+const PAIRS: usize = 3;
+/// Longest time between the beginnings of a pair (ms).
+const APART_MS: u64 = 60;
+/// Time in which a release that was left behind ends (s).
+const RELEASED_S: u64 = 20;
 /// Exit code of a command that has settled what another one left.
 const SETTLED: i32 = 4;
 
@@ -37,11 +52,15 @@ pub struct Kills {
     pub amid_poses: usize,
     /// Adjustments that had begun to write and were not at their end, by what the controller held: old, new or mixed values.
     pub amid_values: BTreeMap<String, usize>,
+    /// Pairs of adjustments that began at once, one of every third killed.
+    pub pairs: usize,
+    /// Pairs of which both, one or none said that its values were written.
+    pub written: [usize; 3],
     /// What should not have happened, in words.
     pub faults: Vec<String>,
 }
 
-/// Kills so many measuring runs and so many adjustments over a protocol.
+/// Kills so many measuring runs, so many adjustments and so many of two adjustments at once over a protocol.
 ///
 /// # Errors
 /// If a run that is not killed fails.
@@ -51,6 +70,8 @@ pub fn study(protocol: Protocol, runs: usize, seed: u64) -> Result<Kills> {
         runs,
         amid_poses: 0,
         amid_values: BTreeMap::new(),
+        pairs: PAIRS * runs,
+        written: [0; 3],
         faults: Vec::new(),
     };
     let plant = Plant::fast(protocol, Style::Arrays);
@@ -64,6 +85,7 @@ pub fn study(protocol: Protocol, runs: usize, seed: u64) -> Result<Kills> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     bench.measure(&mut kills, &mut random)?;
     bench.adjust(&mut kills, &mut random)?;
+    bench.pairs(&mut kills, &mut random)?;
     Ok(kills)
 }
 
@@ -245,13 +267,109 @@ impl Bench {
         }
         Ok(())
     }
+
+    /// Writes values by a client of its own, once nobody else is armed.
+    fn restore(&self, old: &BTreeMap<String, f64>) -> Result<()> {
+        let mut client = self.plant.client();
+        client.connect()?;
+        let begun = Instant::now();
+        while let Err(error) = client.arm() {
+            ensure!(begun.elapsed().as_secs() < RELEASED_S, "{error}");
+            sleep(Duration::from_millis(50));
+        }
+        let values: Vec<(String, f64)> = old.iter().map(|(n, v)| (n.clone(), *v)).collect();
+        client.write(&values)?;
+        client.disarm();
+        ensure!(self.held()? == *old, "the old values cannot be written");
+        Ok(())
+    }
+
+    /// Begins two adjustments with different values at once, and compares what they say with what the controller holds.
+    fn pairs(&self, kills: &mut Kills, random: &mut ChaCha8Rng) -> Result<()> {
+        let old = self.held()?;
+        let measured = self.folder.join("whole.json");
+        let methods = ["joint", "simple"];
+        let words = |file: &'_ str, method: usize| -> Vec<String> {
+            let all = [
+                self.words("adjust", file),
+                ALLOWED.to_vec(),
+                vec!["--method", methods[method]],
+            ];
+            all.concat().into_iter().map(str::to_owned).collect()
+        };
+        let command = |file: &str, method: usize| {
+            let words = words(file, method);
+            self.user
+                .command(&words.iter().map(String::as_str).collect::<Vec<_>>())
+        };
+        let mut new = Vec::new();
+        let begun = Instant::now();
+        for method in 0..methods.len() {
+            let file = self.folder.join(&format!("alone-{method}.json"));
+            std::fs::copy(&measured, &file)?;
+            succeeded(run(&mut command(&file, method)))?;
+            new.push(self.held()?);
+            self.restore(&old)?;
+        }
+        let takes = begun.elapsed() / 4;
+        ensure!(new[0] != new[1], "both write the same");
+        for number in 0..kills.pairs {
+            let files = [0, 1].map(|k| self.folder.join(&format!("pair-{number}-{k}.json")));
+            for file in &files {
+                std::fs::copy(&measured, file)?;
+            }
+            let mut first = spawn(&mut command(&files[0], 0), Stdio::null());
+            sleep(Duration::from_millis(random.random_range(0..=APART_MS)));
+            let second = spawn(&mut command(&files[1], 1), Stdio::null());
+            if number % PAIRS == 0 {
+                sleep(takes.mul_f64(random.random_range(0.0..1.5)));
+                // It may have ended by itself.
+                let _ = first.kill();
+            }
+            let ended: Vec<Answer> = [first, second]
+                .map(|child| child.wait_with_output().map(Answer::from))
+                .into_iter()
+                .collect::<Result<_, _>>()?;
+            let held = self.held()?;
+            let mut fault = |text: String| kills.faults.push(format!("pair {number}: {text}"));
+            let mut wrote = Vec::new();
+            let mut is_open = false;
+            for (k, (file, answer)) in files.iter().zip(&ended).enumerate() {
+                let outcome = last(&session(file)?);
+                let is_written = outcome == Some(Outcome::Written);
+                if answer.code.is_some() && (answer.code == Some(0)) != is_written {
+                    fault(format!(
+                        "exit code {:?} of {outcome:?}: {}",
+                        answer.code, answer.stderr
+                    ));
+                }
+                is_open |= matches!(outcome, Some(Outcome::Begun | Outcome::Unsettled(_)));
+                wrote.extend(is_written.then_some(k));
+            }
+            kills.written[2 - wrote.len()] += 1;
+            // Whoever wrote last is right, also where the other one does not know what it left.
+            let is_right = match wrote[..] {
+                [] => is_open || held == old,
+                _ => wrote.iter().any(|k| held == new[*k]),
+            };
+            if !is_right {
+                let told = ended.iter().map(|answer| answer.stderr.as_str());
+                fault(format!(
+                    "{wrote:?} wrote, the controller holds others: {}",
+                    told.collect::<String>()
+                ));
+            }
+            self.restore(&old)?;
+        }
+        Ok(())
+    }
 }
 
 /// The table of the documentation.
 #[must_use]
 pub fn markdown(all: &[Kills]) -> String {
     let mut text = String::from(
-        "| link | runs of each kind | measuring, killed amid the poses | adjusting, killed amid the writing: old, new, mixed values found | lost, repeated or not settled |\n|---|---|---|---|---|\n",
+        "| link | runs of each kind | measuring, killed amid the poses | adjusting, killed amid the writing: old, new, mixed values found | pairs of two programs: both, one, none wrote | lost, repeated, not settled or told wrongly |\n|---|---|---|---|---|---|\n",
     );
     for kills in all {
         let link = match kills.protocol {
@@ -261,12 +379,16 @@ pub fn markdown(all: &[Kills]) -> String {
         };
         let found = |word: &str| kills.amid_values.get(word).copied().unwrap_or(0);
         text += &format!(
-            "| {link} | {} | {} | {}, {}, {} | {} |\n",
+            "| {link} | {} | {} | {}, {}, {} | {}: {}, {}, {} | {} |\n",
             kills.runs,
             kills.amid_poses,
             found("old"),
             found("new"),
             found("mixed"),
+            kills.pairs,
+            kills.written[0],
+            kills.written[1],
+            kills.written[2],
             kills.faults.len(),
         );
     }

@@ -48,7 +48,7 @@ const RECORDS: &str = "target/studies.jsonl";
 const UNTIL_RECORDS: &str = "target/until.jsonl";
 const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], kills [RUNS [none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], kills [RUNS [ads | none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, hypotheses, random-runs PROGRAM FOLDER [RUNS]";
 
@@ -114,7 +114,8 @@ fn main() -> Result<()> {
 fn kills_table(arguments: &[String]) -> Result<String> {
     let runs = arguments.first().map_or(Ok(50), |runs| runs.parse())?;
     let protocols = match arguments.get(1).map(String::as_str) {
-        None => vec![Protocol::OpcUa, Protocol::OpcUaEncrypted],
+        None => vec![Protocol::Ads, Protocol::OpcUa, Protocol::OpcUaEncrypted],
+        Some("ads") => vec![Protocol::Ads],
         Some("none") => vec![Protocol::OpcUa],
         Some("encrypted") => vec![Protocol::OpcUaEncrypted],
         Some(_) => bail!(USAGE),
