@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7754),
+    ("cli", 7860),
     ("core", 35592),
-    ("import", 16953),
-    ("link", 10124),
+    ("import", 16961),
+    ("link", 10222),
     ("python", 951),
-    ("session", 7881),
+    ("session", 7901),
     ("study", 3110),
     ("workbench", 37518),
-    ("workflow", 18030),
+    ("workflow", 18056),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
