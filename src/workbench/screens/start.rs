@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Button, Key, Layout, RichText, TextEdit, Ui};
+use egui::{Align, Button, Layout, RichText, TextEdit, Ui};
 use egui_material_icons::icons;
 
 use crate::model::Model;
@@ -11,7 +11,7 @@ use crate::model::command::{
 };
 use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
-use crate::widgets::{icon_button, icon_only, muted, page, primary, section};
+use crate::widgets::{entered, icon_button, icon_only, muted, page, primary, section};
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::templates::Template;
 use tautline_workflow::wording::local_time::date_and_time;
@@ -76,7 +76,7 @@ fn open(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
                 .min_size(egui::vec2(0.0, 26.0)),
         );
         field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let entered = entered(&field);
         let typed = !path.trim().is_empty();
         let button = Button::new("Open").min_size(egui::vec2(0.0, 26.0));
         if (ui.add_enabled(typed, button).clicked() || entered) && typed {

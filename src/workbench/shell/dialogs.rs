@@ -11,9 +11,10 @@ use crate::model::command::{
 };
 use crate::model::phase::Screen;
 use crate::model::{self, Model};
+use crate::screens::adjustment::lines;
 use crate::theme::{self, GRID};
 use crate::widgets::{
-    Entered, Number, Verdict, checkbox, heading, modal, muted, number, primary, section, verdict,
+    Entered, Number, Verdict, checkbox, entered, heading, modal, muted, number, primary, section, verdict,
 };
 use tautline_workflow::report::{Part, ReportChoice};
 use tautline_workflow::wording::count;
@@ -262,63 +263,63 @@ fn unsaved_hypothesis(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Write the identified values, and in whose name?
+/// Write these values, and in whose name?
 fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
-    let mut answer = None;
-    let ((), is_left) = modal(ui, ("write values", 420.0), |ui| {
+    let WriteDraft { list, operator } = &mut draft;
+    let open = state.model.open.as_ref();
+    let cables = open.map_or(&[][..], |open| &open.session().robot.cables);
+    let (answer, is_left) = modal(ui, ("write values", 600.0), |ui| {
         heading(ui, "Write these values?");
-        let controller = &state.model.link.identity;
-        let values = count(draft.values, "value");
+        let (values, controller) = (count(list.changes.len(), "value"), &list.controller);
         ui.label(format!(
             "{values} in {controller} are replaced by the identified ones. They can be rolled back."
         ));
-        for doubt in &draft.doubts {
+        let height = (ui.ctx().content_rect().height() - 360.0).max(100.0);
+        egui::ScrollArea::vertical()
+            .max_height(height)
+            .show(ui, |ui| lines(ui, list.changes.iter(), cables));
+        for doubt in &list.doubts {
             verdict(ui, Verdict::Doubtful, &format!("{}.", doubt.sentence));
         }
-        if !draft.doubts.is_empty() {
+        let is_sound = list.doubts.is_empty();
+        if !is_sound {
             ui.label("Such values can make the robot less accurate.");
         }
         ui.add_space(GRID);
-        ui.horizontal(|ui| {
+        let field = ui.horizontal(|ui| {
             let label = ui.label("Operator");
-            let field =
-                TextEdit::singleline(&mut draft.operator).hint_text("Your name, for the record");
-            let field = ui.add(field.desired_width(240.0)).labelled_by(label.id);
-            if draft.operator.is_empty() && ui.memory(|memory| memory.focused().is_none()) {
-                field.request_focus();
-            }
+            let field = TextEdit::singleline(operator).hint_text("Your name, for the record");
+            ui.add(field.desired_width(240.0)).labelled_by(label.id)
         });
+        let field = field.inner;
+        let entered = entered(&field);
+        if ui.memory(|memory| memory.focused().is_none()) {
+            field.request_focus();
+        }
         ui.add_space(2.0 * GRID);
-        let operator = draft.operator.trim().to_owned();
-        let is_named = !operator.is_empty();
+        let is_named = !operator.trim().is_empty();
         let hint = "Enter your name: who writes is kept in the record";
         ui.horizontal(|ui| {
-            let wanted = match draft.doubts.is_empty() {
-                true => {
-                    let button = primary(ui, "Write", is_named);
-                    let wanted = button.on_disabled_hover_text(hint).clicked();
-                    if ui.button("Cancel").clicked() {
-                        answer = Some(None);
-                    }
-                    wanted
-                }
+            let (wanted, cancelled) = match is_sound {
+                true => (
+                    primary(ui, "Write", is_named),
+                    ui.button("Cancel").clicked(),
+                ),
                 false => {
-                    if primary(ui, "Do not write", true).clicked() {
-                        answer = Some(None);
-                    }
-                    let button = ui.add_enabled(is_named, egui::Button::new("Write anyway"));
-                    button.on_disabled_hover_text(hint).clicked()
+                    let cancelled = primary(ui, "Do not write", true).clicked();
+                    let button = egui::Button::new("Write anyway");
+                    (ui.add_enabled(is_named, button), cancelled)
                 }
             };
-            if wanted {
-                answer = Some(Some(operator));
+            let wanted = wanted.on_disabled_hover_text(hint).clicked();
+            match wanted || entered && is_sound && is_named {
+                true => Some(true),
+                false => cancelled.then_some(false),
             }
-        });
+        })
+        .inner
     });
-    if is_left {
-        answer = Some(None);
-    }
-    if let Some(answer) = answer {
+    if let Some(answer) = answer.or(is_left.then_some(false)) {
         state.outbox.send(RobotCommand::ConfirmWrite(answer));
     }
     state.model.dialogs.writing = Some(draft);

@@ -6,12 +6,11 @@ use super::State;
 use crate::model::Selection;
 use crate::model::command::ViewCommand;
 
-/// Leaves the inspector or clears the selection, unless a dialog, a menu or a text field uses the key. Before anything is
+/// Leaves the inspector or clears the selection, unless a menu or a text field uses the key. Before anything is
 /// drawn: whoever uses it closes in the same frame.
 pub(super) fn show(ui: &Ui, state: &mut State) {
     let typed = ui.data(|data| data.get_temp(typing())).unwrap_or(false);
-    let is_modal = ui.memory(|memory| memory.top_modal_layer().is_some());
-    let is_used = typed || is_modal || Popup::is_any_open(ui.ctx());
+    let is_used = typed || Popup::is_any_open(ui.ctx());
     let model = &state.model;
     let is_pressed = ui.input(|i| i.modifiers.is_none() && i.key_pressed(Key::Escape));
     if !is_pressed || is_used || model.dialogs.manual.is_some() {

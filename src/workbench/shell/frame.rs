@@ -28,6 +28,9 @@ const PANEL_RANGE: Rangef = Rangef {
 };
 
 pub fn show(ui: &mut Ui, state: &mut State) {
+    // Of keys nothing but Stop, which has been handled, acts behind a dialog.
+    let is_behind = ui.memory(|memory| memory.top_modal_layer().is_some());
+    let of_dialog = ui.input_mut(|input| is_behind.then(|| std::mem::take(&mut input.events)));
     escape::show(ui, state);
     let items = menu::items(state);
     top::shortcuts(ui, state, &items);
@@ -136,6 +139,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         ..
     } = state;
     views::manual::show(ui, model, &mut views.manual, outbox);
+    ui.input_mut(|input| input.events.extend(of_dialog.unwrap_or_default()));
     if !file_chooser::show(ui, state) {
         modals(ui, state);
     }

@@ -6,7 +6,7 @@ mod escape;
 mod file_chooser;
 mod frame;
 mod log;
-mod menu;
+pub mod menu;
 mod no_window;
 mod observed;
 mod palette;
@@ -105,7 +105,9 @@ impl eframe::App for App {
             commands::robot::receive(model, event);
         }
         commands::robot::follow(model);
-        for file in ctx.input(|input| input.raw.dropped_files.clone()) {
+        let is_asked = ctx.memory(|memory| memory.top_modal_layer().is_some());
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        for file in dropped.into_iter().filter(|_| !is_asked) {
             let path = file.path().to_path_buf();
             match model.screen {
                 Screen::Compare => outbox.send(CompareCommand::Drop(path)),

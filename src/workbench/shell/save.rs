@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use egui::{Key, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
 use super::state::State;
@@ -11,7 +11,7 @@ use crate::model::command::FileCommand;
 use crate::model::dialogs::SaveContent;
 use crate::model::save_form::SaveForm;
 use crate::theme::GRID;
-use crate::widgets::{Verdict, heading, icon_button, modal, muted, primary, verdict};
+use crate::widgets::{entered, Verdict, heading, icon_button, modal, muted, primary, verdict};
 
 /// Draws the dialog while it is open.
 pub fn show(ui: &mut Ui, state: &mut State) {
@@ -64,7 +64,7 @@ pub(super) fn form(ui: &mut Ui, form: &mut SaveForm, own: Option<&Path>) -> Aske
         let width = ui.available_width() - 120.0;
         let field = ui.add(TextEdit::singleline(&mut form.path).desired_width(width));
         field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of the file"));
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let entered = entered(&field);
         if ui.memory(|memory| memory.focused().is_none()) {
             field.request_focus();
         }

@@ -19,6 +19,12 @@ pub fn primary(ui: &mut Ui, text: &str, enabled: bool) -> Response {
     )
 }
 
+/// Whether a field of one line was left with Enter; Enter with other keys is not its own.
+pub fn entered(field: &Response) -> bool {
+    let is_enter = |i: &egui::InputState| i.modifiers.is_none() && i.key_pressed(egui::Key::Enter);
+    field.lost_focus() && field.ctx.input(is_enter)
+}
+
 pub fn checkbox(ui: &mut Ui, is_ticked: &mut bool, text: &str) -> Response {
     as_light_as_a_field(ui, |ui| ui.checkbox(is_ticked, text))
 }

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Key, Layout, Role, TextEdit, Ui, Vec2, WidgetInfo};
+use egui::{Align, Layout, Role, TextEdit, Ui, Vec2, WidgetInfo};
 use egui_material_icons::icons;
 
-use super::button::{icon_button, icon_only};
+use super::button::{entered, icon_button, icon_only};
 use crate::theme::GRID;
 
 /// How a file is to be imported.
@@ -34,7 +34,7 @@ pub fn import_row(ui: &mut Ui, file: &str, path: &mut String) -> Option<Import> 
             .desired_width(ui.available_width());
         let field = ui.add(field);
         field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, &name));
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let entered = entered(&field);
         if typed && (pressed || entered) {
             answer = Some(Import::Path(PathBuf::from(path.trim())));
         }

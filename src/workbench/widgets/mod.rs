@@ -16,7 +16,7 @@ mod tab_row;
 mod table;
 mod text;
 
-pub use button::{checkbox, choice, icon_button, icon_only, primary, radio};
+pub use button::{checkbox, choice, entered, icon_button, icon_only, primary, radio};
 pub use fault_matrix::fault_window;
 pub use import_row::{Import, import_row};
 pub use meter::meter;
@@ -30,5 +30,5 @@ pub use pose_fields::PoseFields;
 pub use probability::probability;
 pub use rows::{Numbers, RowField, Rows, RowsEdit, rows};
 pub use tab_row::{TabOf, fitting, tab_row};
-pub use table::{Cell, Column, table};
+pub use table::{Cell, Column, Touched, table};
 pub use text::{Verdict, empty, heading, muted, section, value, verdict};

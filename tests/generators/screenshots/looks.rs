@@ -263,12 +263,7 @@ fn demo(looks: &mut Looks) -> Result<()> {
         .wait("a verification", |state| verified(state) == 1);
     looks.stage.press("Write to the controller");
     looks.at("demo-write")?;
-    looks
-        .stage
-        .give(RobotCommand::ConfirmWrite(Some("Ada".into())));
-    looks
-        .stage
-        .wait("the values", |state| !state.model.link.writing);
+    looks.stage.confirm_write("Ada");
     looks.stage.press("Measure after");
     looks
         .stage

@@ -7,7 +7,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use image::RgbImage;
 use tautline_session::Folders;
 use tautline_workbench::model::Options;
-use tautline_workbench::model::command::Command;
+use tautline_workbench::model::command::{Command, RobotCommand};
 use tautline_workbench::shell::{App, State};
 
 use crate::support::harness::{
@@ -145,6 +145,16 @@ impl Stage {
     /// Gives the simulated robot parameters for the effects of the model, and arms it again.
     pub fn give_parameters(&mut self) {
         give_parameters(&mut self.harness);
+    }
+
+    /// Writes the values that are shown, in the name of an operator.
+    pub fn confirm_write(&mut self, operator: &str) {
+        let dialogs = &mut self.harness.state_mut().state.model.dialogs;
+        if let Some(draft) = &mut dialogs.writing {
+            operator.clone_into(&mut draft.operator);
+        }
+        self.give(RobotCommand::ConfirmWrite(true));
+        self.wait("the values", |state| !state.model.link.writing);
     }
 
     /// Lets the workbench run until its state is as wanted.

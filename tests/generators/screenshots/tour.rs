@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use image::imageops::{FilterType, resize};
 use tautline_workbench::model::Selection;
-use tautline_workbench::model::command::{RobotCommand, ViewCommand};
+use tautline_workbench::model::command::ViewCommand;
 use tautline_workbench::model::phase::{Phase, Screen};
 
 use super::files::{self, Frame};
@@ -108,10 +108,7 @@ fn adjusted(film: &mut Film) -> Result<()> {
     verified(film, "Measure before", 1);
     film.stage.press("Write to the controller");
     film.shot(SHORT)?;
-    film.stage
-        .give(RobotCommand::ConfirmWrite(Some("Ada".into())));
-    film.stage
-        .wait("the values", |state| !state.model.link.writing);
+    film.stage.confirm_write("Ada");
     verified(film, "Measure after", 2);
     film.stage.show("Improved: ");
     film.shot(LONG)

@@ -1,5 +1,8 @@
 //! The phase Adjustment on a simulated robot.
 
+use std::path::Path;
+
+use egui::{Event, Key, Modifiers, Role, pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_core::accuracy::iso9283::{Target, pose_accuracy};
 use tautline_core::effect;
@@ -7,7 +10,7 @@ use tautline_core::geometry::Pose;
 use tautline_session::{CheckKind, CheckPose, Outcome, Stage, Verification};
 use tautline_validation::support::harness::give_parameters;
 use tautline_workbench::model::command::{
-    Answer, Export, FileCommand, IdentificationCommand, RobotCommand,
+    Answer, Command, Export, FileCommand, IdentificationCommand, RobotCommand,
 };
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::link::LinkRequest;
@@ -153,4 +156,87 @@ fn writing_identified_values_improves_the_accuracy() {
             .expect("it is recorded");
         assert!((recorded - change.before).abs() < 1e-9, "{}", change.name);
     }
+}
+
+/// The sample with a winch that pays out too much, its cause in the model, and an armed controller that can correct it.
+fn winch_scale() -> Bench {
+    let session = "../sessions/mini-winch-scale/session.json";
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(session);
+    let session = tautline_session::read_session(&path).expect("a session");
+    let mut bench = Bench::of_session(&session.value);
+    let fault = session.value.simulator.expect("simulated").truth.effects[0].clone();
+    bench.give(Edit::AddEffects(vec![fault], "add the winch".into()));
+    bench.give(IdentificationCommand::Identify);
+    bench.settle("an identification");
+    bench.go(Phase::Adjustment);
+    bench.give(RobotCommand::ConnectAndArm);
+    bench.wait("arming", |state| state.model.link.is_armed());
+    bench
+}
+
+fn controller_values(bench: &Bench) -> Vec<(String, f64)> {
+    let held = bench.state().model.link.parameters.iter();
+    held.map(|held| (held.name.clone(), held.value)).collect()
+}
+
+#[test]
+fn what_is_written_is_the_list_that_was_shown() {
+    let mut bench = winch_scale();
+    let before = controller_values(&bench);
+    bench.press("Write to the controller");
+    bench.harness.run_ok();
+    let shown = bench.state().model.dialogs.writing.clone().expect("a question").list;
+    let scale = "Winch scale, cable-3";
+    let lines = bench.harness.query_all_by_label_contains(scale).count();
+    assert!(shown.doubts.is_empty() && lines > 1, "{:?}, {lines}", shown.doubts);
+    // Undo is not for the screen behind the question.
+    bench.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    bench.harness.step();
+    bench.settle("nothing");
+    assert_eq!(bench.session().settings.identification.effects.len(), 1);
+    // Something else that changes the model meanwhile.
+    bench.give(Command::Undo);
+    bench.settle("an identification without the winch");
+    bench.name_operator("Ada");
+    bench.harness.key_press(Key::Enter);
+    bench.harness.step();
+    bench.harness.step();
+    bench.harness.get_by_label_contains("Nothing was written: model, session or controller changed");
+    assert!(!bench.state().model.link.writing && bench.session().adjustments().is_empty());
+    assert_eq!(controller_values(&bench), before);
+    bench.give(Command::Redo);
+    bench.settle("an identification with the winch");
+    bench.press("Write to the controller");
+    bench.harness.run_ok();
+    // The name is still there, and Enter confirms.
+    bench.harness.key_press(Key::Enter);
+    bench.wait("the values", |state| !state.model.link.writing);
+    bench.wait("a record", |state| {
+        let open = state.model.open.as_ref().expect("a session");
+        !open.session().adjustments().is_empty()
+    });
+    let written = bench.session().adjustments()[0].clone();
+    let named = |name: &str, value: f64| (name.to_owned(), value);
+    let changes = written.changes.iter().map(|change| named(&change.name, change.after));
+    let list = shown.changes.iter().map(|line| named(&line.name, line.identified));
+    assert_eq!(changes.collect::<Vec<_>>(), list.collect::<Vec<_>>());
+    assert_eq!((written.operator.as_str(), written.outcome), ("Ada", Outcome::Written));
+}
+
+#[test]
+fn a_name_is_kept_when_the_question_is_left() {
+    let mut bench = winch_scale();
+    bench.press("Write to the controller");
+    bench.harness.run_ok();
+    bench.harness.event(Event::Text("Ada".to_owned()));
+    bench.harness.run_ok();
+    bench.harness.drag_at(pos2(4.0, 1200.0));
+    bench.harness.drop_at(pos2(4.0, 1200.0));
+    bench.harness.run_ok();
+    assert!(bench.state().model.dialogs.writing.is_none());
+    assert!(bench.session().adjustments().is_empty());
+    bench.press("Write to the controller");
+    bench.harness.run_ok();
+    let field = bench.harness.get_by_role_and_label(Role::TextInput, "Operator");
+    assert_eq!(field.accesskit_node().value().as_deref(), Some("Ada"));
 }

@@ -5,16 +5,18 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use egui::{Key, Modifiers, Rect, Role};
+use egui::{Key, KeyboardShortcut, Modifiers, Rect, Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
-    FileCommand, HypothesisCommand, IdentificationCommand, ReportCommand, RobotCommand, Setup,
-    ViewCommand, WriteDraft,
+    Command, FileCommand, HypothesisCommand, IdentificationCommand, ReportCommand, RobotCommand,
+    Setup, ViewCommand, WriteDraft,
 };
+use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::link::Doing;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::State;
+use tautline_workbench::shell::menu::items;
 use tautline_workbench::views::robot_3d::scene::Shown;
 use tautline_workflow::report::ReportFormat;
 
@@ -161,11 +163,8 @@ const DIALOGS: [Dialog; 8] = [
     Dialog {
         name: "write values",
         open: |bench| {
-            let draft = WriteDraft {
-                values: 3,
-                ..WriteDraft::default()
-            };
-            bench.harness.state_mut().state.model.dialogs.writing = Some(draft);
+            let writing = &mut bench.harness.state_mut().state.model.dialogs.writing;
+            *writing = Some(WriteDraft::default());
         },
         shows: "Write these values?",
         field: Some("Operator"),
@@ -217,6 +216,71 @@ fn a_click_on_stop_reaches_the_robot_through_every_dialog_and_leaves_it_open() {
         step(&mut bench);
         bench.press("Continue measuring");
     }
+}
+
+/// What keys could change.
+fn behind(state: &State) -> String {
+    let model = &state.model;
+    let open = model.open.as_ref().expect("a session");
+    let dialogs = &model.dialogs;
+    let session = (open.id(), open.revision(), &open.session().name);
+    let work = (model.tasks.running().len(), model.link.connecting);
+    let view = (
+        model.screen,
+        &model.selection,
+        model.maximised,
+        model.inspected,
+    );
+    let windows = (dialogs.log, dialogs.manual, dialogs.about);
+    let others = (
+        model.context.zoom_factor(),
+        model.messages.all().len(),
+        &model.preferences,
+    );
+    format!("{:?}", (session, work, view, windows, others))
+}
+
+#[test]
+fn nothing_but_stop_acts_behind_a_dialog() {
+    let mut bench = Bench::demo(3);
+    let name = bench.session().name.clone();
+    bench.go(Phase::Measuring);
+    bench.give(RobotCommand::Plan(5));
+    bench.settle("a plan");
+    for name in ["one", "two"] {
+        bench.give(Edit::Rename(name.to_owned()));
+    }
+    bench.give(Command::Undo);
+    bench.give(ViewCommand::Select(Selection::pose(1).with_cable(2)));
+    bench.connect_and_arm();
+    let shortcuts: Vec<_> = items(bench.state()).iter().filter_map(|item| item.shortcut).collect();
+    assert!(shortcuts.len() > 25, "{}", shortcuts.len());
+    let plain = [Key::F, Key::Delete, Key::Home, Key::End, Key::Space, Key::Num1];
+    let plain = plain.map(|key| KeyboardShortcut::new(Modifiers::NONE, key));
+    for dialog in &DIALOGS {
+        (dialog.open)(&mut bench);
+        step(&mut bench);
+        if dialog.name == "command palette" {
+            type_into(&mut bench.harness, Role::TextInput, "Command", "no such thing");
+        }
+        let before = behind(bench.state());
+        for keys in shortcuts.iter().chain(&plain) {
+            if keys.logical_key == Key::F12 {
+                continue;
+            }
+            bench.harness.key_press_modifiers(keys.modifiers, keys.logical_key);
+            step(&mut bench);
+            let shown = bench.harness.query_all_by_label(dialog.shows).count();
+            assert_eq!((shown, behind(bench.state())), (1, before.clone()), "{} {keys:?}", dialog.name);
+        }
+        bench.harness.key_press(Key::Escape);
+        step(&mut bench);
+        bench.give(ViewCommand::Go(Screen::Phase(Phase::Measuring)));
+    }
+    assert!(bench.state().model.link.is_armed());
+    bench.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    step(&mut bench);
+    assert_eq!(bench.session().name, name, "without a dialog they act");
 }
 
 /// All files below a folder.

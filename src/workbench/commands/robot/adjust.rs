@@ -1,12 +1,12 @@
 //! What is written to the controller, and how exactly the robot moves before and after.
 
-use tautline_link::adjusting::{Adjustment as Written, ControllerValues};
+use tautline_link::adjusting::{Adjustment as Written, ControllerValues, Difference};
 use tautline_link::verifying::{circle, cube_poses, line};
 use tautline_session::{
     CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, StoppedVerification, Verification,
 };
 
-use crate::model::command::WriteDraft;
+use crate::model::command::{WriteDraft, WriteList};
 use crate::model::link::{DriverCommand, ValuesToWrite};
 use crate::model::messages::Cause;
 use crate::model::{Model, UiRequest};
@@ -18,33 +18,45 @@ use tautline_workflow::wording::sentence;
 /// Points of the circle and of the line.
 const POINTS: (usize, usize) = (16, 9);
 
+/// What would be written now; nothing if the controller holds it all, or the pulleys are not identified.
+fn write_list(model: &Model) -> Option<WriteList> {
+    let open = model.open.as_ref()?;
+    let mut changes = model.differences();
+    changes.retain(Difference::is_writable_change);
+    (!changes.is_empty()).then_some(WriteList {
+        session_id: open.id(),
+        controller: model.link.identity.clone(),
+        changes,
+        doubts: adjusting::doubts(open.session(), open.fit()?),
+    })
+}
+
 pub(super) fn write(model: &mut Model) {
-    let open = model.open.as_ref();
-    let Some((session, fit)) = open.and_then(|open| Some((open.session(), open.fit()?))) else {
-        return;
-    };
-    let doubts = adjusting::doubts(session, fit);
-    let values = adjusting::values_to_write(model.differences()).len();
-    model.dialogs.writing = (values > 0).then(|| WriteDraft {
-        values,
+    model.dialogs.writing = write_list(model).map(|list| WriteDraft {
+        list,
         operator: model.preferences.operator.clone(),
-        doubts,
     });
 }
 
-pub(super) fn confirm_write(model: &mut Model, operator: Option<String>) {
-    let draft = model.dialogs.writing.take();
-    let (Some(draft), Some(operator)) = (draft, operator) else {
+pub(super) fn confirm_write(model: &mut Model, is_confirmed: bool) {
+    let Some(WriteDraft { list, operator }) = model.dialogs.writing.take() else {
         return;
     };
-    model.change_preferences(|preferences| preferences.operator = operator);
+    model.change_preferences(|preferences| preferences.operator = operator.trim().to_owned());
+    if !is_confirmed {
+        return;
+    }
+    if write_list(model).as_ref() != Some(&list) {
+        let text = "Nothing was written: model, session or controller changed while the values were shown.";
+        return model.messages.failure(Cause::Adjustment, text);
+    }
     if let Some(open) = &mut model.open {
-        for doubt in draft.doubts {
+        for doubt in &list.doubts {
             let text = format!("Written all the same: {}.", doubt.sentence);
             open.log(LogPhase::Accuracy, text);
         }
     }
-    write_identified(model);
+    give(model, adjusting::values_to_write(list.changes), Purpose::Adjust);
 }
 
 /// The robot is accepted in the name of the operator who wrote the values.
@@ -60,11 +72,6 @@ pub(super) fn accept(model: &mut Model) {
     };
     open.log(LogPhase::Accuracy, &text);
     model.messages.info(text);
-}
-
-fn write_identified(model: &mut Model) {
-    let values = adjusting::values_to_write(model.differences());
-    give(model, values, Purpose::Adjust);
 }
 
 pub(super) fn roll_back(model: &mut Model) {

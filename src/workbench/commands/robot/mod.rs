@@ -54,7 +54,7 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::SetOperator(name) => model.change_preferences(|p| p.operator = name),
         RobotCommand::Write => adjust::write(model),
         RobotCommand::WriteValues(values, purpose) => adjust::give(model, values, purpose),
-        RobotCommand::ConfirmWrite(operator) => adjust::confirm_write(model, operator),
+        RobotCommand::ConfirmWrite(is_confirmed) => adjust::confirm_write(model, is_confirmed),
         RobotCommand::Accept => adjust::accept(model),
         RobotCommand::RollBack => adjust::roll_back(model),
         RobotCommand::AskExport(export) => files::ask(model, export),

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
+use tautline_link::adjusting::Difference;
 use tautline_session::{PlannedPose, Stage};
 
 use super::Setup;
@@ -60,8 +61,8 @@ pub enum RobotCommand {
     /// Asks whether the identified values are to be written to the controller, and who writes them.
     Write,
     WriteValues(Vec<(String, f64)>, Purpose),
-    /// Writes them in the name of this operator; `None` does not.
-    ConfirmWrite(Option<String>),
+    /// Writes the values of the open question, or does not.
+    ConfirmWrite(bool),
     /// Accepts the robot on the result of the last verification.
     Accept,
     /// Writes the values that were there before the last adjustment.
@@ -86,9 +87,18 @@ impl RobotCommand {
 /// Values that are to be written, while that is to be confirmed.
 #[derive(Debug, Clone, Default)]
 pub struct WriteDraft {
-    pub values: usize,
+    /// What is written; nothing if it would be another list by then.
+    pub list: WriteList,
     /// Operator who writes them.
     pub operator: String,
+}
+
+/// Values for a controller, and all that the operator has to know of them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct WriteList {
+    pub session_id: u64,
+    pub controller: String,
+    pub changes: Vec<Difference>,
     /// Reasons not to write.
     pub doubts: Vec<Doubt>,
 }

@@ -26,6 +26,8 @@ use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::identification::FitVerdict;
 
+pub(crate) use table::lines;
+
 /// Identity and revision of the session, address of its fit, whether the controller is connected, version of its
 /// parameters.
 type Key = (u64, u64, Option<usize>, bool, u64);

@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::model::command::Outbox;
 use crate::model::command::ViewCommand;
 use crate::theme::{self, GRID};
-use crate::widgets::{Cell, Column, checkbox, muted, table};
+use crate::widgets::{Cell, Column, Touched, checkbox, muted, table};
 use tautline_workflow::wording::parameters::{cable_of, title, unit};
 use tautline_workflow::wording::units::{display_unit, fixed, signed};
 
@@ -40,27 +40,29 @@ pub(super) fn show(
         .filter(|line| all || line.sd.is_some() || line.is_writable_change())
         .collect();
     let cables = &open.session().robot.cables;
-    let of_line: Vec<Option<usize>> = shown
-        .iter()
-        .map(|line| cable_of(cables, &line.name))
-        .collect();
-    let lines = shown.iter().zip(&of_line);
-    let rows: Vec<Vec<Cell>> = lines
-        .map(|(line, cable)| row(ui, line, cables, *cable))
-        .collect();
-    let touched = table(ui, &COLUMNS, &rows, None);
-    if let Some(cable) = touched.clicked.and_then(|k| of_line.get(k).copied()?) {
+    let clicked = lines(ui, shown.iter().copied(), cables).clicked;
+    if let Some(cable) = clicked.and_then(|k| cable_of(cables, &shown.get(k)?.name)) {
         outbox.send(ViewCommand::Select(model.selection.with_cable(cable)));
     }
     ui.add_space(GRID);
     muted(ui, "±: the standard deviation of the identified value.");
     checkbox(ui, &mut panel.all, "Show unchanged parameters");
-    if rows.is_empty() {
+    if shown.is_empty() {
         muted(ui, "There is nothing to compare.");
     }
 }
 
-fn row(ui: &Ui, line: &Difference, cables: &[Cable], cable: Option<usize>) -> Vec<Cell> {
+/// Draws a line for each parameter.
+pub(crate) fn lines<'a>(
+    ui: &mut Ui,
+    lines: impl Iterator<Item = &'a Difference>,
+    cables: &[Cable],
+) -> Touched {
+    let rows: Vec<Vec<Cell>> = lines.map(|line| row(ui, line, cables)).collect();
+    table(ui, &COLUMNS, &rows, None)
+}
+
+fn row(ui: &Ui, line: &Difference, cables: &[Cable]) -> Vec<Cell> {
     let palette = theme::of(ui);
     let (scale, unit) = unit(&line.name, line.unit).map_or((1.0, None), |unit| {
         let (scale, unit) = display_unit(unit);
@@ -74,7 +76,7 @@ fn row(ui: &Ui, line: &Difference, cables: &[Cable], cable: Option<usize>) -> Ve
         .difference
         .map_or_else(none, |value| Cell::new(signed(value * scale, decimals)));
     vec![
-        match cable {
+        match cable_of(cables, &line.name) {
             Some(index) => name.with_dot(palette.cable(index)),
             None => name,
         },

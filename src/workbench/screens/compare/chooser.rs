@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Button, Key, Label, Layout, RichText, Role, TextEdit, Ui, WidgetInfo, vec2};
+use egui::{Align, Button, Label, Layout, RichText, Role, TextEdit, Ui, WidgetInfo, vec2};
 use egui_material_icons::icons;
 use tautline_session::{Session, Timestamp};
 
@@ -12,7 +12,7 @@ use crate::model::command::{CompareCommand, Outbox, ReportCommand, ViewCommand};
 use crate::model::comparison::{Side, Source};
 use crate::model::phase::{Phase, Screen};
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, icon_button};
+use crate::widgets::{entered, heading, icon_button};
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::wording::{recent_facts, session_facts};
@@ -131,7 +131,7 @@ fn choose(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox
     let field = ui.add(field);
     let label = format!("Path of {name}");
     field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, &label));
-    let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    let entered = entered(&field);
     let typed = !path.trim().is_empty();
     let take = named(
         ui.add_enabled(typed, Button::new("Use")),

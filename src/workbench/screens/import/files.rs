@@ -1,13 +1,13 @@
 //! The files at the top.
 
-use egui::{Align, Key, Layout, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Align, Layout, RichText, Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
 use super::PanelState;
 use crate::model::command::{Outbox, RecordingCommand};
 use crate::model::importing::OpenImport;
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, icon_button, icon_only, muted};
+use crate::widgets::{entered, heading, icon_button, icon_only, muted};
 
 pub fn show(ui: &mut Ui, import: &OpenImport, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
@@ -60,7 +60,7 @@ pub fn path_row(ui: &mut Ui, path: &mut String, width: f32, outbox: &mut Outbox)
         .desired_width((width - used).max(120.0));
     let field = ui.add(field);
     field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of a file to import"));
-    let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    let entered = entered(&field);
     if typed && (pressed || entered) {
         outbox.send(RecordingCommand::Read(path.trim().into()));
         path.clear();

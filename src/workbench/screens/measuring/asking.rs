@@ -1,12 +1,12 @@
 //! Input of the laser distance, for a laser that the operator reads.
 
-use egui::{Align, FontId, Key, RichText, TextEdit, Ui, WidgetInfo};
+use egui::{Align, FontId, RichText, TextEdit, Ui, WidgetInfo};
 
 use super::PanelState;
 use crate::model::command::Outbox;
 use crate::model::link::LinkRequest;
 use crate::theme::{self, GRID};
-use crate::widgets::{Verdict, muted, parse_number, primary, verdict};
+use crate::widgets::{entered, Verdict, muted, parse_number, primary, verdict};
 
 /// Longest distance that can be typed (mm).
 const LONGEST_MM: f64 = 1e6;
@@ -65,7 +65,7 @@ pub(super) fn show(
             field.scroll_to_me(Some(Align::Center));
         }
         muted(ui, "mm");
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let entered = entered(&field);
         let good = distance_m(&memory.text).is_ok() && !memory.sent;
         let pressed = primary(ui, "Enter distance", good).clicked();
         if good && (entered || pressed) {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Button, Key, Label, Layout, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Align, Button, Label, Layout, RichText, Role, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 use tautline_workflow::report::ReportFormat;
 
@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::model::command::{Outbox, RecordCommand, ReportCommand, ViewCommand};
 use crate::model::phase::{Phase, Screen};
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, icon_button};
+use crate::widgets::{entered, heading, icon_button};
 
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let open = model.record.open();
@@ -67,7 +67,7 @@ fn choose(ui: &mut Ui, path: &mut String, outbox: &mut Outbox) {
         .desired_width((ui.available_width() - 220.0).clamp(160.0, 560.0));
     let field = ui.add(field);
     field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Folder of the record"));
-    let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    let entered = entered(&field);
     let typed = !path.trim().is_empty();
     let open = ui.add_enabled(typed, Button::new("Open"));
     if (open.clicked() || entered) && typed {

@@ -248,20 +248,13 @@ fn model(state: &State) -> Vec<Item> {
     items
 }
 
-/// The one thing to do next, as the foot of the phase has it; not behind a question.
+/// The one thing to do next, as the foot of the phase has it.
 fn next(state: &State) -> Option<Item> {
     let Screen::Phase(phase) = state.model.screen else {
         return None;
     };
-    let dialogs = &state.model.dialogs;
-    let is_asked = dialogs.leaving.is_some()
-        || dialogs.save.is_some()
-        || dialogs.chooser.is_some()
-        || dialogs.writing.is_some()
-        || dialogs.report.is_some()
-        || state.panels.connect.is_some();
     let step = next_step::of(&state.model, phase, state.panels.measuring.poses())?;
-    let action = step.action.filter(|_| !is_asked)?;
+    let action = step.action?;
     Some(Item {
         menu: Menu::Model,
         group: None,

@@ -193,11 +193,10 @@ pub fn key(ui: &Ui, model: &Model, outbox: &mut Outbox) {
     }
 }
 
-/// Whether a key was pressed, alone, that no field and no dialog takes.
+/// Whether a key was pressed, alone, that no field and no menu takes.
 fn is_pressed(ui: &Ui, key: Key) -> bool {
     let is_typing = ui.ctx().text_edit_focused();
-    let is_behind = ui.memory(|memory| memory.top_modal_layer().is_some());
-    let is_taken = is_typing || is_behind || egui::Popup::is_any_open(ui.ctx());
+    let is_taken = is_typing || egui::Popup::is_any_open(ui.ctx());
     !is_taken && ui.input(|input| input.modifiers.is_none() && input.key_pressed(key))
 }
 

@@ -22,6 +22,7 @@ pub(crate) fn show_detached(
     let Some(open) = &model.open else {
         return;
     };
+    let is_behind = ui.memory(|memory| memory.top_modal_layer().is_some());
     for id in panes.detached.clone() {
         let Some(plot) = panes.plots.get_mut(&id) else {
             continue;
@@ -37,6 +38,10 @@ pub(crate) fn show_detached(
             // The key works in every window.
             if ui.input_mut(|input| input.consume_shortcut(&STOP)) {
                 outbox.send(RobotCommand::Stop);
+            }
+            if is_behind {
+                ui.disable();
+                ui.input_mut(|input| input.events.clear());
             }
             let mut content = |ui: &mut Ui| {
                 is_docked = icon_button(ui, icons::ICON_CLOSE_FULLSCREEN, "Dock", true).clicked();
