@@ -18,7 +18,7 @@ pub fn differences_csv(differences: &[Difference]) -> String {
             line.name.clone(),
             line.unit.to_owned(),
             cell(line.controller),
-            line.identified.to_string(),
+            cell(line.identified),
             cell(line.difference),
             cell(line.sd),
         ]);
@@ -114,7 +114,8 @@ mod tests {
             name: "a,b".into(),
             unit: "m",
             controller: None,
-            identified: 0.25,
+            identified: Some(0.25),
+            in_model: true,
             difference: None,
             sd: Some(1e-3),
         }];
@@ -128,7 +129,8 @@ mod tests {
             name: "=1+1.entry_point.x_m".into(),
             unit: "m",
             controller: Some(-1.5),
-            identified: -1.25,
+            identified: Some(-1.25),
+            in_model: true,
             difference: Some(0.25),
             sd: None,
         }];

@@ -16,7 +16,7 @@
 //! controller that stores them separately may have them.
 
 use nalgebra::{UnitQuaternion, Vector3};
-use tautline_core::effect::EffectSetting;
+use tautline_core::effect::{EffectParameter, EffectSetting};
 use tautline_core::kinematics::inverse_kinematics;
 use tautline_core::robot::Robot;
 
@@ -154,6 +154,19 @@ impl<'a> EffectName<'a> {
             targets,
             parameter,
         })
+    }
+
+    /// Whether it is a parameter of this effect on these targets.
+    #[must_use]
+    pub fn is_of(&self, setting: &EffectSetting) -> bool {
+        self.effect == setting.effect && self.targets == setting.targets.join("+")
+    }
+
+    /// The parameter, if a robot could have this effect.
+    #[must_use]
+    pub fn parameter_of(&self, robot: &Robot) -> Option<&'static EffectParameter> {
+        let mut all = robot.effect(self.effect)?.parameters().iter();
+        all.find(|parameter| parameter.name == self.parameter)
     }
 }
 

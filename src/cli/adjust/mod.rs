@@ -14,10 +14,11 @@ use tautline_link::ParameterInfo;
 use tautline_link::adjusting::{plan_adjustment, read_parameters};
 use tautline_session::Outcome;
 use tautline_workflow::adjusting::{
-    self, AdjustmentDocument, DoubtKind, Purpose, former_values, not_restorable, not_restored,
-    revertible, values_to_write,
+    self, AdjustmentDocument, Doubt, DoubtKind, Purpose, former_values, not_restorable,
+    not_restored, revertible, values_to_write,
 };
 use tautline_workflow::controllers::ConnectionSetup;
+use tautline_workflow::wording::sentence;
 
 use crate::examples::examples;
 use crate::live::{Connection, RobotArguments, SessionFile, link_error};
@@ -57,6 +58,9 @@ pub struct Arguments {
     /// Write the values even if the diagnosis has a finding that is not in the model
     #[arg(long)]
     allow_finding: bool,
+    /// Write the values even if the controller has no parameter for an effect that was identified with them
+    #[arg(long)]
+    allow_unsupported: bool,
     /// Show what would be written, and write nothing
     #[arg(long)]
     dry_run: bool,
@@ -108,7 +112,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return roll_back(arguments, &mut file, &mut connection);
     }
     let identified = Identified::of(&file.session, arguments.method)?;
-    check_doubts(arguments, &identified)?;
+    check_doubts(arguments, &identified.doubts)?;
     let effects = &identified.model.effects;
     let setup = ConnectionSetup::chosen(&file.session, effects, &choice, Some(&file.controller()));
     let mut connection = Connection::open(&setup, link, arguments.robot_arguments.speed)?;
@@ -119,13 +123,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Rejects values that there is reason to doubt, unless the user allowed them.
-fn check_doubts(arguments: &Arguments, identified: &Identified) -> Result<()> {
-    for doubt in &identified.doubts {
+fn check_doubts<'a>(
+    arguments: &Arguments,
+    doubts: impl IntoIterator<Item = &'a Doubt>,
+) -> Result<()> {
+    for doubt in doubts {
         let (flag, allowed) = match doubt.kind {
             DoubtKind::Unconverged => ("--allow-unconverged", arguments.allow_unconverged),
             DoubtKind::Unexplained => ("--allow-unexplained", arguments.allow_unexplained),
             DoubtKind::Implausible => ("--allow-implausible", arguments.allow_implausible),
             DoubtKind::Finding => ("--allow-finding", arguments.allow_finding),
+            DoubtKind::Unsupported => ("--allow-unsupported", arguments.allow_unsupported),
         };
         let why = &doubt.sentence;
         if !arguments.dry_run && !allowed {
@@ -148,6 +156,14 @@ fn adjust(
     let solution = identified.solution();
     let differences = plan_adjustment(&parameters, &identified.model, solution);
     files::write(arguments, &identified.model, &differences)?;
+    check_doubts(
+        arguments,
+        &adjusting::unsupported(&identified.model, &differences),
+    )?;
+    match adjusting::refusal(&differences) {
+        Some(why) if !arguments.dry_run => return Err(anyhow!("{}", sentence(&why))),
+        why => why.iter().for_each(|why| note!("{why}.")),
+    }
     let mut document = AdjustmentDocument::new(connection.controller.identity());
     document.method = Some(identified.document.method.clone());
     document.chi2 = Some(identified.document.chi2);

@@ -30,7 +30,10 @@ pub fn print(document: &AdjustmentDocument) {
                 row.not_a_number
                     .clone()
                     .unwrap_or_else(|| number(row.controller)),
-                number(Some(row.identified)),
+                match row.in_model {
+                    true => number(row.identified),
+                    false => format!("none: {}", number(row.identified)),
+                },
                 number(row.difference),
                 number(row.sd),
             ];

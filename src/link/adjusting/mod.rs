@@ -18,7 +18,7 @@ use tautline_core::robot::Robot;
 
 use crate::controller::Controller;
 use crate::error::LinkError;
-use crate::parameters::{ParameterInfo, home_lengths, parameters_of};
+use crate::parameters::{EffectName, ParameterInfo, home_lengths, parameters_of};
 use crate::reconnecting::ReconnectPolicy;
 
 /// Largest difference (m, rad, 1) at which the controller counts as holding a value; it allows for rounding to single
@@ -43,8 +43,10 @@ pub struct Difference {
     /// Value in the controller, which may be NaN or infinite; `None` if it has no such parameter, so that the value cannot be
     /// written.
     pub controller: Option<f64>,
-    /// Identified value.
-    pub identified: f64,
+    /// Identified value; of an effect that the model lacks the value without effect, `None` if that is not known.
+    pub identified: Option<f64>,
+    /// Whether the model has the parameter.
+    pub in_model: bool,
     /// Identified less controller.
     pub difference: Option<f64>,
     /// Standard deviation of the identified value, if the parameter was estimated and the data determine it.
@@ -55,12 +57,21 @@ impl Difference {
     /// Whether the controller holds a different value that can be overwritten.
     #[must_use]
     pub fn is_writable_change(&self) -> bool {
-        self.controller
-            .is_some_and(|held| !is_held(held, self.identified))
+        let both = self.controller.zip(self.identified);
+        both.is_some_and(|(held, identified)| !is_held(held, identified))
+    }
+
+    /// Whether the controller corrects an effect that neither the model nor this program knows: nobody can say which value
+    /// ends that.
+    #[must_use]
+    pub fn is_unknown_effect(&self) -> bool {
+        let is_effect = EffectName::read(&self.name).is_some();
+        is_effect && self.identified.is_none() && self.controller != Some(0.0)
     }
 }
 
-/// Compares every parameter of the identified model with the value in the controller.
+/// Compares every parameter of the identified model and of the controller. An effect that the model lacks is to be neutral in
+/// the controller, which would go on correcting it.
 #[must_use]
 pub fn plan_adjustment(
     controller: &[ParameterInfo],
@@ -68,22 +79,39 @@ pub fn plan_adjustment(
     solution: Option<&Solution>,
 ) -> Vec<Difference> {
     let is_offered = |length: &ParameterInfo| controller.iter().any(|p| p.name == length.name);
-    parameters_of(identified)
-        .into_iter()
-        .chain(home_lengths(identified).into_iter().filter(is_offered))
+    let of_model = parameters_of(identified).into_iter();
+    let of_model = of_model.chain(home_lengths(identified).into_iter().filter(is_offered));
+    let mut lines: Vec<Difference> = of_model
         .map(|parameter| {
             let held = controller.iter().find(|p| p.name == parameter.name);
             let held = held.map(|p| p.value);
             Difference {
                 controller: held,
-                identified: parameter.value,
+                identified: Some(parameter.value),
+                in_model: true,
                 difference: held.map(|held| parameter.value - held),
                 sd: solution.and_then(|s| deviation(s, identified, &parameter.name)),
                 unit: parameter.unit,
                 name: parameter.name,
             }
         })
-        .collect()
+        .collect();
+    let is_lacking = |held: &&ParameterInfo| lines.iter().all(|line| line.name != held.name);
+    let lacking: Vec<&ParameterInfo> = controller.iter().filter(is_lacking).collect();
+    lines.extend(lacking.into_iter().map(|held| {
+        let known = EffectName::read(&held.name).and_then(|name| name.parameter_of(identified));
+        let neutral = known.map(|parameter| parameter.neutral);
+        Difference {
+            name: held.name.clone(),
+            unit: known.map_or(held.unit, |parameter| parameter.unit),
+            controller: Some(held.value),
+            identified: neutral,
+            in_model: false,
+            difference: neutral.map(|neutral| neutral - held.value),
+            sd: None,
+        }
+    }));
+    lines
 }
 
 /// Standard deviation of an estimated parameter, by its name in the controller.

@@ -156,6 +156,38 @@ fn differences_have_the_deviations_of_what_was_estimated() {
     assert!(without[3..].iter().all(|d| !d.is_writable_change()));
 }
 
+#[test]
+fn every_parameter_of_the_controller_is_a_line() {
+    let model = preset("mini").robot;
+    let mut held = parameters_of(&model);
+    held.extend(
+        [("winch_scale.cable-3.scale", 0.0201), ("unknown.size", 1.5)].map(|(name, value)| {
+            ParameterInfo {
+                name: format!("effect.{name}"),
+                unit: "1",
+                value,
+            }
+        }),
+    );
+    let plan = plan_adjustment(&held, &model, None);
+    assert_eq!(plan.len(), held.len());
+    let changes: Vec<_> = plan
+        .iter()
+        .filter(|line| line.is_writable_change())
+        .collect();
+    let [scale] = changes[..] else {
+        panic!("{changes:?}");
+    };
+    assert_eq!(scale.name, "effect.winch_scale.cable-3.scale");
+    assert_eq!((scale.in_model, scale.identified), (false, Some(0.0)));
+    // Nobody knows what ends the other one.
+    let unknown: Vec<_> = plan
+        .iter()
+        .filter(|line| line.is_unknown_effect())
+        .collect();
+    assert_eq!((unknown.len(), unknown[0].controller), (1, Some(1.5)));
+}
+
 fn attempts(attempts: u32, waited: &mut Vec<f64>) -> Attempts<impl FnMut(f64)> {
     Attempts {
         back_off: BackOff::default(),

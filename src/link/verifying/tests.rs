@@ -70,7 +70,9 @@ fn before_and_after(change: impl FnOnce(&mut SimulatedSetup)) -> [(f64, f64); 2]
     let model = solution.globals.model(&preset.robot);
     let plan = plan_adjustment(&robot.parameters().unwrap(), &model, Some(&solution));
     let changes = plan.iter().filter(|d| d.is_writable_change());
-    let values: Vec<_> = changes.map(|d| (d.name.clone(), d.identified)).collect();
+    let values: Vec<_> = changes
+        .filter_map(|d| Some((d.name.clone(), d.identified?)))
+        .collect();
     let adjustment = write_adjustment(&mut robot, &values).unwrap();
     assert_eq!(adjustment.holds, ControllerValues::New);
     let after = figures(&verify(&targets, &mut robot, &mut tracker, &clock));

@@ -29,11 +29,11 @@ pub(crate) mod save_form;
 mod session_lock;
 pub(crate) mod tasks;
 
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use tautline_link::adjusting::{Difference, plan_adjustment};
 use tautline_link::opcua::PasswordStore;
 use tautline_session::{Adjustment, Folders, Preferences, Session, UnsavedSession};
 
@@ -57,7 +57,7 @@ use phase::{Phase, Screen};
 use record::RecordState;
 use session_lock::SessionLock;
 use tasks::Tasks;
-use tautline_workflow::adjusting;
+use tautline_workflow::adjusting::{self, Review};
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::identification::Identification;
 use tautline_workflow::sequential::planned_poses;
@@ -93,6 +93,10 @@ pub struct Playback {
 /// Draws the robot for a report as PNG, with the coordinates of the pulleys of these indices; or one sentence on why not.
 pub type ReportPicture =
     fn(&Session, Option<&Identification>, &BTreeSet<usize>) -> Result<Vec<u8>, String>;
+
+/// Identity and revision of the session with the address of its fit, whether the controller is connected and the version of
+/// its parameters.
+type ReviewKey = ((u64, u64, usize), (bool, u64));
 
 pub struct Model {
     pub options: Options,
@@ -135,6 +139,7 @@ pub struct Model {
     /// Running work.
     pub tasks: Tasks,
     pub link: Link,
+    review: RefCell<Memo<ReviewKey, Arc<Review>>>,
     pub messages: Messages,
     pub dialogs: Dialogs,
     /// Draws the robot for reports.
@@ -188,6 +193,7 @@ impl Model {
             hypothesis: HypothesisState::default(),
             importing: ImportState::default(),
             tasks: Tasks::new(context.clone()),
+            review: RefCell::default(),
             messages,
             dialogs: Dialogs::default(),
             report_picture,
@@ -219,17 +225,23 @@ impl Model {
     }
 
     /// Values in the controller, or those that the session recorded while it is not connected, beside the identified ones;
-    /// empty without an identification that is up to date.
-    #[must_use]
-    pub fn differences(&self) -> Vec<Difference> {
+    /// empty without an identification that is up to date. Computed again only after a change.
+    pub fn review(&self) -> Arc<Review> {
         let open = self.open.as_ref().filter(|open| open.fit_is_current());
         let Some((open, fit)) = open.and_then(|open| Some((open, open.fit()?))) else {
-            return Vec::new();
+            return Arc::default();
         };
-        match self.link.is_connected() {
-            true => plan_adjustment(&self.link.parameters, &fit.model, Some(&fit.solution)),
-            false => adjusting::recorded_differences(open.session(), fit),
-        }
+        let is_connected = self.link.is_connected();
+        let key = (
+            (open.id(), open.revision(), Arc::as_ptr(fit) as usize),
+            (is_connected, self.link.parameters_version),
+        );
+        let computed = || match is_connected {
+            true => Review::of(&self.link.parameters, fit),
+            false => Review::recorded(open.session(), fit),
+        };
+        let mut review = self.review.borrow_mut();
+        Arc::clone(review.get(key, || Arc::new(computed())))
     }
 
     /// Whether the open session has changes that no file has yet.

@@ -11,10 +11,11 @@ use crate::model::command::{
 };
 use crate::model::phase::Screen;
 use crate::model::{self, Model};
-use crate::screens::adjustment::lines;
+use crate::screens::adjustment::{identify_without, lines};
 use crate::theme::{self, GRID};
 use crate::widgets::{
-    Entered, Number, Verdict, checkbox, entered, heading, modal, muted, number, primary, section, verdict,
+    Entered, Number, Verdict, checkbox, entered, heading, modal, muted, number, primary, section,
+    verdict,
 };
 use tautline_workflow::report::{Part, ReportChoice};
 use tautline_workflow::wording::count;
@@ -265,30 +266,34 @@ fn unsaved_hypothesis(ui: &mut Ui, state: &mut State) {
 
 /// Write these values, and in whose name?
 fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
-    let WriteDraft { list, operator } = &mut draft;
+    let review = &draft.review;
     let open = state.model.open.as_ref();
     let cables = open.map_or(&[][..], |open| &open.session().robot.cables);
     let (answer, is_left) = modal(ui, ("write values", 600.0), |ui| {
         heading(ui, "Write these values?");
-        let (values, controller) = (count(list.changes.len(), "value"), &list.controller);
+        let values = count(review.changes().count(), "value");
+        let controller = &state.model.link.identity;
         ui.label(format!(
             "{values} in {controller} are replaced by the identified ones. They can be rolled back."
         ));
         let height = (ui.ctx().content_rect().height() - 360.0).max(100.0);
         egui::ScrollArea::vertical()
             .max_height(height)
-            .show(ui, |ui| lines(ui, list.changes.iter(), cables));
-        for doubt in &list.doubts {
+            .show(ui, |ui| lines(ui, review.changes(), cables));
+        for doubt in &draft.doubts {
             verdict(ui, Verdict::Doubtful, &format!("{}.", doubt.sentence));
         }
-        let is_sound = list.doubts.is_empty();
+        let is_sound = draft.doubts.is_empty();
         if !is_sound {
             ui.label("Such values can make the robot less accurate.");
         }
+        let is_left =
+            review.unsupported.is_some() && identify_without(ui, review, &mut state.outbox);
         ui.add_space(GRID);
         let field = ui.horizontal(|ui| {
             let label = ui.label("Operator");
-            let field = TextEdit::singleline(operator).hint_text("Your name, for the record");
+            let field =
+                TextEdit::singleline(&mut draft.operator).hint_text("Your name, for the record");
             ui.add(field.desired_width(240.0)).labelled_by(label.id)
         });
         let field = field.inner;
@@ -297,7 +302,7 @@ fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
             field.request_focus();
         }
         ui.add_space(2.0 * GRID);
-        let is_named = !operator.trim().is_empty();
+        let is_named = !draft.operator.trim().is_empty();
         let hint = "Enter your name: who writes is kept in the record";
         ui.horizontal(|ui| {
             let (wanted, cancelled) = match is_sound {
@@ -314,7 +319,7 @@ fn writing(ui: &mut Ui, state: &mut State, mut draft: WriteDraft) {
             let wanted = wanted.on_disabled_hover_text(hint).clicked();
             match wanted || entered && is_sound && is_named {
                 true => Some(true),
-                false => cancelled.then_some(false),
+                false => (cancelled || is_left).then_some(false),
             }
         })
         .inner

@@ -38,7 +38,7 @@ fn entries(ui: &mut Ui, state: &mut State, look: (bool, f32)) {
         let Some(open) = &state.model.open else {
             return;
         };
-        let status = phase_status::of(open, phase);
+        let status = phase_status::of(&state.model, open, phase);
         let selected = state.model.screen == Screen::Phase(phase);
         if entry(ui, (phase, &status), selected, look) {
             state.outbox.send(ViewCommand::Go(Screen::Phase(phase)));

@@ -11,7 +11,7 @@ use crate::model::command::FileCommand;
 use crate::model::dialogs::SaveContent;
 use crate::model::save_form::SaveForm;
 use crate::theme::GRID;
-use crate::widgets::{entered, Verdict, heading, icon_button, modal, muted, primary, verdict};
+use crate::widgets::{Verdict, entered, heading, icon_button, modal, muted, primary, verdict};
 
 /// Draws the dialog while it is open.
 pub fn show(ui: &mut Ui, state: &mut State) {

@@ -44,8 +44,11 @@ pub struct DifferenceRow {
     /// Previous value in the controller if that is not a number: NaN, inf or -inf; otherwise null.
     #[serde(default)]
     pub not_a_number: Option<String>,
-    /// Identified value.
-    pub identified: f64,
+    /// Identified value; of an effect that the model lacks the value without effect, null if that is not known.
+    pub identified: Option<f64>,
+    /// Whether the model has this parameter.
+    #[serde(default = "in_model")]
+    pub in_model: bool,
     /// Identified less controller.
     pub difference: Option<f64>,
     /// Standard deviation of the identified value, if it was estimated.
@@ -84,6 +87,7 @@ impl AdjustmentDocument {
             controller: line.controller.filter(|held| held.is_finite()),
             not_a_number: not_a_number(line.controller),
             identified: line.identified,
+            in_model: line.in_model,
             difference: line.difference.filter(|difference| difference.is_finite()),
             sd: line.sd,
             changes: line.is_writable_change(),
@@ -113,6 +117,11 @@ impl AdjustmentDocument {
         self.holds = holds.map(|holds| word(holds).to_owned());
         self.text = Some(text.to_owned());
     }
+}
+
+/// Files of versions that listed the parameters of the model alone.
+fn in_model() -> bool {
+    true
 }
 
 fn word(holds: &ControllerValues) -> &'static str {

@@ -24,6 +24,8 @@ pub enum DoubtKind {
     Implausible,
     /// The diagnosis has a finding that is not in the model.
     Finding,
+    /// The controller has no parameter for an effect of the model.
+    Unsupported,
 }
 
 /// A reason not to write identified values, with its details.

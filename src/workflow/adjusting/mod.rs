@@ -7,6 +7,8 @@
 mod document;
 mod doubts;
 mod record;
+mod review;
+mod unsupported;
 
 use tautline_link::ParameterInfo;
 use tautline_link::adjusting::{self, ControllerValues, Difference};
@@ -16,6 +18,8 @@ use crate::wording::count;
 pub use document::{AdjustmentDocument, DifferenceRow};
 pub use doubts::{Doubt, DoubtKind, doubts, finding, implausible, unanswered};
 pub use record::{Written, recorded_differences, verified_before_last_write, written};
+pub use review::Review;
+pub use unsupported::{unsupported, unsupported_effects};
 
 /// Purpose of writing values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,11 +33,24 @@ pub enum Purpose {
 /// The values that the controller accepts and does not already hold.
 #[must_use]
 pub fn values_to_write(differences: Vec<Difference>) -> Vec<(String, f64)> {
-    differences
+    let changes = differences
         .into_iter()
-        .filter(Difference::is_writable_change)
-        .map(|difference| (difference.name, difference.identified))
+        .filter(Difference::is_writable_change);
+    changes
+        .filter_map(|line| Some((line.name, line.identified?)))
         .collect()
+}
+
+/// Why nothing is written, if the controller corrects an effect that would stay: one sentence without full stop.
+#[must_use]
+pub fn refusal(differences: &[Difference]) -> Option<String> {
+    let unknown = differences.iter().find(|line| line.is_unknown_effect())?;
+    Some(format!(
+        "the controller has {} = {} of an effect that the model lacks and this program does not know, so nothing is written: \
+         end this correction at the controller first",
+        unknown.name,
+        unknown.controller.unwrap_or(f64::NAN)
+    ))
 }
 
 /// The last adjustment that changed the controller.

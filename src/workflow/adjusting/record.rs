@@ -35,7 +35,8 @@ pub struct Written<'a> {
 /// back, or identified values differ from those written.
 #[must_use]
 pub fn written<'a>(session: &'a Session, differences: &[Difference]) -> Option<Written<'a>> {
-    let is_different = differences.iter().any(Difference::is_writable_change);
+    let is_other = |line: &Difference| line.is_writable_change() || line.is_unknown_effect();
+    let is_different = differences.iter().any(is_other);
     let adjustment = in_effect(session)
         .filter(|last| last.outcome == Outcome::Written && !last.restores && !is_different)?;
     let mut runs = session.verifications().iter().rev();

@@ -147,9 +147,9 @@ fn writing_identified_values_improves_the_accuracy() {
     bench.give(LinkRequest::Disconnect);
     bench.give(FileCommand::Answer(Answer::Discard));
     bench.wait("no controller", |state| !state.model.link.is_connected());
-    let differences = bench.state().model.differences();
+    let review = bench.state().model.review();
     for change in &written.changes {
-        let mut lines = differences.iter();
+        let mut lines = review.lines.iter();
         let line = lines.find(|line| line.name == change.name);
         let recorded = line
             .and_then(|line| line.controller)
@@ -185,12 +185,24 @@ fn what_is_written_is_the_list_that_was_shown() {
     let before = controller_values(&bench);
     bench.press("Write to the controller");
     bench.harness.run_ok();
-    let shown = bench.state().model.dialogs.writing.clone().expect("a question").list;
+    let shown = bench
+        .state()
+        .model
+        .dialogs
+        .writing
+        .clone()
+        .expect("a question");
     let scale = "Winch scale, cable-3";
     let lines = bench.harness.query_all_by_label_contains(scale).count();
-    assert!(shown.doubts.is_empty() && lines > 1, "{:?}, {lines}", shown.doubts);
+    assert!(
+        shown.doubts.is_empty() && lines > 1,
+        "{:?}, {lines}",
+        shown.doubts
+    );
     // Undo is not for the screen behind the question.
-    bench.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    bench
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::Z);
     bench.harness.step();
     bench.settle("nothing");
     assert_eq!(bench.session().settings.identification.effects.len(), 1);
@@ -201,7 +213,9 @@ fn what_is_written_is_the_list_that_was_shown() {
     bench.harness.key_press(Key::Enter);
     bench.harness.step();
     bench.harness.step();
-    bench.harness.get_by_label_contains("Nothing was written: model, session or controller changed");
+    bench
+        .harness
+        .get_by_label_contains("Nothing was written: model, session or controller changed");
     assert!(!bench.state().model.link.writing && bench.session().adjustments().is_empty());
     assert_eq!(controller_values(&bench), before);
     bench.give(Command::Redo);
@@ -217,10 +231,16 @@ fn what_is_written_is_the_list_that_was_shown() {
     });
     let written = bench.session().adjustments()[0].clone();
     let named = |name: &str, value: f64| (name.to_owned(), value);
-    let changes = written.changes.iter().map(|change| named(&change.name, change.after));
-    let list = shown.changes.iter().map(|line| named(&line.name, line.identified));
-    assert_eq!(changes.collect::<Vec<_>>(), list.collect::<Vec<_>>());
-    assert_eq!((written.operator.as_str(), written.outcome), ("Ada", Outcome::Written));
+    let changes = written
+        .changes
+        .iter()
+        .map(|change| named(&change.name, change.after));
+    let list = shown.review.values_to_write();
+    assert_eq!(changes.collect::<Vec<_>>(), list);
+    assert_eq!(
+        (written.operator.as_str(), written.outcome),
+        ("Ada", Outcome::Written)
+    );
 }
 
 #[test]
@@ -237,6 +257,8 @@ fn a_name_is_kept_when_the_question_is_left() {
     assert!(bench.session().adjustments().is_empty());
     bench.press("Write to the controller");
     bench.harness.run_ok();
-    let field = bench.harness.get_by_role_and_label(Role::TextInput, "Operator");
+    let field = bench
+        .harness
+        .get_by_role_and_label(Role::TextInput, "Operator");
     assert_eq!(field.accesskit_node().value().as_deref(), Some("Ada"));
 }

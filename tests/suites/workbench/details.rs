@@ -47,7 +47,8 @@ fn a_plan_that_is_partly_measured_is_not_done() {
         orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
     });
     session.plan = planned.collect();
-    let status = phase_status::of(&OpenSession::new(session, None), Phase::Measuring);
+    let (harness, open) = (workbench(), OpenSession::new(session, None));
+    let status = phase_status::of(&harness.state().state.model, &open, Phase::Measuring);
     assert_eq!(status.progress, Progress::InProgress);
     assert_eq!(status.line, "3 of 25 poses measured");
 }

@@ -254,7 +254,7 @@ fn writing_values_that_did_not_converge_needs_confirmation() {
     bench.wait("a connection", |state| state.model.link.is_connected());
     let doubts = |bench: &Bench| {
         let writing = bench.state().model.dialogs.writing.as_ref();
-        writing.map(|draft| draft.list.doubts.len())
+        writing.map(|draft| draft.doubts.len())
     };
     bench.give(RobotCommand::Write);
     assert_eq!(doubts(&bench), Some(0), "only the name is asked for");

@@ -253,32 +253,56 @@ fn nothing_but_stop_acts_behind_a_dialog() {
     bench.give(Command::Undo);
     bench.give(ViewCommand::Select(Selection::pose(1).with_cable(2)));
     bench.connect_and_arm();
-    let shortcuts: Vec<_> = items(bench.state()).iter().filter_map(|item| item.shortcut).collect();
+    let shortcuts: Vec<_> = items(bench.state())
+        .iter()
+        .filter_map(|item| item.shortcut)
+        .collect();
     assert!(shortcuts.len() > 25, "{}", shortcuts.len());
-    let plain = [Key::F, Key::Delete, Key::Home, Key::End, Key::Space, Key::Num1];
+    let plain = [
+        Key::F,
+        Key::Delete,
+        Key::Home,
+        Key::End,
+        Key::Space,
+        Key::Num1,
+    ];
     let plain = plain.map(|key| KeyboardShortcut::new(Modifiers::NONE, key));
     for dialog in &DIALOGS {
         (dialog.open)(&mut bench);
         step(&mut bench);
         if dialog.name == "command palette" {
-            type_into(&mut bench.harness, Role::TextInput, "Command", "no such thing");
+            type_into(
+                &mut bench.harness,
+                Role::TextInput,
+                "Command",
+                "no such thing",
+            );
         }
         let before = behind(bench.state());
         for keys in shortcuts.iter().chain(&plain) {
             if keys.logical_key == Key::F12 {
                 continue;
             }
-            bench.harness.key_press_modifiers(keys.modifiers, keys.logical_key);
+            bench
+                .harness
+                .key_press_modifiers(keys.modifiers, keys.logical_key);
             step(&mut bench);
             let shown = bench.harness.query_all_by_label(dialog.shows).count();
-            assert_eq!((shown, behind(bench.state())), (1, before.clone()), "{} {keys:?}", dialog.name);
+            assert_eq!(
+                (shown, behind(bench.state())),
+                (1, before.clone()),
+                "{} {keys:?}",
+                dialog.name
+            );
         }
         bench.harness.key_press(Key::Escape);
         step(&mut bench);
         bench.give(ViewCommand::Go(Screen::Phase(Phase::Measuring)));
     }
     assert!(bench.state().model.link.is_armed());
-    bench.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    bench
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::Z);
     step(&mut bench);
     assert_eq!(bench.session().name, name, "without a dialog they act");
 }

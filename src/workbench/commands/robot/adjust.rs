@@ -1,14 +1,16 @@
 //! What is written to the controller, and how exactly the robot moves before and after.
 
-use tautline_link::adjusting::{Adjustment as Written, ControllerValues, Difference};
+use std::sync::Arc;
+
+use tautline_link::adjusting::{Adjustment as Written, ControllerValues};
 use tautline_link::verifying::{circle, cube_poses, line};
 use tautline_session::{
     CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, StoppedVerification, Verification,
 };
 
-use crate::model::command::{WriteDraft, WriteList};
+use crate::model::command::WriteDraft;
 use crate::model::link::{DriverCommand, ValuesToWrite};
-use crate::model::messages::Cause;
+use crate::model::messages::{Cause, full_sentence};
 use crate::model::{Model, UiRequest};
 use tautline_workflow::adjusting::title;
 use tautline_workflow::adjusting::{self, Purpose};
@@ -18,45 +20,47 @@ use tautline_workflow::wording::sentence;
 /// Points of the circle and of the line.
 const POINTS: (usize, usize) = (16, 9);
 
-/// What would be written now; nothing if the controller holds it all, or the pulleys are not identified.
-fn write_list(model: &Model) -> Option<WriteList> {
-    let open = model.open.as_ref()?;
-    let mut changes = model.differences();
-    changes.retain(Difference::is_writable_change);
-    (!changes.is_empty()).then_some(WriteList {
-        session_id: open.id(),
-        controller: model.link.identity.clone(),
-        changes,
-        doubts: adjusting::doubts(open.session(), open.fit()?),
-    })
-}
-
 pub(super) fn write(model: &mut Model) {
-    model.dialogs.writing = write_list(model).map(|list| WriteDraft {
-        list,
-        operator: model.preferences.operator.clone(),
+    let open = model.open.as_ref().filter(|_| model.link.is_connected());
+    let Some((session, fit)) = open.and_then(|open| Some((open.session(), open.fit()?))) else {
+        return;
+    };
+    let review = model.review();
+    if let Some(why) = adjusting::refusal(&review.lines) {
+        let why = full_sentence(&why);
+        return model.messages.failure(Cause::Adjustment, why);
+    }
+    let mut doubts = adjusting::doubts(session, fit);
+    doubts.extend(review.unsupported.clone());
+    let operator = model.preferences.operator.clone();
+    model.dialogs.writing = review.changes().next().is_some().then_some(WriteDraft {
+        review: Arc::clone(&review),
+        doubts,
+        operator,
     });
 }
 
 pub(super) fn confirm_write(model: &mut Model, is_confirmed: bool) {
-    let Some(WriteDraft { list, operator }) = model.dialogs.writing.take() else {
+    let Some(draft) = model.dialogs.writing.take() else {
         return;
     };
-    model.change_preferences(|preferences| preferences.operator = operator.trim().to_owned());
+    let operator = draft.operator.trim().to_owned();
+    model.change_preferences(|preferences| preferences.operator = operator);
     if !is_confirmed {
         return;
     }
-    if write_list(model).as_ref() != Some(&list) {
+    // It is another one after any change.
+    if !Arc::ptr_eq(&draft.review, &model.review()) {
         let text = "Nothing was written: model, session or controller changed while the values were shown.";
         return model.messages.failure(Cause::Adjustment, text);
     }
     if let Some(open) = &mut model.open {
-        for doubt in &list.doubts {
+        for doubt in draft.doubts {
             let text = format!("Written all the same: {}.", doubt.sentence);
             open.log(LogPhase::Accuracy, text);
         }
     }
-    give(model, adjusting::values_to_write(list.changes), Purpose::Adjust);
+    give(model, draft.review.values_to_write(), Purpose::Adjust);
 }
 
 /// The robot is accepted in the name of the operator who wrote the values.

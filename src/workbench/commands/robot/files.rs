@@ -38,8 +38,8 @@ fn content(model: &Model, export: Export) -> Option<String> {
             write_check(&mut bytes, &last.rows).ok()?;
         }
         Export::Differences => {
-            let lines = model.differences();
-            return (!lines.is_empty()).then(|| differences_csv(&lines));
+            let lines = &model.review().lines;
+            return (!lines.is_empty()).then(|| differences_csv(lines));
         }
         Export::StructuredText => {
             let fit = open.fit().filter(|_| open.fit_is_current())?;

@@ -29,7 +29,7 @@ pub use record::{CHECKING_HEALTH, READING_RECORD, RecordCommand, RecordOutcome};
 pub use recording::{ALIGNING, CUTTING, READING, RecordingCommand, RecordingOutcome};
 pub use report::{ReportCommand, ReportDraft};
 pub(crate) use robot::STOP;
-pub use robot::{EXPECTING, Export, PLANNING, PlanOutcome, PlanOutlook, RobotCommand, WriteDraft, WriteList};
+pub use robot::{EXPECTING, Export, PLANNING, PlanOutcome, PlanOutlook, RobotCommand, WriteDraft};
 pub use setup::{CHECKING, Setup, SetupOutcome, UserFile};
 pub use study::{AskedRobot, SIMULATING, StudyCommand};
 pub use view::{PoseStep, ViewCommand};

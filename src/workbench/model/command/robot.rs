@@ -1,15 +1,15 @@
 //! Planning and measuring poses, the controller, adjustment and verification.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
-use tautline_link::adjusting::Difference;
 use tautline_session::{PlannedPose, Stage};
 
 use super::Setup;
 use crate::model::OpenSession;
 use crate::model::link::LinkRequest;
-use tautline_workflow::adjusting::{Doubt, Purpose};
+use tautline_workflow::adjusting::{Doubt, Purpose, Review};
 use tautline_workflow::planning::PlanSummary;
 
 pub const PLANNING: &str = "Planning poses";
@@ -87,20 +87,12 @@ impl RobotCommand {
 /// Values that are to be written, while that is to be confirmed.
 #[derive(Debug, Clone, Default)]
 pub struct WriteDraft {
-    /// What is written; nothing if it would be another list by then.
-    pub list: WriteList,
-    /// Operator who writes them.
-    pub operator: String,
-}
-
-/// Values for a controller, and all that the operator has to know of them.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct WriteList {
-    pub session_id: u64,
-    pub controller: String,
-    pub changes: Vec<Difference>,
+    /// What is shown and written; nothing if there is another one by then.
+    pub review: Arc<Review>,
     /// Reasons not to write.
     pub doubts: Vec<Doubt>,
+    /// Operator who writes them.
+    pub operator: String,
 }
 
 /// What to expect of planned poses.

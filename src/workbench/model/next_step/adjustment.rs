@@ -14,7 +14,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     if let Some(waits) = waits(model) {
         return waits;
     }
-    let status = phase_status::of(open, Phase::Adjustment);
+    let status = phase_status::of(model, open, Phase::Adjustment);
     if !open.fit_is_current() {
         let action = match open.session().measurements.is_empty() {
             true => Action::go(Phase::Measuring),
@@ -26,10 +26,9 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
         };
         return NextStep::new(status, Some(action), then);
     }
-    let differences = model.differences();
-    let changes = differences.iter().filter(|one| one.is_writable_change());
-    let changes = changes.count();
-    let checks = checklist(open, &differences);
+    let review = model.review();
+    let changes = review.changes().count();
+    let checks = checklist(open, &review.lines);
     let next = checks.iter().find(|check| check.state == CheckState::Next);
     let Some(next) = next.map(|check| check.item) else {
         let action = Action::new(
@@ -54,7 +53,7 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
         return NextStep::new(status, action, then);
     }
     let (action, then) = match next {
-        Item::MeasureBefore => missing_parameters(model, &differences)
+        Item::MeasureBefore => missing_parameters(model, &review.lines)
             .map(|action| {
                 (
                     action,

@@ -196,7 +196,8 @@ mod tests {
             name: "home.x_m".into(),
             unit: "m",
             controller: Some(0.0),
-            identified: 1e-3,
+            identified: Some(1e-3),
+            in_model: true,
             difference: Some(1e-3),
             sd: None,
         };

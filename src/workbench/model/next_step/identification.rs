@@ -11,7 +11,7 @@ use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::count;
 
 pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
-    let status = phase_status::of(open, Phase::Identification);
+    let status = phase_status::of(model, open, Phase::Identification);
     if open.session().measurements.is_empty() {
         let action = Action::go(Phase::Measuring);
         return NextStep::new(status, Some(action), "Identification needs measured poses.");

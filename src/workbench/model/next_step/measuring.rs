@@ -9,7 +9,7 @@ use tautline_workflow::wording::sentence;
 
 pub(super) fn of(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
     let session = open.session();
-    let status = phase_status::of(open, Phase::Measuring);
+    let status = phase_status::of(model, open, Phase::Measuring);
     if model.tasks.runs(PLANNING) {
         return NextStep::wait("Planning poses.", None, "Then: connect the controller.");
     }

@@ -103,7 +103,7 @@ pub fn of(model: &Model, phase: Phase, poses: usize) -> Option<NextStep> {
 
 /// Phase 1: measured values are applied, all at once.
 fn precalibration(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
-    let status = phase_status::of(open, Phase::Precalibration);
+    let status = phase_status::of(model, open, Phase::Precalibration);
     let all = open.calibration().with_all();
     let robot = all.robot.ok().filter(|_| !all.is_used);
     if let (Some(robot), Progress::InProgress) = (robot, status.progress) {
@@ -120,7 +120,7 @@ fn precalibration(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
 
 /// Phase 2: a measured elongation is applied.
 fn modeling(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
-    let status = phase_status::of(open, Phase::Modeling);
+    let status = phase_status::of(model, open, Phase::Modeling);
     if let Some(edit) = elongation(open) {
         let action = Action::new("Apply measured elongation", edit);
         return NextStep::new(status, Some(action), "Then: measure poses.");

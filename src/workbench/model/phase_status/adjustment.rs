@@ -4,9 +4,10 @@ use tautline_session::{Outcome, Stage};
 
 use crate::model::OpenSession;
 use crate::model::phase::{PhaseStatus, Progress};
+use tautline_workflow::wording::count;
 
-/// What was written, and whether it was verified.
-pub(super) fn whole(open: &OpenSession) -> PhaseStatus {
+/// What was written, whether it was verified, and how many values differ from it by now.
+pub(super) fn whole(open: &OpenSession, changes: usize) -> PhaseStatus {
     let session = open.session();
     let verified = |stage: Stage| session.verifications().iter().any(|run| run.stage == stage);
     let Some(last) = session.adjustments().last() else {
@@ -21,6 +22,10 @@ pub(super) fn whole(open: &OpenSession) -> PhaseStatus {
     match &last.outcome {
         Outcome::Written if open.fit().is_some() && !open.fit_is_current() => {
             PhaseStatus::new(Progress::OutOfDate, "data changed since it was written")
+        }
+        Outcome::Written if changes > 0 => {
+            let line = count(changes, "value") + " not written";
+            PhaseStatus::new(Progress::InProgress, line)
         }
         Outcome::Written if session.verifications().iter().any(after) => {
             PhaseStatus::new(Progress::Done, "written and verified")

@@ -10,18 +10,18 @@ pub use self::precalibration::{force_sensors, home, winches};
 
 use super::open_session::Stored;
 use super::phase::{Phase, PhaseStatus, Progress};
-use super::{OpenSession, findings};
+use super::{Model, OpenSession, findings};
 use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::count;
 
 #[must_use]
-pub fn of(open: &OpenSession, step: Phase) -> PhaseStatus {
+pub fn of(model: &Model, open: &OpenSession, step: Phase) -> PhaseStatus {
     match step {
         Phase::Precalibration => precalibration::whole(open.calibration()),
         Phase::Modeling => elongation(open),
         Phase::Measuring => measuring::whole(open),
         Phase::Identification => identification(open),
-        Phase::Adjustment => adjustment::whole(open),
+        Phase::Adjustment => adjustment::whole(open, model.review().changes().count()),
     }
 }
 

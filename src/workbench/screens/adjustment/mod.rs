@@ -7,11 +7,8 @@ mod table;
 mod typed;
 mod verification;
 
-use std::sync::Arc;
-
 use egui::{Button, TextEdit, Ui};
 use egui_material_icons::icons;
-use tautline_link::adjusting::Difference;
 
 use super::measuring::controller;
 use crate::model::Memo;
@@ -19,18 +16,17 @@ use crate::model::Model;
 use crate::model::accuracy_figures::Figures;
 use crate::model::command::Outbox;
 use crate::model::command::{Export, IdentificationCommand, RobotCommand, ViewCommand};
+use crate::model::edit::Edit;
 use crate::model::link::LinkRequest;
 use crate::model::phase::{Phase, Screen};
 use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
+use tautline_workflow::adjusting::{self, Review};
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::identification::FitVerdict;
+use tautline_workflow::wording::sentence;
 
 pub(crate) use table::lines;
-
-/// Identity and revision of the session, address of its fit, whether the controller is connected, version of its
-/// parameters.
-type Key = (u64, u64, Option<usize>, bool, u64);
 
 /// State of the panel between frames.
 #[derive(Debug, Default)]
@@ -39,7 +35,6 @@ pub struct PanelState {
     operator: Option<String>,
     /// Whether parameters that stay as they are are shown as well.
     all: bool,
-    differences: Memo<Key, Arc<Vec<Difference>>>,
     figures: Memo<(u64, u64), Result<Figures, String>>,
     /// The pose that is typed at a target.
     typed: typed::Typed,
@@ -58,33 +53,17 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     if !current {
         missing(ui, model, outbox);
     }
-    let differences = differences(model, panel);
-    checks::show(ui, model, &differences);
+    let review = model.review();
+    checks::show(ui, model, &review.lines);
     controller::show(ui, model, outbox);
     if current {
         doubt(ui, model, outbox);
-        compare(ui, model, panel, outbox, &differences);
-        write(ui, model, panel, outbox, &differences);
+        compare(ui, model, panel, outbox, &review);
+        write(ui, model, panel, outbox, &review);
     }
     record::show(ui, model);
     verification::show(ui, model, panel, outbox);
     reveal::show(ui, model, outbox);
-}
-
-/// Differences between controller and identified model; computed again only after a change.
-fn differences(model: &Model, panel: &mut PanelState) -> Arc<Vec<Difference>> {
-    let Some(open) = &model.open else {
-        return Arc::default();
-    };
-    let key = (
-        open.id(),
-        open.revision(),
-        open.fit().map(|fit| Arc::as_ptr(fit) as usize),
-        model.link.is_connected(),
-        model.link.parameters_version,
-    );
-    let computed = || Arc::new(model.differences());
-    Arc::clone(panel.differences.get(key, computed))
 }
 
 /// Warns of values from a model that misses the readings: they can make the robot worse.
@@ -139,11 +118,11 @@ fn compare(
     model: &Model,
     panel: &mut PanelState,
     outbox: &mut Outbox,
-    differences: &[Difference],
+    review: &Review,
 ) {
     section(ui, "Controller and identified model");
     if !model.link.is_connected() {
-        let is_recorded = differences.iter().any(|line| line.controller.is_some());
+        let is_recorded = review.lines.iter().any(|line| line.controller.is_some());
         muted(
             ui,
             match is_recorded {
@@ -154,19 +133,14 @@ fn compare(
             },
         );
     }
-    table::show(ui, model, panel, outbox, differences);
-    let unknown = differences
-        .iter()
-        .any(|line| line.name.starts_with("effect.") && line.controller.is_none());
-    if unknown && model.link.is_connected() {
-        muted(
-            ui,
-            "The controller has no parameters for some effects: their values cannot be written.",
-        );
+    table::show(ui, model, panel, outbox, &review.lines);
+    if let Some(doubt) = &review.unsupported {
+        verdict(ui, Verdict::Doubtful, &format!("{}.", doubt.sentence));
+        identify_without(ui, review, outbox);
     }
     let kind = model.link.connected.as_ref().map(|c| c.rig.kind);
     let simulated = matches!(kind, Some(Kind::OfSession | Kind::OfDescription));
-    if unknown && model.link.is_connected() && simulated {
+    if !review.effects.is_empty() && simulated {
         let free = !model.link.is_busy();
         let text = "Add these parameters to the simulated controller";
         let button = ui.add_enabled(free, Button::new(text));
@@ -190,17 +164,8 @@ fn compare(
     });
 }
 
-fn write(
-    ui: &mut Ui,
-    model: &Model,
-    panel: &mut PanelState,
-    outbox: &mut Outbox,
-    differences: &[Difference],
-) {
-    let changes = differences
-        .iter()
-        .filter(|d| d.is_writable_change())
-        .count();
+fn write(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox, review: &Review) {
+    let changes = review.changes().count();
     ui.add_space(GRID);
     operator(ui, model, panel, outbox);
     let kind = model.link.connected.as_ref().map(|c| c.rig.kind);
@@ -219,7 +184,9 @@ fn write(
     if !model.link.is_connected() {
         return;
     }
-    if changes == 0 {
+    if let Some(why) = adjusting::refusal(&review.lines) {
+        verdict(ui, Verdict::Bad, &format!("{}.", sentence(&why)));
+    } else if changes == 0 {
         verdict(
             ui,
             Verdict::Good,
@@ -239,6 +206,21 @@ fn write(
         };
         muted(ui, &(differ + note));
     }
+}
+
+/// Offers the values of a model that the controller can hold.
+pub(crate) fn identify_without(ui: &mut Ui, review: &Review, outbox: &mut Outbox) -> bool {
+    let is_wanted = ui
+        .button("Identify for this controller")
+        .on_hover_text(
+            "Takes out of the model what the controller cannot hold, and identifies again",
+        )
+        .clicked();
+    if is_wanted {
+        let what = "identify for this controller".to_owned();
+        outbox.send(Edit::RemoveEffects(review.effects.clone(), what));
+    }
+    is_wanted
 }
 
 /// Name of the operator, who is responsible for what is written.

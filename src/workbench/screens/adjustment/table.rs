@@ -37,7 +37,10 @@ pub(super) fn show(
     let all = panel.all;
     let shown: Vec<&Difference> = differences
         .iter()
-        .filter(|line| all || line.sd.is_some() || line.is_writable_change())
+        .filter(|line| {
+            let is_other = line.is_writable_change() || line.is_unknown_effect();
+            all || line.sd.is_some() || is_other
+        })
         .collect();
     let cables = &open.session().robot.cables;
     let clicked = lines(ui, shown.iter().copied(), cables).clicked;
@@ -58,8 +61,18 @@ pub(crate) fn lines<'a>(
     lines: impl Iterator<Item = &'a Difference>,
     cables: &[Cable],
 ) -> Touched {
-    let rows: Vec<Vec<Cell>> = lines.map(|line| row(ui, line, cables)).collect();
-    table(ui, &COLUMNS, &rows, None)
+    let lines: Vec<&Difference> = lines.collect();
+    let rows: Vec<Vec<Cell>> = lines.iter().map(|line| row(ui, line, cables)).collect();
+    let touched = table(ui, &COLUMNS, &rows, None);
+    if lines
+        .iter()
+        .any(|line| !line.in_model && line.is_writable_change())
+    {
+        let text =
+            "none: the model has no such effect, so the controller gets the value without effect.";
+        muted(ui, text);
+    }
+    touched
 }
 
 fn row(ui: &Ui, line: &Difference, cables: &[Cable]) -> Vec<Cell> {
@@ -81,7 +94,11 @@ fn row(ui: &Ui, line: &Difference, cables: &[Cable]) -> Vec<Cell> {
             None => name,
         },
         line.controller.map_or_else(none, number),
-        number(line.identified),
+        match line.identified {
+            Some(value) if line.in_model => number(value),
+            Some(value) => Cell::new(format!("none: {}", fixed(value * scale, decimals))),
+            None => Cell::new("none"),
+        },
         difference.coloured(if line.is_writable_change() {
             palette.accent
         } else {

@@ -6,7 +6,7 @@ use super::PanelState;
 use crate::model::command::Outbox;
 use crate::model::link::LinkRequest;
 use crate::theme::{self, GRID};
-use crate::widgets::{entered, Verdict, muted, parse_number, primary, verdict};
+use crate::widgets::{Verdict, entered, muted, parse_number, primary, verdict};
 
 /// Longest distance that can be typed (mm).
 const LONGEST_MM: f64 = 1e6;

@@ -5,7 +5,8 @@ use std::time::Duration;
 use serde_json::json;
 use tautline_core::robot::presets;
 use tautline_link::adjusting::{
-    ControllerValues, settle_adjustment, write_adjustment, write_adjustment_reconnecting,
+    ControllerValues, Difference, plan_adjustment, settle_adjustment, write_adjustment,
+    write_adjustment_reconnecting,
 };
 use tautline_link::ads::AdsOptions;
 use tautline_link::parameters::parameters_of;
@@ -13,8 +14,9 @@ use tautline_link::reconnecting::{Attempts, BackOff, ReconnectPolicy};
 use tautline_link::symbols::SymbolController;
 use tautline_link::{Controller, GuardedController, LinkError};
 
-use tautline_validation::support::ads::symbols::{Style, global};
-use tautline_validation::support::ads::{Plant, Protocol};
+use tautline_session::SymbolParameter;
+use tautline_validation::support::ads::symbols::{Style, global, mapping};
+use tautline_validation::support::ads::{Host, Plant, Protocol};
 
 const VALUES: usize = 6;
 
@@ -125,6 +127,41 @@ fn the_connection_breaks_within_the_answer_to_any_written_value() {
             "{number}"
         );
     }
+}
+
+fn a_correction_that_the_model_lacks_is_ended(protocol: Protocol) {
+    let plant = Plant::speaking(protocol, Style::Arrays);
+    let held = [0.0, 0.0, 0.0201, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let symbol = global("winch_scale");
+    plant
+        .server
+        .carry_out(json!({ "declare": [[symbol, "LREAL", 8, held]] }));
+    let robot = &plant.preset.robot;
+    let mut mapping = mapping(robot, Style::Arrays);
+    mapping.parameters.push(SymbolParameter {
+        name: "effect.winch_scale.{cable}.scale".into(),
+        symbol,
+        element: 0,
+        stride: 1,
+        scale: 1.0,
+    });
+    let mut client = plant.server.client(&mapping, robot, AdsOptions::default());
+    client.connect().expect("connected");
+    client.arm().expect("armed");
+    let plan = plan_adjustment(&client.parameters().expect("values"), robot, None);
+    assert_eq!(plan.iter().filter(|line| !line.in_model).count(), 8);
+    let changes = plan.into_iter().filter(Difference::is_writable_change);
+    let values: Vec<_> = changes
+        .map(|line| (line.name, line.identified.expect("neutral")))
+        .collect();
+    assert_eq!(
+        values,
+        [("effect.winch_scale.cable-3.scale".to_owned(), 0.0)]
+    );
+    let written = write_adjustment(&mut client, &values).expect("an attempt");
+    assert_eq!(written.holds, ControllerValues::New);
+    let plan = plan_adjustment(&client.parameters().expect("values"), robot, None);
+    assert!(!plan.iter().any(Difference::is_writable_change));
 }
 
 fn the_connection_breaks_while_all_values_are_written_at_once(protocol: Protocol) {
@@ -279,6 +316,7 @@ fn a_write_arrives_after_the_reconnection() {
 }
 
 super::over_all! {
+    a_correction_that_the_model_lacks_is_ended,
     the_connection_breaks_while_all_values_are_written_at_once,
     old_values_are_restored_if_one_cannot_be_written,
 }

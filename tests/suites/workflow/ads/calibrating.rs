@@ -125,7 +125,9 @@ fn calibrate(style: Style) {
             .all(|difference| difference.controller.is_some())
     );
     let changes = plan.iter().filter(|d| d.is_writable_change());
-    let values: Vec<_> = changes.map(|d| (d.name.clone(), d.identified)).collect();
+    let values: Vec<_> = changes
+        .filter_map(|d| Some((d.name.clone(), d.identified?)))
+        .collect();
     assert!(values.len() > 20, "{}", values.len());
     let adjustment = write_adjustment(&mut robot, &values).expect("written");
     assert_eq!(adjustment.holds, ControllerValues::New, "{adjustment:?}");

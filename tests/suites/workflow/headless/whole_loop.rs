@@ -1,7 +1,9 @@
 //! Measure, verify, adjust, verify: as a user does it, with the program.
 
-use serde_json::Value;
-use tautline_session::{Outcome, Stage};
+use std::path::Path;
+
+use serde_json::{Value, json};
+use tautline_session::{NamedValue, Outcome, Stage, write_session};
 
 use super::{beside, plan, session};
 use crate::commands::program::{Folder, assert_valid, number, tautline};
@@ -74,6 +76,25 @@ fn the_loop_improves_the_accuracy_of_the_robot() {
             .find(|held| held.name == change.name);
         assert_eq!(held.map(|held| held.value), Some(change.before));
     }
+    // A correction that the model lacks is ended together with what is written.
+    let name = "effect.winch_scale.cable-3.scale";
+    let mut corrected = rolled;
+    corrected.controller.push(NamedValue {
+        name: name.to_owned(),
+        value: 0.0201,
+    });
+    write_session(Path::new(&file), &corrected).expect("written");
+    let adjusted = run(&["adjust"]);
+    let lines = adjusted["differences"].as_array().expect("lines");
+    let line = lines
+        .iter()
+        .find(|line| line["name"] == name)
+        .expect("a line");
+    let expected = json!([0.0201, 0.0, false, true]);
+    let keys = ["controller", "identified", "in_model", "changes"];
+    assert_eq!(json!(keys.map(|key| &line[key])), expected);
+    assert_eq!(session(&file).controller_values()[name], 0.0);
+    assert_eq!(run(&["adjust"])["outcome"], "nothing_to_write");
 }
 
 #[test]
