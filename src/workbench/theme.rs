@@ -167,6 +167,8 @@ pub fn strong(size: f32) -> FontId {
 /// Fonts, spacing and colours of both themes.
 pub fn install(ctx: &egui::Context) {
     ctx.set_fonts(fonts());
+    // The menu has these keys, which do nothing behind a dialog.
+    ctx.options_mut(|options| options.zoom_with_keyboard = false);
     egui_material_icons::initialize(ctx);
     for theme in [Theme::Dark, Theme::Light] {
         ctx.style_mut_of(theme, |style| apply(style, palette(theme)));

@@ -74,6 +74,7 @@ pub(super) fn perform(model: &mut Model, command: FileCommand) {
         }
         FileCommand::Quit => leave(model, Leaving::Quit),
         FileCommand::Answer(answer) => answered(model, answer),
+        FileCommand::TakeOver(takes_over) => take_over(model, takes_over),
         FileCommand::Recover(place) => recover(model, place),
         FileCommand::Discard(place) => discard(model, place),
         FileCommand::Forget(path) => {
@@ -433,6 +434,32 @@ pub(super) fn begin(model: &mut Model, session: Session, path: Option<PathBuf>) 
 }
 
 fn open(model: &mut Model, opening: Opening) {
+    if let Some(path) = &opening.path
+        && let Err(since) = model.session_lock.enter(path, false)
+    {
+        model.dialogs.elsewhere = Some((Box::new(opening), since));
+        return;
+    }
+    opened(model, opening);
+}
+
+/// Answers whether a session that is open in another window is taken over; `None` leaves it.
+fn take_over(model: &mut Model, takes_over: Option<bool>) {
+    let asked = model.dialogs.elsewhere.take();
+    let Some(((opening, since), takes_over)) = asked.zip(takes_over) else {
+        return;
+    };
+    let path = opening.path.clone().unwrap_or_default();
+    match takes_over && model.session_lock.enter(&path, true).is_ok() {
+        // The other window may have saved it since it was read.
+        true if !opening.is_recovered => return read(model, path),
+        true => {}
+        false => model.session_lock.look_only(path, since),
+    }
+    opened(model, *opening);
+}
+
+fn opened(model: &mut Model, opening: Opening) {
     let Opening {
         mut session,
         path,

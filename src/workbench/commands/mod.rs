@@ -29,6 +29,13 @@ use crate::model::messages::Cause;
 use crate::model::{Model, OpenSession, UiRequest};
 
 pub fn perform(model: &mut Model, command: Command) {
+    if let Some(text) = model
+        .session_lock
+        .refusal()
+        .filter(|_| command.acts_on_session())
+    {
+        return model.messages.failure(Cause::Opening, text);
+    }
     match command {
         Command::File(command) => file::perform(model, command),
         Command::Import(command) => import::perform(model, command),

@@ -6,7 +6,7 @@ use tautline_session::SymbolMapping;
 
 use super::command::file_choice::FileChooser;
 use super::command::{
-    Command, Export, FileCommand, HypothesisCommand, Leaving, PlotCommand, PlotFile,
+    Command, Export, FileCommand, HypothesisCommand, Leaving, Opening, PlotCommand, PlotFile,
     RecordingCommand, ReportDraft, RobotCommand, Setup, WriteDraft,
 };
 use super::manual;
@@ -16,6 +16,8 @@ use super::save_form::SaveForm;
 pub struct Dialogs {
     /// What waits for an answer about unsaved changes or an armed robot.
     pub(crate) leaving: Option<LeavingDraft>,
+    /// A session that is open in another window, and since when.
+    pub elsewhere: Option<(Box<Opening>, String)>,
     /// The file that is to be saved, while its place is asked for.
     pub(crate) save: Option<SaveDraft>,
     /// The window that asks for a file.

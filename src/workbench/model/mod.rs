@@ -162,6 +162,7 @@ impl Model {
             messages.warning(notice);
         }
         let recovery = folders.recovery();
+        let windows = recovery.with_file_name("windows");
         Self {
             autosave: Autosave::new(recovery, context.clone()),
             folders,
@@ -175,7 +176,7 @@ impl Model {
             options,
             context: context.clone(),
             open: None,
-            session_lock: SessionLock::default(),
+            session_lock: SessionLock::new(windows),
             screen: Screen::default(),
             selection: Selection::default(),
             maximised: None,

@@ -5,23 +5,16 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use super::OpenSession;
-use tautline_workflow::session_file::{FileLock, LockError, unsaved_folder};
+use tautline_workflow::clock;
+use tautline_workflow::session_file::{FileLock, LockError, OpenWindow, unsaved_folder};
+use tautline_workflow::wording::local_time::time_of_day;
 
-/// What distinguishes a file from one that was written later.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct FileStamp {
-    modified: Option<SystemTime>,
-    bytes: u64,
-}
+/// What distinguishes a file from one that was written later: its time and size.
+type FileStamp = (Option<SystemTime>, u64);
 
-impl FileStamp {
-    fn of(path: &Path) -> Option<Self> {
-        let metadata = fs::metadata(path).ok()?;
-        Some(Self {
-            modified: metadata.modified().ok(),
-            bytes: metadata.len(),
-        })
-    }
+fn stamp_of(path: &Path) -> Option<FileStamp> {
+    let metadata = fs::metadata(path).ok()?;
+    Some((metadata.modified().ok(), metadata.len()))
 }
 
 /// A file that was opened or saved here.
@@ -40,20 +33,79 @@ pub struct SessionLock {
     held: Option<FileLock>,
     /// Revision at which it was tried to hold the file.
     tried: Option<u64>,
+    /// Where windows mark what they have open.
+    windows: PathBuf,
+    /// The mark that keeps other windows away.
+    window: Option<OpenWindow>,
+    /// The file that is open in another window, and since when.
+    elsewhere: Option<(PathBuf, String)>,
 }
 
 impl SessionLock {
+    /// Nothing is open; windows mark in this folder what they have open.
+    #[must_use]
+    pub fn new(windows: PathBuf) -> Self {
+        Self {
+            windows,
+            ..Self::default()
+        }
+    }
+
+    /// Takes the place of other windows in which a file is open, which `takes_over` does not wait for.
+    ///
+    /// # Errors
+    /// Since when it is open in another window.
+    pub fn enter(&mut self, path: &Path, takes_over: bool) -> Result<(), String> {
+        if self
+            .window
+            .as_ref()
+            .is_none_or(|own| !own.is_of(path) || !own.is_ours())
+        {
+            let enter = match takes_over {
+                true => OpenWindow::take_over,
+                false => OpenWindow::enter,
+            };
+            self.window = enter(&self.windows, path).map_err(time_of_day)?;
+        }
+        self.elsewhere = None;
+        Ok(())
+    }
+
+    /// The file is open in another window since then, and only looked at here.
+    pub fn look_only(&mut self, path: PathBuf, since: String) {
+        (self.window, self.held) = (None, None);
+        self.elsewhere = Some((path, since));
+    }
+
+    /// Why the session can only be looked at, if so: one sentence.
+    #[must_use]
+    pub fn refusal(&self) -> Option<String> {
+        let is_lost = self.window.as_ref().is_some_and(|own| !own.is_ours());
+        let since = match &self.elsewhere {
+            Some((_, since)) => since.clone(),
+            None if is_lost => time_of_day(clock::now()),
+            None => return None,
+        };
+        Some(format!(
+            "Open in another window since {since}: look only, save as another file, or open it again to take it over."
+        ))
+    }
+
     /// Holds the file while there are unsaved changes; one sentence where they cannot be saved in it.
     pub fn follow(&mut self, open: Option<&OpenSession>) -> Option<String> {
         let own = open.and_then(|open| Some((open, open.path()?)));
         let Some((open, path)) = own else {
-            *self = Self::default();
+            *self = Self::new(std::mem::take(&mut self.windows));
             return None;
         };
         let identity = open.id();
         let is_known = |known: &Known| known.identity == identity && known.path == path;
         if !self.known.as_ref().is_some_and(is_known) {
             self.written(identity, path);
+        }
+        if let (None, Some(text)) = (&self.elsewhere, self.refusal()) {
+            self.look_only(path.to_owned(), time_of_day(clock::now()));
+            return Some(text);
         }
         if !open.is_unsaved() {
             (self.held, self.tried) = (None, None);
@@ -78,6 +130,9 @@ impl SessionLock {
     /// One sentence on why not.
     pub fn check(&mut self, path: &Path) -> Result<(), String> {
         let known = self.known.as_ref().filter(|known| known.path == path);
+        if let (Some(_), Some(text)) = (known, self.refusal()) {
+            return Err(text);
+        }
         let Some(known) = known else {
             return match unsaved_folder(path)
                 .exists()
@@ -95,7 +150,7 @@ impl SessionLock {
                 Err(_) => {}
             }
         }
-        match FileStamp::of(path) {
+        match stamp_of(path) {
             Some(now) if Some(now) != known.stamp => Err(format!(
                 "{}: another program has changed this session since it was opened; open it again, or save your changes under another name.",
                 path.display()
@@ -109,10 +164,16 @@ impl SessionLock {
         if !self.holds(path) {
             (self.held, self.tried) = (None, None);
         }
+        let is_elsewhere = |(other, _): &(PathBuf, String)| other == path;
+        if !self.elsewhere.as_ref().is_some_and(is_elsewhere)
+            && let Err(since) = self.enter(path, false)
+        {
+            self.look_only(path.to_owned(), since);
+        }
         self.known = Some(Known {
             identity,
             path: path.to_owned(),
-            stamp: FileStamp::of(path),
+            stamp: stamp_of(path),
         });
     }
 }

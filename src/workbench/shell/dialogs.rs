@@ -27,6 +27,7 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         leaving(ui, state);
         unsaved_hypothesis(ui, state);
     }
+    elsewhere(ui, state);
     if let Some(draft) = state.model.dialogs.writing.take() {
         writing(ui, state, draft);
     }
@@ -205,20 +206,50 @@ fn leaving(ui: &mut Ui, state: &mut State) {
             ],
             false => &[("Disconnect", Answer::Discard), ("Cancel", Answer::Cancel)],
         };
-        let mut given = None;
-        ui.horizontal(|ui| {
-            for (k, (title, answer)) in answers.iter().enumerate() {
-                let button = match k {
-                    0 => primary(ui, title, true),
-                    _ => ui.button(*title),
-                };
-                given = given.or(button.clicked().then_some(*answer));
-            }
-        });
-        given
+        choice_of(ui, answers)
     });
     if let Some(answer) = answer.or(is_left.then_some(Answer::Cancel)) {
         outbox.send(FileCommand::Answer(answer));
+    }
+}
+
+/// Answers side by side, of which the first is the primary one.
+fn choice_of<A: Copy>(ui: &mut Ui, answers: &[(&str, A)]) -> Option<A> {
+    let row = ui.horizontal(|ui| {
+        let mut given = None;
+        for (k, (title, answer)) in answers.iter().enumerate() {
+            let button = match k {
+                0 => primary(ui, title, true),
+                _ => ui.button(*title),
+            };
+            given = given.or(button.clicked().then_some(*answer));
+        }
+        given
+    });
+    row.inner
+}
+
+/// Is a session taken over from another window?
+fn elsewhere(ui: &mut Ui, state: &mut State) {
+    let Some((opening, since)) = &state.model.dialogs.elsewhere else {
+        return;
+    };
+    let (answer, is_left) = modal(ui, ("elsewhere", 460.0), |ui| {
+        heading(ui, &format!("Open in another window since {since}"));
+        let text = "Two windows must not work with one session and its robot. What the other one has not saved stays there.";
+        ui.label(format!("{}: {text}", opening.session.name));
+        ui.add_space(2.0 * GRID);
+        choice_of(
+            ui,
+            &[
+                ("Look only", Some(false)),
+                ("Take over", Some(true)),
+                ("Cancel", None),
+            ],
+        )
+    });
+    if let Some(answer) = answer.or(is_left.then_some(None)) {
+        state.outbox.send(FileCommand::TakeOver(answer));
     }
 }
 
@@ -246,18 +277,14 @@ fn unsaved_hypothesis(ui: &mut Ui, state: &mut State) {
         } else {
             "Save as…"
         };
-        let mut given = None;
-        ui.horizontal(|ui| {
-            if primary(ui, save, true).clicked() {
-                given = Some(Answer::Save);
-            }
-            for (title, answer) in [("Do not save", Answer::Discard), ("Cancel", Answer::Cancel)] {
-                if ui.button(title).clicked() {
-                    given = Some(answer);
-                }
-            }
-        });
-        given
+        choice_of(
+            ui,
+            &[
+                (save, Answer::Save),
+                ("Do not save", Answer::Discard),
+                ("Cancel", Answer::Cancel),
+            ],
+        )
     });
     if let Some(answer) = answer.or(is_left.then_some(Answer::Cancel)) {
         outbox.send(HypothesisCommand::Answer(answer));

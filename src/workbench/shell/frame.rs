@@ -34,8 +34,6 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     escape::show(ui, state);
     let items = menu::items(state);
     top::shortcuts(ui, state, &items);
-    let ground = theme::of(ui).ground;
-    let centre = || CentralPanel::no_frame().frame(Frame::new().fill(ground));
     let bar = Frame::new().inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
     Panel::top("top")
         .frame(bar)
@@ -44,92 +42,18 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     Panel::bottom("status")
         .frame(bar)
         .show(ui, |ui| status::show(ui, state));
-    match state.model.screen {
-        Screen::Start => {
-            let State {
-                model,
-                outbox,
-                panels,
-                ..
-            } = state;
-            centre().show(ui, |ui| {
-                screens::start::show(ui, model, &mut panels.start, outbox);
-            });
+    if let Screen::Phase(current) = state.model.screen {
+        if state.model.maximised.is_some() || ui.available_width() < COMPACT {
+            one_part(ui, state, current);
+        } else {
+            phase(ui, state, current);
         }
-        Screen::Compare => {
-            let State {
-                model,
-                outbox,
-                panels,
-                views,
-            } = state;
-            let memory = (&mut panels.compare, views);
-            centre().show(ui, |ui| screens::compare::show(ui, model, memory, outbox));
-        }
-        Screen::Record => {
-            let State {
-                model,
-                outbox,
-                panels,
-                views,
-            } = state;
-            let memory = (&mut panels.record, views);
-            centre().show(ui, |ui| screens::record::show(ui, model, memory, outbox));
-        }
-        Screen::WhichSensor => {
-            let State {
-                model,
-                outbox,
-                panels,
-                ..
-            } = state;
-            let panel = &mut panels.which_sensor;
-            centre().show(ui, |ui| {
-                screens::which_sensor::show(ui, model, panel, outbox);
-            });
-        }
-        Screen::Hypothesis => {
-            let State { model, outbox, .. } = state;
-            centre().show(ui, |ui| screens::hypothesis::show(ui, model, outbox));
-        }
-        Screen::Gallery => {
-            let State {
-                model,
-                outbox,
-                panels,
-                ..
-            } = state;
-            let panel = &mut panels.gallery;
-            centre().show(ui, |ui| screens::gallery::show(ui, model, panel, outbox));
-        }
-        Screen::NewRobot => {
-            let draft = &mut state.panels.new_robot;
-            let back = state.model.home_screen();
-            let outbox = &mut state.outbox;
-            centre().show(ui, |ui| {
-                screens::modeling::new_robot::show(ui, draft, back, outbox);
-            });
-        }
-        Screen::Import => {
-            let State {
-                model,
-                outbox,
-                panels,
-                ..
-            } = state;
-            centre().show(ui, |ui| {
-                screens::import::show(ui, model, &mut panels.import, outbox);
-            });
-        }
-        Screen::Phase(current) => {
-            if state.model.maximised.is_some() || ui.available_width() < COMPACT {
-                one_part(ui, state, current);
-            } else {
-                phase(ui, state, current);
-            }
-            let view = (&mut state.views.plots, &mut state.views.hovered);
-            views::plots::show_detached(ui, &state.model, view, &mut state.outbox);
-        }
+        let view = (&mut state.views.plots, &mut state.views.hovered);
+        views::plots::show_detached(ui, &state.model, view, &mut state.outbox);
+    } else {
+        let ground = Frame::new().fill(theme::of(ui).ground);
+        let centre = CentralPanel::no_frame().frame(ground);
+        centre.show(ui, |ui| whole(ui, state));
     }
     log::show(ui, state);
     let State {
@@ -144,6 +68,34 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         modals(ui, state);
     }
     escape::remember_typing(ui);
+}
+
+/// A screen that has no parts.
+fn whole(ui: &mut Ui, state: &mut State) {
+    let State {
+        model,
+        outbox,
+        panels,
+        views,
+    } = state;
+    match model.screen {
+        Screen::Start => screens::start::show(ui, model, &mut panels.start, outbox),
+        Screen::Compare => {
+            screens::compare::show(ui, model, (&mut panels.compare, views), outbox);
+        }
+        Screen::Record => screens::record::show(ui, model, (&mut panels.record, views), outbox),
+        Screen::WhichSensor => {
+            screens::which_sensor::show(ui, model, &mut panels.which_sensor, outbox);
+        }
+        Screen::Hypothesis => screens::hypothesis::show(ui, model, outbox),
+        Screen::Gallery => screens::gallery::show(ui, model, &mut panels.gallery, outbox),
+        Screen::NewRobot => {
+            let back = model.home_screen();
+            screens::modeling::new_robot::show(ui, &mut panels.new_robot, back, outbox);
+        }
+        Screen::Import => screens::import::show(ui, model, &mut panels.import, outbox),
+        Screen::Phase(_) => {}
+    }
 }
 
 /// Command palette and dialogs.

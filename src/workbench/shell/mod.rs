@@ -23,6 +23,7 @@ pub use no_window::no_window;
 pub use state::State;
 
 use crate::model::command::{CompareCommand, FileCommand, RecordCommand};
+use crate::model::link::LinkRequest;
 use crate::model::phase::Screen;
 use crate::model::{Options, caught_panic};
 use crate::{commands, theme};
@@ -87,6 +88,10 @@ impl App {
         model.autosave.follow(model.open.as_ref());
         if let Some(text) = model.session_lock.follow(model.open.as_ref()) {
             model.messages.warning(text);
+            if model.session_lock.refusal().is_some() {
+                model.link.stop();
+                model.link.send(LinkRequest::Disconnect);
+            }
         }
     }
 }

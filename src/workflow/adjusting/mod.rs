@@ -170,9 +170,7 @@ pub fn settled(
         ControllerValues::Old if *found == ControllerValues::Old => {
             "Nothing was written.".to_owned()
         }
-        ControllerValues::Old => {
-            "The values from before were written back and verified.".to_owned()
-        }
+        ControllerValues::Old => "The values from before were written and read back.".to_owned(),
         ControllerValues::Mixed(_) | ControllerValues::Unknown => String::new(),
     };
     // The advice names values that are not numbers.
@@ -249,9 +247,7 @@ pub fn summary(
 ) -> String {
     let what = match (&adjustment.holds, purpose) {
         (ControllerValues::New, Purpose::Adjust) => {
-            format!(
-                "The identified values were written to the controller and verified ({values} changed)."
-            )
+            format!("{} written and read back.", count(values, "value"))
         }
         (ControllerValues::New, Purpose::RollBack) => match not_restored {
             None => format!("The previous values were restored ({values} changed)."),

@@ -143,7 +143,7 @@ fn lock_file(_: &Path) -> Result<Option<File>, LockError> {
 }
 
 /// Refuses links and anything else that this program did not create: writing there would go elsewhere.
-fn check_own(path: &Path, is_ours: fn(&FileType) -> bool) -> IoResult<()> {
+pub(super) fn check_own(path: &Path, is_ours: fn(&FileType) -> bool) -> IoResult<()> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
         Ok(found) if is_ours(&found.file_type()) => Ok(()),
@@ -158,7 +158,7 @@ fn check_own(path: &Path, is_ours: fn(&FileType) -> bool) -> IoResult<()> {
 }
 
 /// Whether an open file is still the one at `path`, which another program may have removed or replaced.
-fn is_still(file: &File, path: &Path) -> IoResult<bool> {
+pub(super) fn is_still(file: &File, path: &Path) -> IoResult<bool> {
     match Handle::from_path(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
         there => Ok(Handle::from_file(file.try_clone()?)? == there?),

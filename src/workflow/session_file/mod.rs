@@ -7,6 +7,7 @@
 
 mod lock;
 mod space;
+mod window;
 
 use std::ffi::OsString;
 use std::fs;
@@ -26,6 +27,7 @@ use crate::controllers::{beside, is_held_values};
 use crate::wording::{count, sentence};
 pub use lock::{FileLock, LockError, unsaved_folder};
 pub use space::ReservedSpace;
+pub use window::OpenWindow;
 
 /// Suffix of the file that contains a simulated controller's values while they are being written.
 const CONTROLLER: &str = ".controller";

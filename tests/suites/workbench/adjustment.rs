@@ -5,7 +5,7 @@ use std::path::Path;
 use egui::{Event, Key, Modifiers, Role, pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_core::accuracy::iso9283::{Target, pose_accuracy};
-use tautline_core::effect;
+use tautline_core::effect::{self, EffectSetting};
 use tautline_core::geometry::Pose;
 use tautline_session::{CheckKind, CheckPose, Outcome, Stage, Verification};
 use tautline_validation::support::harness::give_parameters;
@@ -15,6 +15,8 @@ use tautline_workbench::model::command::{
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::link::LinkRequest;
 use tautline_workbench::model::phase::Phase;
+use tautline_workbench::model::phase_status;
+use tautline_workflow::adjusting::DoubtKind;
 
 use crate::demo::Bench;
 
@@ -158,19 +160,39 @@ fn writing_identified_values_improves_the_accuracy() {
     }
 }
 
-/// The sample with a winch that pays out too much, its cause in the model, and an armed controller that can correct it.
-fn winch_scale() -> Bench {
+/// The sample with a winch that pays out too much, in phase 5, and its cause.
+fn sample() -> (Bench, EffectSetting) {
     let session = "../sessions/mini-winch-scale/session.json";
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(session);
-    let session = tautline_session::read_session(&path).expect("a session");
-    let mut bench = Bench::of_session(&session.value);
-    let fault = session.value.simulator.expect("simulated").truth.effects[0].clone();
-    bench.give(Edit::AddEffects(vec![fault], "add the winch".into()));
+    let session = tautline_session::read_session(&path)
+        .expect("a session")
+        .value;
+    let mut bench = Bench::of_session(&session);
+    bench.give(IdentificationCommand::Stop);
+    bench.go(Phase::Adjustment);
+    let simulator = session.simulator.expect("a simulated robot");
+    (bench, simulator.truth.effects[0].clone())
+}
+
+fn connect(bench: &mut Bench) {
+    bench.give(RobotCommand::ConnectAndArm);
+    bench.wait("arming", |state| state.model.link.is_armed());
+    bench.harness.run_ok();
+}
+
+fn identify_with(bench: &mut Bench, cause: EffectSetting) {
+    bench.give(Edit::AddEffects(vec![cause], "add the winch".into()));
     bench.give(IdentificationCommand::Identify);
     bench.settle("an identification");
     bench.go(Phase::Adjustment);
-    bench.give(RobotCommand::ConnectAndArm);
-    bench.wait("arming", |state| state.model.link.is_armed());
+    bench.harness.run_ok();
+}
+
+/// The sample with the cause in the model, and an armed controller that can correct it.
+fn winch_scale() -> Bench {
+    let (mut bench, cause) = sample();
+    identify_with(&mut bench, cause);
+    connect(&mut bench);
     bench
 }
 
@@ -224,10 +246,10 @@ fn what_is_written_is_the_list_that_was_shown() {
     bench.harness.run_ok();
     // The name is still there, and Enter confirms.
     bench.harness.key_press(Key::Enter);
-    bench.wait("the values", |state| !state.model.link.writing);
-    bench.wait("a record", |state| {
+    bench.wait("the values", |state| {
         let open = state.model.open.as_ref().expect("a session");
-        !open.session().adjustments().is_empty()
+        let last = open.session().adjustments().last();
+        last.is_some_and(|last| last.outcome != Outcome::Begun)
     });
     let written = bench.session().adjustments()[0].clone();
     let named = |name: &str, value: f64| (name.to_owned(), value);
@@ -261,4 +283,105 @@ fn a_name_is_kept_when_the_question_is_left() {
         .harness
         .get_by_role_and_label(Role::TextInput, "Operator");
     assert_eq!(field.accesskit_node().value().as_deref(), Some("Ada"));
+}
+
+#[test]
+fn an_effect_taken_out_of_the_model_is_taken_out_of_the_controller() {
+    let mut bench = winch_scale();
+    bench.write_values();
+    let name = "effect.winch_scale.cable-3.scale";
+    let held = |bench: &Bench| {
+        let mut values = controller_values(bench).into_iter();
+        values
+            .find(|(held, _)| held == name)
+            .expect("a parameter")
+            .1
+    };
+    assert!((held(&bench) - 0.02).abs() < 2e-3, "{}", held(&bench));
+    let status = |bench: &Bench| {
+        let model = &bench.state().model;
+        let open = model.open.as_ref().expect("a session");
+        phase_status::of(model, open, Phase::Adjustment).line
+    };
+    assert_eq!(status(&bench), "written, not verified");
+    bench
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    bench.harness.step();
+    bench.settle("an identification without the winch");
+    bench.harness.run_ok();
+    bench.harness.get_by_label_contains("none: 0.0000");
+    let holds = "The controller holds the identified values";
+    assert!(bench.harness.query_by_label_contains(holds).is_none());
+    assert!(
+        status(&bench).ends_with(" values not written"),
+        "{}",
+        status(&bench)
+    );
+    // The session knows it without the controller, too.
+    let path = bench.folder.path().join("written.json");
+    bench.give(FileCommand::SaveAs(path.clone()));
+    bench.settle("a file");
+    bench.give(FileCommand::Open(path));
+    bench.settle("a question");
+    bench.give(FileCommand::Answer(Answer::Discard));
+    bench.wait("the end", |state| !state.model.link.is_connected());
+    bench.settle("an identification");
+    let review = bench.state().model.review();
+    let line = review
+        .changes()
+        .find(|line| line.name == name)
+        .expect("a line");
+    assert_eq!((line.in_model, line.identified), (false, Some(0.0)));
+    bench.go(Phase::Adjustment);
+    connect(&mut bench);
+    bench.press("Write to the controller");
+    bench.name_operator("Ada");
+    bench.harness.run_ok();
+    bench.press("Write anyway");
+    bench.wait("the values", |state| !state.model.link.writing);
+    assert_eq!(held(&bench), 0.0);
+}
+
+#[test]
+fn a_controller_without_the_parameter_is_a_warning_with_a_way_out() {
+    let (mut bench, cause) = sample();
+    connect(&mut bench);
+    identify_with(&mut bench, cause);
+    let warning = "The pulleys were identified together with Winch scale (cable-3) of 2";
+    bench.harness.get_by_label_contains(warning);
+    bench.press("Write to the controller");
+    bench.harness.run_ok();
+    let draft = bench
+        .state()
+        .model
+        .dialogs
+        .writing
+        .clone()
+        .expect("a question");
+    let kinds: Vec<DoubtKind> = draft.doubts.iter().map(|doubt| doubt.kind).collect();
+    assert_eq!(kinds, [DoubtKind::Unsupported]);
+    let text = &draft.doubts[0].sentence;
+    let (_, rest) = text
+        .split_once("without it the platform errs by ")
+        .expect("an error");
+    let mm: f64 = rest
+        .split(' ')
+        .next()
+        .expect("a number")
+        .parse()
+        .expect("a number");
+    assert!((0.3..4.0).contains(&mm), "{text}");
+    // Enter is not an answer to a warning.
+    bench.name_operator("Ada");
+    bench.harness.key_press(Key::Enter);
+    bench.harness.run_ok();
+    assert!(bench.state().model.dialogs.writing.is_some());
+    bench.press("Do not write");
+    assert!(bench.session().adjustments().is_empty());
+    bench.press("Identify for this controller");
+    bench.settle("an identification");
+    assert!(bench.session().settings.identification.effects.is_empty());
+    let review = bench.state().model.review();
+    assert!(review.unsupported.is_none() && review.changes().count() > 20);
 }

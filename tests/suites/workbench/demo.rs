@@ -1,5 +1,6 @@
 //! The demonstration on a simulated robot whose time runs fast, and how tests drive it.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use egui_kittest::Harness;
@@ -43,10 +44,20 @@ impl Bench {
         Self::started_in(tempfile::tempdir().expect("a folder"), demo_seed)
     }
 
+    /// At the start screen, of the user of another window.
+    pub fn new_in(user: &Path) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        Self::of_user(Folders::below(&user.join("user")), folder, None)
+    }
+
     /// At the start screen, where an earlier start may have left files in the folder.
     pub fn started_in(folder: tempfile::TempDir, demo_seed: Option<u64>) -> Self {
+        Self::of_user(Self::folders(&folder), folder, demo_seed)
+    }
+
+    fn of_user(folders: Folders, folder: tempfile::TempDir, demo_seed: Option<u64>) -> Self {
         let options = Options {
-            folders: Some(Self::folders(&folder)),
+            folders: Some(folders),
             demo_seed,
             robot_speed: Some(60.0),
             passwords: Some(Arc::new(MemoryPasswords::default())),

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use egui_kittest::kittest::Queryable;
 use tautline_core::estimation::Termination;
 use tautline_core::robot::presets;
 use tautline_core::simulation::simulate;
@@ -11,7 +12,9 @@ use tautline_session::{
 };
 use tautline_validation::support::program::{Answer, tautline};
 use tautline_validation::tables::truth::preset_options;
-use tautline_workbench::model::command::{FileCommand, IdentificationCommand, RobotCommand};
+use tautline_workbench::model::command::{
+    Command, FileCommand, IdentificationCommand, RobotCommand,
+};
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::phase::{Phase as Step, Screen};
 use tautline_workflow::session_file::FileLock;
@@ -157,13 +160,83 @@ fn a_running_command_is_shown_and_blocks_saving() {
     assert!(!unsaved(&bench).exists());
 }
 
+/// Opens the session of another window.
+fn open_too(bench: &mut Bench, file: &Path, answer: &str) {
+    bench.give(FileCommand::Open(file.to_owned()));
+    bench.settle("a question");
+    question(bench);
+    let asked = "Open in another window since ";
+    bench.harness.get_by_label_contains(asked);
+    bench.press(answer);
+    bench.wait("the session", |state| state.model.open.is_some());
+    bench.settle("the session");
+}
+
+#[test]
+fn a_session_that_is_open_in_another_window_is_looked_at_or_taken_over() {
+    let mut first = Bench::of_session(&session(3));
+    let file = path(&first);
+    first.harness.step();
+    let folder = first.folder.path().to_owned();
+    let mut second = Bench::new_in(&folder);
+    let refused = "Open in another window since ";
+    open_too(&mut second, &file, "Look only");
+    for (k, command) in [
+        Edit::Rename("second".into()).into(),
+        RobotCommand::Connect.into(),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let command: Command = command;
+        second.give(command);
+        assert_eq!(told(&second, refused), k + 1);
+    }
+    assert_eq!(
+        (
+            second.session().name.as_str(),
+            second.state().model.link.connecting
+        ),
+        ("mini", false)
+    );
+    rename(&mut first, "first");
+    save(&mut first);
+    assert_eq!(read_session(&file).expect("a session").value.name, "first");
+    open_too(&mut second, &file, "Take over");
+    assert_eq!(second.session().name, "first");
+    rename(&mut second, "second");
+    save(&mut second);
+    assert_eq!(read_session(&file).expect("a session").value.name, "second");
+    first.harness.step();
+    assert_eq!(told(&first, refused), 1, "it is told");
+    rename(&mut first, "first again");
+    assert_eq!(
+        (first.session().name.as_str(), told(&first, refused)),
+        ("first", 2)
+    );
+    // What was left is free again.
+    second.give(FileCommand::Close);
+    second.harness.step();
+    first.give(FileCommand::Open(file));
+    first.wait("the session", |state| {
+        state
+            .model
+            .open
+            .as_ref()
+            .is_some_and(|open| open.session().name == "second")
+    });
+    rename(&mut first, "first again");
+    assert_eq!(first.session().name, "first again");
+}
+
 #[test]
 fn saving_seals_the_audit_trail_and_opening_says_what_is_wrong_in_it() {
     let mut bench = Bench::new(None);
     write_session(&path(&bench), &session(3)).expect("written");
     bench.give(FileCommand::Open(path(&bench)));
     bench.wait("the session", |state| state.model.open.is_some());
-    bench.give(RobotCommand::SetOperator("Ada".into()));
+    let model = &mut bench.harness.state_mut().state.model;
+    model.change_preferences(|preferences| preferences.operator = "Ada".into());
     let log = |bench: &mut Bench, text: &str| {
         let open = bench.harness.state_mut().state.model.open.as_mut();
         open.expect("a session").log(Phase::Session, text);

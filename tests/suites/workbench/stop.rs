@@ -9,8 +9,8 @@ use egui::{Key, KeyboardShortcut, Modifiers, Rect, Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
-    Command, FileCommand, HypothesisCommand, IdentificationCommand, ReportCommand, RobotCommand,
-    Setup, ViewCommand, WriteDraft,
+    Command, FileCommand, HypothesisCommand, IdentificationCommand, Opening, ReportCommand,
+    RobotCommand, Setup, ViewCommand, WriteDraft,
 };
 use tautline_workbench::model::edit::Edit;
 use tautline_workbench::model::link::Doing;
@@ -114,7 +114,7 @@ struct Dialog {
     field: Option<&'static str>,
 }
 
-const DIALOGS: [Dialog; 8] = [
+const DIALOGS: [Dialog; 9] = [
     Dialog {
         name: "behind the file chooser",
         open: |bench| {
@@ -148,6 +148,21 @@ const DIALOGS: [Dialog; 8] = [
         name: "leaving",
         open: |bench| bench.give(FileCommand::Close),
         shows: "Save the changes?",
+        field: None,
+    },
+    Dialog {
+        name: "elsewhere",
+        open: |bench| {
+            let opening = Opening {
+                session: bench.session().clone(),
+                path: None,
+                is_recovered: false,
+                is_new: false,
+            };
+            let dialogs = &mut bench.harness.state_mut().state.model.dialogs;
+            dialogs.elsewhere = Some((Box::new(opening), "10:49".to_owned()));
+        },
+        shows: "Open in another window since 10:49",
         field: None,
     },
     Dialog {

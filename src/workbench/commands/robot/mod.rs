@@ -51,7 +51,6 @@ pub(super) fn perform(model: &mut Model, command: RobotCommand) {
         RobotCommand::RetrySave => run::retry_save(model),
         RobotCommand::Verify(stage) => adjust::verify(model, stage),
         RobotCommand::TakeCheck(stage) => adjust::take_check(model, stage),
-        RobotCommand::SetOperator(name) => model.change_preferences(|p| p.operator = name),
         RobotCommand::Write => adjust::write(model),
         RobotCommand::WriteValues(values, purpose) => adjust::give(model, values, purpose),
         RobotCommand::ConfirmWrite(is_confirmed) => adjust::confirm_write(model, is_confirmed),

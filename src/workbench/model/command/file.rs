@@ -37,6 +37,8 @@ pub enum FileCommand {
     Quit,
     /// Answers what to do about unsaved changes and an armed robot.
     Answer(Answer),
+    /// Takes over what is open in another window, or looks at it only; `None` does neither.
+    TakeOver(Option<bool>),
     /// Opens an unsaved session that was found, by its place in the list.
     Recover(usize),
     /// Discards an unsaved session that was found, by its place in the list.

@@ -70,6 +70,17 @@ pub enum Command {
     Refuse(String),
 }
 
+impl Command {
+    /// Whether it changes the open session or works with its robot, other than stopping it.
+    pub(crate) fn acts_on_session(&self) -> bool {
+        match self {
+            Self::Edit(_) | Self::Undo | Self::Redo | Self::Import(_) | Self::Recording(_) => true,
+            Self::Robot(command) => !matches!(command, RobotCommand::Stop | RobotCommand::Expect),
+            _ => false,
+        }
+    }
+}
+
 #[derive(Debug)]
 pub enum Outcome {
     /// Of a task with files.

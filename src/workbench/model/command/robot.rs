@@ -56,8 +56,6 @@ pub enum RobotCommand {
     Verify(Stage),
     /// Takes the imported check as a run.
     TakeCheck(Stage),
-    /// Keeps the name of the operator, who is responsible for what is written.
-    SetOperator(String),
     /// Asks whether the identified values are to be written to the controller, and who writes them.
     Write,
     WriteValues(Vec<(String, f64)>, Purpose),

@@ -7,7 +7,7 @@ mod table;
 mod typed;
 mod verification;
 
-use egui::{Button, TextEdit, Ui};
+use egui::{Button, Ui};
 use egui_material_icons::icons;
 
 use super::measuring::controller;
@@ -31,8 +31,6 @@ pub(crate) use table::lines;
 /// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
-    /// Name of the operator while it is typed.
-    operator: Option<String>,
     /// Whether parameters that stay as they are are shown as well.
     all: bool,
     figures: Memo<(u64, u64), Result<Figures, String>>,
@@ -59,7 +57,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
     if current {
         doubt(ui, model, outbox);
         compare(ui, model, panel, outbox, &review);
-        write(ui, model, panel, outbox, &review);
+        write(ui, model, outbox, &review);
     }
     record::show(ui, model);
     verification::show(ui, model, panel, outbox);
@@ -164,10 +162,9 @@ fn compare(
     });
 }
 
-fn write(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox, review: &Review) {
+fn write(ui: &mut Ui, model: &Model, outbox: &mut Outbox, review: &Review) {
     let changes = review.changes().count();
     ui.add_space(GRID);
-    operator(ui, model, panel, outbox);
     let kind = model.link.connected.as_ref().map(|c| c.rig.kind);
     let writable = kind != Some(Kind::Recording);
     let ready = model.link.is_armed() && !model.link.is_busy() && writable;
@@ -221,23 +218,4 @@ pub(crate) fn identify_without(ui: &mut Ui, review: &Review, outbox: &mut Outbox
         outbox.send(Edit::RemoveEffects(review.effects.clone(), what));
     }
     is_wanted
-}
-
-/// Name of the operator, who is responsible for what is written.
-fn operator(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    let shown = panel.operator.take();
-    let mut name = shown.unwrap_or_else(|| model.preferences.operator.clone());
-    ui.horizontal(|ui| {
-        let label = ui.label("Operator");
-        let field = TextEdit::singleline(&mut name).hint_text("Your name, for the record");
-        let field = ui
-            .add(field.desired_width(60.0 * GRID))
-            .labelled_by(label.id);
-        if field.lost_focus() {
-            let typed = name.trim().to_owned();
-            outbox.send(RobotCommand::SetOperator(typed));
-        } else if field.has_focus() {
-            panel.operator = Some(name);
-        }
-    });
 }

@@ -3,9 +3,10 @@
 use egui::Key;
 
 use super::super::state::State;
-use super::{CONTROL, CONTROL_SHIFT, Item, Menu, item, keys};
+use super::{CONTROL, CONTROL_SHIFT, Item, Menu, item};
 use crate::model::command::{
-    CompareCommand, FileCommand, RecordCommand, RecordingCommand, ReportCommand, ViewCommand,
+    Command, CompareCommand, FileCommand, RecordCommand, RecordingCommand, ReportCommand,
+    ViewCommand,
 };
 use crate::model::phase::Screen;
 use tautline_workflow::report::ReportFormat;
@@ -14,6 +15,11 @@ use tautline_workflow::wording::recent_facts;
 
 /// Most sessions that the menu offers to open again.
 const RECENT: usize = 5;
+
+fn file(title: impl Into<String>, command: impl Into<Command>) -> Item {
+    item(Menu::File, title, command)
+}
+
 /// Sessions that are offered to be opened again.
 fn recent(state: &State) -> Vec<Item> {
     let recent = state.model.preferences.recent().iter().take(RECENT);
@@ -21,7 +27,7 @@ fn recent(state: &State) -> Vec<Item> {
         .map(|session| {
             let open = FileCommand::Open(session.path().to_owned());
             let title = format!("{} ({})", session.name, recent_facts(session));
-            item(Menu::File, title, None, true, open).within("Open recent")
+            file(title, open).within("Open recent")
         })
         .collect()
 }
@@ -37,103 +43,48 @@ pub fn lines(state: &State) -> Vec<Item> {
         _ => open,
     };
     let mut items = vec![
-        item(
-            Menu::File,
-            "Try the demo robot",
-            None,
-            true,
-            FileCommand::TryDemo,
-        ),
-        item(
-            Menu::File,
-            "Open…",
-            keys(CONTROL, Key::O),
-            true,
-            FileCommand::AskOpen,
-        ),
-        item(Menu::File, "Import…", None, true, RecordingCommand::Show),
+        file("Try the demo robot", FileCommand::TryDemo),
+        file("Open…", FileCommand::AskOpen).keys(CONTROL, Key::O),
+        file("Import…", RecordingCommand::Show),
     ];
     items.extend(recent(state));
     items.extend([
-        item(
-            Menu::File,
-            "Compare two sessions",
-            None,
-            true,
-            CompareCommand::Show,
-        ),
-        item(
-            Menu::File,
-            "Record of a robot",
-            None,
-            true,
-            RecordCommand::Show,
-        ),
-        item(
-            Menu::File,
-            "Save",
-            keys(CONTROL, Key::S),
-            open,
-            FileCommand::Save,
-        ),
-        item(
-            Menu::File,
-            "Save as…",
-            keys(CONTROL_SHIFT, Key::S),
-            open,
-            FileCommand::AskSaveAs,
-        ),
-        item(
-            Menu::File,
+        file("Compare two sessions", CompareCommand::Show),
+        file("Record of a robot", RecordCommand::Show),
+        file("Save", FileCommand::Save)
+            .keys(CONTROL, Key::S)
+            .when(open),
+        file("Save as…", FileCommand::AskSaveAs)
+            .keys(CONTROL_SHIFT, Key::S)
+            .when(open),
+        file(
             "Save report as HTML…",
-            None,
-            has_report,
             ReportCommand::AskSave(ReportFormat::Html),
-        ),
-        item(
-            Menu::File,
+        )
+        .when(has_report),
+        file(
             match ReportFormat::Pdf.is_available() {
                 true => "Save report as PDF…",
                 false => "Save report as PDF (left out of this build)",
             },
-            None,
-            has_report && ReportFormat::Pdf.is_available(),
             ReportCommand::AskSave(ReportFormat::Pdf),
-        ),
-        item(
-            Menu::File,
+        )
+        .when(has_report && ReportFormat::Pdf.is_available()),
+        file(
             "New series of this session",
-            None,
-            measured,
             FileCommand::NewSeries(Vec::new()),
-        ),
-        item(
-            Menu::File,
-            "Close session",
-            keys(CONTROL, Key::W),
-            open,
-            FileCommand::Close,
-        ),
-        item(
-            Menu::File,
-            "Quit",
-            keys(CONTROL, Key::Q),
-            true,
-            FileCommand::Quit,
-        ),
+        )
+        .when(measured),
+        file("Close session", FileCommand::Close)
+            .keys(CONTROL, Key::W)
+            .when(open),
+        file("Quit", FileCommand::Quit).keys(CONTROL, Key::Q),
     ]);
     let new = Template::ALL.map(|template| {
         let new = FileCommand::New(template);
-        item(Menu::File, template.title(), None, true, new).within("New robot")
+        file(template.title(), new).within("New robot")
     });
-    let blank = item(
-        Menu::File,
-        "Empty table",
-        None,
-        true,
-        ViewCommand::Go(Screen::NewRobot),
-    )
-    .within("New robot");
+    let blank = file("Empty table", ViewCommand::Go(Screen::NewRobot)).within("New robot");
     items.splice(3..3, new.into_iter().chain([blank]));
     items
 }

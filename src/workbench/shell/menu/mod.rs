@@ -80,10 +80,18 @@ impl Item {
             ..self
         }
     }
-}
 
-fn keys(modifiers: Modifiers, key: Key) -> Option<KeyboardShortcut> {
-    Some(KeyboardShortcut::new(modifiers, key))
+    fn keys(self, modifiers: Modifiers, key: Key) -> Self {
+        Self {
+            shortcut: Some(KeyboardShortcut::new(modifiers, key)),
+            ..self
+        }
+    }
+
+    /// The same, which can be used where this is so.
+    fn when(self, enabled: bool) -> Self {
+        Self { enabled, ..self }
+    }
 }
 
 const CONTROL: Modifiers = Modifiers::COMMAND;
@@ -104,19 +112,14 @@ pub fn items(state: &State) -> Vec<Item> {
     items
 }
 
-fn item(
-    menu: Menu,
-    title: impl Into<String>,
-    shortcut: Option<KeyboardShortcut>,
-    enabled: bool,
-    command: impl Into<Command>,
-) -> Item {
+/// A line without keys that can be used now.
+fn item(menu: Menu, title: impl Into<String>, command: impl Into<Command>) -> Item {
     Item {
         menu,
         group: None,
         title: title.into(),
-        shortcut,
-        enabled,
+        shortcut: None,
+        enabled: true,
         commands: vec![command.into()],
     }
 }
@@ -124,34 +127,19 @@ fn item(
 fn help(state: &State) -> Vec<Item> {
     let page = Page::of(state.model.screen);
     vec![
-        item(
-            Menu::Help,
-            "Manual",
-            None,
-            true,
-            ViewCommand::Manual(Some(Page::Start)),
-        ),
+        item(Menu::Help, "Manual", ViewCommand::Manual(Some(Page::Start))),
         item(
             Menu::Help,
             format!("Help on this screen: {}", page.title()),
-            keys(Modifiers::NONE, Key::F1),
-            true,
             ViewCommand::Manual(Some(page)),
-        ),
+        )
+        .keys(Modifiers::NONE, Key::F1),
         item(
             Menu::Help,
             "What each number means",
-            None,
-            true,
             ViewCommand::Manual(Some(Page::Numbers)),
         ),
-        item(
-            Menu::Help,
-            "About Tautline",
-            None,
-            true,
-            ViewCommand::About(true),
-        ),
+        item(Menu::Help, "About Tautline", ViewCommand::About(true)),
     ]
 }
 
@@ -161,20 +149,12 @@ fn edit(state: &State) -> Vec<Item> {
         name.map_or_else(|| what.to_owned(), |name| format!("{what}: {name}"))
     };
     vec![
-        item(
-            Menu::Edit,
-            named("Undo", undo),
-            keys(CONTROL, Key::Z),
-            undo.is_some(),
-            Command::Undo,
-        ),
-        item(
-            Menu::Edit,
-            named("Redo", redo),
-            keys(CONTROL_SHIFT, Key::Z),
-            redo.is_some(),
-            Command::Redo,
-        ),
+        item(Menu::Edit, named("Undo", undo), Command::Undo)
+            .keys(CONTROL, Key::Z)
+            .when(undo.is_some()),
+        item(Menu::Edit, named("Redo", redo), Command::Redo)
+            .keys(CONTROL_SHIFT, Key::Z)
+            .when(redo.is_some()),
     ]
 }
 
@@ -188,32 +168,25 @@ fn model(state: &State) -> Vec<Item> {
         .as_ref()
         .is_some_and(|d| !d.session().measurements.is_empty());
     let mut items = vec![
-        item(
-            Menu::Model,
-            "Identify",
-            keys(CONTROL, Key::I),
-            measured,
-            IdentificationCommand::Identify,
-        ),
+        item(Menu::Model, "Identify", IdentificationCommand::Identify)
+            .keys(CONTROL, Key::I)
+            .when(measured),
         item(
             Menu::Model,
             "Diagnose model",
-            keys(CONTROL, Key::D),
-            measured,
             IdentificationCommand::Diagnose,
-        ),
+        )
+        .keys(CONTROL, Key::D)
+        .when(measured),
         item(
             Menu::Model,
             "Cancel computation",
-            None,
-            computing,
             IdentificationCommand::Stop,
-        ),
+        )
+        .when(computing),
         item(
             Menu::Model,
             "New hypothesis",
-            None,
-            true,
             match state.model.hypothesis.draft {
                 None => HypothesisCommand::Show,
                 Some(_) => HypothesisCommand::New,
@@ -222,26 +195,16 @@ fn model(state: &State) -> Vec<Item> {
         item(
             Menu::Model,
             "Gallery of effects",
-            None,
-            true,
             ViewCommand::Go(Screen::Gallery),
         ),
         item(
             Menu::Model,
             "Which sensor?",
-            None,
-            true,
             ViewCommand::Go(Screen::WhichSensor),
         ),
     ];
     if state.model.hypothesis.draft.is_some() {
-        let show = item(
-            Menu::Model,
-            "Show the hypothesis",
-            None,
-            true,
-            HypothesisCommand::Show,
-        );
+        let show = item(Menu::Model, "Show the hypothesis", HypothesisCommand::Show);
         items.insert(items.len() - 2, show);
     }
     items.splice(0..0, next(state));
@@ -274,15 +237,10 @@ fn robot(state: &State) -> Vec<Item> {
     let session = state.model.open.as_ref().map(|open| open.session());
     let measured = session.is_some_and(|session| session.measurements.len() > 1);
     let robot =
-        |title: &str, enabled, command: Command| item(Menu::Robot, title, None, enabled, command);
+        |title: &str, enabled, command: Command| item(Menu::Robot, title, command).when(enabled);
     vec![
-        item(
-            Menu::Robot,
-            "Connect…",
-            keys(CONTROL_SHIFT, Key::K),
-            open,
-            RobotCommand::Setup(Setup::Open),
-        ),
+        robot("Connect…", open, RobotCommand::Setup(Setup::Open).into())
+            .keys(CONTROL_SHIFT, Key::K),
         robot(
             "Disconnect",
             (connected && !busy) || lost,
@@ -294,19 +252,12 @@ fn robot(state: &State) -> Vec<Item> {
             RobotCommand::Arm.into(),
         ),
         robot("Disarm the robot", armed, LinkRequest::Disarm.into()),
-        item(
-            Menu::Robot,
-            "Stop the robot",
-            Some(STOP),
-            connected,
-            RobotCommand::Stop,
-        ),
-        item(
-            Menu::Robot,
+        robot("Stop the robot", connected, RobotCommand::Stop.into())
+            .keys(STOP.modifiers, STOP.logical_key),
+        robot(
             "Plan a health check",
-            None,
             measured,
-            RecordCommand::PlanCheck(None),
+            RecordCommand::PlanCheck(None).into(),
         ),
     ]
 }

@@ -3,10 +3,14 @@
 use egui::{Key, Modifiers, ThemePreference};
 
 use super::super::state::State;
-use super::{CONTROL, CONTROL_SHIFT, Item, Menu, item, keys};
+use super::{CONTROL, CONTROL_SHIFT, Item, Menu, item};
 use crate::model::command::{PoseStep, ViewCommand};
 use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
+
+fn view(title: impl Into<String>, command: ViewCommand) -> Item {
+    item(Menu::View, title, command)
+}
 
 pub fn lines(state: &State) -> Vec<Item> {
     let open = state.model.open.is_some();
@@ -16,13 +20,9 @@ pub fn lines(state: &State) -> Vec<Item> {
         .zip(digits)
         .map(|(step, digit)| {
             let title = format!("Go to {}. {}", step.number(), step.title());
-            item(
-                Menu::View,
-                title,
-                keys(CONTROL, digit),
-                open,
-                ViewCommand::Go(Screen::Phase(*step)),
-            )
+            view(title, ViewCommand::Go(Screen::Phase(*step)))
+                .keys(CONTROL, digit)
+                .when(open)
         })
         .collect();
     let scale = state.model.context.zoom_factor();
@@ -33,111 +33,49 @@ pub fn lines(state: &State) -> Vec<Item> {
         .as_ref()
         .is_some_and(|d| !d.session().measurements.is_empty());
     items.extend([
-        item(
-            Menu::View,
+        view(
             "Inspect the pulley of the selected cable",
-            None,
-            state.model.selection.cable.is_some() && open,
             ViewCommand::Inspect(state.model.selection.cable),
-        ),
-        item(
-            Menu::View,
-            "Show the next pose",
-            keys(Modifiers::ALT, Key::ArrowRight),
-            measured,
-            ViewCommand::Pose(PoseStep::Next),
-        ),
-        item(
-            Menu::View,
+        )
+        .when(state.model.selection.cable.is_some() && open),
+        view("Show the next pose", ViewCommand::Pose(PoseStep::Next))
+            .keys(Modifiers::ALT, Key::ArrowRight)
+            .when(measured),
+        view(
             "Show the previous pose",
-            keys(Modifiers::ALT, Key::ArrowLeft),
-            measured,
             ViewCommand::Pose(PoseStep::Previous),
-        ),
-        item(
-            Menu::View,
+        )
+        .keys(Modifiers::ALT, Key::ArrowLeft)
+        .when(measured),
+        view(
             "Maximise the 3D view",
-            keys(Modifiers::NONE, Key::F7),
-            is_phase,
             ViewCommand::Maximise(Some(Part::Robot)),
-        ),
-        item(
-            Menu::View,
+        )
+        .keys(Modifiers::NONE, Key::F7)
+        .when(is_phase),
+        view(
             "Maximise the plots",
-            keys(Modifiers::NONE, Key::F8),
-            is_phase,
             ViewCommand::Maximise(Some(Part::Plots)),
-        ),
-        item(
-            Menu::View,
+        )
+        .keys(Modifiers::NONE, Key::F8)
+        .when(is_phase),
+        view(
             "Maximise the panel",
-            keys(Modifiers::NONE, Key::F9),
-            is_phase,
             ViewCommand::Maximise(Some(Part::Panel)),
-        ),
-        item(
-            Menu::View,
-            "Restore panels",
-            keys(Modifiers::NONE, Key::F6),
-            is_phase && state.model.maximised.is_some(),
-            ViewCommand::Maximise(None),
-        ),
-        item(
-            Menu::View,
-            "Command palette",
-            keys(CONTROL_SHIFT, Key::P),
-            true,
-            ViewCommand::Palette(true),
-        ),
-        item(
-            Menu::View,
-            "Log",
-            keys(CONTROL, Key::L),
-            true,
-            ViewCommand::Log(true),
-        ),
-        item(
-            Menu::View,
-            "Zoom in",
-            keys(CONTROL, Key::Plus),
-            true,
-            ViewCommand::Scale(scale + 0.1),
-        ),
-        item(
-            Menu::View,
-            "Zoom out",
-            keys(CONTROL, Key::Minus),
-            true,
-            ViewCommand::Scale(scale - 0.1),
-        ),
-        item(
-            Menu::View,
-            "Reset zoom",
-            keys(CONTROL, Key::Num0),
-            true,
-            ViewCommand::Scale(1.0),
-        ),
-        item(
-            Menu::View,
-            "Dark theme",
-            None,
-            true,
-            ViewCommand::Theme(ThemePreference::Dark),
-        ),
-        item(
-            Menu::View,
-            "Light theme",
-            None,
-            true,
-            ViewCommand::Theme(ThemePreference::Light),
-        ),
-        item(
-            Menu::View,
-            "System theme",
-            None,
-            true,
-            ViewCommand::Theme(ThemePreference::System),
-        ),
+        )
+        .keys(Modifiers::NONE, Key::F9)
+        .when(is_phase),
+        view("Restore panels", ViewCommand::Maximise(None))
+            .keys(Modifiers::NONE, Key::F6)
+            .when(is_phase && state.model.maximised.is_some()),
+        view("Command palette", ViewCommand::Palette(true)).keys(CONTROL_SHIFT, Key::P),
+        view("Log", ViewCommand::Log(true)).keys(CONTROL, Key::L),
+        view("Zoom in", ViewCommand::Scale(scale + 0.1)).keys(CONTROL, Key::Plus),
+        view("Zoom out", ViewCommand::Scale(scale - 0.1)).keys(CONTROL, Key::Minus),
+        view("Reset zoom", ViewCommand::Scale(1.0)).keys(CONTROL, Key::Num0),
+        view("Dark theme", ViewCommand::Theme(ThemePreference::Dark)),
+        view("Light theme", ViewCommand::Theme(ThemePreference::Light)),
+        view("System theme", ViewCommand::Theme(ThemePreference::System)),
     ]);
     items
 }

@@ -407,7 +407,7 @@ fn a_record_that_cannot_be_written_is_missed_aloud() {
         "space is kept before anything is written"
     );
     for part in [
-        "written to the controller and verified",
+        "written and read back",
         "does not record this outcome, only that",
         &file,
     ] {
@@ -440,7 +440,7 @@ fn nothing_is_written_whose_result_cannot_be_written() {
         let answer = with(&["--json", "/dev/full"]);
         assert_eq!(answer.code, Some(1), "{}", answer.stderr);
         for part in [
-            "written to the controller and verified (31 changed).",
+            "31 values written and read back.",
             "/dev/full: cannot be written",
         ] {
             assert!(answer.stderr.contains(part), "{}", answer.stderr);
