@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7860),
+    ("cli", 7878),
     ("core", 35592),
     ("import", 16961),
-    ("link", 10222),
+    ("link", 10254),
     ("python", 951),
     ("session", 7901),
     ("study", 3110),
     ("workbench", 37518),
-    ("workflow", 18056),
+    ("workflow", 18282),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
