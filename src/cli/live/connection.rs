@@ -1,6 +1,6 @@
 //! A connected controller and its clock.
 
-use crate::output::message;
+use crate::output::{message, note};
 use std::thread;
 use std::time::Duration;
 
@@ -70,6 +70,9 @@ impl Connection {
         let connected = controller.connect();
         connected.map_err(|error| signed_in.refused(error))?;
         signed_in.accepted();
+        if let Some(sentence) = setup.robot().unchecked_tensions() {
+            note!("{sentence}");
+        }
         Ok(Self {
             controller,
             instrument: opened.instrument,
