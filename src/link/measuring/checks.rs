@@ -61,6 +61,8 @@ pub struct Warning {
     pub text: String,
     /// Whether the pose cannot be used.
     pub refuses: bool,
+    /// Whether a force sensor is dead, so that its cable has no protection from overload.
+    pub is_dead_sensor: bool,
 }
 
 /// Readings before a motion, their prediction, and which of them changed during the motion.
@@ -160,6 +162,14 @@ impl Checks<'_> {
             cable,
             text: format!("{subject}{text} ({place})."),
             refuses,
+            is_dead_sensor: false,
+        }
+    }
+
+    fn dead_sensor(&self, index: usize, text: &str) -> Warning {
+        Warning {
+            is_dead_sensor: true,
+            ..self.warning(Some(index), false, text)
         }
     }
 
@@ -191,8 +201,10 @@ impl Checks<'_> {
         for (index, value) in self.at.force_n.row(0).iter().enumerate() {
             // Lengths count from home, so a cable without a tension there cannot be used at all.
             if !value.is_finite() {
-                let refuses = self.label == 0;
-                found.push(self.warning(Some(index), refuses, "its force sensor shows no number"));
+                found.push(Warning {
+                    refuses: self.label == 0,
+                    ..self.dead_sensor(index, "its force sensor shows no number")
+                });
             }
         }
         if self.at.laser_at(0).is_nan() && self.robot.laser.is_some() {
@@ -215,13 +227,22 @@ impl Checks<'_> {
             let Some(sensor) = cable.force_sensor else {
                 continue;
             };
+            let readings = self.samples.iter().map(|sample| sample.force_n.get(index));
+            if readings.clone().all(|reading| reading == Some(&0.0)) && !self.samples.is_empty() {
+                found.push(self.dead_sensor(index, "its force sensor shows exactly 0 N"));
+                continue;
+            }
             let tension = sensor.tension_n(reading);
             let (least, most) = (range.lower_n, range.upper_n);
             let text = match TensionFault::of(&sensor, tension, range) {
                 None => continue,
-                Some(TensionFault::Negative) => format!(
-                    "its force sensor shows {tension:.1} N, but a cable cannot push: is its sign reversed?"
-                ),
+                Some(TensionFault::Negative) => {
+                    let text = format!(
+                        "its force sensor shows {tension:.1} N, but a cable cannot push: is its sign reversed?"
+                    );
+                    found.push(self.dead_sensor(index, &text));
+                    continue;
+                }
                 Some(TensionFault::Slack) => {
                     format!("it is slack: {tension:.1} N, at least {least:.1} N are needed")
                 }
@@ -258,7 +279,7 @@ impl Checks<'_> {
         let frozen = cables
             .filter(|(index, changed)| !**changed && self.at.force_n.get(0, *index).is_finite());
         frozen
-            .map(|(index, _)| self.warning(Some(index), false, text))
+            .map(|(index, _)| self.dead_sensor(index, text))
             .collect()
     }
 
