@@ -166,6 +166,11 @@ impl Checks<'_> {
         }
     }
 
+    fn has_sensor(&self, index: usize) -> bool {
+        let cable = self.robot.cables.get(index);
+        cable.is_some_and(|cable| cable.force_sensor.is_some())
+    }
+
     fn dead_sensor(&self, index: usize, text: &str) -> Warning {
         Warning {
             is_dead_sensor: true,
@@ -200,7 +205,7 @@ impl Checks<'_> {
         }
         for (index, value) in self.at.force_n.row(0).iter().enumerate() {
             // Lengths count from home, so a cable without a tension there cannot be used at all.
-            if !value.is_finite() {
+            if !value.is_finite() && self.has_sensor(index) {
                 found.push(Warning {
                     refuses: self.label == 0,
                     ..self.dead_sensor(index, "its force sensor shows no number")
@@ -227,8 +232,8 @@ impl Checks<'_> {
             let Some(sensor) = cable.force_sensor else {
                 continue;
             };
-            let readings = self.samples.iter().map(|sample| sample.force_n.get(index));
-            if readings.clone().all(|reading| reading == Some(&0.0)) && !self.samples.is_empty() {
+            let is_zero = |sample: &Sample| sample.force_n.get(index) == Some(&0.0);
+            if !self.samples.is_empty() && self.samples.iter().all(is_zero) {
                 found.push(self.dead_sensor(index, "its force sensor shows exactly 0 N"));
                 continue;
             }
@@ -277,7 +282,8 @@ impl Checks<'_> {
             "its force sensor shows exactly the same before and after the motion: is it connected?";
         let cables = changed.iter().enumerate();
         let frozen = cables
-            .filter(|(index, changed)| !**changed && self.at.force_n.get(0, *index).is_finite());
+            .filter(|(index, changed)| !**changed && self.at.force_n.get(0, *index).is_finite())
+            .filter(|(index, _)| self.has_sensor(*index));
         frozen
             .map(|(index, _)| self.dead_sensor(index, text))
             .collect()

@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7754),
-    ("core", 35592),
+    ("cli", 7771),
+    ("core", 35711),
     ("import", 16953),
-    ("link", 10124),
-    ("python", 951),
-    ("session", 7881),
+    ("link", 10280),
+    ("python", 953),
+    ("session", 7944),
     ("study", 3110),
     ("workbench", 37518),
-    ("workflow", 18030),
+    ("workflow", 18074),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
