@@ -122,9 +122,10 @@ fn print(document: &AuditDocument) {
     if !document.entries.is_empty() {
         say!("{lines}");
     }
-    if let [_, ..] = &document.uncovered_poses[..] {
-        let poses = poses_in_words(document.uncovered_poses.iter().copied());
-        say!("not in the trail: {poses}, imported or measured by an earlier version");
+    say!("{}", document.covers);
+    if let [_, ..] = &document.imported_poses[..] {
+        let poses = poses_in_words(document.imported_poses.iter().copied());
+        say!("imported, or measured by an earlier version: {poses}");
     }
     for fault in &document.faults {
         say!("fault: {}", fault.text);

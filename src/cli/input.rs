@@ -12,10 +12,10 @@ use tautline_core::robot::Robot;
 use tautline_session::{
     DatasetFolder, Loaded, PoseLines, Session, Timestamp, import, read_dataset,
 };
-use tautline_workflow::clock;
 use tautline_workflow::comparison::as_session;
 use tautline_workflow::machines::{self, Machine};
 use tautline_workflow::readiness::{ReadingFault, reading_faults};
+use tautline_workflow::{audit, clock};
 
 /// Largest number of poses that is planned or measured: more take months.
 pub const MOST_POSES: u64 = 10_000;
@@ -39,6 +39,9 @@ pub fn noticed<T>(read: Loaded<T>) -> T {
 pub fn session(path: &Path) -> Result<Session> {
     if is_standard(path) {
         let session = noticed(standard_input::session()?);
+        if let Some(text) = audit::notice(&session) {
+            note!("{text}");
+        }
         note_faults(&session.dataset(), None);
         return Ok(session);
     }

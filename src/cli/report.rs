@@ -129,20 +129,28 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
     let mut session = input::session(&arguments.subject)?;
     HypothesisFiles::default().add_to(&mut session.robot)?;
     let next_calibration = arguments.next_calibration()?;
-    let (fit, diagnosis) = if session.measurements.is_empty() {
-        (None, None)
-    } else {
-        let place = arguments.subject.display();
-        let fit = identify_session(&session, &mut |_| Control::Continue)
-            .map_err(|error| BadInput::new(format!("{place}: {error}")))?;
-        let dataset = Arc::new(dataset_to_diagnose(&session, &fit));
-        let alpha = session.settings.diagnosis.alpha;
-        let diagnosis = diagnose_with_progress(dataset, (alpha, TIME_LIMIT_S))
-            .map_err(|error| BadInput::new(format!("{place}: {error}")))?;
-        (Some(fit), Some(diagnosis))
+    let choice = arguments.choice();
+    let place = arguments.subject.display();
+    let fit = match choice.shows_fit() && !session.measurements.is_empty() {
+        true => Some(
+            identify_session(&session, &mut |_| Control::Continue)
+                .map_err(|error| BadInput::new(format!("{place}: {error}")))?,
+        ),
+        false => None,
     };
-    let picture = (window.picture)(&session, fit.as_ref());
-    if let Err(error) = &picture {
+    let diagnosis = match fit.as_ref().filter(|_| choice.shows_diagnosis()) {
+        Some(fit) => {
+            let dataset = Arc::new(dataset_to_diagnose(&session, fit));
+            let limits = (session.settings.diagnosis.alpha, TIME_LIMIT_S);
+            let diagnosis = diagnose_with_progress(dataset, limits);
+            Some(diagnosis.map_err(|error| BadInput::new(format!("{place}: {error}")))?)
+        }
+        None => None,
+    };
+    let picture = choice
+        .has(Part::Result)
+        .then(|| (window.picture)(&session, fit.as_ref()));
+    if let Some(Err(error)) = &picture {
         note!("the report has no picture of the robot: {error}");
     }
     let input = ReportInput {
@@ -151,9 +159,9 @@ pub fn run(arguments: &Arguments, window: &Window) -> Result<()> {
         outdated: false,
         diagnosis: diagnosis.as_ref(),
         diagnosis_outdated: false,
-        picture: picture.as_deref().ok(),
+        picture: picture.as_ref().and_then(|png| png.as_deref().ok()),
         next_calibration: next_calibration.as_deref(),
-        choice: &arguments.choice(),
+        choice: &choice,
         now: clock::now(),
     };
     write_file(&arguments.out, &render_report(&input, format)?)

@@ -42,27 +42,42 @@ impl Limits {
             let text = "the commanded pose contains a number that is not finite";
             return Err(LinkError::Limit(text.to_owned()));
         }
-        let at = || {
-            let [x, y, z] = (pose.position * 1e3).into();
-            format!("position ({x:.1}, {y:.1}, {z:.1}) mm")
-        };
         if !self.workspace.contains(pose) {
-            let text = format!("{} or its orientation is not in the workspace", at());
+            let text = format!("{} or its orientation is not in the workspace", place(pose));
             return Err(LinkError::Limit(text));
         }
-        if self.robot.platform.mass_kg.is_none() || !self.robot.has_force_sensors() {
+        if !self.robot.has_tensions() {
             return Ok(());
         }
         let held = self.tension.tensions(&self.robot, pose);
-        let held = held.map_err(|e| LinkError::Limit(format!("at {} {e}", at())))?;
-        held.map(drop).ok_or_else(|| {
-            LinkError::Limit(format!(
-                "no tensions between {:.0} N and {:.0} N hold the platform at {}",
-                self.tension.lower_n,
-                self.tension.upper_n,
-                at()
-            ))
+        let held = held.map_err(|e| LinkError::Limit(format!("at {} {e}", place(pose))))?;
+        held.map(drop)
+            .ok_or_else(|| LinkError::Limit(self.not_held(pose)))
+    }
+
+    /// Checks that tensions within the limits balance the platform on the straight way between two poses, where that can be
+    /// checked.
+    ///
+    /// # Errors
+    /// [`LinkError::Limit`] otherwise.
+    pub fn check_way(&self, from: &Pose, to: &Pose) -> Result<(), LinkError> {
+        if self.robot.unchecked_tensions().is_some() {
+            return Ok(());
+        }
+        let held = self.tension.hold_between(&self.robot, from, to);
+        held.map_err(|pose| {
+            let text = self.not_held(&pose);
+            LinkError::Limit(format!("on the way to {} {text}", place(to)))
         })
+    }
+
+    fn not_held(&self, pose: &Pose) -> String {
+        format!(
+            "no tensions between {:.0} N and {:.0} N hold the platform at {}",
+            self.tension.lower_n,
+            self.tension.upper_n,
+            place(pose)
+        )
     }
 
     /// Checks that no cable pulls harder than the limit, beyond the noise of its sensor, or than in the readings
@@ -92,6 +107,11 @@ impl Limits {
     }
 }
 
+fn place(pose: &Pose) -> String {
+    let [x, y, z] = (pose.position * 1e3).into();
+    format!("position ({x:.1}, {y:.1}, {z:.1}) mm")
+}
+
 /// Whether all numbers of a pose are finite and its quaternion has norm one.
 fn is_pose(pose: &Pose) -> bool {
     let wxyz = pose.orientation_wxyz();
@@ -103,6 +123,29 @@ fn is_pose(pose: &Pose) -> bool {
 #[cfg(test)]
 mod tests {
     use crate::testing::{limits, preset};
+
+    #[test]
+    fn a_platform_that_is_too_heavy_is_not_driven_although_a_sensor_is_missing() {
+        let mut preset = preset("mini");
+        preset.robot.platform.mass_kg = Some(500.0);
+        preset.robot.cables[3].force_sensor = None;
+        let centre = preset.workspace.centre;
+        let refused = limits(&preset).check_pose(&centre).unwrap_err().to_string();
+        assert!(
+            refused.contains("no tensions between 10 N and 150 N"),
+            "{refused}"
+        );
+        assert_eq!(preset.robot.unchecked_tensions(), None);
+        // Without limits in the description, or a mass, nothing can be checked, which is said.
+        let mut without = preset.clone();
+        without.robot.limits = None;
+        let said = without.robot.unchecked_tensions().unwrap();
+        assert!(said.contains("states no tension limits"), "{said}");
+        preset.robot.platform.mass_kg = None;
+        let said = preset.robot.unchecked_tensions().unwrap();
+        assert!(said.contains("states no mass"), "{said}");
+        limits(&preset).check_pose(&centre).unwrap();
+    }
 
     #[test]
     fn poses_that_cannot_be_held_are_refused() {

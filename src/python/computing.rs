@@ -226,7 +226,9 @@ pub fn check_health(
 #[pyfunction]
 pub fn check(py: Python<'_>, dataset: DatasetTexts) -> PyResult<String> {
     let dataset = parsed_dataset(&dataset)?;
-    json(&detached(py, |_| Ok(readiness::check(&dataset, None)))?)
+    json(&detached(py, |_| {
+        Ok(readiness::check(&dataset, None, true))
+    })?)
 }
 
 /// The result of the command `compare`, second less first.

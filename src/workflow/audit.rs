@@ -11,6 +11,13 @@ use crate::clock;
 use crate::planning::poses_in_words;
 use crate::wording::{PROGRAM, count, list};
 
+/// What a trail covers.
+const COVERS: &str = "Covered: the readings, measured and imported, the robot description, the tables of phases 1, 2 and 5, \
+                      results, adjustments, verifications and the log. Not covered: plan, excluded poses, settings and names.";
+/// What a trail covers that no later version has saved.
+const COVERED_BEFORE: &str = "Covered: the readings as they were measured, adjustments, verifications and the log. Not covered, until \
+                              this version saves the session: imported readings, the robot description, tables and results.";
+
 /// The user who runs the program, by the environment; empty if that does not name one.
 #[must_use]
 pub fn system_user() -> String {
@@ -48,8 +55,11 @@ pub fn seal(session: &mut Session, operator: &str, key: Option<&AuditKey>) {
 /// What is wrong in the trail of a session that was opened: one sentence without full stop.
 #[must_use]
 pub fn notice(session: &Session) -> Option<String> {
+    if session.trail().is_empty() {
+        return None;
+    }
     let faults = session.audit();
-    let first = faults.first().filter(|_| !session.trail().is_empty())?;
+    let first = faults.first()?;
     let others = match faults.len() - 1 {
         0 => String::new(),
         others => format!("; `tautline audit` lists {}", count(others, "other fault")),
@@ -89,8 +99,14 @@ pub struct AuditDocument {
     pub entries: Vec<AuditEntry>,
     /// What is wrong.
     pub faults: Vec<AuditFault>,
-    /// Labels of the poses that are in no entry: imported ones, and those of earlier versions.
+    /// What the trail covers and what it does not, in one sentence.
+    #[serde(default)]
+    pub covers: String,
+    /// Labels of the poses that are in no entry: those of earlier versions, and those that such a version imported.
     pub uncovered_poses: Vec<i64>,
+    /// Labels of the poses that were imported, or not recorded when they were measured.
+    #[serde(default)]
+    pub imported_poses: Vec<i64>,
     /// Hash of the last entry.
     pub last_hash: Option<String>,
 }
@@ -168,7 +184,7 @@ impl AuditDocument {
                     entry: None,
                     kind: "lost".to_owned(),
                     text: format!(
-                        "no entry has the hash {hash}: it is of another session, or the trail was computed anew"
+                        "no entry has the hash {hash}: it is of another session, the file is an older copy, or the trail was computed anew"
                     ),
                 });
             }
@@ -194,7 +210,16 @@ impl AuditDocument {
                 })
                 .collect(),
             faults,
-            uncovered_poses: session.uncovered_poses(),
+            covers: match trail.has_state() {
+                true => COVERS,
+                false => COVERED_BEFORE,
+            }
+            .to_owned(),
+            uncovered_poses: match trail.has_state() {
+                true => Vec::new(),
+                false => session.imported_poses(),
+            },
+            imported_poses: session.imported_poses(),
             last_hash: trail.last_hash().map(str::to_owned),
         }
     }
@@ -270,6 +295,10 @@ fn part_is(part: TrailPart) -> String {
             format!("change {} of the controller by others is", number + 1)
         }
         TrailPart::Log(number) => format!("step {} of the log is", number + 1),
+        TrailPart::Result(number) => format!("result {} is", number + 1),
+        TrailPart::Robot => "the robot description is".to_owned(),
+        TrailPart::Tables => "the tables of phases 1, 2 and 5 are".to_owned(),
+        TrailPart::Imported => "the imported poses are".to_owned(),
     }
 }
 
@@ -305,6 +334,10 @@ fn what(session: &Session, entry: &TrailEntry) -> String {
             TrailPart::ForeignWrite(_) => {
                 words.push("a change of the controller by others".to_owned());
             }
+            TrailPart::Result(number) => words.push(format!("result {}", number + 1)),
+            TrailPart::Robot => words.push("the robot description".to_owned()),
+            TrailPart::Tables => words.push("the tables of the phases".to_owned()),
+            TrailPart::Imported => words.push("the imported poses".to_owned()),
         }
     }
     words.dedup();

@@ -162,7 +162,7 @@ impl Bench {
             if reported.len() < told.len() || kept.len() < labels.len() {
                 fault(format!("poses are measured twice: {labels:?}, {told:?}"));
             }
-            if !session.audit().is_empty() || !session.uncovered_poses().is_empty() {
+            if !session.audit().is_empty() || !session.imported_poses().is_empty() {
                 fault("the audit trail is broken".to_owned());
             }
             let left = beside(&file);

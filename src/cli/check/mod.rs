@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Session or dataset folder of the calibration: is the robot still as it was then?
     #[arg(long, value_name = "DATASET|SESSION")]
     against: Option<PathBuf>,
-    /// Also print which faults the poses would reveal and which of them could be confused
+    /// Also evaluate which faults the poses would reveal and which of them could be confused, which takes seconds
     #[arg(long)]
     explain: bool,
 }
@@ -42,16 +42,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(baseline) = &arguments.against {
         return against::run(arguments, &read, baseline);
     }
-    let document = check(&read.dataset, Some(&read.lines));
-    arguments
-        .json
-        .deliver(&document, || print(&document, arguments.explain))?;
+    let document = check(&read.dataset, Some(&read.lines), arguments.explain);
+    arguments.json.deliver(&document, || print(&document))?;
     Reservation::NotReady.unless(document.ready)
 }
 
-fn print(document: &ReadinessDocument, explain: bool) {
+fn print(document: &ReadinessDocument) {
     print_items(&document.checks);
-    if let Some(document) = document.isolability.as_ref().filter(|_| explain) {
+    if let Some(document) = &document.isolability {
         isolability::print(document);
     }
 }

@@ -75,6 +75,9 @@ impl Connection {
         for warning in setup.warnings(controller.protection().as_ref()) {
             note!("{warning}");
         }
+        if let Some(sentence) = setup.robot().unchecked_tensions() {
+            note!("{sentence}");
+        }
         Ok(Self {
             controller,
             instrument: opened.instrument,

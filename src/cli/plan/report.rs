@@ -22,14 +22,18 @@ pub fn print(plan: &PlanDocument) {
         plan.candidates
     );
     say!(
-        "rejected of {} drawn: {} without tensions that hold the platform, {} without a cable path, {} without a usable \
-         laser distance, {} too close to the frame",
+        "rejected of {} drawn: {} without tensions that hold the platform, {} without them on the way from home, {} without a \
+         cable path, {} without a usable laser distance, {} too close to the frame",
         refused.tried,
         refused.tension,
+        refused.way,
         refused.kinematics,
         refused.laser,
         refused.frame
     );
+    if let Some(sentence) = &plan.unchecked_tensions {
+        say!("{sentence}");
+    }
     say!(
         "travel distance {:.1} m; largest correlation of a coordinate with time {:.2}",
         plan.travel_m,

@@ -67,8 +67,14 @@ pub(super) fn cause_posteriors(ranking: &[RankedSet]) -> (Vec<CausePosterior>, V
         let causes = with_matching_waves(&set.causes, &first.causes);
         let is_spare = |cause: &&Cause| first.causes.iter().all(|own| !covers(cause, own));
         let mut spare: Vec<&Cause> = causes.iter().filter(is_spare).collect();
+        // Several causes of a set, such as cables of a family, may be one among the others.
+        let mut counted = Vec::new();
         for cause in &spare {
-            add_probability(&mut beside, cause, share);
+            let place = place_of(&mut beside, cause);
+            if !counted.contains(&place) {
+                beside[place].probability += share;
+                counted.push(place);
+            }
         }
         let mut missing: Vec<usize> = Vec::new();
         for (place, own) in first.causes.iter().enumerate() {
@@ -191,13 +197,20 @@ fn with_matching_waves(set: &[Cause], other: &[Cause]) -> Vec<Cause> {
 }
 
 fn add_probability(all: &mut Vec<PossibleCause>, cause: &Cause, probability: f64) {
-    match all.iter_mut().find(|known| covers(&known.cause, cause)) {
-        Some(known) => known.probability += probability,
-        None => all.push(PossibleCause {
+    let place = place_of(all, cause);
+    all[place].probability += probability;
+}
+
+/// The place of a cause in a list, to which it is added if nothing there covers it.
+fn place_of(all: &mut Vec<PossibleCause>, cause: &Cause) -> usize {
+    let known = all.iter().position(|known| covers(&known.cause, cause));
+    known.unwrap_or_else(|| {
+        all.push(PossibleCause {
             cause: cause.clone(),
-            probability,
-        }),
-    }
+            probability: 0.0,
+        });
+        all.len() - 1
+    })
 }
 
 #[cfg(test)]
@@ -273,6 +286,20 @@ mod tests {
         // If neither is certain, the same probability is no name.
         let none = vec![(vec![on("winch_offset", &[5])], 0.97), (Vec::new(), 0.03)];
         assert!(!cause_posteriors(&ranked(none)).0[0].is_named());
+    }
+
+    #[test]
+    fn a_set_with_several_cables_of_a_family_counts_once() {
+        let payload = || on("payload_mass", &[]);
+        let singles = [1, 2, 3].map(|cable| on("force_gain", &[cable]));
+        let sets = vec![
+            (vec![payload()], 0.2),
+            (vec![payload(), each("force_gain", 4)], 0.2),
+            ([vec![payload()], singles.to_vec()].concat(), 0.6),
+        ];
+        let (_, beside) = cause_posteriors(&ranked(sets));
+        assert_eq!(beside.len(), 1, "{beside:?}");
+        assert!((beside[0].probability - 0.8).abs() < 1e-12, "{beside:?}");
     }
 
     #[test]

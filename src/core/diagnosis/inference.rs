@@ -230,13 +230,12 @@ pub(super) fn infer<'a>(
             report,
         );
         let visible = seen.get_or_insert(exploration.visibility);
-        report.stage(Stage::Refits, at.present.len());
         fitted.push((fit.causes.clone(), own));
         let mut compared = SetComparison::new(&at, exploration.ranking, &fitted);
         let mut gram = exploration.gram;
         let mut best: Option<(f64, Fit<'a>)> = None;
         while let Some(place) = compared.next() {
-            if report.cancelled && best.is_some() {
+            if !report.stage(Stage::Refits, at.present.len()) && best.is_some() {
                 break;
             }
             let start = at.causes_of(&mut gram, compared.members(place));

@@ -98,6 +98,14 @@ pub struct TensionDistribution {
     pub iterations: usize,
 }
 
+impl TensionDistribution {
+    /// Whether the tensions balance the platform.
+    #[must_use]
+    pub fn balances(&self) -> bool {
+        self.feasibility == Feasibility::Feasible
+    }
+}
+
 /// Largest number of proximal steps; infeasible poses near the border need the most.
 const PROXIMAL_STEPS: usize = 60;
 /// Largest number of Newton steps within one proximal step.
@@ -185,7 +193,7 @@ pub(crate) fn balanced_tension(robot: &Robot, pose: &Pose, limits: &TensionLimit
         ))
     });
     match found {
-        Ok(found) if found.feasibility == Feasibility::Feasible => found.tensions_n,
+        Ok(found) if found.balances() => found.tensions_n,
         _ => all(limits.reference_n),
     }
 }

@@ -31,6 +31,9 @@ pub struct Refused {
     pub kinematics: usize,
     /// No tensions within the limits balance the platform.
     pub tension: usize,
+    /// They do there, but not everywhere on the straight way from the home pose.
+    #[serde(default)]
+    pub way: usize,
     /// The beam misses the target, meets it beyond 60 degrees or at a distance outside the range.
     pub laser: usize,
     /// The platform would be too close to a pulley or a side of the frame.
@@ -143,6 +146,10 @@ pub(super) fn accept(
         refused.tension += 1;
         return None;
     };
+    if !model.is_held_between(&model.start(), &pose) {
+        refused.way += 1;
+        return None;
+    }
     Some(Candidate {
         pose,
         tensions_n,

@@ -120,6 +120,12 @@ impl<'a> InformationModel<'a> {
             .flatten()
     }
 
+    /// Whether tensions balance the platform on the straight way between two poses, as far as that can be checked.
+    pub fn is_held_between(&self, from: &Pose, to: &Pose) -> bool {
+        self.robot.unchecked_tensions().is_some()
+            || self.tension.hold_between(&self.robot, from, to).is_ok()
+    }
+
     /// Information of each of these poses, and the prior information.
     pub fn information(
         &self,

@@ -133,8 +133,8 @@ pub enum PlanError {
     /// The robot can hold too few poses.
     #[error(
         "only {found} of the {wanted} poses needed can be held and measured; of {} tried, {} have no cable path, {} no \
-         tensions that hold the platform, {} no usable laser distance, {} are too close to the frame",
-        refused.tried, refused.kinematics, refused.tension, refused.laser, refused.frame
+         tensions that hold the platform, {} none on the way from home, {} no usable laser distance, {} are too close to the frame",
+        refused.tried, refused.kinematics, refused.tension, refused.way, refused.laser, refused.frame
     )]
     TooFewPoses {
         /// Number of poses found.
@@ -256,7 +256,8 @@ pub fn plan(
         let poses: Vec<Pose> = (chosen.iter())
             .map(|index| set.candidates[*index].pose)
             .collect();
-        let order = Order::of(&set.model.robot, set.model.start(), &poses);
+        let is_held = |from: &Pose, to: &Pose| set.model.is_held_between(from, to);
+        let order = Order::of(&set.model.robot, set.model.start(), &poses, &is_held);
         let ordered: Vec<Candidate> = (order.sequence.iter())
             .map(|place| set.candidates[chosen[*place]].clone())
             .collect();
@@ -286,7 +287,8 @@ pub fn evaluate(
                 Candidate::chosen(&set.model, *pose).ok_or(PlanError::NotHeld { number })
             })
             .collect();
-        let order = Order::given(&set.model.robot, set.model.start(), poses);
+        let is_held = |from: &Pose, to: &Pose| set.model.is_held_between(from, to);
+        let order = Order::given(&set.model.robot, set.model.start(), poses, &is_held);
         set.plan(&given?, order)
     })
 }

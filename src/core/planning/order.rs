@@ -3,7 +3,10 @@
 //! Drifts with time (temperature, laser, creep of the cables) look like geometry if the platform moves steadily
 //! from one end to the other meanwhile. So the path to be shortened (nearest neighbour, then reversal of segments: 2-opt)
 //! is penalised by four times its length for each unit by which the largest correlation of a coordinate with the position in
-//! the order exceeds 0.15: `cost = length (1 + 4 max(0, |rho| - 0.15))`.
+//! the order exceeds 0.15: `cost = length (1 + 4 max(0, |rho| - 0.15))`. A move whose straight way cannot be held counts
+//! with its way over the start, over which the platform goes then.
+
+use std::collections::HashSet;
 
 use crate::geometry::{Coordinate, Pose, Vec3};
 use crate::robot::Robot;
@@ -29,18 +32,45 @@ pub struct Order {
 }
 
 impl Order {
-    /// Orders `poses`, beginning near `start`.
+    /// Orders `poses`, beginning near `start`; `is_held` tells whether the platform can move straight between two of them.
     #[must_use]
-    pub fn of(robot: &Robot, start: Pose, poses: &[Pose]) -> Self {
-        let tour = Tour::new(robot, start, poses);
+    pub fn of(
+        robot: &Robot,
+        start: Pose,
+        poses: &[Pose],
+        is_held: &dyn Fn(&Pose, &Pose) -> bool,
+    ) -> Self {
+        let mut tour = Tour::new(robot, start, poses);
         let mut sequence = tour.nearest_neighbours();
-        tour.improve(&mut sequence);
-        Self::along(robot, &tour, sequence)
+        let mut checked = HashSet::new();
+        loop {
+            tour.improve(&mut sequence);
+            let moves: Vec<(usize, usize)> = sequence.windows(2).map(|m| (m[0], m[1])).collect();
+            let new = moves.into_iter().filter(|m| checked.insert(*m));
+            let open: Vec<_> = new
+                .filter(|(a, b)| !is_held(&poses[*a], &poses[*b]))
+                .collect();
+            if open.is_empty() {
+                return Self::along(robot, &tour, sequence);
+            }
+            open.into_iter()
+                .for_each(|(a, b)| tour.lead_over_start(a, b));
+        }
     }
 
     /// Keeps `poses` in the given order.
-    pub(super) fn given(robot: &Robot, start: Pose, poses: &[Pose]) -> Self {
-        let tour = Tour::new(robot, start, poses);
+    pub(super) fn given(
+        robot: &Robot,
+        start: Pose,
+        poses: &[Pose],
+        is_held: &dyn Fn(&Pose, &Pose) -> bool,
+    ) -> Self {
+        let mut tour = Tour::new(robot, start, poses);
+        for (k, ends) in poses.windows(2).enumerate() {
+            if !is_held(&ends[0], &ends[1]) {
+                tour.lead_over_start(k, k + 1);
+            }
+        }
         Self::along(robot, &tour, (0..poses.len()).collect())
     }
 
@@ -101,6 +131,13 @@ impl Tour {
                 .map(|c| coordinate(c.index()))
                 .collect(),
         }
+    }
+
+    fn lead_over_start(&mut self, a: usize, b: usize) {
+        let start = self.start();
+        let detour = self.distance[a][start] + self.distance[start][b];
+        self.distance[a][b] = detour;
+        self.distance[b][a] = detour;
     }
 
     fn start(&self) -> usize {
@@ -184,4 +221,34 @@ fn standardised(values: Vec<f64>) -> Vec<f64> {
         0.0
     };
     values.into_iter().map(|v| (v - mean) * scale).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::presets;
+
+    #[test]
+    fn moves_that_cannot_be_held_are_avoided_or_lead_over_the_start() {
+        let robot = presets::find("mini").unwrap().robot;
+        let at = |x: f64, y: f64| Pose::from_parts([x, y, 0.0], [1.0, 0.0, 0.0, 0.0]);
+        let poses = [at(0.3, 0.01), at(0.31, 0.01), at(0.3, -0.2), at(0.31, -0.2)];
+        let order = |is_held: &dyn Fn(&Pose, &Pose) -> bool| {
+            Order::of(&robot, Pose::identity(), &poses, is_held)
+        };
+        let free = order(&|_, _| true).sequence;
+        let moves = |sequence: &[usize]| -> Vec<[usize; 2]> {
+            let pairs = sequence.windows(2);
+            pairs.map(|m| [m[0].min(m[1]), m[0].max(m[1])]).collect()
+        };
+        let first = moves(&free)[0];
+        let ends = first.map(|k| poses[k]);
+        let other = order(&|a, b| !(ends.contains(a) && ends.contains(b)));
+        assert!(!moves(&other.sequence).contains(&first), "{other:?}");
+        // None can be: the way counts with every return to the start.
+        let none = order(&|_, _| false);
+        let spokes: f64 = poses.iter().map(|pose| pose.position.norm()).sum();
+        let last = poses[none.sequence[3]].position.norm();
+        assert!((none.travel_m - (2.0 * spokes - last)).abs() < 1e-12);
+    }
 }

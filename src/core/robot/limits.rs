@@ -59,7 +59,29 @@ impl Robot {
         self.limits?.tension
     }
 
-    /// Whether the cables of a simulated robot have tensions.
+    /// Why it cannot be checked before a motion that tensions within their limits hold the platform, in one sentence; `None` if
+    /// it can.
+    #[must_use]
+    pub fn unchecked_tensions(&self) -> Option<&'static str> {
+        if self.platform.mass_kg.is_none() {
+            Some(
+                "Nothing checks before a motion whether the cables can hold the platform: robot.json states no mass.",
+            )
+        } else if !self.has_tensions() {
+            Some(
+                "Nothing checks before a motion whether the cables can hold the platform: robot.json states no tension limits.",
+            )
+        } else if self.cable_count() < self.platform.freedom().count() {
+            Some(
+                "Nothing checks on the way between two poses whether the cables can hold the platform: it has fewer cables than \
+                 free coordinates.",
+            )
+        } else {
+            None
+        }
+    }
+
+    /// Whether the cables of a robot have tensions that can be computed.
     #[must_use]
     pub fn has_tensions(&self) -> bool {
         self.platform.mass_kg.is_some()

@@ -6,13 +6,20 @@ use rand::{Rng, RngExt};
 use crate::effect::inertia;
 use crate::geometry::{Pose, Twist, Vec3};
 use crate::kinematics::{
-    Feasibility, KinematicsError, applied_wrench, distribute_tension, structure_matrix,
+    KinematicsError, TensionDistribution, applied_wrench, distribute_tension, structure_matrix,
 };
 use crate::robot::{Robot, TensionLimits, WorkspaceLimits};
 
 /// Largest strain of a cable that a derived upper tension causes: a quarter of the breaking strain of a steel rope, an
 /// eighth of that of a rope of high-modulus polyethylene.
 const WORKING_STRAIN: f64 = 4e-3;
+/// Largest deviation of a tension from the mean of those at two samples of a path, in the middle of them, relative to its lower
+/// limit: by as much it may leave its limit between the samples.
+const BETWEEN_SAMPLES: f64 = 0.1;
+/// Number of pieces of a path that are sampled at least, so that no two bends of the tensions look like a straight line.
+const PIECES: u32 = 8;
+/// Shortest piece of a path, as a part of it. Where the tensions bend even in such a piece, they are at the end of what is possible.
+const SHORTEST_PIECE: f64 = 1e-4;
 
 /// A box of positions with a range of rotations about its centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -203,6 +210,42 @@ impl TensionRange {
         self.tensions_in_motion(robot, pose, &[Twist::zeros(); 2])
     }
 
+    /// Checks that tensions balance the platform everywhere on the straight way between two poses, turning about one axis. It is
+    /// sampled so densely that between samples no tension leaves its limit by more than a tenth of the lower one: the tensions
+    /// amid two samples differ by no more from the mean of theirs, which is within the limits. At the start the platform is already.
+    ///
+    /// # Errors
+    /// A pose on the way where there are no such tensions.
+    pub fn hold_between(&self, robot: &Robot, from: &Pose, to: &Pose) -> Result<(), Pose> {
+        let way = to.difference(from);
+        let held = |part: f64| {
+            let pose = from.perturbed(&(way * part));
+            let found = self.distribution(robot, &pose, &[Twist::zeros(); 2]).ok();
+            let held = found.filter(|found| part == 0.0 || found.balances());
+            held.map(|held| (part, held.tensions_n)).ok_or(pose)
+        };
+        // Where the reference is far above the lower limit, that limit may be zero.
+        let near_n = BETWEEN_SAMPLES * self.lower_n.max(BETWEEN_SAMPLES * self.reference_n);
+        let mut last = held(0.0)?;
+        let ends = (1..=PIECES).rev();
+        let mut ends: Vec<_> = ends
+            .map(|piece| held(f64::from(piece) / f64::from(PIECES)))
+            .collect::<Result<_, _>>()?;
+        while let Some(end) = ends.pop() {
+            let middle = held((last.0 + end.0) / 2.0)?;
+            let means = last.1.iter().zip(&end.1).map(|(a, b)| (a + b) / 2.0);
+            let mut off_n = middle.1.iter().zip(means).map(|(n, mean)| (n - mean).abs());
+            if off_n.all(|off_n| off_n <= near_n) {
+                last = end;
+            } else if end.0 - last.0 < SHORTEST_PIECE {
+                return Err(from.perturbed(&(way * middle.0)));
+            } else {
+                ends.extend([end, middle]);
+            }
+        }
+        Ok(())
+    }
+
     /// Tensions that balance the platform at `pose` with a velocity and an acceleration (m, rad, s; base frame):
     /// `A^T T + w = [m a_c; c x m a_c + I alpha + w x I w]`; `None` if there are none.
     pub(super) fn tensions_in_motion(
@@ -211,20 +254,29 @@ impl TensionRange {
         pose: &Pose,
         motion: &[Twist; 2],
     ) -> Result<Option<Vec<f64>>, KinematicsError> {
+        let found = self.distribution(robot, pose, motion)?;
+        Ok(found.balances().then_some(found.tensions_n))
+    }
+
+    fn distribution(
+        self,
+        robot: &Robot,
+        pose: &Pose,
+        motion: &[Twist; 2],
+    ) -> Result<TensionDistribution, KinematicsError> {
         let structure = structure_matrix(robot, pose)?;
         let mut wrench: DVector<f64> = applied_wrench(robot, pose)?;
         if motion.iter().any(|twist| *twist != Twist::zeros()) {
             wrench -= inertial_wrench(robot, pose, motion);
         }
         let all = |value: f64| vec![value; robot.cable_count()];
-        let found = distribute_tension(
+        Ok(distribute_tension(
             &structure,
             &wrench,
             &all(self.reference_n),
             &all(self.lower_n),
             &all(self.upper_n),
-        );
-        Ok((found.feasibility == Feasibility::Feasible).then_some(found.tensions_n))
+        ))
     }
 }
 
@@ -243,6 +295,9 @@ fn inertial_wrench(robot: &Robot, pose: &Pose, motion: &[Twist; 2]) -> DVector<f
 
 #[cfg(test)]
 mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
     use super::*;
     use crate::robot::presets;
 
@@ -262,6 +317,57 @@ mod tests {
         };
         assert_eq!(TensionRange::of(&posing_as_mini), hall.tension);
         assert_eq!(Workspace::of(&posing_as_mini), hall.workspace);
+    }
+
+    /// Random ways of robots whose limits are narrow, sampled densely: on a way that holds no tension leaves its limit by more
+    /// than a tenth, and on one that does not, some tension does somewhere.
+    #[test]
+    fn a_way_holds_where_no_tension_leaves_its_limit() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let mut counts = [0; 2];
+        let widths = [0.3, 0.2, 0.1, 0.05];
+        let robots = ["mini", "planar", "suspended", "hall"].into_iter();
+        for (name, width) in robots.flat_map(|name| widths.map(|width| (name, width))) {
+            let mut preset = presets::find(name).unwrap();
+            if name == "suspended" {
+                // Higher up than it may go: near the pulleys it can be held, and amid them it cannot.
+                preset.workspace.centre.position.z = 5.0;
+                preset.workspace.half_extent_m = [13.0, 8.0, 5.0];
+            }
+            let robot = &preset.robot;
+            let lower_n = preset.tension.lower_n;
+            let upper_n = lower_n + width * (preset.tension.upper_n - lower_n);
+            let range = TensionRange {
+                lower_n,
+                upper_n,
+                reference_n: (lower_n + upper_n) / 2.0,
+            };
+            let wider = TensionRange {
+                lower_n: 0.9 * lower_n,
+                upper_n: upper_n + 0.1 * lower_n,
+                ..range
+            };
+            let holds = |range: &TensionRange, pose: &Pose| {
+                range.tensions(robot, pose).unwrap_or_default().is_some()
+            };
+            let drawn = (0..1000).map(|_| preset.workspace.draw(robot, &mut rng));
+            let ends: Vec<Pose> = drawn.filter(|pose| holds(&range, pose)).take(40).collect();
+            for ends in ends.chunks_exact(2) {
+                let way = ends[1].difference(&ends[0]);
+                let at = |k: u32| ends[0].perturbed(&(way * (f64::from(k) / 400.0)));
+                match range.hold_between(robot, &ends[0], &ends[1]) {
+                    Ok(()) => {
+                        counts[0] += 1;
+                        assert!((0..=400).all(|k| holds(&wider, &at(k))), "{name} {width}");
+                    }
+                    Err(_) => {
+                        counts[1] += 1;
+                        assert!(!(0..=400).all(|k| holds(&range, &at(k))), "{name} {width}");
+                    }
+                }
+            }
+        }
+        assert!(counts.iter().all(|count| *count > 20), "{counts:?}");
     }
 
     #[test]

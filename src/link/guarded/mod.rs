@@ -1,7 +1,8 @@
 //! A controller guarded by the rules of this program, whatever the controller itself allows.
 //!
-//! * No pose outside the limits is commanded, and an overloaded cable stops the motion, each time until the operator
-//!   decides.
+//! * No pose outside the limits is commanded. A pose whose direct way no tensions within the limits can hold is reached over
+//!   the home pose, or not at all.
+//! * An overloaded cable stops the motion, each time until the operator decides.
 //! * Nothing moves and nothing is written unless it was armed here, in this connection: a controller that lost its
 //!   connection and re-established it on its own is not armed, even if it reports that it is.
 //! * A controller that was restarted can only go home, where its encoders are zeroed again.
@@ -21,6 +22,7 @@ use crate::error::LinkError;
 use crate::laser::LaserSource;
 use crate::limits::Limits;
 use crate::parameters::{ParameterInfo, check_finite};
+use crate::pose_tracker::PoseTracker;
 pub use restart::LastState;
 
 /// A controller guarded by limits, with the external laser and the latest sample.
@@ -29,6 +31,11 @@ pub struct GuardedController<C: ?Sized> {
     limits: Limits,
     laser: Option<Box<dyn LaserSource>>,
     last: Option<Sample>,
+    /// Pose that was commanded last; `None` where a motion may have ended elsewhere.
+    commanded: Option<Pose>,
+    /// Pose to command next, on arrival at the home pose over which it is reached.
+    next: Option<Pose>,
+    tracker: Option<PoseTracker>,
     /// Whether the platform was stopped because of the present overload.
     stopped: bool,
     /// Force readings that the operator accepted although a cable is overloaded.
@@ -47,9 +54,12 @@ impl<C: Controller + ?Sized> GuardedController<C> {
     pub fn new(inner: Box<C>, limits: Limits) -> Self {
         Self {
             inner,
+            tracker: PoseTracker::of(&limits.robot),
             limits,
             laser: None,
             last: None,
+            commanded: None,
+            next: None,
             stopped: false,
             accepted: Vec::new(),
             seen: None,
@@ -127,11 +137,69 @@ impl<C: Controller + ?Sized> GuardedController<C> {
     fn forget(&mut self) {
         self.armed.set(false);
         self.last = None;
+        self.lose_way();
         self.stopped = false;
         self.accepted.clear();
         if let Some(seen) = &mut self.seen {
             seen.was_away = true;
         }
+    }
+
+    /// The motion in progress may end anywhere.
+    fn lose_way(&mut self) {
+        self.commanded = None;
+        self.next = None;
+    }
+
+    /// The pose at which the platform rests, or else the one that its encoders show; `None` if they do not.
+    fn present_pose(&mut self) -> Option<Pose> {
+        let rests = self.inner.state().activity != Activity::Moving;
+        let commanded = self.commanded.filter(|_| rests);
+        let tracked = || Some(self.tracker.as_mut()?.of_sample(self.last.as_ref()?));
+        commanded.or_else(tracked)
+    }
+
+    /// The pose to command first on the way to another: that pose, or home, from where it is reached.
+    fn first_pose(&mut self, pose: &Pose) -> Result<Pose, LinkError> {
+        let Some(from) = self.present_pose() else {
+            return Ok(*pose);
+        };
+        let Err(direct) = self.limits.check_way(&from, pose) else {
+            return Ok(*pose);
+        };
+        // Without a report whether it moves, nothing tells when it is there.
+        let arrives = self.inner.state().activity != Activity::Connected;
+        let home = self.limits.robot.home.filter(|_| arrives);
+        let home = home.map(|home| home.pose()).filter(|home| {
+            let ways = [(&from, home), (home, pose)];
+            self.limits.check_pose(home).is_ok()
+                && (ways.iter()).all(|(a, b)| self.limits.check_way(a, b).is_ok())
+        });
+        home.ok_or(direct)
+    }
+
+    /// Commands a pose.
+    fn send(&mut self, pose: &Pose) -> Result<(), LinkError> {
+        self.discard_reading();
+        let answer = self.inner.command(pose);
+        self.noted(answer)?;
+        self.commanded = Some(*pose);
+        self.stopped = false;
+        Ok(())
+    }
+
+    /// Goes on to the pose that is reached over home once the platform is there.
+    fn go_on(&mut self) -> Result<(), LinkError> {
+        match self.inner.state().activity {
+            Activity::Fault(_) | Activity::Disconnected => self.lose_way(),
+            Activity::Still => {
+                if let Some(pose) = self.next.take() {
+                    return self.send(&pose);
+                }
+            }
+            Activity::Moving | Activity::Connected => {}
+        }
+        Ok(())
     }
 
     /// Stores the present state of the controller; returns the evidence of a restart since the last one.
@@ -227,6 +295,9 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
             self.armed.set(false);
         }
         state.armed = self.armed.get();
+        if self.next.is_some() && state.activity == Activity::Still {
+            state.activity = Activity::Moving;
+        }
         state
     }
 
@@ -261,6 +332,7 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
     }
 
     fn disarm(&mut self) {
+        self.lose_way();
         self.armed.set(false);
         self.inner.disarm();
     }
@@ -280,6 +352,7 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
             return Err(LinkError::Restarted(reason));
         }
         self.check_overload(&sample.force_n)?;
+        self.go_on()?;
         Ok(sample)
     }
 
@@ -308,6 +381,8 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
         self.seen = None;
         self.restarted = None;
         self.stopped = false;
+        self.next = None;
+        self.commanded = self.limits.robot.home.map(|home| home.pose());
         Ok(())
     }
 
@@ -317,14 +392,13 @@ impl<C: Controller + ?Sized> Controller for GuardedController<C> {
             return Err(LinkError::Restarted(reason.clone()));
         }
         self.limits.check_pose(pose)?;
-        self.discard_reading();
-        let answer = self.inner.command(pose);
-        self.noted(answer)?;
-        self.stopped = false;
-        Ok(())
+        let first = self.first_pose(pose)?;
+        self.next = (first != *pose).then_some(*pose);
+        self.send(&first)
     }
 
     fn stop(&mut self) -> Result<(), LinkError> {
+        self.lose_way();
         let stopped = self.inner.stop();
         self.noted(stopped)
     }

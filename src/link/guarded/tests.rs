@@ -394,3 +394,77 @@ fn without_its_laser_there_is_no_connection() {
     let told = station.connect().unwrap_err().to_string();
     assert_eq!(told, "the laser distance sensor: it is not there");
 }
+
+/// A robot with narrow limits, and two poses: the direct way between them cannot be held, and those over home can.
+fn around_a_corner() -> (Preset, Pose, Pose) {
+    use rand::SeedableRng;
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(2);
+    for width in [0.5, 0.3, 0.2, 0.1] {
+        // Higher up than it may go: near the pulleys it can be held, and amid them it cannot.
+        let mut preset = preset("suspended");
+        preset.workspace.centre.position.z = 5.0;
+        preset.workspace.half_extent_m = [13.0, 8.0, 5.0];
+        let range = &mut preset.tension;
+        range.upper_n = range.lower_n + width * (range.upper_n - range.lower_n);
+        range.reference_n = (range.lower_n + range.upper_n) / 2.0;
+        let limits = limits(&preset);
+        let home = preset.robot.home.unwrap().pose();
+        let way = |a: &Pose, b: &Pose| limits.check_way(a, b).is_ok();
+        let drawn = (0..2000).map(|_| preset.workspace.draw(&preset.robot, &mut rng));
+        let held = drawn.filter(|pose| limits.check_pose(pose).is_ok());
+        let ends: Vec<Pose> = held.filter(|p| way(&home, p) && way(p, &home)).collect();
+        let found = ends.chunks_exact(2).find(|ends| {
+            limits.check_pose(&home).is_ok() && !way(&ends[0], &ends[1]) && !way(&ends[1], &ends[0])
+        });
+        if let Some(ends) = found {
+            let (from, to) = (ends[0], ends[1]);
+            return (preset, from, to);
+        }
+    }
+    panic!("no such poses");
+}
+
+#[test]
+fn a_pose_whose_way_cannot_be_held_is_reached_over_home() {
+    let (preset, from, to) = around_a_corner();
+    let home = preset.robot.home.unwrap().pose();
+    let (mut robot, clock) = armed(&preset, |_| ());
+    let arrive = |robot: &mut GuardedController<_>| {
+        let mut visited = Vec::new();
+        loop {
+            clock.advance(0.05);
+            visited.extend(robot.sample().unwrap().commanded);
+            visited.dedup();
+            if robot.state().activity == Activity::Still {
+                return visited;
+            }
+        }
+    };
+    robot.command(&from).unwrap();
+    assert_eq!(arrive(&mut robot), [from]);
+    robot.command(&to).unwrap();
+    assert_eq!(robot.state().activity, Activity::Moving);
+    assert_eq!(arrive(&mut robot), [home, to]);
+    // Stopped on the way, it does not go on, and the next way begins where its encoders say that it is.
+    robot.command(&from).unwrap();
+    clock.advance(0.1);
+    robot.sample().unwrap();
+    robot.stop().unwrap();
+    assert_eq!(robot.state().activity, Activity::Still);
+    clock.advance(5.0);
+    assert_eq!(robot.sample().unwrap().commanded, Some(home));
+    robot.command(&to).unwrap();
+    assert_eq!(arrive(&mut robot).last(), Some(&to));
+    // Where no way can be held the pose is not commanded, and named.
+    let mut narrow = limits(&preset);
+    narrow.robot.home = None;
+    let (inner, clock) = armed(&preset, |_| ());
+    let mut robot = GuardedController::new(inner.inner, narrow);
+    robot.connect().unwrap();
+    robot.arm().unwrap();
+    robot.sample().unwrap();
+    robot.command(&from).unwrap();
+    clock.advance(60.0);
+    let refused = robot.command(&to).unwrap_err().to_string();
+    assert!(refused.contains("on the way to position ("), "{refused}");
+}

@@ -139,8 +139,21 @@ impl MeasuringRun {
         };
         let warnings = checks.all(self.motion.as_ref(), expected.as_ref());
         let refusal = warnings.iter().find(|w| w.refuses).map(|w| w.text.clone());
+        let dead = warnings.iter().filter(|w| w.is_dead_sensor);
+        let dead = dead.filter(|w| !self.unprotected.contains(&w.cable));
+        let (asked_about, texts): (Vec<_>, Vec<_>) =
+            dead.map(|w| (w.cable, w.text.clone())).unzip();
         self.pending
             .extend(warnings.into_iter().map(MeasuringEvent::Warning));
+        if let Some(text) = texts.into_iter().next() {
+            self.asked_about = asked_about;
+            let text = text.trim_end_matches('.');
+            self.pause_for(
+                format!("{text}: an overload of this cable would not be noticed. Resume only if it may go on without"),
+                true,
+            );
+            return;
+        }
         if let Some(text) = refusal {
             self.hold(format!("pose {label} cannot be used: {text}"));
             return;

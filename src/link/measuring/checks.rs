@@ -61,6 +61,8 @@ pub struct Warning {
     pub text: String,
     /// Whether the pose cannot be used.
     pub refuses: bool,
+    /// Whether a force sensor is dead, so that its cable has no protection from overload.
+    pub is_dead_sensor: bool,
 }
 
 /// Readings before a motion, their prediction, and which of them changed during the motion.
@@ -160,6 +162,19 @@ impl Checks<'_> {
             cable,
             text: format!("{subject}{text} ({place})."),
             refuses,
+            is_dead_sensor: false,
+        }
+    }
+
+    fn has_sensor(&self, index: usize) -> bool {
+        let cable = self.robot.cables.get(index);
+        cable.is_some_and(|cable| cable.force_sensor.is_some())
+    }
+
+    fn dead_sensor(&self, index: usize, text: &str) -> Warning {
+        Warning {
+            is_dead_sensor: true,
+            ..self.warning(Some(index), false, text)
         }
     }
 
@@ -190,9 +205,11 @@ impl Checks<'_> {
         }
         for (index, value) in self.at.force_n.row(0).iter().enumerate() {
             // Lengths count from home, so a cable without a tension there cannot be used at all.
-            if !value.is_finite() {
-                let refuses = self.label == 0;
-                found.push(self.warning(Some(index), refuses, "its force sensor shows no number"));
+            if !value.is_finite() && self.has_sensor(index) {
+                found.push(Warning {
+                    refuses: self.label == 0,
+                    ..self.dead_sensor(index, "its force sensor shows no number")
+                });
             }
         }
         if self.at.laser_at(0).is_nan() && self.robot.laser.is_some() {
@@ -215,13 +232,22 @@ impl Checks<'_> {
             let Some(sensor) = cable.force_sensor else {
                 continue;
             };
+            let is_zero = |sample: &Sample| sample.force_n.get(index) == Some(&0.0);
+            if !self.samples.is_empty() && self.samples.iter().all(is_zero) {
+                found.push(self.dead_sensor(index, "its force sensor shows exactly 0 N"));
+                continue;
+            }
             let tension = sensor.tension_n(reading);
             let (least, most) = (range.lower_n, range.upper_n);
             let text = match TensionFault::of(&sensor, tension, range) {
                 None => continue,
-                Some(TensionFault::Negative) => format!(
-                    "its force sensor shows {tension:.1} N, but a cable cannot push: is its sign reversed?"
-                ),
+                Some(TensionFault::Negative) => {
+                    let text = format!(
+                        "its force sensor shows {tension:.1} N, but a cable cannot push: is its sign reversed?"
+                    );
+                    found.push(self.dead_sensor(index, &text));
+                    continue;
+                }
                 Some(TensionFault::Slack) => {
                     format!("it is slack: {tension:.1} N, at least {least:.1} N are needed")
                 }
@@ -256,9 +282,10 @@ impl Checks<'_> {
             "its force sensor shows exactly the same before and after the motion: is it connected?";
         let cables = changed.iter().enumerate();
         let frozen = cables
-            .filter(|(index, changed)| !**changed && self.at.force_n.get(0, *index).is_finite());
+            .filter(|(index, changed)| !**changed && self.at.force_n.get(0, *index).is_finite())
+            .filter(|(index, _)| self.has_sensor(*index));
         frozen
-            .map(|(index, _)| self.warning(Some(index), false, text))
+            .map(|(index, _)| self.dead_sensor(index, text))
             .collect()
     }
 

@@ -93,7 +93,8 @@ pub enum MeasuringEvent {
     Paused {
         /// The reason, for the operator.
         reason: String,
-        /// Whether only the operator may decide to continue, by [`Controller::accept_overload`].
+        /// Whether only the operator may decide to continue, by [`Controller::accept_overload`]: a cable is overloaded, or nothing
+        /// would show that it is.
         is_overload: bool,
     },
     /// All poses are measured or skipped.
@@ -147,6 +148,9 @@ pub struct MeasuringRun {
     window: SettlingWindow,
     samples: Vec<Sample>,
     motion: Option<MotionRecord>,
+    /// Cables with dead force sensors without which the operator goes on, and those that are asked about.
+    unprotected: Vec<Option<usize>>,
+    asked_about: Vec<Option<usize>>,
     /// Cables whose encoders jumped on the way to the present pose; `None` is the laser.
     jumped: Vec<Option<usize>>,
     /// The previous pose.
@@ -180,6 +184,8 @@ impl MeasuringRun {
             window: SettlingWindow::default(),
             samples: Vec::new(),
             motion: None,
+            unprotected: Vec::new(),
+            asked_about: Vec::new(),
             jumped: Vec::new(),
             before: None,
             commanded_at_s: None,
@@ -296,9 +302,11 @@ impl MeasuringRun {
         }
     }
 
-    /// Resumes. The present pose is approached again, unless it is waiting to be stored.
+    /// Resumes. The present pose is approached again, unless it is waiting to be stored. Force sensors that were asked about are
+    /// not asked about again.
     pub fn resume(&mut self) {
         if std::mem::take(&mut self.paused) {
+            self.unprotected.append(&mut self.asked_about);
             self.last_sample = None;
             self.approach_anew();
         }
@@ -324,6 +332,7 @@ impl MeasuringRun {
         }
         self.stage = Stage::Ready;
         self.paused = false;
+        self.asked_about.clear();
     }
 
     /// Measures a pose of the plan again, as the next one; `false` if the plan has no such pose or the run has ended.
@@ -396,6 +405,7 @@ impl MeasuringRun {
             cable,
             text,
             refuses: false,
+            is_dead_sensor: false,
         }));
     }
 

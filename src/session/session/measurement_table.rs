@@ -108,6 +108,18 @@ impl MeasurementTable {
         numbers.chain(texts).collect()
     }
 
+    /// The table without the columns whose cells are all empty, and without those whose names begin with `prefix`.
+    pub fn filled(mut self, prefix: &str) -> Self {
+        self.columns
+            .retain(|name, values| !name.starts_with(prefix) && values.iter().any(Option::is_some));
+        self.other
+            .retain(|column| column.cells.iter().any(|cell| !cell.is_empty()));
+        if self.group.iter().all(String::is_empty) {
+            self.group.clear();
+        }
+        self
+    }
+
     /// Whether `other` contains all numbers of this table.
     pub fn is_contained_in(&self, other: &Self) -> bool {
         let mut columns = self.columns.iter();

@@ -335,6 +335,7 @@ impl Session {
     pub fn add_result(&mut self, result: ResultRecord) {
         self.modified = self.modified.max(result.time);
         self.results.push(result);
+        self.cover(TrailPart::Result(self.results.len() - 1));
     }
 
     /// Adds an adjustment; adjustments never change afterwards, except one that is still [open](Adjustment::is_open).
@@ -441,8 +442,10 @@ pub(crate) fn checked(
     file: &str,
 ) -> Result<Loaded<Session>, ReadError> {
     let session = loaded.value.with_checked_measurements();
+    let mut session = session.map_err(|error| ReadError::field(file, error))?;
+    session.note_differing();
     Ok(Loaded {
-        value: session.map_err(|error| ReadError::field(file, error))?,
+        value: session,
         notices: loaded.notices,
     })
 }

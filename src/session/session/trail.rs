@@ -1,4 +1,5 @@
-//! The audit trail: a chain of hashes over everything that moved the robot or wrote to its controller, and over the log.
+//! The audit trail: a chain of hashes over everything that moved the robot or wrote to its controller, over what its results
+//! rest on, and over the log.
 //!
 //! Whatever the session records of it gets a SHA-256 at that moment. Saving joins what is new to an entry, with the operator, the
 //! program and the hash of the entry before, so that nothing in between can be changed, removed or inserted without notice. Who
@@ -9,7 +10,7 @@ use std::fmt;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::{Adjustment, MeasurementTable, Outcome, Session, Timestamp, Verification};
 use crate::audit_key::{AuditKey, is_signed};
@@ -26,10 +27,19 @@ const TRUTH: &str = "true_";
 pub struct AuditTrail {
     /// The entries, the oldest first.
     entries: Vec<TrailEntry>,
+    /// Parts of [`STATE`] that were found to be other than recorded; nothing makes them right.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    broken: Vec<TrailPart>,
+    /// Parts of [`STATE`] that a file has other than recorded.
+    #[serde(skip)]
+    differing: Vec<TrailPart>,
     /// What the next entry is to contain.
     #[serde(skip)]
     pending: Vec<TrailRecord>,
 }
+
+/// The parts that the program changes; saving records how they are.
+const STATE: [TrailPart; 3] = [TrailPart::Robot, TrailPart::Tables, TrailPart::Imported];
 
 impl PartialEq for AuditTrail {
     /// What waits for the next entry is not part of a file.
@@ -92,6 +102,14 @@ pub enum TrailPart {
     ForeignWrite(usize),
     /// A step in the log.
     Log(usize),
+    /// A result.
+    Result(usize),
+    /// The description of the robot.
+    Robot,
+    /// The tables of the phases around the poses.
+    Tables,
+    /// The readings of all imported poses.
+    Imported,
 }
 
 /// An Ed25519 signature.
@@ -146,6 +164,13 @@ impl AuditTrail {
     #[must_use]
     pub fn last_hash(&self) -> Option<&str> {
         self.entries.last().map(|entry| entry.hash.as_str())
+    }
+
+    /// Whether it covers what the results rest on, and not only what moved and what was written, as those of earlier versions.
+    #[must_use]
+    pub fn has_state(&self) -> bool {
+        let mut records = self.entries.iter().flat_map(|entry| &entry.records);
+        records.any(|record| record.part == TrailPart::Robot)
     }
 
     /// The last record of each part with the number of its entry; those that are in no entry yet have the next number.
@@ -221,6 +246,8 @@ impl Session {
     /// Records for the next entry what a program that was killed left: what is in no entry, except poses, which may have been
     /// imported, and what was concluded or accepted since its entry.
     pub(crate) fn cover_rest(&mut self) {
+        // Whatever differs, the program did it before it was killed.
+        self.trail.differing.clear();
         let last = self.trail.last_records();
         let mut parts = self.parts();
         parts.retain(|part| match last.get(part) {
@@ -258,9 +285,30 @@ impl Session {
         Some(sha256(&value)).filter(|before| self.hash_of(part, &|_| None).as_ref() != Some(before))
     }
 
+    /// The parts of [`STATE`] whose last record, if any, is not their present state.
+    fn unrecorded_state(&self) -> Vec<TrailRecord> {
+        let last = self.trail.last_records();
+        let now = STATE.into_iter().filter_map(|part| {
+            let sha256 = self.hash_of(part, &|_| None)?;
+            Some(TrailRecord { part, sha256 })
+        });
+        now.filter(|now| last.get(&now.part).is_none_or(|last| last.1 != now.sha256))
+            .collect()
+    }
+
+    /// Notes what a file has other than recorded, as another program changed it.
+    pub(super) fn note_differing(&mut self) {
+        if self.trail.has_state() {
+            let found = self.unrecorded_state().into_iter();
+            self.trail.differing = found.map(|record| record.part).collect();
+        }
+    }
+
     /// Joins what is new to an entry of the trail. The trail of a session of an earlier version begins with what it has.
     pub fn seal(&mut self, by: &TrailAuthor<'_>, now: Timestamp) {
-        if self.trail.is_empty() {
+        let differing = std::mem::take(&mut self.trail.differing);
+        self.trail.broken.extend(differing);
+        if !self.trail.has_state() {
             let found = self.uncovered().into_iter().filter_map(|part| {
                 // Poses are not among the parts.
                 let sha256 = self.hash_of(part, &|_| None)?;
@@ -269,14 +317,22 @@ impl Session {
             let found = found.collect();
             self.trail.add(found, true, (by, now));
         }
-        let new = std::mem::take(&mut self.trail.pending);
+        let state = self.unrecorded_state().into_iter();
+        let state = state.filter(|record| !self.trail.broken.contains(&record.part));
+        let state: Vec<TrailRecord> = state.collect();
+        let mut new = std::mem::take(&mut self.trail.pending);
+        new.extend(state);
         self.trail.add(new, false, (by, now));
     }
 
     /// Whether every record is in a sealed entry.
     #[must_use]
     pub fn is_sealed(&self) -> bool {
-        self.trail.pending.is_empty() && (!self.trail.is_empty() || self.parts().is_empty())
+        let trail = &self.trail;
+        let is_known = |record: TrailRecord| {
+            trail.differing.contains(&record.part) || trail.broken.contains(&record.part)
+        };
+        trail.pending.is_empty() && self.unrecorded_state().into_iter().all(is_known)
     }
 
     /// What is wrong in the trail.
@@ -306,22 +362,30 @@ impl Session {
                 Some(_) => {}
             }
         }
+        let has_state = self.trail.has_state();
         let uncovered = self.uncovered().into_iter();
+        let uncovered = uncovered.filter(|p| has_state || !matches!(p, TrailPart::Result(_)));
         faults.extend(uncovered.map(TrailFault::Uncovered));
         faults
     }
 
-    /// Labels of the poses that the trail does not cover: imported ones, and those of earlier versions.
+    /// Labels of the poses that were not recorded when they were measured: imported ones, and those of earlier versions.
     #[must_use]
-    pub fn uncovered_poses(&self) -> Vec<i64> {
+    pub fn imported_poses(&self) -> Vec<i64> {
+        let rows = self.unmeasured_rows().into_iter();
+        rows.map(|row| self.measurements.labels[row]).collect()
+    }
+
+    fn unmeasured_rows(&self) -> Vec<usize> {
         let last = self.trail.last_records();
-        let labels = self.measurements.labels.iter().copied();
+        let labels = self.measurements.labels.iter().enumerate();
         labels
-            .filter(|label| !last.contains_key(&TrailPart::Pose(*label)))
+            .filter(|(_, label)| !last.contains_key(&TrailPart::Pose(**label)))
+            .map(|(row, _)| row)
             .collect()
     }
 
-    /// All parts that the trail covers, except poses.
+    /// All parts that the trail covers when they are made, except poses.
     fn parts(&self) -> Vec<TrailPart> {
         let mut parts: Vec<TrailPart> = (0..self.log.len()).map(TrailPart::Log).collect();
         parts.extend((0..self.adjustments.len()).map(TrailPart::Adjustment));
@@ -329,6 +393,7 @@ impl Session {
         let stopped = 0..self.stopped_verifications.len();
         parts.extend(stopped.map(TrailPart::StoppedVerification));
         parts.extend((0..self.foreign_writes.len()).map(TrailPart::ForeignWrite));
+        parts.extend((0..self.results.len()).map(TrailPart::Result));
         parts
     }
 
@@ -350,6 +415,13 @@ impl Session {
             }
             TrailPart::ForeignWrite(number) => value_of(self.foreign_writes.get(number)?),
             TrailPart::Log(number) => value_of(self.log.get(number)?),
+            TrailPart::Result(number) => value_of(self.results.get(number)?),
+            TrailPart::Robot => value_of(&self.robot),
+            TrailPart::Tables => value_of(&self.phases),
+            TrailPart::Imported => {
+                let imported = self.measurements.select(&self.unmeasured_rows());
+                value_of(&MeasurementTable::of(&imported).filled(TRUTH))
+            }
         };
         Some(sha256(&value))
     }
@@ -357,11 +429,6 @@ impl Session {
     /// The readings at a pose without empty cells, which other poses may add to the table, and without true values.
     fn pose_value(&self, label: i64, row: usize) -> Value {
         let table = MeasurementTable::of(&self.measurements.select(&[row]));
-        let cells: Map<String, Value> = table
-            .cells()
-            .into_iter()
-            .filter(|(name, _)| !name.starts_with(TRUTH))
-            .collect();
-        json!({"pose": label, "cells": cells})
+        json!({"pose": label, "cells": table.filled(TRUTH).cells()})
     }
 }

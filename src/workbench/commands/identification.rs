@@ -61,7 +61,7 @@ fn check_readings(model: &mut Model) {
     }
     let (dataset, inputs) = (open.session().dataset(), open.inputs());
     model.tasks.start(READINESS, move |_| {
-        let found = check(&dataset, None);
+        let found = check(&dataset, None, true);
         let readiness = Box::new(Readiness {
             faults: found.isolability.as_ref().map(IsolabilityTable::of),
             checks: found.checks,
@@ -290,7 +290,7 @@ fn examined(dataset: Dataset, alpha: f64, task: &TaskHandle) -> Result<Option<Di
     } = &diagnosed.diagnosis;
     // Without its last tests a diagnosis that found nothing yet looks like one that found nothing. At its time limit it
     // says so.
-    let by_operator = *cancelled && diagnosed.seconds < diagnosed.limit_s;
+    let by_operator = *cancelled && !diagnosed.ended_at_limit;
     let is_inconclusive = by_operator && findings.is_empty();
     Ok((!is_inconclusive).then_some(diagnosed))
 }

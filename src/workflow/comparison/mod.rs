@@ -9,6 +9,7 @@ use tautline_core::comparison::{Comparison, Identified, compare};
 use tautline_core::estimation::{Control, Progress};
 use tautline_session::{Import, Session, Timestamp};
 
+use crate::audit;
 use crate::identification::{Identification, IdentificationError, identify_session};
 pub use document::{ComparisonDocument, PulleyDocument};
 pub use words::{by_chance, differs, effect_name, unexplained, verdict};
@@ -26,7 +27,11 @@ pub fn as_session(
     now: Timestamp,
 ) -> Result<(Session, Vec<String>), String> {
     match import {
-        Import::Session(session) => Ok((*session, Vec::new())),
+        Import::Session(session) => {
+            let broken = audit::notice(&session);
+            let broken = broken.map(|text| format!("{}: {text}", path.display()));
+            Ok((*session, broken.into_iter().collect()))
+        }
         Import::Robot(robot) => Ok((Session::new(robot.name.clone(), *robot, now), Vec::new())),
         Import::Dataset(folder) => {
             let notices = folder.notices.clone();

@@ -19,6 +19,8 @@ pub struct Diagnosed {
     pub seconds: f64,
     /// Time limit (s).
     pub limit_s: f64,
+    /// Whether it ended because of the limit.
+    pub ended_at_limit: bool,
 }
 
 impl Diagnosed {

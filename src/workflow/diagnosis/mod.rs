@@ -39,6 +39,10 @@ pub use verdict::{adequacy, residual_ratio};
 /// Default time limit of a diagnosis (s), after which it ends with the best answer so far.
 pub const TIME_LIMIT_S: f64 = 60.0;
 
+/// Time that the end of a diagnosis takes, in multiples of its longest step so far: the causes that it has found are confirmed and
+/// fitted once more.
+const END_STEPS: f64 = 4.0;
+
 /// Diagnoses the model of a dataset with its raw measurements, after averaging the rows of each standstill
 /// and thinning recordings in motion, at a false-alarm probability and within a time limit (s).
 ///
@@ -65,12 +69,15 @@ pub fn diagnose_dataset(
         (Cow::Borrowed(_), _) => Arc::clone(&dataset),
     };
     let started = Instant::now();
+    let (mut before_s, mut longest_s, mut ended_at_limit) = (0.0, 0.0_f64, false);
     let diagnosis = diagnose(&dataset, &options, &mut |progress| {
-        let in_time = started.elapsed().as_secs_f64() < limit_s;
-        if in_time {
-            observe(progress)
-        } else {
-            Control::Cancel
+        let now_s = started.elapsed().as_secs_f64();
+        longest_s = longest_s.max(now_s - before_s);
+        before_s = now_s;
+        ended_at_limit = now_s + END_STEPS * longest_s >= limit_s;
+        match ended_at_limit {
+            true => Control::Cancel,
+            false => observe(progress),
         }
     })?;
     Ok(Diagnosed {
@@ -78,6 +85,7 @@ pub fn diagnose_dataset(
         alpha,
         seconds: started.elapsed().as_secs_f64(),
         limit_s,
+        ended_at_limit,
         dataset,
     })
 }

@@ -254,5 +254,6 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         alpha: 0.01,
         seconds: 0.1,
         limit_s: 60.0,
+        ended_at_limit: false,
     }
 }

@@ -122,7 +122,7 @@ impl Diagnosed {
             ));
         }
         lines.push(self.tolerances_line());
-        if diagnosis.cancelled && self.seconds >= self.limit_s {
+        if self.ended_at_limit {
             lines.push(format!(
                 "The diagnosis ended at its time limit of {} s: this is the best answer so far.",
                 significant(self.limit_s, 3)

@@ -474,14 +474,14 @@ pub fn dated_session(
         _ => None,
     };
     let session = as_session(path, loaded.value, now);
-    let (session, _) = session.map_err(|message| RecordError::Session {
+    let (session, notices) = session.map_err(|message| RecordError::Session {
         path: path.to_owned(),
         message,
     })?;
     let time = of_folder.unwrap_or_else(|| session.measured());
     Ok(Loaded {
         value: (session, time),
-        notices: loaded.notices,
+        notices: [loaded.notices, notices].concat(),
     })
 }
 

@@ -20,6 +20,9 @@ pub struct PlanDocument {
     pub candidates: usize,
     /// Number of poses drawn, and of those rejected.
     pub refused: Refused,
+    /// Why it cannot be checked whether the cables can hold the platform, in one sentence; null if it is checked.
+    #[serde(default)]
+    pub unchecked_tensions: Option<String>,
     /// Travel distance through all poses, rotations counted at the platform's anchors (m).
     pub travel_m: f64,
     /// Largest absolute correlation of a coordinate with the order of measurement.
@@ -155,6 +158,7 @@ impl PlanDocument {
                 .collect(),
             candidates: plan.candidates,
             refused: plan.refused,
+            unchecked_tensions: robot.unchecked_tensions().map(str::to_owned),
             travel_m: plan.order.travel_m,
             largest_time_correlation: plan.order.worst_correlation(),
             expected: expected(&plan.expected),

@@ -99,9 +99,10 @@ impl CheckItem {
     }
 }
 
-/// Checks a dataset with its raw measurements; `table` is the one that they were read from.
+/// Checks a dataset with its raw measurements; `table` is the one that they were read from. Which faults the poses reveal takes
+/// seconds, so that it is evaluated only if asked for.
 #[must_use]
-pub fn check(dataset: &Dataset, table: Option<&PoseLines>) -> ReadinessDocument {
+pub fn check(dataset: &Dataset, table: Option<&PoseLines>, with_faults: bool) -> ReadinessDocument {
     let found = check_table(&dataset.measurements, &dataset.robot);
     let said = |fault: &ReadingFault| fault.sentence(dataset, table);
     let mut checks = vec![complete(dataset, &said), plausible(dataset, &found, &said)];
@@ -118,13 +119,16 @@ pub fn check(dataset: &Dataset, table: Option<&PoseLines>) -> ReadinessDocument 
         None => geometry(&fitted),
     });
     let isolability = match &fitted {
-        Fitted::At(..) => IsolabilityDocument::of_dataset(dataset).ok(),
-        Fitted::Not(_) => None,
+        Fitted::At(..) if with_faults => IsolabilityDocument::of_dataset(dataset).ok(),
+        _ => None,
     };
     let hides_most = |found: &&IsolabilityDocument| are_mostly_unseen(&IsolabilityTable::of(found));
     let of_exact_parts = (isolability.as_ref().filter(hides_most))
         .and_then(|_| IsolabilityDocument::of_exact_parts(dataset).ok());
-    checks.push(faults(isolability.as_ref(), of_exact_parts.as_ref()));
+    checks.push(match fitted {
+        Fitted::At(..) if !with_faults => not_asked(),
+        _ => faults(isolability.as_ref(), of_exact_parts.as_ref()),
+    });
     ReadinessDocument {
         robot: dataset.robot.name.clone(),
         ready: checks
@@ -228,6 +232,12 @@ const TIGHTER_TOLERANCES: &str = "State the tolerances of this machine if they a
 fn are_mostly_unseen(table: &IsolabilityTable) -> bool {
     let unseen = table.kinds.iter().filter(|kind| kind.detection[0] < SEEN);
     2 * unseen.count() > table.kinds.len()
+}
+
+fn not_asked() -> CheckItem {
+    let sentence = "Not evaluated, as it takes some seconds.".to_owned();
+    CheckItem::new("faults", CheckOutcome::NotEvaluated, sentence)
+        .with("To see which faults these poses reveal, add --explain.")
 }
 
 /// `of_exact_parts` is what the poses would reveal if all parts were exact, where most faults are hidden.

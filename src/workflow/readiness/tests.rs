@@ -24,7 +24,7 @@ fn outcomes(items: &[CheckItem]) -> Vec<CheckOutcome> {
 
 #[test]
 fn a_good_run_is_ready() {
-    let found = check(&measured(), None);
+    let found = check(&measured(), None, true);
     assert!(found.ready, "{:?}", found.checks);
     assert_eq!(
         outcomes(&found.checks),
@@ -40,7 +40,7 @@ fn poses_that_hide_most_faults_are_a_notice_not_a_failure() {
     let mut dataset = measured();
     let first: Vec<usize> = (0..=25).collect();
     dataset.measurements = dataset.measurements.select(&first);
-    let found = check(&dataset, None);
+    let found = check(&dataset, None, true);
     assert!(found.ready, "{:?}", found.checks);
     let item = &found.checks[3];
     assert_eq!(item.outcome, CheckOutcome::Notice, "{item:?}");
@@ -81,7 +81,7 @@ fn poses_in_the_frame_of_a_camera_determine_no_geometry() {
 }
 
 fn geometry_of(dataset: &Dataset) -> CheckItem {
-    check(dataset, None).checks.remove(2)
+    check(dataset, None, false).checks.remove(2)
 }
 
 #[test]
@@ -186,7 +186,7 @@ fn what_is_missing_is_named() {
     );
     let home = dataset.measurements.select(&[0]);
     dataset.measurements = home;
-    let found = check(&dataset, None);
+    let found = check(&dataset, None, true);
     assert!(!found.ready);
     let expected = [
         CheckOutcome::Fail,

@@ -128,6 +128,26 @@ pub struct ReportChoice {
 }
 
 impl ReportChoice {
+    /// Whether a part is in the report.
+    #[must_use]
+    pub fn has(&self, part: Part) -> bool {
+        !self.without.contains(&part)
+    }
+
+    /// Whether a part shows the identification.
+    #[must_use]
+    pub fn shows_fit(&self) -> bool {
+        let parts = [Part::Method, Part::Geometry, Part::Budget];
+        self.shows_diagnosis() || parts.into_iter().any(|part| self.has(part))
+    }
+
+    /// Whether a part shows the diagnosis.
+    #[must_use]
+    pub fn shows_diagnosis(&self) -> bool {
+        let parts = [Part::Result, Part::Fit, Part::Causes, Part::Limits];
+        parts.into_iter().any(|part| self.has(part))
+    }
+
     /// The choice stored in the preferences.
     #[must_use]
     pub fn of(preferences: &Preferences) -> Self {

@@ -14,8 +14,8 @@ use tautline_validation::tables::hidden::Records;
 use tautline_validation::tables::motion::{Late, RECORDING};
 use tautline_validation::tables::{
     adjusted, damaged_files, formulas, hangprinter, health, hypothesis_files, isolability, kills,
-    live_readings, lives, many_poses, motion, nist, study_speed, table1, tolerances, truth, until,
-    which_sensor,
+    live_readings, lives, many_poses, motion, nist, soak, study_speed, table1, tolerances, truth,
+    until, which_sensor,
 };
 
 /// Presets of the truth study.
@@ -39,6 +39,8 @@ const HEALTH_SEED: u64 = 45_000;
 const RUNS_SEED: u64 = 49_000;
 /// Seed of the moments at which programs are killed.
 const KILLS_SEED: u64 = 50_000;
+/// Seed of the run of very many poses with faults.
+const SOAK_SEED: u64 = 52_000;
 /// Seed of the damage to files.
 const DAMAGE_SEED: u64 = 51_000;
 /// Seed of the first robot that is measured until it is certain.
@@ -48,7 +50,7 @@ const RECORDS: &str = "target/studies.jsonl";
 const UNTIL_RECORDS: &str = "target/until.jsonl";
 const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], kills [RUNS [ads | none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], soak [POSES], kills [RUNS [ads | none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, hypotheses, random-runs PROGRAM FOLDER [RUNS]";
 
@@ -74,6 +76,10 @@ fn main() -> Result<()> {
                 "{}",
                 live_readings::markdown(&live_readings::study(seconds)?)
             );
+        }
+        Some("soak") => {
+            let poses = argument.map_or(Ok(2000), str::parse)?;
+            println!("{}", soak::markdown(&soak::study(poses, SOAK_SEED)?));
         }
         Some("kills") => println!("{}", kills_table(&arguments[1..])?),
         Some("damaged-files") => println!("{}", damaged_files_table(argument)?),

@@ -161,6 +161,7 @@ fn diagnosed(session: &mut Session) -> Result<Diagnosed> {
         alpha,
         seconds: 0.0,
         limit_s: TIME_LIMIT_S,
+        ended_at_limit: false,
     };
     let time = after(session, DIAGNOSED_AFTER_S);
     keep(session, "Diagnosis", &diagnosed.document(), time);

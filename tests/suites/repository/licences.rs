@@ -1,5 +1,5 @@
-//! Licences and sources of all dependencies, on all platforms, by the rules of deny.toml. Works
-//! offline once `cargo fetch` has run, and without cargo-deny.
+//! Licences and sources of all dependencies, on all platforms, by the rules of deny.toml, and the reasons for what it ignores.
+//! Works offline once `cargo fetch` has run, and without cargo-deny.
 
 use std::path::Path;
 use std::process::Command;
@@ -106,5 +106,37 @@ fn sources_are_allowed() {
             .strip_prefix("registry+")
             .is_some_and(|registry| registries.iter().any(|known| known == registry));
         assert!(is_known, "{}: {source}", package["name"]);
+    }
+}
+
+#[test]
+fn an_ignored_advisory_has_a_crate_that_is_needed_a_date_and_a_reason() {
+    let packages = dependencies();
+    let rules = rules();
+    let ignored = rules["advisories"]["ignore"].as_array().expect("a list");
+    for advisory in ignored {
+        let reason = advisory.get("reason").and_then(toml::Value::as_str);
+        let (named, why) = reason
+            .and_then(|reason| reason.split_once(": "))
+            .expect("a reason");
+        let (name, date) = named.split_once(", ").expect("a crate and a date");
+        let digits = date
+            .split('-')
+            .map(|part| part.parse::<u32>().expect("a number"));
+        assert_eq!(digits.count(), 3, "{date}");
+        assert!(why.len() > 40, "{name}: {why}");
+        assert!(
+            packages.iter().any(|package| package["name"] == name),
+            "{name} is gone"
+        );
+    }
+}
+
+#[test]
+fn advisories_are_fetched_on_a_schedule() {
+    let path = root().join(".github/workflows/advisories.yml");
+    let workflow = std::fs::read_to_string(path).expect("the workflow");
+    for part in ["schedule:", "- cron:", "cargo-deny", "check advisories"] {
+        assert!(workflow.contains(part), "{part}");
     }
 }

@@ -330,11 +330,53 @@ fn faults_of_one_cable_are_named() {
         revolutions: 1.0,
     };
     assert_warns(vec![jump], "cable-2", "off what is expected");
-    let slack = Fault::Tension {
+    let slack = Fault::ForceFactor {
         cable: 6,
-        reading_n: 4.0,
+        factor: 0.1,
     };
-    assert_warns(vec![slack], "cable-7", "slack: 2.0 N, at least 10.0 N");
+    assert_warns(vec![slack], "cable-7", "slack: ");
+}
+
+#[test]
+fn a_dead_force_sensor_pauses_the_run_until_the_operator_has_decided() {
+    let preset = preset("mini");
+    let dead = |reading_n| Fault::Tension {
+        cable: 3,
+        reading_n,
+    };
+    let factor = |factor| Fault::ForceFactor { cable: 3, factor };
+    for (fault, words) in [
+        (factor(f64::NAN), "shows no number"),
+        (dead(0.0), "shows exactly 0 N"),
+        (dead(81.5), "exactly the same before and after"),
+        (factor(-1.0), "a cable cannot push"),
+    ] {
+        let (mut robot, clock) = armed(&preset, |_| ());
+        let mut run = run_of(&preset, 4, 1);
+        while run.stage() != Stage::Storing {
+            clock.advance(0.05);
+            run.tick(&mut robot, clock.now_s());
+        }
+        robot.inner_mut().set_faults(vec![fault]);
+        run.confirm_stored(0);
+        let events = drive(&mut run, &mut robot, &clock);
+        let Some(MeasuringEvent::Paused {
+            reason,
+            is_overload: true,
+        }) = events.last()
+        else {
+            panic!("{words}: {events:?}");
+        };
+        assert!(reason.starts_with("cable-4: its force sensor "), "{reason}");
+        assert!(reason.contains(words), "{reason}");
+        assert_eq!(labels(&events), [0; 0], "nothing is measured without it");
+        assert_eq!(robot.state().activity, Activity::Still);
+        // Once the operator has decided it is only a warning.
+        run.resume();
+        let events = drive(&mut run, &mut robot, &clock);
+        assert_eq!(events.last(), Some(&MeasuringEvent::Finished), "{words}");
+        assert_eq!(labels(&events), [1, 2, 3, 4]);
+    }
 }
 
 #[test]

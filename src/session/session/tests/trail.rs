@@ -95,10 +95,9 @@ fn what_is_saved_is_a_chain_that_stays_intact() {
         entry.records.iter().map(|record| record.part).collect()
     };
     assert_eq!(entries.len(), 3);
-    assert_eq!(
-        parts(&entries[0]),
-        [TrailPart::Log(0), TrailPart::Pose(1), TrailPart::Pose(2)]
-    );
+    let measured = [TrailPart::Log(0), TrailPart::Pose(1), TrailPart::Pose(2)];
+    let state = [TrailPart::Robot, TrailPart::Tables, TrailPart::Imported];
+    assert_eq!(parts(&entries[0]), [measured, state].concat());
     assert_eq!(parts(&entries[1]), [TrailPart::Adjustment(0)]);
     assert_eq!(
         parts(&entries[2]),
@@ -141,7 +140,10 @@ fn a_changed_reading_operator_or_log_is_said() {
         (
             "the label of a pose",
             |json| json["measurements"]["pose"][1] = json!(7),
-            vec![Missing(TrailPart::Pose(2), 0)],
+            vec![
+                Missing(TrailPart::Pose(2), 0),
+                Changed(TrailPart::Imported, 0),
+            ],
         ),
         (
             "the operator of an adjustment",
@@ -227,9 +229,116 @@ fn a_session_of_an_earlier_version_opens_and_its_trail_begins_with_what_it_has()
     let records = &found.records;
     assert!(records.len() > steps, "adjustments and runs, too");
     assert_eq!(new.records[0].part, TrailPart::Log(steps));
-    assert_eq!(new.records.len(), 1);
+    assert_eq!(new.records.len(), 4, "and robot, tables and poses");
     // Its poses may have been imported, and may be imported again.
-    assert_eq!(old.uncovered_poses(), old.measurements.labels);
+    assert_eq!(old.imported_poses(), old.measurements.labels);
+}
+
+#[test]
+fn a_changed_robot_table_result_or_import_is_said() {
+    use TrailFault::{Changed, Missing, Uncovered};
+    type Change = fn(&mut Value);
+    let mut saved = session();
+    saved.seal(&by("Ada"), time(1));
+    // What the program changes, it records, an import that is taken back, too.
+    saved.robot.name = "another".into();
+    let more = "pose,length_1_m,length_2_m\n8,1,1\n";
+    let before = saved.measurements.clone();
+    saved.measurements.append(row(&saved, more));
+    assert!(!saved.is_sealed());
+    saved.seal(&by("Ada"), time(2));
+    saved.measurements = before;
+    saved.seal(&by("Ada"), time(3));
+    let json = json_of(&saved);
+    assert_eq!(read(json.clone()).audit(), []);
+    assert!(read(json.clone()).is_sealed());
+    let cases: [(&str, Change, Vec<TrailFault>); 6] = [
+        (
+            "the robot",
+            |json| json["robot"]["name"] = json!("mine"),
+            vec![Changed(TrailPart::Robot, 1)],
+        ),
+        (
+            "a table",
+            |json| json["phases"]["winch"] = json!([]),
+            vec![Changed(TrailPart::Tables, 0)],
+        ),
+        (
+            "a result",
+            |json| json["results"][0]["title"] = json!("Last try"),
+            vec![Changed(TrailPart::Result(0), 0)],
+        ),
+        (
+            "a result less",
+            |json| json["results"] = json!([]),
+            vec![Missing(TrailPart::Result(0), 0)],
+        ),
+        (
+            "a result more",
+            |json| {
+                let result = json["results"][0].clone();
+                json["results"].as_array_mut().expect("a list").push(result);
+            },
+            vec![Uncovered(TrailPart::Result(1))],
+        ),
+        (
+            "an imported pose",
+            |json| {
+                let columns = json["measurements"]["columns"].as_object_mut();
+                let mut columns = columns.expect("columns").values_mut();
+                let cell = columns.find_map(|cells| {
+                    let cells = cells.as_array_mut()?.iter_mut();
+                    cells.into_iter().find(|cell| cell.is_number())
+                });
+                *cell.expect("a number") = json!(0.987);
+            },
+            vec![Changed(TrailPart::Imported, 2)],
+        ),
+    ];
+    for (what, change, expected) in cases {
+        let mut changed = json.clone();
+        change(&mut changed);
+        let mut changed = read(changed);
+        assert_eq!(changed.audit(), expected, "{what}");
+        // Saving it again does not make it right, however often, and killed meanwhile or not.
+        changed.seal(&by("Eve"), time(20));
+        let mut changed = read(json_of(&changed));
+        if !matches!(expected[0], Uncovered(_)) {
+            changed.cover_rest();
+        }
+        changed.robot.serial_number = Some("7".into());
+        changed.seal(&by("Eve"), time(21));
+        let after = read(json_of(&changed)).audit();
+        assert!(
+            expected.iter().all(|fault| after.contains(fault)),
+            "{what}: {after:?}"
+        );
+    }
+}
+
+/// A trail of a version that recorded what moved and what was written only.
+#[test]
+fn a_trail_of_an_earlier_version_is_intact_and_covers_more_from_then_on() {
+    let mut json = json_of(&sealed());
+    let entries = json["trail"]["entries"].as_array_mut().expect("entries");
+    let mut before = String::new();
+    for entry in entries {
+        let records = entry["records"].as_array_mut().expect("records");
+        records.retain(|record| record["part"].is_object());
+        entry["hash"] = json!(before);
+        before = crate::fingerprint::sha256(entry);
+        entry["hash"] = json!(before);
+    }
+    let mut old = read(json);
+    assert_eq!(old.audit(), []);
+    assert!(!old.trail().has_state());
+    old.seal(&by("Ada"), time(9));
+    assert!(old.trail().has_state());
+    let mut json = json_of(&old);
+    assert_eq!(read(json.clone()).audit(), []);
+    json["robot"]["name"] = json!("mine");
+    let faults = read(json).audit();
+    assert_eq!(faults, [TrailFault::Changed(TrailPart::Robot, 3)]);
 }
 
 #[test]

@@ -7,12 +7,12 @@ use tautline_link::laser::ManualLaser;
 use tautline_link::measuring::{MeasuringOptions, MeasuringRun, predict_by};
 use tautline_link::reconnecting::{Attempts, BackOff, Reconnect, ReconnectPolicy, Reconnected};
 use tautline_link::{
-    Activity, Controller, ControllerState, GuardedController, Instrument, LinkError, Sample,
+    Activity, Controller, ControllerState, GuardedController, Instrument, LinkError, PoseTracker,
+    Sample,
 };
 
 use super::message::{Doing, Lost, MeasuringRequest};
 use super::operation::Measuring;
-use super::pose_tracker::PoseTracker;
 use tautline_workflow::controllers::{ConnectionSetup, Opened, SimulationClock};
 
 /// Attempts to reconnect at once after a connection broke while values were written; later ones are made in the background.

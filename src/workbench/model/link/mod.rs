@@ -5,7 +5,6 @@
 mod connection;
 mod message;
 mod operation;
-mod pose_tracker;
 mod progress;
 mod publisher;
 mod run;

@@ -39,7 +39,7 @@ pub(in crate::screens) fn show(ui: &mut Ui, model: &Model, outbox: &mut Outbox) 
             Some("Simulated from the description: the readings are not of the real robot.")
         }
         Kind::Recording => Some("This is a recording: nothing moves and nothing can be written."),
-        Kind::OfSession | Kind::Real => None,
+        Kind::OfSession | Kind::Real => open.session().robot.unchecked_tensions(),
     };
     if let Some(note) = note {
         verdict(ui, Verdict::Doubtful, note);

@@ -56,7 +56,8 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState) {
         None => Verdict::Doubtful,
     };
     verdict(ui, kind, &words);
-    if let Some(sentence) = outlook.home.sentence() {
+    let unchecked = session.robot.unchecked_tensions().map(str::to_owned);
+    for sentence in unchecked.into_iter().chain(outlook.home.sentence()) {
         muted(ui, &sentence);
     }
     if let Some(table) = &outlook.isolability {

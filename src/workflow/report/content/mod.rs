@@ -67,58 +67,39 @@ fn signatures(choice: &ReportChoice, done: &str) -> Section {
 
 /// The whole content.
 pub fn document(input: &ReportInput<'_>) -> Document {
-    let session = input.session;
-    let sections = [
-        (Part::Result, Some(result::section(input))),
-        (Part::Robot, Some(robot::section(&session.robot))),
-        (
-            Part::Instruments,
-            Some(instruments::section(&session.robot)),
-        ),
-        (Part::Data, Some(data::section(session))),
-        (
-            Part::Method,
-            input.fit.map(|fit| method::section(session, fit)),
-        ),
-        (
-            Part::Geometry,
-            input
-                .fit
-                .map(|fit| geometry::section(fit, input.choice.tolerance_m)),
-        ),
-        (Part::Budget, input.fit.and_then(budget::section)),
-        (
-            Part::Fit,
-            input
-                .fit
-                .map(|fit| fit::section(fit, input.current_diagnosis())),
-        ),
-        (
-            Part::Causes,
-            input
-                .diagnosis
-                .map(|diagnosed| causes::section(input, diagnosed)),
-        ),
-        (Part::Accuracy, accuracy::section(session)),
-        (Part::Adjustments, adjustments::section(session)),
-        (Part::Limits, Some(limits::section(input))),
-        (Part::Signatures, Some(instruments::signatures(input))),
-        (Part::About, Some(about::section(input))),
-        (Part::Log, about::log(session)),
-    ];
     let choice = input.choice;
-    let wanted = sections
-        .into_iter()
-        .filter(|(part, _)| !choice.without.contains(part));
+    let wanted = Part::ALL.into_iter().filter(|part| choice.has(*part));
     let title = match choice.title.trim() {
-        "" => format!("Calibration report: {}", session.name),
+        "" => format!("Calibration report: {}", input.session.name),
         title => title.to_owned(),
     };
     Document {
         header: choice.header.trim().to_owned(),
         title,
         subtitle: head(input),
-        sections: wanted.filter_map(|(_, section)| section).collect(),
+        sections: wanted.filter_map(|part| section(part, input)).collect(),
+    }
+}
+
+/// A part; `None` where the session has nothing for it.
+fn section(part: Part, input: &ReportInput<'_>) -> Option<Section> {
+    let session = input.session;
+    match part {
+        Part::Result => Some(result::section(input)),
+        Part::Robot => Some(robot::section(&session.robot)),
+        Part::Instruments => Some(instruments::section(&session.robot)),
+        Part::Data => Some(data::section(session)),
+        Part::Method => Some(method::section(session, input.fit?)),
+        Part::Geometry => Some(geometry::section(input.fit?, input.choice.tolerance_m)),
+        Part::Budget => budget::section(input.fit?),
+        Part::Fit => Some(fit::section(input.fit?, input.current_diagnosis())),
+        Part::Causes => Some(causes::section(input, input.diagnosis?)),
+        Part::Accuracy => accuracy::section(session),
+        Part::Adjustments => adjustments::section(session),
+        Part::Limits => Some(limits::section(input)),
+        Part::Signatures => Some(instruments::signatures(input)),
+        Part::About => Some(about::section(input)),
+        Part::Log => about::log(session),
     }
 }
 

@@ -101,3 +101,30 @@ fn a_plan_is_for_something_and_explains_itself() {
     tautline(&with(&["--for", "accuracy", "--volume", "1,0,0,1,0,1"]))
         .refused(&["--volume", "found \"1,0,0,1,0,1\""]);
 }
+
+#[test]
+fn what_cannot_be_checked_is_said() {
+    let folder = Folder::new();
+    let robot = folder.join("robot.json");
+    tautline(&["new", "mini", "-o", &robot]).succeeded();
+    let text = std::fs::read_to_string(&robot).expect("a robot");
+    let mut json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    json["platform"]
+        .as_object_mut()
+        .expect("a platform")
+        .remove("mass_kg");
+    std::fs::write(&robot, json.to_string()).expect("written");
+    let said = "Nothing checks before a motion whether the cables can hold the platform: robot.json states no mass.";
+    let plan = ["plan", &robot, "--poses", "9", "--candidates", "60"];
+    let planned = tautline(&plan).succeeded();
+    assert!(planned.stdout.contains(said), "{}", planned.stdout);
+    let json = tautline(&[&plan[..], &["--json", "-"]].concat())
+        .succeeded()
+        .json();
+    assert_eq!(json["unchecked_tensions"], said);
+    let file = folder.join("s.json");
+    let sim = ["--controller", "sim", "--arm"];
+    let measure = ["measure", &file, "--robot", &robot, "--poses", "9"];
+    let driven = tautline(&[&measure[..], &sim].concat());
+    assert!(driven.stderr.contains(said), "{}", driven.stderr);
+}

@@ -86,3 +86,31 @@ fn a_report_judges_by_a_tolerance() {
     let wrong = ["report", &data, "--out", &out, "--tolerance", "0"];
     tautline(&wrong).refused(&["--tolerance", "positive"]);
 }
+
+#[test]
+fn a_report_computes_only_what_its_parts_show() {
+    let folder = Folder::new();
+    let data = folder.join("mini");
+    let simulate = [
+        "simulate", "--robot", "mini", "--poses", "12", "--out", &data,
+    ];
+    tautline(&simulate).succeeded();
+    // Without revolutions nothing can be identified.
+    let path = format!("{data}/poses.csv");
+    let text = std::fs::read_to_string(&path).expect("a file");
+    let mut lines = text.lines();
+    let head: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let emptied = lines.map(|line| {
+        let cells = line.split(',').zip(&head);
+        let kept = cells.map(|(cell, name)| if name.starts_with("rev_") { "" } else { cell });
+        kept.collect::<Vec<_>>().join(",")
+    });
+    let lines: Vec<String> = std::iter::once(head.join(",")).chain(emptied).collect();
+    std::fs::write(&path, lines.join("\n") + "\n").expect("written");
+    let out = folder.join("r.html");
+    let whole = tautline(&["report", &data, "--out", &out]);
+    assert_eq!(whole.code, Some(2), "{}", whole.stderr);
+    tautline(&["report", &data, "--out", &out, "--sections", "data,log"]).succeeded();
+    let text = std::fs::read_to_string(&out).expect("the report");
+    assert!(text.contains(">Data</h2>") && !text.contains(">Result</h2>"));
+}

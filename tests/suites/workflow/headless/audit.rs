@@ -43,6 +43,7 @@ fn what_moved_and_what_was_written_is_in_the_trail() {
     assert_eq!(document["verdict"], "intact");
     assert_eq!(document["faults"], json!([]));
     assert_eq!(document["uncovered_poses"], json!([]));
+    assert_eq!(document["imported_poses"], json!([]));
     let entries = document["entries"].as_array().expect("entries");
     let what: Vec<&str> = entries.iter().filter_map(|e| e["what"].as_str()).collect();
     assert!(
@@ -159,9 +160,59 @@ fn a_session_without_a_trail_opens_as_before() {
         .map(|entry| &entry["found"])
         .collect();
     assert_eq!((found[0], found[1]), (&json!(true), &json!(false)));
+    let poses = |key: &str| document[key].as_array().map(Vec::len);
     assert_eq!(
-        document["uncovered_poses"].as_array().map(Vec::len),
-        Some(13)
+        (poses("uncovered_poses"), poses("imported_poses")),
+        (Some(0), Some(13))
+    );
+    let covers = document["covers"].as_str().expect("a sentence");
+    assert!(audit(&path, &[]).stdout.contains(covers));
+}
+
+#[test]
+fn every_command_that_opens_a_session_tells_a_broken_trail() {
+    let folder = Folder::new();
+    let file = adjusted(&folder);
+    let path = changed(&folder, &file, |json| json["robot"]["name"] = json!("mine"));
+    let said = "the audit trail is broken: the robot description is not as recorded";
+    let record = folder.join("record");
+    std::fs::create_dir(&record).expect("a folder");
+    for name in ["1.json", "2.json"] {
+        std::fs::copy(&path, format!("{record}/{name}")).expect("a copy");
+    }
+    let report = folder.join("r.html");
+    let data = ["report", &path, "--out", &report, "--sections", "data"];
+    for words in [
+        &["compare", &path, &file][..],
+        &["diagnose", &path, "--time-limit", "1"],
+        &["formulas", &path],
+        &["history", &record],
+        &data,
+    ] {
+        let answer = tautline(words);
+        assert!(answer.stderr.contains(said), "{words:?}: {}", answer.stderr);
+    }
+}
+
+#[test]
+fn an_older_copy_is_found_by_a_hash_that_it_lacks() {
+    let folder = Folder::new();
+    let file = folder.join("s.json");
+    let sim = ["--controller", "sim", "--arm"];
+    let measure = ["measure", &file, "--robot", "mini", "--poses", "8"];
+    tautline(&[&measure[..], &sim].concat()).succeeded();
+    let older = std::fs::read(&file).expect("a session");
+    tautline(&[&["adjust", &file], &sim[..]].concat());
+    let document = audit(&file, &["--json", "-"]).succeeded().json();
+    let hash = document["last_hash"].as_str().expect("a hash");
+    std::fs::write(&file, older).expect("put back");
+    audit(&file, &[]).succeeded();
+    let found = audit(&file, &["--contains", hash]);
+    assert_eq!(found.code, Some(1), "{}", found.stderr);
+    assert!(
+        found.stdout.contains("no entry has the hash"),
+        "{}",
+        found.stdout
     );
 }
 

@@ -73,7 +73,7 @@ fn a_killed_run_loses_no_pose_and_repeats_none() {
         assert_eq!(kept, expected, "kill {kill}");
         let measured = session(&file);
         assert_eq!(measured.audit(), [], "kill {kill}");
-        assert_eq!(measured.uncovered_poses(), [0; 0], "kill {kill}");
+        assert_eq!(measured.imported_poses(), [0; 0], "kill {kill}");
         // A pose may be on disk before it could be told.
         assert!(told.is_subset(&kept), "kill {kill}");
         assert_eq!(

@@ -1,14 +1,16 @@
-//! Where the platform is by the revolutions of its winches, good enough to draw it.
+//! Pose of the platform by the revolutions of its winches, within centimetres: to draw it, and as the start of a motion.
 
 use tautline_core::geometry::Pose;
 use tautline_core::kinematics::{ForwardKinematics, inverse_kinematics};
 use tautline_core::robot::Robot;
-use tautline_link::Sample;
+
+use crate::controller::Sample;
 
 /// Residual of the lengths that drawings and elongation explain (m).
 const EXPLAINED_M: f64 = 0.05;
 
-pub(super) struct PoseTracker {
+/// Pose of the platform by its encoders.
+pub struct PoseTracker {
     kinematics: ForwardKinematics,
     home_lengths_m: Vec<f64>,
     per_revolution_m: Vec<f64>,
@@ -17,6 +19,7 @@ pub(super) struct PoseTracker {
 
 impl PoseTracker {
     /// From the home pose of a robot; `None` if it has none.
+    #[must_use]
     pub fn of(robot: &Robot) -> Option<Self> {
         let home = robot.home?.pose();
         let states = inverse_kinematics(robot, &home).ok()?;
@@ -58,12 +61,12 @@ mod tests {
 
     #[test]
     fn revolutions_tell_the_pose() {
-        let robot = presets::find("mini").expect("a preset").robot;
-        let home = robot.home.expect("a home pose").pose();
+        let robot = presets::find("mini").unwrap().robot;
+        let home = robot.home.unwrap().pose();
         let mut there = home;
         there.position.x += 0.05;
         let lengths = |pose: &Pose| -> Vec<f64> {
-            let states = inverse_kinematics(&robot, pose).expect("paths");
+            let states = inverse_kinematics(&robot, pose).unwrap();
             states.iter().map(|state| state.length_m).collect()
         };
         let per_revolution = robot
@@ -85,7 +88,7 @@ mod tests {
             commanded: None,
             started: None,
         };
-        let mut whereabouts = PoseTracker::of(&robot).expect("it has a home pose");
+        let mut whereabouts = PoseTracker::of(&robot).unwrap();
         let found = whereabouts.of_sample(&sample);
         assert!((found.position - there.position).norm() < 1e-6);
         sample.revolutions[2] = f64::NAN;
