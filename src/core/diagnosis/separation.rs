@@ -4,8 +4,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::budget::{
-    MAX_REPEATS, MAX_SEPARATING_POSES, MIN_SEPARATING_POSES, MOST_DIAGNOSED_SAMPLES,
-    PROPOSED_POSES, SEPARATING_SEED,
+    MAX_REPEATS, MAX_SEPARATING_POSES, MIN_SEPARATING_POSES, MOST_DIAGNOSED_SAMPLES, PROPOSED_POSES,
+    SEPARATING_SEED,
 };
 use super::calibration::DECISIVE_CHI2;
 use super::fit::Fit;
@@ -133,6 +133,7 @@ fn candidates(
     }
     let mut solution = Solution {
         poses: fitted.poses,
+        tensions_n: fitted.tensions_n,
         ..other.solution.clone()
     };
     solution.globals.home_tension_error_n = fitted.globals.home_tension_error_n;
