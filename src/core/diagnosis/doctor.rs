@@ -11,7 +11,7 @@ use super::confidence::{
     ConfirmedCauses, allow_for_errors, assess_fit, confirm_causes, reject_replaceable_causes,
     state_probabilities,
 };
-use super::exchange::find_exchange;
+use super::exchange::{Channels, find_exchange};
 use super::exploration::Visibility;
 use super::finding::FindingBuilder;
 use super::fit::Fit;
@@ -51,18 +51,23 @@ pub fn diagnose(
         robot: with_assumed_tolerances(&dataset.robot),
         measurements: averaged.into_owned(),
     };
-    let problem = problem_at_fitted_poses(&dataset)?;
-    let first = Fit::new(&problem, &[])?;
-    let Some(exchange) = find_exchange(&first, &mut report)? else {
-        let mut found = examine(&problem, (&first, rows), Vec::new(), options, &mut report)?;
-        found.tolerances.are_stated = are_stated;
-        return Ok(found);
+    let mut problem = problem_at_fitted_poses(&dataset)?;
+    let mut first = Fit::new(&problem, &[])?;
+    let channels = find_exchange(&first, &mut report)?;
+    if let Channels::PulleysExchanged(solution) = &channels {
+        problem = problem.at_poses_of(solution);
+        first = Fit::new(&problem, &[])?;
+    }
+    let mut found = match &channels {
+        Channels::Exchanged(exchange) => {
+            let mut after = problem_at_fitted_poses(&exchange.dataset)?;
+            after.held_effects.push(exchange.bound.clone());
+            let second = Fit::new(&after, &[])?;
+            let exchanged = vec![exchange.finding(&first, &second)];
+            examine(&after, (&first, rows), exchanged, options, &mut report)?
+        }
+        _ => examine(&problem, (&first, rows), Vec::new(), options, &mut report)?,
     };
-    let mut after = problem_at_fitted_poses(&exchange.dataset)?;
-    after.held_effects.push(exchange.bound.clone());
-    let second = Fit::new(&after, &[])?;
-    let exchanged = vec![exchange.finding(&first, &second)];
-    let mut found = examine(&after, (&first, rows), exchanged, options, &mut report)?;
     found.tolerances.are_stated = are_stated;
     Ok(found)
 }
