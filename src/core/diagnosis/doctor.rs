@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::budget::MOST_DIAGNOSED_SAMPLES;
+use super::budget::MOST_DIAGNOSED_ROWS;
 use super::calibration::POWER;
 use super::candidates::size_parameter;
 use super::cause_posteriors::{cause_posteriors, stated_causes};
@@ -32,8 +32,8 @@ use crate::measurement::Dataset;
 use crate::statistics::normal_quantile;
 
 /// Diagnoses a dataset with the joint problem of its robot. The effects of its model are estimated in every set of
-/// causes, as the geometry is. Rows of one standstill are averaged, and recordings in motion are thinned to independent
-/// samples.
+/// causes, as the geometry is. Rows of one standstill are averaged, recordings in motion are thinned to independent
+/// samples, and so are very many poses.
 ///
 /// # Errors
 /// If the measurements cannot be used with this robot at all.
@@ -45,7 +45,7 @@ pub fn diagnose(
     let mut report = Reporter::new(observer);
     report.stage(Stage::BaseFit, 0);
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
-    let (averaged, rows) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_SAMPLES);
+    let (averaged, rows) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
     let are_stated = dataset.robot.tolerances.is_some();
     let dataset = Dataset {
         robot: with_assumed_tolerances(&dataset.robot),

@@ -217,10 +217,9 @@ impl PoseContexts {
                     Some(grid) => grid.get(row, index),
                     None if rates.is_some() => sign(paid_rates[0]),
                     // Where a reading is missing, the direction follows from the two poses.
-                    None => sign(
-                        change_of_reading(data, home, (row, index))
-                            .unwrap_or_else(|| from.map_or(0.0, |from| path.length - from)),
-                    ),
+                    None => data
+                        .travel_before(home, (row, index))
+                        .unwrap_or_else(|| from.map_or(0.0, |from| sign(path.length - from))),
                 };
                 let tension_n = tension.get(row, index);
                 let is_read = !data.force_n.is_empty();
@@ -358,28 +357,9 @@ fn paid_revolutions(data: &Measurements, home: Option<usize>, at: (usize, usize)
     or_zero(Some(data.revolutions.get(at.0, at.1)))
 }
 
-/// Change of the length reading of a `(row, cable)` since the previous row; `None` where either is missing.
-fn change_of_reading(
-    data: &Measurements,
-    home: Option<usize>,
-    (row, index): (usize, usize),
-) -> Option<f64> {
-    let reading = |row: usize| {
-        if data.revolutions.is_empty() {
-            data.length_m.get(row, index)
-        } else if home == Some(row) {
-            0.0
-        } else {
-            data.revolutions.get(row, index)
-        }
-    };
-    let change = reading(row) - reading(row.checked_sub(1)?);
-    (!change.is_nan()).then_some(change)
-}
-
 /// Sign of the change of the length reading of a `(row, cable)` since the previous row; 0 where unknown.
 pub(crate) fn travel(data: &Measurements, home: Option<usize>, at: (usize, usize)) -> f64 {
-    change_of_reading(data, home, at).map_or(0.0, sign)
+    data.travel_before(home, at).unwrap_or(0.0)
 }
 
 /// +1, -1, or 0 for no change and where it is unknown.
