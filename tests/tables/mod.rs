@@ -15,6 +15,7 @@ pub mod many_poses;
 pub mod motion;
 pub mod nist;
 pub mod parallel;
+pub mod random_robots;
 pub mod soak;
 pub mod study_speed;
 pub mod table1;

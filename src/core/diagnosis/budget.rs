@@ -1,5 +1,7 @@
 //! Limits of the work of a diagnosis and of its arithmetic. Wider ones would cost time and hardly change an answer.
 
+use crate::measurement::MostRows;
+
 // Search over sets.
 /// Log posterior below the best down to which a set is extended.
 pub(super) const EXTEND_WITHIN: f64 = 6.0;
@@ -56,8 +58,12 @@ pub(super) const MAX_KINDS: usize = 8;
 /// Number of steps after which a fit is abandoned if chi-square is still too large; the right exchange converges in
 /// half as many.
 pub(super) const PATIENCE_WITH_EXCHANGE: usize = 6;
-/// Maximum number of samples taken from a recording in motion: a diagnosis fits many models, and each takes time in proportion.
-pub const MOST_DIAGNOSED_SAMPLES: usize = 300;
+/// Maximum number of rows that a diagnosis takes: a diagnosis fits many models, and each takes time and memory in proportion. The
+/// information of a thousand poses shows anything that matters to the robot.
+pub const MOST_DIAGNOSED_ROWS: MostRows = MostRows {
+    samples: 300,
+    poses: 1000,
+};
 
 // Columns and functions.
 /// Maximum number of columns in one linearisation.

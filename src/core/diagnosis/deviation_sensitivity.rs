@@ -1,6 +1,6 @@
 //! How much a deviation of each part changes the readings: whether a tolerance matters on a robot.
 
-use super::budget::MOST_DIAGNOSED_SAMPLES;
+use super::budget::MOST_DIAGNOSED_ROWS;
 use super::deviation_columns::linearised;
 use super::fit::Fit;
 use super::fitted_problem::problem_at_fitted_poses;
@@ -30,7 +30,7 @@ pub fn deviation_sensitivities(
     dataset: &Dataset,
 ) -> Result<Vec<DeviationSensitivity>, EstimationError> {
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
-    let (measurements, _) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_SAMPLES);
+    let (measurements, _) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
     let mut robot = dataset.robot.clone();
     robot.deviations.clear();
     let dataset = Dataset {

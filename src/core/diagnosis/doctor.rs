@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::budget::MOST_DIAGNOSED_SAMPLES;
+use super::budget::MOST_DIAGNOSED_ROWS;
 use super::calibration::POWER;
 use super::candidates::size_parameter;
 use super::cause_posteriors::{cause_posteriors, stated_causes};
@@ -11,7 +11,7 @@ use super::confidence::{
     ConfirmedCauses, allow_for_errors, assess_fit, confirm_causes, reject_replaceable_causes,
     state_probabilities,
 };
-use super::exchange::find_exchange;
+use super::exchange::{Channels, find_exchange};
 use super::exploration::Visibility;
 use super::finding::FindingBuilder;
 use super::fit::Fit;
@@ -32,8 +32,8 @@ use crate::measurement::Dataset;
 use crate::statistics::normal_quantile;
 
 /// Diagnoses a dataset with the joint problem of its robot. The effects of its model are estimated in every set of
-/// causes, as the geometry is. Rows of one standstill are averaged, and recordings in motion are thinned to independent
-/// samples.
+/// causes, as the geometry is. Rows of one standstill are averaged, recordings in motion are thinned to independent
+/// samples, and so are very many poses.
 ///
 /// # Errors
 /// If the measurements cannot be used with this robot at all.
@@ -45,24 +45,29 @@ pub fn diagnose(
     let mut report = Reporter::new(observer);
     report.stage(Stage::BaseFit, 0);
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
-    let (averaged, rows) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_SAMPLES);
+    let (averaged, rows) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
     let are_stated = dataset.robot.tolerances.is_some();
     let dataset = Dataset {
         robot: with_assumed_tolerances(&dataset.robot),
         measurements: averaged.into_owned(),
     };
-    let problem = problem_at_fitted_poses(&dataset)?;
-    let first = Fit::new(&problem, &[])?;
-    let Some(exchange) = find_exchange(&first, &mut report)? else {
-        let mut found = examine(&problem, (&first, rows), Vec::new(), options, &mut report)?;
-        found.tolerances.are_stated = are_stated;
-        return Ok(found);
+    let mut problem = problem_at_fitted_poses(&dataset)?;
+    let mut first = Fit::new(&problem, &[])?;
+    let channels = find_exchange(&first, &mut report)?;
+    if let Channels::PulleysExchanged(solution) = &channels {
+        problem = problem.at_poses_of(solution);
+        first = Fit::new(&problem, &[])?;
+    }
+    let mut found = match &channels {
+        Channels::Exchanged(exchange) => {
+            let mut after = problem_at_fitted_poses(&exchange.dataset)?;
+            after.held_effects.push(exchange.bound.clone());
+            let second = Fit::new(&after, &[])?;
+            let exchanged = vec![exchange.finding(&first, &second)];
+            examine(&after, (&first, rows), exchanged, options, &mut report)?
+        }
+        _ => examine(&problem, (&first, rows), Vec::new(), options, &mut report)?,
     };
-    let mut after = problem_at_fitted_poses(&exchange.dataset)?;
-    after.held_effects.push(exchange.bound.clone());
-    let second = Fit::new(&after, &[])?;
-    let exchanged = vec![exchange.finding(&first, &second)];
-    let mut found = examine(&after, (&first, rows), exchanged, options, &mut report)?;
     found.tolerances.are_stated = are_stated;
     Ok(found)
 }

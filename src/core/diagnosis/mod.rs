@@ -59,7 +59,7 @@ mod unmodelled_errors;
 mod unseen;
 mod variables;
 
-pub use budget::MOST_DIAGNOSED_SAMPLES;
+pub use budget::MOST_DIAGNOSED_ROWS;
 pub use calibration::{NAMING_PROBABILITY, stated_probability};
 pub use deviation_sensitivity::{DeviationSensitivity, deviation_sensitivities};
 pub use discrepancy::smooth_functions;

@@ -4,8 +4,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::budget::{
-    MAX_REPEATS, MAX_SEPARATING_POSES, MIN_SEPARATING_POSES, MOST_DIAGNOSED_SAMPLES,
-    PROPOSED_POSES, SEPARATING_SEED,
+    MAX_REPEATS, MAX_SEPARATING_POSES, MIN_SEPARATING_POSES, MOST_DIAGNOSED_ROWS, PROPOSED_POSES,
+    SEPARATING_SEED,
 };
 use super::calibration::DECISIVE_CHI2;
 use super::fit::Fit;
@@ -69,7 +69,7 @@ pub fn expected_separation(
     poses: &[Pose],
 ) -> Result<Vec<Option<Vec<f64>>>, EstimationError> {
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
-    let (averaged, _) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_SAMPLES);
+    let (averaged, _) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
     let dataset = Dataset {
         robot: with_assumed_tolerances(&dataset.robot),
         measurements: averaged.into_owned(),
@@ -133,6 +133,7 @@ fn candidates(
     }
     let mut solution = Solution {
         poses: fitted.poses,
+        tensions_n: fitted.tensions_n,
         ..other.solution.clone()
     };
     solution.globals.home_tension_error_n = fitted.globals.home_tension_error_n;

@@ -1,9 +1,8 @@
 //! Strain that is not proportional to tension: `strain = T/EA (1 + c (T/Tref - 1))` with the tension `T` (N) and
-//! its mean over the data set `Tref`, both by the force sensor of the cable.
+//! its mean over the data set `Tref`, both as fitted to the force sensor of the cable.
 //!
 //! Nothing changes without force sensor, without stated stiffness, or where a measured elongation surface
-//! replaces it. Approximation: the correction factor is evaluated at the tension reading, not at the estimated
-//! tension. Typical 0.1 to 0.5 in magnitude; fibre ropes stiffen under load, so that `c` is negative. First-order term.
+//! replaces it. Typical 0.1 to 0.5 in magnitude; fibre ropes stiffen under load, so that `c` is negative. First-order term.
 
 use super::{AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Stage};
 use crate::measurement::Variable;

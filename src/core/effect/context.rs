@@ -33,8 +33,8 @@ pub struct CableContext {
     pub paid_rates: [f64; 2],
     /// First and second time derivative of the tension reading (N/s, N/s^2).
     pub tension_rates: [f64; 2],
-    /// Tension reading, or the mean tension where it was not read (N); if the cable has no reading at all, a tension within
-    /// the stated limits that balances the platform, 0 if no limits are stated.
+    /// Tension by the fit that the poses are from, else as read, or the mean tension where it was not read (N); if the cable
+    /// has no reading at all, a tension within the stated limits that balances the platform, 0 if no limits are stated.
     pub tension_n: f64,
     /// Mean of the known tensions over all rows (N).
     pub mean_tension_n: f64,
@@ -128,6 +128,16 @@ impl PlatformContext {
     }
 }
 
+/// What a fit or a simulation knows better than the readings, `(row, cable)`.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct BetterKnown<'k> {
+    /// Directions of travel.
+    pub directions: Option<&'k Grid>,
+    /// Tensions (N). The noise of a reading would be in the effect and in the residuals alike, and their product would be
+    /// taken for evidence.
+    pub tensions_n: Option<&'k Grid>,
+}
+
 /// Contexts of all rows of a dataset.
 #[derive(Debug, Clone)]
 pub(crate) struct PoseContexts {
@@ -141,14 +151,14 @@ pub(super) fn or_zero(value: Option<f64>) -> f64 {
 }
 
 impl PoseContexts {
-    /// Computes the contexts for a platform at approximate poses, one per row. The directions of travel are
-    /// taken from the readings unless given.
+    /// Computes the contexts for a platform at approximate poses, one per row. Directions of travel and tensions are
+    /// taken from the readings unless they are better known.
     pub fn new(
         robot: &Robot,
         data: &Measurements,
         home: Option<usize>,
         poses: &[Pose],
-        directions: Option<&Grid>,
+        known: BetterKnown<'_>,
     ) -> Self {
         // Counts from the first reading if there is none at home.
         let since = |column: &[f64], row: usize| {
@@ -186,7 +196,7 @@ impl PoseContexts {
                 rotation_rad: poses[row].orientation.scaled_axis().into(),
             })
             .collect();
-        let tension = tensions(robot, data, poses);
+        let tension = tensions(robot, data, poses, known.tensions_n);
         let means: Vec<f64> = (0..robot.cable_count())
             .map(|index| mean_tension(&tension, index))
             .collect();
@@ -203,14 +213,13 @@ impl PoseContexts {
                 let pull = -nalgebra::Vector3::from(path.toward_exit);
                 let from = before[index].replace(path.length);
                 let paid_rates = paid_rates(cable, data, (row, index));
-                let direction = match directions {
+                let direction = match known.directions {
                     Some(grid) => grid.get(row, index),
                     None if rates.is_some() => sign(paid_rates[0]),
                     // Where a reading is missing, the direction follows from the two poses.
-                    None => sign(
-                        change_of_reading(data, home, (row, index))
-                            .unwrap_or_else(|| from.map_or(0.0, |from| path.length - from)),
-                    ),
+                    None => data
+                        .travel_before(home, (row, index))
+                        .unwrap_or_else(|| from.map_or(0.0, |from| sign(path.length - from))),
                 };
                 let tension_n = tension.get(row, index);
                 let is_read = !data.force_n.is_empty();
@@ -301,17 +310,20 @@ fn pulley_of(cable: &Cable) -> PulleyGeometry<f64> {
     }
 }
 
-/// Tension readings (N); where there is none at all, tensions within the stated limits that balance the platform, as close
-/// as possible to the reference. NaN where neither is known.
-fn tensions(robot: &Robot, data: &Measurements, poses: &[Pose]) -> Grid {
+/// Tensions behind the readings (N), as `known` or as read; where there is no reading at all, tensions within the stated limits
+/// that balance the platform, as close as possible to the reference. NaN where neither is known.
+fn tensions(robot: &Robot, data: &Measurements, poses: &[Pose], known: Option<&Grid>) -> Grid {
     let mut found = Grid::missing(data.len(), robot.cable_count());
     let limits = robot.unread_tension().filter(|_| data.force_n.is_empty());
     for row in 0..data.len() {
         let held = limits.map(|limits| balanced_tension(robot, &poses[row], &limits));
         for (index, cable) in robot.cables.iter().enumerate() {
             let read = || {
-                let sensor = cable.force_sensor?;
-                Some(sensor.tension_n(data.force_n.get(row, index)))
+                let read = (cable.force_sensor?).tension_n(data.force_n.get(row, index));
+                let known = known.map(|known| known.get(row, index));
+                known
+                    .filter(|t| t.is_finite() && read.is_finite())
+                    .or(Some(read))
             };
             let held = held.as_ref().map(|held| held[index]);
             if let Some(tension) = held.or_else(read).filter(|t| t.is_finite()) {
@@ -345,28 +357,9 @@ fn paid_revolutions(data: &Measurements, home: Option<usize>, at: (usize, usize)
     or_zero(Some(data.revolutions.get(at.0, at.1)))
 }
 
-/// Change of the length reading of a `(row, cable)` since the previous row; `None` where either is missing.
-fn change_of_reading(
-    data: &Measurements,
-    home: Option<usize>,
-    (row, index): (usize, usize),
-) -> Option<f64> {
-    let reading = |row: usize| {
-        if data.revolutions.is_empty() {
-            data.length_m.get(row, index)
-        } else if home == Some(row) {
-            0.0
-        } else {
-            data.revolutions.get(row, index)
-        }
-    };
-    let change = reading(row) - reading(row.checked_sub(1)?);
-    (!change.is_nan()).then_some(change)
-}
-
 /// Sign of the change of the length reading of a `(row, cable)` since the previous row; 0 where unknown.
 pub(crate) fn travel(data: &Measurements, home: Option<usize>, at: (usize, usize)) -> f64 {
-    change_of_reading(data, home, at).map_or(0.0, sign)
+    data.travel_before(home, at).unwrap_or(0.0)
 }
 
 /// +1, -1, or 0 for no change and where it is unknown.

@@ -3,7 +3,7 @@
 //! vector from pulley to platform. Without gravity the whole force counts.
 //!
 //! Approximations: the direction is that of the nominal geometry at the commanded pose (or the tracker's, else the
-//! home pose), the tension is that of the sensor. Pulleys do not couple. Typical 1e-7 to 1e-4 m/N.
+//! home pose), the tension is that fitted to the sensor. Pulleys do not couple. Typical 1e-7 to 1e-4 m/N.
 
 use super::words::millimetres;
 use super::{AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, FoundEffect, Scope};

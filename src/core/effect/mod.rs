@@ -72,7 +72,9 @@ pub use binding::EffectRequest;
 pub use bound::{BoundEffect, EffectError};
 pub use catalogue::{CATALOGUE, IN_MOTION, OF_EXTERNAL_POSES, every_effect, find};
 pub use channels::measurements_as_modelled;
-pub(crate) use context::{CableContext, PlatformContext, PoseContexts, RowContexts, sign, travel};
+pub(crate) use context::{
+    BetterKnown, CableContext, PlatformContext, PoseContexts, RowContexts, sign, travel,
+};
 pub(crate) use dual::Dual;
 pub(crate) use found::FoundEffect;
 #[cfg(test)]

@@ -6,7 +6,8 @@ use super::EstimationError;
 use super::parameter::ParameterId;
 use super::solution::Solution;
 use crate::effect::{
-    BoundEffect, EffectRequest, EffectSetting, PartDeviation, PoseContexts, part_deviations,
+    BetterKnown, BoundEffect, EffectRequest, EffectSetting, PartDeviation, PoseContexts,
+    part_deviations,
 };
 use crate::measurement::Dataset;
 use crate::robot::PartTolerances;
@@ -192,8 +193,8 @@ impl<'a> Problem<'a> {
         self.free_effects.iter().chain(deviations)
     }
 
-    /// The same problem with the contexts evaluated at the poses of a solution, which are better known
-    /// than the commanded ones, and with that solution as start.
+    /// The same problem with the contexts evaluated at the poses and tensions of a solution, which are better known
+    /// than the commanded and measured ones, and with that solution as start.
     #[must_use]
     pub fn at_poses_of(self, solution: &Solution) -> Self {
         Self {
@@ -202,7 +203,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The same problem with the contexts evaluated at the poses and entry points of a solution.
+    /// The same problem with the contexts evaluated at the poses, tensions and entry points of a solution.
     #[must_use]
     pub fn with_contexts_of(mut self, solution: &Solution) -> Self {
         let data = &self.dataset.measurements;
@@ -212,9 +213,12 @@ impl<'a> Problem<'a> {
         }
         let robot = solution.globals.model(&self.dataset.robot);
         let home = self.home_row();
-        self.contexts = Some(Arc::new(PoseContexts::new(
-            &robot, data, home, &poses, None,
-        )));
+        let fitted = BetterKnown {
+            directions: None,
+            tensions_n: Some(&solution.tensions_n),
+        };
+        let contexts = PoseContexts::new(&robot, data, home, &poses, fitted);
+        self.contexts = Some(Arc::new(contexts));
         self
     }
 

@@ -7,6 +7,7 @@ use super::options::Termination;
 use super::parameter::{Parameter, ParameterId};
 use crate::cable::OutsideMeasuredRange;
 use crate::geometry::Pose;
+use crate::measurement::Grid;
 
 /// Result of a solve. Non-convergence is a field, not an error.
 #[derive(Debug, Clone)]
@@ -15,6 +16,8 @@ pub struct Solution {
     pub globals: Globals,
     /// Fitted poses with their rows in the measurements; the home row comes first if there is one.
     pub poses: Vec<(usize, Pose)>,
+    /// Fitted tensions at the platform, `(row, cable)` (N); NaN where not read or not fitted.
+    pub tensions_n: Grid,
     /// The estimated parameters, in the order of the covariance.
     pub parameters: Vec<Parameter>,
     /// Covariance of the parameters, parameters x parameters (products of their SI units); `None` if the data do not

@@ -395,7 +395,12 @@ impl<'a, T: Packet> LevenbergMarquardt<'a, T> {
             .as_ref()
             .map(|e| (e.rows()[0], self.globals.home));
         let poses: Vec<_> = home.into_iter().chain(self.poses.poses()).collect();
+        let mut tensions_n = self.poses.tensions(self.problem.dataset.measurements.len());
+        if let Some(evaluator) = &self.home_evaluator {
+            evaluator.write_tensions(&mut tensions_n);
+        }
         Solution {
+            tensions_n,
             outside_surface: outside_surface(self.problem, &self.globals, &poses),
             poses,
             covariance: system.covariance(),

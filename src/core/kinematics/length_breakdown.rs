@@ -12,7 +12,7 @@
 use super::inverse::{LocatedCable, swivel_angle};
 use super::{CablePath, KinematicsError, PulleyGeometry};
 use crate::cable::{CableLaw, OutsideMeasuredRange};
-use crate::effect::{BoundEffect, CablePorts, EffectError, PoseContexts};
+use crate::effect::{BetterKnown, BoundEffect, CablePorts, EffectError, PoseContexts};
 use crate::geometry::{Pose, Vec3};
 use crate::measurement::Measurements;
 use crate::robot::{Cable, Robot};
@@ -110,7 +110,7 @@ pub(super) fn modelled_cables(
         ..Measurements::default()
     };
     let home = robot.home.map(|_| 0);
-    let contexts = PoseContexts::new(robot, &data, home, &poses, None);
+    let contexts = PoseContexts::new(robot, &data, home, &poses, BetterKnown::default());
     let known: Vec<f64> = tensions_n.iter().map(|t| t.unwrap_or(0.0)).collect();
     let ports = contexts.cable_ports(poses.len() - 1, robot, &effects?, &known);
     let cables = robot.cables.iter().zip(ports).zip(tensions_n);

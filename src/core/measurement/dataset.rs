@@ -130,6 +130,9 @@ pub struct Measurements {
     pub tracked_orientation_wxyz: Vec<[f64; 4]>,
     /// Standard deviation of the tracked position (m), where it differs from the robot's.
     pub tracked_position_sd_m: Vec<[f64; 3]>,
+    /// Sign of the travel of each cable before each row, +1 where it was paid out, for rows of which others were left out; else
+    /// empty, as it follows from the readings.
+    pub travel: Grid,
     /// True values of simulated data.
     pub truth: Truth,
     /// Time derivatives of the readings, for samples of a recording in motion; `None` for poses at rest.
@@ -164,6 +167,47 @@ impl Measurements {
     #[must_use]
     pub fn home_row(&self) -> Option<usize> {
         self.labels.iter().position(|label| *label == 0)
+    }
+
+    /// Sign of the travel of a cable before a row, counted from `home`: +1 where it was paid out, -1 where it was reeled in, 0 for
+    /// no change; `None` where it is unknown.
+    #[must_use]
+    pub fn travel_before(&self, home: Option<usize>, (row, cable): (usize, usize)) -> Option<f64> {
+        if !self.travel.is_empty() {
+            return Some(self.travel.get(row, cable)).filter(|sign| !sign.is_nan());
+        }
+        let reading = |row: usize| {
+            if self.revolutions.is_empty() {
+                self.length_m.get(row, cable)
+            } else if home == Some(row) {
+                0.0
+            } else {
+                self.revolutions.get(row, cable)
+            }
+        };
+        let change = reading(row) - reading(row.checked_sub(1)?);
+        (!change.is_nan()).then(|| if change == 0.0 { 0.0 } else { change.signum() })
+    }
+
+    /// Evenly chosen rows, at most `most` besides the home row, with the travel before each.
+    pub(super) fn thinned(&self, home: Option<usize>, most: usize) -> Option<Self> {
+        let others: Vec<usize> = (0..self.len()).filter(|row| Some(*row) != home).collect();
+        if others.len() <= most {
+            return None;
+        }
+        let kept = (0..most).map(|k| others[k * others.len() / most]);
+        let mut rows: Vec<usize> = home.into_iter().chain(kept).collect();
+        rows.sort_unstable();
+        let mut thinned = self.select(&rows);
+        let cables = self.revolutions.columns().max(self.length_m.columns());
+        thinned.travel = Grid::missing(rows.len(), cables);
+        for (to, row) in rows.iter().enumerate() {
+            for cable in 0..cables {
+                let sign = self.travel_before(home, (*row, cable));
+                thinned.travel.set(to, cable, sign.unwrap_or(f64::NAN));
+            }
+        }
+        Some(thinned)
     }
 
     /// Laser distance at a pose (m), NaN if not measured.
@@ -218,6 +262,7 @@ impl Measurements {
             tracked_position_m: pick(&self.tracked_position_m, rows),
             tracked_orientation_wxyz: pick(&self.tracked_orientation_wxyz, rows),
             tracked_position_sd_m: pick(&self.tracked_position_sd_m, rows),
+            travel: pick_grid(&self.travel),
             truth: Truth {
                 poses: pick(&self.truth.poses, rows),
                 tension_n: pick_grid(&self.truth.tension_n),
@@ -241,6 +286,7 @@ impl Measurements {
     /// true poses are kept only if all rows have one, and the rates of a recording never.
     pub fn append(&mut self, other: Self) {
         self.rates = None;
+        self.travel = Grid::default();
         let (before, added) = (self.len(), other.len());
         let join = Join { before, added };
         if other.truth.poses.is_empty() || (self.truth.poses.is_empty() && before > 0) {
@@ -337,5 +383,35 @@ impl Join {
                 false => to.push_row(more.row(row)),
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinned_rows_know_the_travel_before_them() {
+        let mut data = Measurements::default();
+        for (row, revolutions) in [0.0, 3.0, 1.0, 2.0, 2.0, 0.5, f64::NAN].iter().enumerate() {
+            data.labels.push(row as i64);
+            data.revolutions = match row {
+                0 => Grid::of_row(vec![*revolutions]),
+                _ => {
+                    data.revolutions.push_row(&[*revolutions]);
+                    data.revolutions
+                }
+            };
+        }
+        assert_eq!(data.thinned(Some(0), 6), None);
+        let thinned = data.thinned(Some(0), 3).unwrap();
+        assert_eq!(thinned.labels, [0, 1, 3, 5]);
+        let travel = |data: &Measurements, row| data.travel_before(Some(0), (row, 0));
+        for (row, label) in thinned.labels.iter().enumerate().skip(1) {
+            assert_eq!(travel(&thinned, row), travel(&data, *label as usize));
+        }
+        // From 1 to 2 revolutions, while the row kept before has 3.
+        assert_eq!(travel(&thinned, 2), Some(1.0));
+        assert_eq!(travel(&data, 6), None);
     }
 }

@@ -9,6 +9,6 @@ mod standstill;
 mod variable;
 
 pub use dataset::{Dataset, Grid, Measurements, Truth};
-pub use recording::{Rates, ReadingKind, Sampling};
+pub use recording::{MostRows, Rates, ReadingKind, Sampling};
 pub use smoothness::{SampledChannel, follows_a_motion};
 pub use variable::Variable;

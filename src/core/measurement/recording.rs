@@ -4,6 +4,7 @@
 //! recording is thinned to samples between which the noise has decorrelated; the information of the others is kept in the
 //! rates of those that remain: time derivatives of the readings, from polynomials through the surrounding samples.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use super::local_polynomial::{FEWEST, Weights, derivatives};
@@ -96,14 +97,28 @@ struct Run {
     step_s: f64,
 }
 
+/// Maximum numbers of rows.
+#[derive(Debug, Clone, Copy)]
+pub struct MostRows {
+    /// Samples of a recording in motion.
+    pub samples: usize,
+    /// Poses at rest besides the home pose.
+    pub poses: usize,
+}
+
 impl Measurements {
-    /// The measurements that estimation and diagnosis use: independent samples of a recording in motion, at most `most`; else the
-    /// poses at rest, averaged over each standstill. Also returns the largest number of rows merged into one.
+    /// The measurements that a diagnosis uses: independent samples of a recording in motion; else the poses at rest, averaged
+    /// over each standstill, evenly thinned where they are too many. Also returns the largest number of rows merged into one.
     #[must_use]
-    pub fn independent(&self, robot: &Robot, most: usize) -> (std::borrow::Cow<'_, Self>, usize) {
-        match self.independent_samples(robot, most) {
-            Some(samples) => (std::borrow::Cow::Owned(samples), 1),
-            None => self.standstills_averaged(robot),
+    pub fn independent(&self, robot: &Robot, most: MostRows) -> (Cow<'_, Self>, usize) {
+        if let Some(samples) = self.independent_samples(robot, most.samples) {
+            return (Cow::Owned(samples), 1);
+        }
+        let (poses, merged) = self.standstills_averaged(robot);
+        let home = robot.home.and(poses.home_row());
+        match poses.thinned(home, most.poses) {
+            Some(thinned) => (Cow::Owned(thinned), merged),
+            None => (poses, merged),
         }
     }
 

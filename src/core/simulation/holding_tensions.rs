@@ -1,7 +1,7 @@
 //! Tensions that balance the platform of a robot with effects.
 
 use super::workspace::TensionRange;
-use crate::effect::{BoundEffect, Dual, PlatformPorts, PoseContexts};
+use crate::effect::{BetterKnown, BoundEffect, Dual, PlatformPorts, PoseContexts};
 use crate::geometry::{Pose, Twist};
 use crate::kinematics::KinematicsError;
 use crate::measurement::Measurements;
@@ -100,7 +100,7 @@ fn robot_under_effects(
         ..Measurements::default()
     };
     let home = truth.home.map(|_| 0);
-    let contexts = PoseContexts::new(truth, &data, home, &poses, None);
+    let contexts = PoseContexts::new(truth, &data, home, &poses, BetterKnown::default());
     let row = poses.len() - 1;
     let mut robot = truth.clone();
     let constants = |values: &[f64]| -> Vec<Dual> {

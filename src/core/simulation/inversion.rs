@@ -1,6 +1,6 @@
 //! Readings at which the residuals of a model vanish: the inverse of the prediction.
 
-use crate::effect::PoseContexts;
+use crate::effect::{BetterKnown, PoseContexts};
 use crate::estimation::{EstimationError, Globals, Method, Problem, RowResidual, residuals_in};
 use crate::geometry::{Pose, Twist};
 use crate::measurement::{Dataset, Grid};
@@ -33,7 +33,11 @@ pub(super) fn invert_within(
             let problem = Problem::new(exact)?.with_method(Method::Simple);
             let (robot, data) = (&exact.robot, &exact.measurements);
             let home = problem.home_row();
-            let known = PoseContexts::new(robot, data, home, poses, Some(directions));
+            let truth = BetterKnown {
+                directions: Some(directions),
+                tensions_n: Some(tensions),
+            };
+            let known = PoseContexts::new(robot, data, home, poses, truth);
             let globals = Globals::nominal(&problem);
             residuals_in(Some(known.into()), &problem, &globals, (&rows, poses))
         };

@@ -41,7 +41,6 @@ fn assemble(mut columns: Columns, robot: &Robot) -> Result<Measurements, Fault> 
         return Fault::at(row, "true_x_m", "found an empty cell, expected a number");
     }
     Ok(Measurements {
-        rates: None,
         truth: Truth {
             poses: truth.into_iter().flatten().collect(),
             tension_n: grid(columns, PerCable::TrueTension, cables),
@@ -61,6 +60,7 @@ fn assemble(mut columns: Columns, robot: &Robot) -> Result<Measurements, Fault> 
         labels: std::mem::take(&mut columns.labels),
         groups: std::mem::take(&mut columns.groups),
         other: std::mem::take(&mut columns.other),
+        ..Measurements::default()
     })
 }
 

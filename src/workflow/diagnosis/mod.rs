@@ -19,7 +19,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use tautline_core::diagnosis::{
-    DiagnosisOptions, DiagnosisProgress, MOST_DIAGNOSED_SAMPLES, diagnose,
+    DiagnosisOptions, DiagnosisProgress, MOST_DIAGNOSED_ROWS, diagnose,
 };
 use tautline_core::estimation::{Control, EstimationError};
 use tautline_core::measurement::Dataset;
@@ -60,7 +60,7 @@ pub fn diagnose_dataset(
     // Plots of the result use the same rows.
     let dataset = match dataset
         .measurements
-        .independent(&dataset.robot, MOST_DIAGNOSED_SAMPLES)
+        .independent(&dataset.robot, MOST_DIAGNOSED_ROWS)
     {
         (Cow::Owned(measurements), _) => Arc::new(Dataset {
             robot: dataset.robot.clone(),

@@ -14,8 +14,8 @@ use tautline_validation::tables::hidden::Records;
 use tautline_validation::tables::motion::{Late, RECORDING};
 use tautline_validation::tables::{
     adjusted, damaged_files, formulas, hangprinter, health, hypothesis_files, isolability, kills,
-    live_readings, lives, many_poses, motion, nist, soak, study_speed, table1, tolerances, truth,
-    until, which_sensor,
+    live_readings, lives, many_poses, motion, nist, random_robots, soak, study_speed, table1,
+    tolerances, truth, until, which_sensor,
 };
 
 /// Presets of the truth study.
@@ -35,6 +35,9 @@ const FORMULAS_SEED: u64 = 44_000;
 const FILES_SEED: u64 = 47_000;
 /// Seed of the first robot whose health is checked.
 const HEALTH_SEED: u64 = 45_000;
+/// Seed of the first random robot, and numbers of poses at which faults are looked for.
+const ROBOTS_SEED: u64 = 48_000;
+const NUMBERS_OF_POSES: [usize; 5] = [40, 160, 400, 1000, 2000];
 /// Seed of the first random run.
 const RUNS_SEED: u64 = 49_000;
 /// Seed of the moments at which programs are killed.
@@ -50,7 +53,7 @@ const RECORDS: &str = "target/studies.jsonl";
 const UNTIL_RECORDS: &str = "target/until.jsonl";
 const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], soak [POSES], kills [RUNS [ads | none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], soak [POSES], kills [RUNS [ads | none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], clean-robots [ROBOTS [FIRST_SEED]], over-poses [POSES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, hypotheses, random-runs PROGRAM FOLDER [RUNS]";
 
@@ -87,6 +90,8 @@ fn main() -> Result<()> {
         Some("isolability") => println!("{}", isolability_table()?),
         Some("motion") => println!("{}", motion_table(&arguments[1..])?),
         Some("tolerances") => println!("{}", tolerances_table(argument)?),
+        Some("clean-robots") => println!("{}", clean_robots_table(&arguments[1..])?),
+        Some("over-poses") => println!("{}", over_poses_table(argument)?),
         Some("formulas") => println!("{}", formulas_table(argument)?),
         Some("hypothesis-files") => println!("{}", files_table(&arguments[1..])?),
         Some("health") => println!("{}", health_table(argument)?),
@@ -215,6 +220,22 @@ fn tolerances_table(machines: Option<&str>) -> Result<String> {
     Ok(tolerances::markdown(&rows))
 }
 
+/// Diagnoses so many random robots without a fault, from a seed on; what is said about them goes to standard error.
+fn clean_robots_table(numbers: &[String]) -> Result<String> {
+    let number = |k: usize| numbers.get(k).map(|text| text.parse::<u64>()).transpose();
+    let robots = number(0)?.unwrap_or(2000) as usize;
+    let rows = random_robots::clean(robots, number(1)?.unwrap_or(ROBOTS_SEED))?;
+    Ok(random_robots::clean_markdown(&rows))
+}
+
+/// Diagnoses a fault of five robots at one number of poses, or at all; wrong names go to standard error.
+fn over_poses_table(poses: Option<&str>) -> Result<String> {
+    let one = poses.map(str::parse).transpose()?;
+    let numbers = one.map_or(NUMBERS_OF_POSES.to_vec(), |poses| vec![poses]);
+    let rows = random_robots::over_poses(&numbers, ROBOTS_SEED)?;
+    Ok(random_robots::poses_markdown(&rows))
+}
+
 fn truth_table(data_sets: Option<&str>) -> Result<String> {
     let data_sets = data_sets.map_or(Ok(16_000), str::parse)?;
     let rows: Result<Vec<_>> = ROBOTS
@@ -325,6 +346,7 @@ fn write(folder: Option<&str>) -> Result<()> {
     replace(&mut text, "hypothesis_files", &files_table(&[])?)?;
     replace(&mut text, "until", &until_table(&[])?)?;
     replace(&mut text, "hidden_effects", &hidden::tables()?)?;
+    replace(&mut text, "clean_robots", &clean_robots_table(&[])?)?;
     match hangprinter_table(folder) {
         Ok(table) => replace(&mut text, "hangprinter", &table)?,
         Err(error) => eprintln!("the table of the Hangprinter stays as it was: {error:#}"),

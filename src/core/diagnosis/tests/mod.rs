@@ -3,6 +3,7 @@
 
 mod algebra;
 mod cancelling;
+mod clean;
 mod held_out;
 mod hypotheses;
 mod model_effects;

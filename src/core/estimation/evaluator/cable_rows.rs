@@ -5,10 +5,12 @@
 //! length row by `c = dL0/dT` and the equilibrium by the structure matrix `A`. Eliminating
 //! it, the length rows have the variance `D = sd_l^2 + c^2 sd_T^2`, and given them the equilibrium
 //! `A^T T + w` has the residual `z - A^T K e_l`, `K = c sd_T^2 / D`, of covariance
-//! `E = sum_i (sd_T sd_l)^2 / D A_i A_i^T + S_w`. Its Cholesky factor whitens it. `A` is differentiated at
+//! `E = sum_i (sd_T sd_l)^2 / D A_i A_i^T + S_w`. Its Cholesky factor whitens it. `L0` and `A` are linearised at
 //! the estimated tensions, not at the readings: only then is the gradient that of the problem with
-//! the tensions as unknowns, and only then do motions that nothing determines stay undetermined.
+//! the tensions as unknowns, only then do motions that nothing determines stay undetermined, and only then is the noise of
+//! the readings not in both the residuals and the derivatives by compliance and weight, whose products it would bias.
 
+use super::LARGEST_ERROR;
 use super::equations::Equations;
 use super::inputs::Link;
 use super::layout::Layout;
@@ -50,9 +52,11 @@ pub(super) struct CableState<T> {
     unstrained: Unstrained<T>,
     radius: T,
     tension: T,
-    /// Tension at which the equilibrium is linearised: its best estimate; with the reading instead, the minimum would
+    /// Tension at which the rows are linearised: its best estimate; with the reading instead, the minimum would
     /// differ from that of the true problem by a term of second order in the noise.
     expected: T,
+    /// The same for the length, if even the largest error leaves the cable taut; else the reading, or a tension that is assumed.
+    expected_load: T,
     /// Lever arm `R b`, base frame (m).
     lever: [T; 3],
     anchor: [T; 3],
@@ -112,7 +116,10 @@ impl<T: Real> CableState<T> {
         let path = pulley.path_to(anchor);
         let (tension, has_tension) = p.tension.present();
         // Where no tension was read, any positive value serves: the row has no weight.
-        let load = has_tension.select_positive(tension, one);
+        let expected = tension - inputs.tension_error;
+        let largest_error = zero.lift(LARGEST_ERROR * constants.tension_sd);
+        let expected_load = (tension - largest_error).select_positive(expected, tension);
+        let load = has_tension.select_positive(expected_load, one);
         let slack = zero.lift(SMALLEST_TENSION_N * SMALLEST_TENSION_N) - load * load;
         let load = slack.select_positive(zero.lift(SMALLEST_TENSION_N), load);
         let law = CableLaw {
@@ -135,7 +142,8 @@ impl<T: Real> CableState<T> {
             unstrained,
             radius: pulley.radius,
             tension,
-            expected: tension - inputs.tension_error,
+            expected,
+            expected_load,
             lever,
             anchor,
             entry,
@@ -178,7 +186,10 @@ impl<T: Real> CableState<T> {
         let zero = self.tension.lift(0.0);
         let (paid, has_paid) = inputs.ports.paid.present();
         let weight = self.weight * has_paid;
-        let residual = (self.unstrained.length - inputs.home_length - paid) * has_paid;
+        // Continued from the estimated tension to the reading, whose error is the unknown.
+        let at_reading = (self.unstrained.by_tension)
+            .mul_add(self.tension - self.expected_load, self.unstrained.length);
+        let residual = (at_reading - inputs.home_length - paid) * has_paid;
         let g = scaled(self.gradient, weight);
         let torque = cross(self.lever, g);
         equations.residual[index] = residual * weight;

@@ -7,7 +7,8 @@ use super::effects_on_ports::{EffectsOnPorts, Ports, Variable};
 use super::layout::Layout;
 use super::motion::MotionColumns;
 use crate::effect::{
-    BoundEffect, CablePort, CablePorts, Dual, PlatformPort, PlatformPorts, PoseContexts, Stage,
+    BetterKnown, BoundEffect, CablePort, CablePorts, Dual, PlatformPort, PlatformPorts,
+    PoseContexts, Stage,
 };
 use crate::estimation::globals::Globals;
 use crate::estimation::problem::Problem;
@@ -86,7 +87,7 @@ pub(super) fn contexts_of(problem: &Problem<'_>) -> Option<Arc<PoseContexts>> {
         data,
         problem.home_row(),
         &poses,
-        None,
+        BetterKnown::default(),
     )))
 }
 

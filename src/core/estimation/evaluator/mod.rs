@@ -35,9 +35,10 @@ use super::globals::Globals;
 use super::problem::{Poses, Problem};
 use crate::effect::{CablePort, PoseContexts};
 use crate::geometry::{Pose, PosePacket};
+use crate::measurement::Grid;
 use crate::real::{Kernel, Packet};
 
-/// Largest estimated error of a tension reading at which the equilibrium is linearised, in its standard deviations.
+/// Largest estimated error of a tension reading at which the equations are linearised, in its standard deviations.
 const LARGEST_ERROR: f64 = 5.0;
 /// Numbers per pose: position and quaternion.
 const POSE_NUMBERS: usize = 7;
@@ -301,11 +302,28 @@ impl<'a, T: Packet> Evaluator<'a, T> {
         self.packed_poses = pack_poses::<T>(std::slice::from_ref(pose));
     }
 
-    /// Estimated error of a cable's tension reading (N) from the last evaluation of the packet.
+    /// Estimated error of a cable's tension reading (N) from the last evaluation of the packet. Far from the solution the
+    /// estimates are meaningless, so they are limited.
     #[inline(always)]
-    pub fn tension_error(&self, batch: usize, cable: usize) -> T {
+    fn tension_error(&self, batch: usize, cable: usize) -> T {
         let at = batch * self.layout.cables + cable;
+        let limit = T::splat(self.token, LARGEST_ERROR * self.constants[cable].tension_sd);
         T::load(self.token, &self.tension_errors, at)
+            .min(limit)
+            .max(-limit)
+    }
+
+    /// Writes the estimated tensions (N) at the packed rows into a grid of all rows.
+    pub fn write_tensions(&self, to: &mut Grid) {
+        let mut lanes = vec![0.0; T::LANES];
+        for (index, row) in self.selection.rows.iter().enumerate() {
+            let batch = index / T::LANES;
+            for cable in 0..self.layout.cables {
+                let read = self.cable_port(batch, cable, CablePort::Tension);
+                (read - self.tension_error(batch, cable)).store(&mut lanes, 0);
+                to.set(*row, cable, lanes[index % T::LANES]);
+            }
+        }
     }
 
     /// Updates the estimated errors of the tension readings from the present equations.

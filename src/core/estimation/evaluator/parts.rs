@@ -11,6 +11,7 @@ use super::normal::Sums;
 use super::steps::LARGEST_STORE;
 use super::{Evaluator, Globals, Pose, Problem};
 use crate::estimation::options::Division;
+use crate::measurement::Grid;
 use crate::real::Packet;
 use crate::threads;
 
@@ -104,6 +105,15 @@ impl<'a, T: Packet> Parts<'a, T> {
         parts.flat_map(|part| part.rows().iter().copied().zip(part.poses()))
     }
 
+    /// Estimated tensions (N) of all cables at all rows, from the last pass; NaN at rows that are not packed.
+    pub fn tensions(&self, rows: usize) -> Grid {
+        let mut all = Grid::missing(rows, self.layout().cables);
+        for part in &self.parts {
+            part.write_tensions(&mut all);
+        }
+        all
+    }
+
     /// Makes the equations carry the details that only reports need.
     pub fn set_detailed(&mut self) {
         for part in &mut self.parts {
@@ -116,10 +126,11 @@ impl<'a, T: Packet> Parts<'a, T> {
         self.for_each(|part| part.set_globals(globals, Some(home_lengths)));
     }
 
-    /// Finds the tensions at which the next pass linearises the equilibrium.
+    /// Finds the tensions at which the next pass linearises; each evaluation brings them closer.
     pub fn find_tensions(&mut self) {
         self.for_each(|part| {
             for batch in 0..part.batches() {
+                part.equations_at(batch);
                 part.equations_at(batch);
             }
         });

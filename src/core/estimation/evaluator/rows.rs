@@ -1,9 +1,9 @@
 //! Evaluates all rows of one packet of poses.
 
+use super::Evaluator;
 use super::cable_rows::{CableInputs, CableState, EquilibriumRows, add_lever_rotation};
 use super::motion::Lag;
 use super::platform_rows::{self, LaserInputs};
-use super::{Evaluator, LARGEST_ERROR};
 use crate::effect::PlatformPort;
 use crate::geometry::PosePacket;
 use crate::real::{Packet, constants, scaled, unit_vector};
@@ -48,9 +48,6 @@ impl<T: Packet> Evaluator<'_, T> {
     ) {
         let columns = &self.ports.cables[cable];
         let swivel = self.platform.swivel.get(cable);
-        // Far from the solution the estimated errors are meaningless, so they are limited.
-        let limit = T::splat(self.token, LARGEST_ERROR * self.constants[cable].tension_sd);
-        let tension_error = self.tension_error(batch, cable).min(limit).max(-limit);
         let inputs = CableInputs {
             entry: self.entry[cable],
             home_length: self.home_length[cable],
@@ -59,7 +56,7 @@ impl<T: Packet> Evaluator<'_, T> {
                 Some(column) => self.readings.load(*column, batch),
                 None => T::splat(self.token, f64::NAN),
             },
-            tension_error,
+            tension_error: self.tension_error(batch, cable),
         };
         let constants = &self.constants[cable];
         let state = CableState::new(constants, &inputs, pose, self.down);
