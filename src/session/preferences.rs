@@ -73,9 +73,6 @@ pub struct Report {
     pub header: String,
     /// Names of the parts to leave out; unknown names are ignored.
     pub without: Vec<String>,
-    /// Largest acceptable deviation of a pulley from the drawing (m).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tolerance_m: Option<f64>,
 }
 
 /// Settings of the last connection, proposed for sessions without settings of their own.

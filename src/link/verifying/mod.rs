@@ -53,6 +53,18 @@ impl Default for VerifyingOptions {
     }
 }
 
+/// Whether rows are those of the first targets of a run, over all cycles.
+#[must_use]
+pub fn are_first_rows(rows: &[CheckRow], targets: &[CheckTarget]) -> bool {
+    let mut pairs = rows.iter().zip(targets.iter().cycle());
+    !targets.is_empty()
+        && pairs.all(|(row, target)| {
+            row.target == target.target
+                && row.sample == target.sample
+                && row.commanded.position_m == <[f64; 3]>::from(target.pose.position)
+        })
+}
+
 /// An event of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum VerifyingEvent {
@@ -113,6 +125,13 @@ impl VerifyingRun {
     #[must_use]
     pub fn asking(mut self, instrument: Option<TypedInstrument>) -> Self {
         self.asked = instrument;
+        self
+    }
+
+    /// Continues a run of which so many targets, over all cycles, are measured.
+    #[must_use]
+    pub fn continuing(mut self, measured: usize) -> Self {
+        self.done = measured;
         self
     }
 

@@ -51,6 +51,11 @@ impl VersionedFile for SessionFile {
             let message = "found 0, expected at least 1 pose";
             return fail("/settings/until/at_most", message);
         }
+        let tolerance_m = self.settings.tolerance_m;
+        if let Some(found) = tolerance_m.filter(|metres| !(*metres > 0.0 && metres.is_finite())) {
+            let message = format!("found {found}, expected a distance greater than 0 m");
+            return fail("/settings/tolerance_m", message);
+        }
         check::phases(&self.phases, &self.robot)?;
         check::effects(&self.settings.identification.effects, &self.robot)?;
         self.excluded

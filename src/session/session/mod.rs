@@ -196,12 +196,20 @@ impl Session {
         }
     }
 
-    /// A session of the same robot with the same plan, settings and controller, but without measurements and results: a
-    /// separate series with its own home row.
+    /// A session of the same robot with the same poses, settings and controller, but without measurements and results: a
+    /// separate series with its own home row. Poses that were measured without a plan are planned there.
     #[must_use]
     pub fn another_series(&self, name: impl Into<String>, now: Timestamp) -> Self {
+        let measured = self
+            .measurements
+            .labels
+            .iter()
+            .zip(&self.measurements.commanded);
+        let unplanned = measured.filter(|(label, _)| self.plan.iter().all(|p| p.label != **label));
+        let unplanned =
+            unplanned.filter_map(|(label, pose)| Some(PlannedPose::new(*label, &(*pose)?)));
         Self {
-            plan: self.plan.clone(),
+            plan: unplanned.chain(self.plan.iter().copied()).collect(),
             phases: self.phases.clone(),
             settings: self.settings.clone(),
             simulator: self.simulator.clone(),

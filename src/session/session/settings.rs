@@ -16,6 +16,9 @@ pub struct Settings {
     pub identification: IdentificationSettings,
     /// Diagnosis of the model.
     pub diagnosis: DiagnosisSettings,
+    /// Largest acceptable deviation of a pulley from the drawing (m), by which reports judge.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance_m: Option<f64>,
 }
 
 /// When a measuring run ends whose poses are decided on one by one.

@@ -15,7 +15,7 @@ use super::file_tasks::{ask_save, written};
 use super::{hypothesis, recording, robot, tables};
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{
-    Answer, Command, FileCommand, FileOutcome, Leaving, Opening, Outcome, RecordCommand,
+    Answer, Command, FileCommand, FileOutcome, Leaving, Opening, Origin, Outcome, RecordCommand,
     RobotCommand,
 };
 use crate::model::dialogs::{LeavingDraft, SaveContent};
@@ -101,18 +101,21 @@ fn try_demo(model: &mut Model) {
 
 /// A session with a robot that nobody has described yet.
 fn new_robot(model: &mut Model, robot: Robot) {
-    leave(
-        model,
-        Leaving::Open(Box::new(Opening {
-            session: Session::new(robot.name.clone(), robot, clock::now()),
-            path: None,
-            is_recovered: false,
-            is_new: true,
-        })),
-    );
+    let session = Session::new(robot.name.clone(), robot, clock::now());
+    go_to(model, session, None, Origin::NewRobot);
 }
 
-/// Another series of the open session, in a session of its own.
+/// Leaves the open session for another one.
+fn go_to(model: &mut Model, session: Session, path: Option<PathBuf>, origin: Origin) {
+    let opening = Opening {
+        session,
+        path,
+        origin,
+    };
+    leave(model, Leaving::Open(Box::new(opening)));
+}
+
+/// Another series of the open session, in a session of its own; the open one is saved before.
 fn new_series(model: &mut Model, repaired: &[EffectSetting]) {
     let Some(open) = &model.open else {
         return;
@@ -130,7 +133,7 @@ fn new_series(model: &mut Model, repaired: &[EffectSetting]) {
         phase: LogPhase::Session,
         text,
     });
-    begin(model, series, None);
+    go_to(model, series, None, Origin::Series);
 }
 
 /// Asks where to save; its own file is suggested.
@@ -247,7 +250,11 @@ pub(super) fn leave(model: &mut Model, draft: impl Into<LeavingDraft>) {
     let rearms =
         is_simulated && matches!(draft.leaving, Leaving::Robot(RobotCommand::ConnectAndArm));
     if loses || model.would_disarm() && !rearms && !draft.may_disarm {
+        let saves = loses && draft.leaving.keeps_session();
         model.dialogs.leaving = Some(draft);
+        if saves {
+            perform(model, FileCommand::Save);
+        }
         return;
     }
     match draft.leaving {
@@ -303,8 +310,7 @@ fn recover(model: &mut Model, place: usize) {
                 Opening {
                     session: value.session,
                     path: value.origin,
-                    is_recovered: true,
-                    is_new: false,
+                    origin: Origin::Recovered,
                 },
             );
             // It is saved again before the unsaved session is discarded.
@@ -422,15 +428,7 @@ fn imported(model: &mut Model, path: PathBuf, loaded: Loaded<Opened>) {
 }
 
 pub(super) fn begin(model: &mut Model, session: Session, path: Option<PathBuf>) {
-    leave(
-        model,
-        Leaving::Open(Box::new(Opening {
-            session,
-            path,
-            is_recovered: false,
-            is_new: false,
-        })),
-    );
+    go_to(model, session, path, Origin::Complete);
 }
 
 fn open(model: &mut Model, opening: Opening) {
@@ -452,7 +450,7 @@ fn take_over(model: &mut Model, takes_over: Option<bool>) {
     let path = opening.path.clone().unwrap_or_default();
     match takes_over && model.session_lock.enter(&path, true).is_ok() {
         // The other window may have saved it since it was read.
-        true if !opening.is_recovered => return read(model, path),
+        true if opening.origin != Origin::Recovered => return read(model, path),
         true => {}
         false => model.session_lock.look_only(path, since),
     }
@@ -463,10 +461,10 @@ fn opened(model: &mut Model, opening: Opening) {
     let Opening {
         mut session,
         path,
-        is_recovered,
-        is_new,
+        origin,
     } = opening;
-    if path.is_none() && !is_recovered {
+    let is_new = origin == Origin::NewRobot;
+    if path.is_none() && origin != Origin::Recovered {
         hypothesis::add_those_of_user(model, &mut session);
     }
     let first = first_phase(&session);
@@ -474,10 +472,9 @@ fn opened(model: &mut Model, opening: Opening) {
     model.messages.dismiss();
     model.messages.info(format!("Opened {}.", session.name));
     let file = path.clone();
-    let open = if is_recovered {
-        OpenSession::recovered
-    } else {
-        OpenSession::new
+    let open = match origin {
+        Origin::Recovered => OpenSession::recovered,
+        _ => OpenSession::new,
     };
     model.open = Some(open(session, path));
     if let Some(path) = file {

@@ -20,6 +20,7 @@ pub(super) fn perform(model: &mut Model, command: ImportCommand) {
             pick(model, request, move |path| ImportCommand::Read(table, path));
         }
         ImportCommand::Read(table, path) => read(model, table, path),
+        ImportCommand::Show(table) => show(model, table),
     }
 }
 

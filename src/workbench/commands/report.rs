@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use super::file_dialog::pick;
 use super::file_tasks::write;
-use crate::model::Model;
 use crate::model::command::file_choice::FileRequest;
 use crate::model::command::{ReportCommand, ReportDraft};
 use crate::model::comparison::{Compared, Source};
 use crate::model::phase::Screen;
 use crate::model::record::OpenRecord;
 use crate::model::save_form::SaveForm;
+use crate::model::{Model, OpenSession};
 use tautline_workflow::clock;
 use tautline_workflow::history::next_calibration_after;
 use tautline_workflow::report::{
@@ -37,9 +37,14 @@ pub(super) fn perform(model: &mut Model, command: ReportCommand) {
                     draft.form.begin(path.clone());
                     (path, draft.choice.clone(), draft.pinned.clone())
                 }
-                None => (path, ReportChoice::of(&model.preferences), BTreeSet::new()),
+                None => (path, choice(model), BTreeSet::new()),
             };
             model.change_preferences(|preferences| choice.save(preferences));
+            let tolerance_m = choice.tolerance_m;
+            let open = model.open.as_mut();
+            if let Some(open) = open.filter(|open| open.tolerance_m() != tolerance_m) {
+                open.record(|session| session.settings.tolerance_m = tolerance_m);
+            }
             save(model, path, choice, pinned);
         }
     }
@@ -71,9 +76,17 @@ fn ask(model: &mut Model, format: ReportFormat) {
     model.dialogs.report = place(model, format).map(|path| ReportDraft {
         format,
         form: SaveForm::new(&path),
-        choice: ReportChoice::of(&model.preferences),
+        choice: choice(model),
         pinned: BTreeSet::new(),
     });
+}
+
+/// What the last report had, with the tolerance of the open session.
+fn choice(model: &Model) -> ReportChoice {
+    ReportChoice {
+        tolerance_m: model.open.as_ref().and_then(OpenSession::tolerance_m),
+        ..ReportChoice::of(&model.preferences)
+    }
 }
 
 fn browse(model: &mut Model, format: ReportFormat) {

@@ -8,6 +8,7 @@ use tautline_session::PlannedPose;
 use super::OpenSession;
 use super::edit::{Edit, same_effect};
 use tautline_workflow::diagnosis::Diagnosed;
+use tautline_workflow::formulas::PatternDocument;
 use tautline_workflow::wording::count;
 
 /// Whether all these effects are part of the model.
@@ -15,6 +16,20 @@ pub(crate) fn are_in_model(open: &OpenSession, effects: &[EffectSetting]) -> boo
     let added = &open.session().settings.identification.effects;
     let is_added = |one: &EffectSetting| added.iter().any(|other| same_effect(one, other));
     effects.iter().all(is_added)
+}
+
+/// Whether the model explains the readings with what was found.
+pub(crate) fn explain(diagnosed: &Diagnosed) -> bool {
+    let diagnosis = &diagnosed.diagnosis;
+    let is_extended = !diagnosis.findings.is_empty();
+    diagnosis.base.adequate || is_extended && diagnosis.extended.adequate
+}
+
+/// Whether the cause of a finding has one of these effects.
+pub(crate) fn has_any(diagnosed: &Diagnosed, finding: &Finding, effects: &[EffectSetting]) -> bool {
+    let settings = finding.cause().map(|cause| diagnosed.settings(cause));
+    let mut settings = settings.into_iter().flatten();
+    settings.any(|one| effects.iter().any(|other| same_effect(&one, other)))
 }
 
 /// The findings of which no cause is in the model yet.
@@ -43,6 +58,21 @@ pub(crate) fn adding(diagnosed: &Diagnosed, findings: &[&Finding]) -> Edit {
 /// Name of the edit that adds a cause.
 pub(crate) fn adding_named(name: &str) -> String {
     format!("add {name} to the model")
+}
+
+/// The edit that extends the model by a pattern.
+pub(crate) fn extending(pattern: &PatternDocument) -> Edit {
+    let sizes = pattern.parameters.iter();
+    let effect = EffectSetting {
+        effect: pattern.effect.clone(),
+        targets: pattern.targets.clone(),
+        parameters: sizes.map(|p| (p.name.clone(), p.value)).collect(),
+    };
+    Edit::AddPattern {
+        hypothesis: pattern.hypothesis.clone(),
+        effect: Box::new(effect),
+        name: pattern.title(),
+    }
 }
 
 /// Whether all these poses are to be measured.

@@ -1,6 +1,5 @@
 //! Everything the window knows. It knows nothing of the screens and views that show it: they read it and send commands.
 
-pub(crate) mod accuracy_figures;
 pub(crate) mod autosave;
 pub(crate) mod caught_panic;
 pub mod command;

@@ -8,19 +8,20 @@ use std::sync::{Arc, OnceLock};
 use tautline_core::diagnosis::Finding;
 use tautline_core::effect::EffectSetting;
 use tautline_core::robot::FieldError;
+use tautline_link::adjusting::Difference;
 use tautline_session::{
     LogEntry, MeasuredPose, Phase as LogPhase, ResultRecord, Session, VersionedFile as _,
 };
 
 use super::edit::{Edit, History, InputRevision, same_effect};
+use tautline_workflow::adjusting::{Check, checklist};
 use tautline_workflow::clock;
 pub use tautline_workflow::diagnosis::Diagnosed;
-use tautline_workflow::diagnosis::dependences;
 use tautline_workflow::diagnosis::evidence::{Evidence, evidence};
 use tautline_workflow::identification::{Identification, IdentificationDocument};
 use tautline_workflow::planning::missing_labels;
-use tautline_workflow::plot::figure::Figure;
 use tautline_workflow::precalibration::Calibration;
+use tautline_workflow::readiness::{CheckItem, check_readings};
 
 /// Numbers of inputs, never used twice, so that a result that comes late belongs to no other session. A session is known
 /// by the first of its own.
@@ -40,15 +41,12 @@ pub struct Computed<T> {
 #[derive(Debug)]
 pub struct PlottedDiagnosis {
     pub diagnosed: Arc<Diagnosed>,
-    /// Plots of the dependences, by their indices.
-    pub dependences: BTreeMap<usize, Figure>,
     pub evidence: Vec<Option<Evidence>>,
 }
 
 impl From<Diagnosed> for PlottedDiagnosis {
     fn from(diagnosed: Diagnosed) -> Self {
         Self {
-            dependences: dependences::figures(&diagnosed),
             evidence: evidence(&diagnosed),
             diagnosed: Arc::new(diagnosed),
         }
@@ -139,6 +137,7 @@ pub struct OpenSession {
     data: BTreeMap<u64, u64>,
     calibration: OnceLock<Arc<Calibration>>,
     missing: OnceLock<Vec<i64>>,
+    checked: OnceLock<Vec<CheckItem>>,
 }
 
 impl OpenSession {
@@ -164,6 +163,7 @@ impl OpenSession {
             data: [(inputs, inputs)].into(),
             calibration: OnceLock::new(),
             missing: OnceLock::new(),
+            checked: OnceLock::new(),
         }
     }
 
@@ -350,6 +350,7 @@ impl OpenSession {
         }
         self.session.modified = self.session.modified.max(clock::now());
         self.missing.take();
+        self.checked.take();
         if let Some(calibration) = self.calibration.get()
             && !calibration.is_of(&self.session)
         {
@@ -371,11 +372,31 @@ impl OpenSession {
             .get_or_init(|| missing_labels(&self.session).collect())
     }
 
+    /// The check of the readings that takes no time; done again when the session has changed.
+    #[must_use]
+    pub fn checked_readings(&self) -> &[CheckItem] {
+        self.checked
+            .get_or_init(|| check_readings(&self.session.dataset(), None))
+    }
+
     /// Whether the poses to measure are any of the workspace, each decided on by those before, instead of a plan.
     #[must_use]
     pub fn decides_on_poses(&self) -> bool {
         let until = &self.session.settings.until;
         until.enabled && !until.only_planned
+    }
+
+    /// The checklist of the adjustment.
+    #[must_use]
+    pub fn checklist(&self, differences: &[Difference]) -> [Check; 5] {
+        let is_old = self.fit.is_some() && !self.fit_is_current();
+        checklist(&self.session, differences, is_old)
+    }
+
+    /// Largest acceptable deviation of a pulley from the drawing (m).
+    #[must_use]
+    pub fn tolerance_m(&self) -> Option<f64> {
+        self.session.settings.tolerance_m
     }
 
     /// The identification that the session keeps from before it was opened.

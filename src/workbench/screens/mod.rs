@@ -20,8 +20,8 @@ use egui::{Frame, Margin, Panel, ScrollArea, Ui};
 
 use crate::model::command::Outbox;
 use crate::model::part::Part;
-use crate::model::phase::Phase;
-use crate::model::{Model, next_step};
+use crate::model::phase::{Phase, Screen};
+use crate::model::{Model, OpenSession, next_step};
 use crate::theme::GRID;
 
 /// State of all panels between frames.
@@ -43,6 +43,23 @@ pub struct PanelStates {
     pub import: import::PanelState,
     pub which_sensor: which_sensor::PanelState,
     pub gallery: gallery::PanelState,
+    /// What is shown, and how often that was something else.
+    shown: Option<Shown>,
+    visits: u64,
+}
+
+/// Session, screen, and half of the panel of the identification.
+type Shown = (Option<u64>, Screen, identification::Half);
+
+impl PanelStates {
+    /// A number that whatever scrolls has in its identity, so that each screen begins at its top.
+    pub fn visit(&mut self, model: &Model) -> u64 {
+        let session = model.open.as_ref().map(OpenSession::id);
+        let shown = Some((session, model.screen, self.identification.half));
+        self.visits += u64::from(shown != self.shown);
+        self.shown = shown;
+        self.visits
+    }
 }
 
 /// Draws the panel of a phase, with its foot, which stays where it is while the panel scrolls.
@@ -63,7 +80,8 @@ pub fn phase(
             .resizable(false)
             .show(ui, |ui| footer::show(ui, step, outbox));
     }
-    let area = ScrollArea::vertical().id_salt(phase).auto_shrink(false);
+    let visit = panels.visit(model);
+    let area = ScrollArea::vertical().id_salt(visit).auto_shrink(false);
     area.show(ui, |ui| match phase {
         Phase::Precalibration => {
             precalibration::show(ui, model, &mut panels.precalibration, outbox);

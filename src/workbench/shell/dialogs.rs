@@ -199,6 +199,9 @@ fn leaving(ui: &mut Ui, state: &mut State) {
         }
         ui.add_space(2.0 * GRID);
         let answers: &[(&str, Answer)] = match is_unsaved {
+            true if draft.leaving.keeps_session() => {
+                &[("Save", Answer::Save), ("Cancel", Answer::Cancel)]
+            }
             true => &[
                 ("Save", Answer::Save),
                 ("Do not save", Answer::Discard),

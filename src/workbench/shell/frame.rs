@@ -53,7 +53,8 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     } else {
         let ground = Frame::new().fill(theme::of(ui).ground);
         let centre = CentralPanel::no_frame().frame(ground);
-        centre.show(ui, |ui| whole(ui, state));
+        let visit = state.panels.visit(&state.model);
+        centre.show(ui, |ui| ui.push_id(visit, |ui| whole(ui, state)));
     }
     log::show(ui, state);
     let State {

@@ -55,11 +55,17 @@ fn as_light_as_a_field(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> Response) -> Re
     response
 }
 
+/// Gives a button a name of its own, where its text alone is there twice.
+pub fn named(button: Response, name: &str) -> Response {
+    let enabled = button.enabled();
+    button.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
+    button
+}
+
 /// A button with icon and text; its accessible name is the text.
 pub fn icon_button(ui: &mut Ui, icon: MaterialIcon, text: &str, enabled: bool) -> Response {
-    let response = ui.add_enabled(enabled, Button::new((icon.rich_text().size(16.0), text)));
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, text));
-    response
+    let button = Button::new((icon.rich_text().size(16.0), text));
+    named(ui.add_enabled(enabled, button), text)
 }
 
 /// A button with an icon alone; the name is its tooltip and its accessible name.
@@ -72,7 +78,6 @@ pub fn icon_only(ui: &mut Ui, icon: MaterialIcon, name: &str, enabled: bool) -> 
         ui.spacing_mut().button_padding.y = 0.0;
         ui.add_enabled(enabled, button)
     });
-    let response = response.inner;
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
+    let response = named(response.inner, name);
     response.on_hover_text(name).on_disabled_hover_text(name)
 }

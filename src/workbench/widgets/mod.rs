@@ -16,7 +16,7 @@ mod tab_row;
 mod table;
 mod text;
 
-pub use button::{checkbox, choice, entered, icon_button, icon_only, primary, radio};
+pub use button::{checkbox, choice, entered, icon_button, icon_only, named, primary, radio};
 pub use fault_matrix::fault_window;
 pub use import_row::{Import, import_row};
 pub use meter::meter;

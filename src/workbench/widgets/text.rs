@@ -1,6 +1,6 @@
 //! Texts: headings, values with units, verdicts.
 
-use egui::{Align, Layout, Response, RichText, Ui};
+use egui::{Align, Layout, Response, RichText, Role, Ui, WidgetInfo};
 use egui_material_icons::{MaterialIcon, icons};
 
 use crate::theme::{self, GRID};
@@ -48,6 +48,16 @@ impl Verdict {
             Self::Neutral => icons::ICON_INFO,
         }
     }
+
+    /// The icon for somebody who does not see it.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Good => "Good:",
+            Self::Doubtful => "Warning:",
+            Self::Bad => "Problem:",
+            Self::Neutral => "Note:",
+        }
+    }
 }
 
 /// A verdict in words, with an icon in its colour.
@@ -60,7 +70,8 @@ pub fn verdict(ui: &mut Ui, verdict: Verdict, text: &str) {
         Verdict::Neutral => palette.muted,
     };
     ui.horizontal_top(|ui| {
-        ui.label(verdict.icon().rich_text().size(18.0).color(colour));
+        let icon = ui.label(verdict.icon().rich_text().size(18.0).color(colour));
+        icon.widget_info(|| WidgetInfo::labeled(Role::Label, true, verdict.name()));
         ui.add(egui::Label::new(text).wrap());
     });
 }

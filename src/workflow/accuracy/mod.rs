@@ -1,5 +1,6 @@
 //! Accuracy figures of ISO 9283 from the rows of a check.
 
+mod before_after;
 mod document;
 mod group;
 mod verification;
@@ -7,6 +8,7 @@ mod verification;
 use tautline_core::accuracy::iso9283::{Target, path_accuracy, pose_accuracy};
 use tautline_session::{CheckKind, CheckRow};
 
+pub use before_after::{Figure, before_and_after};
 pub use document::{Accuracy, Figures, PathAccuracy, PointAccuracy, PoseAccuracy, TargetAccuracy};
 pub use group::{Group, Point, group, word};
 pub use verification::VerificationDocument;

@@ -4,6 +4,7 @@
 //! Until then it is [open](Adjustment::is_open): nothing moves, and nothing else is written, before it is settled with the
 //! same old and new values.
 
+mod checklist;
 mod document;
 mod doubts;
 mod record;
@@ -12,9 +13,13 @@ mod unsupported;
 
 use tautline_link::ParameterInfo;
 use tautline_link::adjusting::{self, ControllerValues, Difference};
-use tautline_session::{Adjustment, NamedValue, Outcome, Session, Stage, Timestamp, ValueChange};
+use tautline_session::{
+    Adjustment, CheckRow, NamedValue, Outcome, Session, Stage, StoppedVerification, Timestamp,
+    ValueChange,
+};
 
 use crate::wording::count;
+pub use checklist::{Check, CheckState, Item, checklist};
 pub use document::{AdjustmentDocument, DifferenceRow};
 pub use doubts::{Doubt, DoubtKind, doubts, finding, implausible, unanswered};
 pub use record::{Written, recorded_differences, verified_before_last_write, written};
@@ -65,6 +70,38 @@ pub fn in_effect(session: &Session) -> Option<&Adjustment> {
 pub fn revertible(session: &Session) -> Option<&Adjustment> {
     let last = in_effect(session)?;
     (last.outcome == Outcome::Written && !last.changes.is_empty()).then_some(last)
+}
+
+/// The verification that was stopped and can go on: nothing was verified or written since.
+#[must_use]
+pub fn to_continue(session: &Session, stage: Stage) -> Option<&StoppedVerification> {
+    let mut stopped = session.stopped_verifications().iter().rev();
+    let last = stopped.find(|run| run.stage == stage)?;
+    let mut runs = session.verifications().iter();
+    let is_replaced = runs.any(|run| run.stage == stage && run.time >= last.time);
+    let mut written = session.adjustments().iter();
+    let is_other = written.any(|adjustment| adjustment.time >= last.time);
+    (!is_replaced && !is_other).then_some(last)
+}
+
+/// What a stopped verification has.
+#[must_use]
+pub fn stopped_in_words(run: &StoppedVerification) -> String {
+    let distance = |row: &CheckRow| {
+        let [attained, commanded] = [&row.attained, &row.commanded];
+        let pairs = attained.position_m.iter().zip(commanded.position_m);
+        pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    };
+    let all: Vec<f64> = run.rows.iter().map(distance).collect();
+    let mean_mm = 1e3 * all.iter().sum::<f64>() / all.len().max(1) as f64;
+    let largest_mm = 1e3 * all.iter().copied().fold(0.0, f64::max);
+    format!(
+        "{}: stopped after {} of {} measurements, which are {mean_mm:.2} mm off on average and {largest_mm:.2} mm at most. It \
+         continues where it stopped; no accuracy follows from a part.",
+        title(run.stage),
+        run.rows.len(),
+        run.planned
+    )
 }
 
 /// The adjustment that remains to be settled.

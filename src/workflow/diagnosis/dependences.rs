@@ -47,13 +47,15 @@ pub(super) fn all_groups(found: &[Discrepancy]) -> Vec<Vec<usize>> {
 }
 
 /// The dependence that revealed a finding: of its cables if it names some, on its own variable if there is one, else the
-/// strongest.
+/// strongest of the same readings; `None` without one.
 #[must_use]
 pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
     let cables = finding.subject.cables();
-    let is_its = |one: &Discrepancy| match one.cable {
-        Some(cable) => cables.contains(&cable),
-        None => cables.is_empty(),
+    let is_its = |one: &Discrepancy| match &finding.subject {
+        Subject::UnmodelledError(error) if one.quantity != error.readings.quantity => false,
+        _ => one
+            .cable
+            .map_or(cables.is_empty(), |cable| cables.contains(&cable)),
     };
     let own = match &finding.subject {
         Subject::Cause(cause) => cause.effect().variable(),
@@ -61,8 +63,7 @@ pub fn of_finding(found: &[Discrepancy], finding: &Finding) -> Option<usize> {
     };
     let mut all = found.iter();
     let shown = all.position(|one| is_its(one) && Some(one.variable) == own);
-    let shown = shown.or_else(|| found.iter().position(is_its));
-    shown.or_else(|| (cables.is_empty() && !found.is_empty()).then_some(0))
+    shown.or_else(|| found.iter().position(is_its))
 }
 
 /// The plots of the strongest dependences, by their indices.

@@ -7,7 +7,7 @@
 //! contribution depends on more than the variable, as creep on the length, its average over them is put back, so that the
 //! points scatter about the line of the cause as the residuals do about zero.
 
-use tautline_core::diagnosis::{Cause, Finding, Quantity, Variables};
+use tautline_core::diagnosis::{Cause, Finding, Quantity, Subject, UnmodelledError, Variables};
 use tautline_core::effect::{BoundEffect, Search};
 use tautline_core::estimation::{
     Analysis, Linearisation, Observation, Parameter, ParameterId, Problem, Solution,
@@ -30,18 +30,86 @@ pub struct Evidence {
     pub figure: Figure,
 }
 
-/// The evidence of each finding; `None` for an unknown cause and where channels are exchanged.
+/// The evidence of each finding; of an unknown cause the residuals that have the error. `None` where channels are exchanged.
 #[must_use]
 pub fn evidence(diagnosed: &Diagnosed) -> Vec<Option<Evidence>> {
     let findings = &diagnosed.diagnosis.findings;
     let Some(dataset) = dataset_as_modelled(diagnosed) else {
         return findings.iter().map(|_| None).collect();
     };
-    let of = |finding| Some(Explained::of(diagnosed, &dataset, finding)?.evidence());
-    findings
-        .iter()
-        .map(|finding| of(finding).flatten())
-        .collect()
+    let of = |finding: &Finding| match &finding.subject {
+        Subject::Cause(_) => Explained::of(diagnosed, &dataset, finding)?.evidence(),
+        Subject::UnmodelledError(error) => of_error(diagnosed, &dataset, error),
+    };
+    findings.iter().map(of).collect()
+}
+
+/// The residuals of readings with an error that no cause explains, with all causes in the model.
+fn of_error(diagnosed: &Diagnosed, dataset: &Dataset, error: &UnmodelledError) -> Option<Evidence> {
+    let solution = &diagnosed.diagnosis.extended_solution;
+    let problem = problem_of(diagnosed, dataset, solution)?;
+    let residual = |one: &Observation| Some((group_of(one.kind)?, one.row, one.normalised()?));
+    let readings = error.readings;
+    let is_its = |(quantity, cable): (Quantity, Option<usize>)| {
+        quantity == readings.quantity && (readings.cable.is_none() || cable == readings.cable)
+    };
+    let mut residuals: Vec<_> = (Analysis::new(&problem, solution).observations.iter())
+        .filter_map(residual)
+        .filter(|(group, ..)| is_its(*group))
+        .collect();
+    // An error of all cables shows best on one.
+    let sizes = residuals.iter().map(|(group, _, size)| (*group, *size));
+    let group = largest(sizes)?;
+    residuals.retain(|(of, ..)| *of == group);
+    let (variable, values) = variable_of(&problem, solution, group, error.form.variable())?;
+    let dependent = |(_, row, residual): &(_, usize, f64)| Dependent {
+        row: *row,
+        variable: values[*row],
+        residual: *residual,
+        explained: None,
+    };
+    let mut dependents: Vec<Dependent> = residuals.iter().map(dependent).collect();
+    dependents.retain(|one| one.variable.is_finite());
+    let (quantity, cable) = group;
+    Some(Evidence {
+        quantity,
+        cable,
+        figure: figure_of(diagnosed, (quantity, cable, variable), &dependents, None),
+    })
+}
+
+/// The readings with the largest sum of squares.
+fn largest(
+    values: impl Iterator<Item = ((Quantity, Option<usize>), f64)>,
+) -> Option<(Quantity, Option<usize>)> {
+    let mut groups: Vec<((Quantity, Option<usize>), f64)> = Vec::new();
+    for (group, value) in values {
+        match groups.iter_mut().find(|(known, _)| *known == group) {
+            Some((_, sum)) => *sum += value * value,
+            None => groups.push((group, value * value)),
+        }
+    }
+    let largest = groups.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    largest.map(|(group, _)| group)
+}
+
+/// The variable over which readings are shown, `own` if they have it, with its values by row.
+fn variable_of(
+    problem: &Problem<'_>,
+    solution: &Solution,
+    (quantity, cable): (Quantity, Option<usize>),
+    own: Option<Variable>,
+) -> Option<(Variable, Vec<f64>)> {
+    let linear = Linearisation::new(problem, solution);
+    let variables = Variables::new(problem, solution, &linear);
+    let choices = [
+        Variable::Time,
+        Variable::CableLength,
+        Variable::Distance,
+        Variable::Position(2),
+    ];
+    let mut all = own.into_iter().chain(choices);
+    all.find_map(|variable| Some((variable, variables.values(quantity, cable, variable)?)))
 }
 
 /// A reading with a cause, and what the cause explains of it (standard deviations).
@@ -99,19 +167,8 @@ impl<'a> Explained<'a> {
     fn evidence(&self) -> Option<Evidence> {
         let (quantity, cable) = self.shown()?;
         let solution = &self.diagnosed.diagnosis.extended_solution;
-        let linear = Linearisation::new(&self.problem, solution);
-        let variables = Variables::new(&self.problem, solution, &linear);
         let own = self.cause.effect().variable();
-        let choices = [
-            Variable::Time,
-            Variable::CableLength,
-            Variable::Distance,
-            Variable::Position(2),
-        ];
-        let (variable, values) = own
-            .into_iter()
-            .chain(choices)
-            .find_map(|variable| Some((variable, variables.values(quantity, cable, variable)?)))?;
+        let (variable, values) = variable_of(&self.problem, solution, (quantity, cable), own)?;
         let own = self.readings.iter();
         let own = own.filter(|one| (one.quantity, one.cable) == (quantity, cable));
         let dependent = |one: &ExplainedReading| Dependent {
@@ -144,21 +201,11 @@ impl<'a> Explained<'a> {
     /// The readings of which the cause explains most: of its own cables, if it has some.
     fn shown(&self) -> Option<(Quantity, Option<usize>)> {
         let own = self.cause.cables();
-        let mut groups: Vec<((Quantity, Option<usize>), f64)> = Vec::new();
-        for one in &self.readings {
-            let square = one.explained * one.explained;
-            let group = (one.quantity, one.cable);
-            match groups.iter_mut().find(|(known, _)| *known == group) {
-                Some((_, sum)) => *sum += square,
-                None => groups.push((group, square)),
-            }
-        }
-        let is_own = |(_, cable): (Quantity, Option<usize>)| {
-            own.is_empty() || cable.is_some_and(|cable| own.contains(&cable))
+        let is_own = |one: &&ExplainedReading| {
+            own.is_empty() || one.cable.is_some_and(|cable| own.contains(&cable))
         };
-        let own = groups.iter().filter(|(group, _)| is_own(*group));
-        own.max_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(group, _)| *group)
+        let readings = self.readings.iter().filter(is_own);
+        largest(readings.map(|one| ((one.quantity, one.cable), one.explained)))
     }
 
     /// Row at which, or from which on, the cause acts.

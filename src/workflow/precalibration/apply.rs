@@ -40,16 +40,10 @@ pub fn set_force_sensor(cable: &mut Cable, gain: f64, bias_n: f64) -> Result<(),
 }
 
 /// Sets the home pose and its covariance; the standard deviation of all coordinates (m, rad) is that of the worst one.
-///
-/// # Errors
-/// One sentence, if the robot has no home pose.
-pub fn set_home(robot: &mut Robot, measured: &HomeAverage) -> Result<(), String> {
+pub fn set_home(robot: &mut Robot, measured: &HomeAverage) {
     let largest = |values: [f64; 3]| values.into_iter().fold(0.0, f64::max);
-    let Some(home) = &mut robot.home else {
-        return Err("robot.json has no home: the home pose is not in the model".to_owned());
-    };
     let (position_sd_m, orientation_sd_rad) = measured.sd();
-    *home = Home {
+    robot.home = Some(Home {
         position_m: measured.pose.position.into(),
         orientation_wxyz: measured.pose.orientation_wxyz(),
         position_sd_m: largest(position_sd_m),
@@ -57,8 +51,7 @@ pub fn set_home(robot: &mut Robot, measured: &HomeAverage) -> Result<(), String>
         covariance: Some(
             [0, 1, 2, 3, 4, 5].map(|i| [0, 1, 2, 3, 4, 5].map(|k| measured.covariance[(i, k)])),
         ),
-    };
-    Ok(())
+    });
 }
 
 /// Gives all cables the measured elongation.

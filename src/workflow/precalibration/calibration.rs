@@ -109,7 +109,7 @@ impl Calibration {
         Proposal::new(&self.robot, |robot, left_out| {
             apply_winches(robot, &self.winches)?;
             apply_force_sensors(robot, &self.force_sensors, left_out);
-            apply_home(robot, self.home_average.as_ref(), left_out);
+            apply_home(robot, self.home_average.as_ref());
             apply_elongation(robot, self.elongation.as_ref());
             Ok(())
         })
@@ -180,9 +180,9 @@ fn apply_force_sensors(
     }
 }
 
-fn apply_home(robot: &mut Robot, average: Option<&HomeAverage>, left_out: &mut Vec<String>) {
+fn apply_home(robot: &mut Robot, average: Option<&HomeAverage>) {
     if let Some(average) = average {
-        left_out.extend(set_home(robot, average).err());
+        set_home(robot, average);
     }
 }
 
@@ -193,8 +193,8 @@ fn apply_elongation(robot: &mut Robot, fit: Option<&Result<ElongationFit, String
 }
 
 fn with_home(robot: &Robot, average: Option<&HomeAverage>) -> Proposal {
-    let proposal = Proposal::new(robot, |robot, left_out| {
-        apply_home(robot, average, left_out);
+    let proposal = Proposal::new(robot, |robot, _| {
+        apply_home(robot, average);
         Ok(())
     });
     // The fit starts from the home pose of the robot, so after adoption it still changes by rounding.

@@ -21,6 +21,9 @@ use faults::in_other_frame;
 pub use faults::{ReadingFault, reading_faults};
 use readings::{complete, plausible};
 
+/// Name of the part that looks for readings that are missing.
+pub const COMPLETE: &str = "complete";
+
 /// Name of the part that compares readings with the commanded poses.
 pub const PLAUSIBLE: &str = "plausible";
 
@@ -91,7 +94,7 @@ impl CheckItem {
     #[must_use]
     pub fn title(&self) -> &'static str {
         match self.name.as_str() {
-            "complete" => "Readings complete",
+            COMPLETE => "Readings complete",
             PLAUSIBLE => "Readings plausible",
             "geometry" => "Geometry determined",
             _ => "Faults visible",

@@ -4,7 +4,7 @@ use tautline_core::measurement::{Dataset, Grid};
 use tautline_import::{Kind, Mistake, Quantity, TableCheck};
 
 use super::faults::{self, ReadingFault};
-use super::{CheckItem, CheckOutcome, PLAUSIBLE};
+use super::{COMPLETE, CheckItem, CheckOutcome, PLAUSIBLE};
 use crate::wording::{count, list, sentence};
 
 /// Largest fraction of a cable's readings that may be missing.
@@ -32,7 +32,7 @@ fn grids(dataset: &Dataset) -> Vec<(&'static str, &Grid)> {
 
 /// `said` says a fault with its place.
 pub(super) fn complete(dataset: &Dataset, said: &dyn Fn(&ReadingFault) -> String) -> CheckItem {
-    let item = |outcome, sentence: String| CheckItem::new("complete", outcome, sentence);
+    let item = |outcome, sentence: String| CheckItem::new(COMPLETE, outcome, sentence);
     let data = &dataset.measurements;
     let poses = data.len() - usize::from(dataset.robot.home.is_some() && data.home_row().is_some());
     let lengths = !data.revolutions.is_empty() || !data.length_m.is_empty();

@@ -148,7 +148,7 @@ impl ReportChoice {
         parts.into_iter().any(|part| self.has(part))
     }
 
-    /// The choice stored in the preferences.
+    /// The choice stored in the preferences; the tolerance is that of a session.
     #[must_use]
     pub fn of(preferences: &Preferences) -> Self {
         let left_out = preferences.report.without.iter();
@@ -158,16 +158,15 @@ impl ReportChoice {
             header: preferences.report.header.clone(),
             operator: preferences.operator.clone(),
             company: preferences.report.company.clone(),
-            tolerance_m: preferences.report.tolerance_m,
+            tolerance_m: None,
         }
     }
 
-    /// Saves the choice for the next report, except the title.
+    /// Saves the choice for the next report, except the title and the tolerance.
     pub fn save(&self, preferences: &mut Preferences) {
         preferences.operator.clone_from(&self.operator);
         preferences.report.company.clone_from(&self.company);
         preferences.report.header.clone_from(&self.header);
-        preferences.report.tolerance_m = self.tolerance_m;
         let without = self.without.iter();
         preferences.report.without = without.map(|part| part.name().to_owned()).collect();
     }
@@ -178,7 +177,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_choice_is_saved_except_for_its_title() {
+    fn a_choice_is_saved_except_for_its_title_and_tolerance() {
         let choice = ReportChoice {
             without: [Part::Log, Part::About].into(),
             title: "This one".into(),
@@ -192,6 +191,7 @@ mod tests {
         assert_eq!(preferences.report.without, ["about", "log"]);
         let expected = ReportChoice {
             title: String::new(),
+            tolerance_m: None,
             ..choice
         };
         assert_eq!(ReportChoice::of(&preferences), expected);

@@ -74,7 +74,7 @@ fn writing_identified_values_improves_the_accuracy() {
     bench
         .harness
         .get_by_label_contains("no poses are measured yet");
-    bench.press("Go to measuring");
+    bench.press("Next: Go to measuring");
     assert_eq!(bench.measure(25), 26);
     bench.go(Phase::Adjustment);
     bench.harness.get_by_label_contains("not identified yet");

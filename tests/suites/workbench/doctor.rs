@@ -1,19 +1,11 @@
 //! The model doctor.
 
 use egui_kittest::kittest::Queryable;
-use tautline_core::effect::{EffectSetting, Hypothesis};
-use tautline_core::robot::presets;
-use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
-use tautline_session::{Session, Timestamp, write_session};
-use tautline_validation::tables::formulas::UNNAMED;
-use tautline_workbench::model::command::{
-    Command, FileCommand, IdentificationCommand, ViewCommand,
-};
-use tautline_workbench::model::phase::{Phase, Screen};
+use tautline_workbench::model::command::{Command, IdentificationCommand};
 use tautline_workbench::shell::State;
 
 use crate::measured::{Measured, document, give, press};
-use crate::support::{settle, workbench};
+use crate::support::settle;
 
 /// The button that asks.
 const ASK: &str = "Diagnose model";
@@ -159,32 +151,8 @@ fn a_diagnosis_that_is_cancelled_finds_nothing() {
 
 #[test]
 fn an_error_without_a_name_gets_a_pattern_that_extends_the_model_and_can_be_undone() {
-    let preset = presets::find("mini").expect("a preset");
-    let mut truth = preset.robot.clone();
-    let hypothesis = Hypothesis::parse(UNNAMED).expect("a hypothesis");
-    truth.add_hypothesis(&hypothesis).expect("known");
-    truth.effects.push(EffectSetting {
-        effect: "oval_groove".into(),
-        targets: vec!["cable-3".into()],
-        parameters: [("size".to_owned(), 0.02)].into(),
-    });
-    let options = SimulationOptions {
-        geometry: TrueGeometry::Nominal,
-        ..SimulationOptions::new(40, 4)
-    };
-    let run = simulate(&truth, &options).expect("a run");
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("bad.json");
-    let mut session = Session::new("bad", preset.robot, Timestamp::from_unix_seconds(0));
-    session.measurements = run.dataset.measurements;
-    write_session(&path, &session).expect("written");
-    let mut harness = workbench();
-    settle(&mut harness);
-    give(&mut harness, FileCommand::Open(path));
-    give(
-        &mut harness,
-        ViewCommand::Go(Screen::Phase(Phase::Identification)),
-    );
+    let measured = Measured::unnamed();
+    let mut harness = measured.opened();
     press(&mut harness, "Identify");
     press(&mut harness, ASK);
     press(&mut harness, "What does it look like?");

@@ -38,7 +38,7 @@ fn drop_file(bench: &mut Bench, path: &Path) {
 }
 
 /// A file of the worked examples.
-fn example(name: &str) -> String {
+pub fn example(name: &str) -> String {
     let path = tautline_validation::generators::your_data::page().with_file_name("your-data");
     std::fs::read_to_string(path.join(name)).expect("an example")
 }

@@ -28,6 +28,7 @@ mod precalibration;
 mod primary;
 mod pulley_inspector;
 mod record;
+mod red_signs;
 mod report;
 mod robot_3d;
 mod saving;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use egui_kittest::Harness;
-use tautline_core::effect::{BoundEffect, EffectSetting};
+use tautline_core::effect::{BoundEffect, EffectSetting, Hypothesis};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::presets::{self, Preset};
 use tautline_core::simulation::{
@@ -11,6 +11,7 @@ use tautline_core::simulation::{
 };
 use tautline_session::{PhaseData, write_dataset};
 pub use tautline_validation::support::harness::{give, press};
+use tautline_validation::tables::formulas::UNNAMED;
 use tautline_workbench::model::OpenSession;
 use tautline_workbench::model::command::FileCommand;
 use tautline_workbench::shell::App;
@@ -45,6 +46,31 @@ impl Measured {
     /// `poses` poses with hidden effects, each with its cable and parameters.
     pub fn mini(poses: usize, effects: &[Hidden<'_>]) -> Self {
         Self::of(presets::find("mini").expect("a preset"), poses, effects)
+    }
+
+    /// 40 poses of MINI with an error of cable-3 that no effect of the catalogue has.
+    pub fn unnamed() -> Self {
+        let robot = presets::find("mini").expect("a preset").robot;
+        let mut truth = robot.clone();
+        let hypothesis = Hypothesis::parse(UNNAMED).expect("a hypothesis");
+        truth.add_hypothesis(&hypothesis).expect("known");
+        truth.effects.push(EffectSetting {
+            effect: "oval_groove".into(),
+            targets: vec!["cable-3".into()],
+            parameters: [("size".to_owned(), 0.02)].into(),
+        });
+        let options = SimulationOptions {
+            geometry: TrueGeometry::Nominal,
+            ..SimulationOptions::new(40, 4)
+        };
+        let measurements = simulate(&truth, &options)
+            .expect("a run")
+            .dataset
+            .measurements;
+        Self::written(&Dataset {
+            robot,
+            measurements,
+        })
     }
 
     /// So many poses of a robot that a camera tracks and that has neither laser nor force sensors.

@@ -165,4 +165,13 @@ fn a_stopped_verification_keeps_what_it_measured() {
     write_session(&path, bench.session()).expect("written");
     let read = read_session(&path).expect("read").value;
     assert_eq!(read.stopped_verifications()[0].rows, rows);
+    // It shows what it has, and goes on where it stopped.
+    assert!(shows(&bench, "mm off on average"));
+    bench.press("Measure before");
+    bench.wait("the rest", |state| state.model.link.verifying.is_none());
+    bench.harness.step();
+    let whole = &bench.session().verifications()[0].rows;
+    assert_eq!(whole.len(), planned);
+    assert_eq!(whole[..rows.len()], rows);
+    assert!(!shows(&bench, "It continues where it stopped"));
 }

@@ -3,11 +3,13 @@
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, Node};
+use tautline_workbench::model::command::ViewCommand;
 use tautline_workbench::model::link::SIMULATED_SPEED;
 use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::shell::App;
 
 use crate::demo::Bench;
+use crate::measured::{Measured, give};
 
 /// A demonstration whose fault is found by name.
 const SEED: u64 = 3;
@@ -245,6 +247,26 @@ fn keys_alone_lead_to_an_accepted_robot() {
     let last = typist.bench.session().verifications().last();
     let accepted = last.and_then(|run| run.accepted.clone());
     assert_eq!(accepted.expect("it is accepted").operator, "Ada");
+}
+
+#[test]
+fn each_screen_begins_at_its_top() {
+    let measured = Measured::mini(16, &[]);
+    let mut harness = measured.opened();
+    harness.set_size(egui::vec2(1280.0, 520.0));
+    let go = |phase: Phase| ViewCommand::Go(Screen::Phase(phase));
+    let top = |harness: &Harness<'_, App>| {
+        let text = "The identified values are written to the controller";
+        harness.get_by_label_contains(text).rect().min.y
+    };
+    give(&mut harness, go(Phase::Adjustment));
+    let at_first = top(&harness);
+    harness.get_by_label("Export last run…").scroll_to_me();
+    harness.run_ok();
+    assert!(top(&harness) < at_first, "it is scrolled");
+    give(&mut harness, go(Phase::Measuring));
+    give(&mut harness, go(Phase::Adjustment));
+    assert!((top(&harness) - at_first).abs() < 0.5);
 }
 
 #[test]

@@ -1,14 +1,18 @@
 //! The report, saved from the menu.
 
 use egui::Role;
+use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 use tautline_core::effect::EffectSetting;
-use tautline_workbench::model::command::{IdentificationCommand, ReportCommand};
+use tautline_workbench::model::command::{
+    Answer, FileCommand, IdentificationCommand, ReportCommand,
+};
 use tautline_workbench::model::edit::Edit;
+use tautline_workbench::shell::App;
 use tautline_workflow::report::ReportFormat;
 
-use crate::measured::{Measured, give, press};
+use crate::measured::{Measured, document, give, press};
 use crate::support::type_into;
 
 #[test]
@@ -29,6 +33,31 @@ fn both_entries_of_the_menu_save_at_a_typed_path() {
         assert_eq!(shown, start.to_lowercase());
         assert!(harness.query_by_label("Save report").is_none(), "closed");
     }
+}
+
+#[test]
+fn a_tolerance_belongs_to_its_session() {
+    let measured = Measured::mini(12, &[]);
+    let mut harness = measured.opened();
+    let asked = |harness: &mut Harness<'_, App>| {
+        give(harness, ReportCommand::AskSave(ReportFormat::Html));
+        let report = harness.state().state.model.dialogs.report.as_ref();
+        report.expect("a dialog").choice.tolerance_m
+    };
+    assert_eq!(asked(&mut harness), None);
+    let model = &mut harness.state_mut().state.model;
+    let report = model.dialogs.report.as_mut().expect("a dialog");
+    report.choice.tolerance_m = Some(2e-3);
+    let path = measured.beside("with.html");
+    give(&mut harness, ReportCommand::Save(path));
+    assert_eq!(asked(&mut harness), Some(2e-3));
+    give(&mut harness, ReportCommand::Cancel);
+    let session = document(&harness).session();
+    assert_eq!(session.settings.tolerance_m, Some(2e-3));
+    // The same folder of preferences, another session.
+    give(&mut harness, FileCommand::Open(measured.beside("mini")));
+    give(&mut harness, FileCommand::Answer(Answer::Discard));
+    assert_eq!(asked(&mut harness), None);
 }
 
 /// A fault is found, added to the model and identified: the report leads with that model, and the dialog offers a diagnosis

@@ -247,7 +247,8 @@ fn the_frame_steps_back_and_displacements_are_coloured_by_length() {
         assert!(is_done(options), "{name}");
     }
     let model = &mut harness.state_mut().state.model;
-    model.preferences.report.tolerance_m = Some(2e-3);
+    let open = model.open.as_mut().expect("a session");
+    open.record(|session| session.settings.tolerance_m = Some(2e-3));
     harness.run_ok();
     assert_eq!(scene(&harness).tolerance_m, Some(2e-3));
     if harness.query_by_label("Tolerance").is_none() {

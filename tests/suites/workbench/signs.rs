@@ -11,6 +11,7 @@ use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workbench::model::plot_preparation::residuals;
 use tautline_workbench::shell::App;
 use tautline_workbench::views::robot_3d::drawing::CableColour;
+use tautline_workflow::diagnosis::dependences::figures;
 use tautline_workflow::identification::{RESIDUAL, group_of, reading_name, reading_statistics};
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::wording::sentence;
@@ -39,9 +40,8 @@ fn the_doctor_the_plots_the_view_and_the_list_show_the_same_residuals() {
         let open = document(&harness);
         let fit = open.fit().expect("a fit");
         let diagnosed = open.diagnosis().expect("a diagnosis");
-        let figures = &open.plotted_diagnosis().expect("plots").dependences;
-        for (index, figure) in figures {
-            let found = &diagnosed.diagnosis.discrepancies[*index];
+        for (index, figure) in figures(diagnosed) {
+            let found = &diagnosed.diagnosis.discrepancies[index];
             kinds.push(found.quantity);
             assert_eq!(
                 figure.y.title(),

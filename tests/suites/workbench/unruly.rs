@@ -213,7 +213,7 @@ fn other_clients_and_restarts_end_the_run_with_the_sentence_of_the_commands() {
     let plan = bench.session().plan.clone();
     bench.go(Phase::Measuring);
     bench.press("Begin a new series");
-    bench.give(FileCommand::Answer(Answer::Discard));
+    bench.wait("the series", |state| measured(state) == 0);
     let series = bench.session();
     assert_eq!((series.measurements.len(), &series.plan), (0, &plan));
     assert_eq!(series.name, "test, another series");

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use tautline_link::adjusting::{Adjustment as Written, ControllerValues};
-use tautline_link::verifying::{circle, cube_poses, line};
+use tautline_link::verifying::{VerifyingOptions, are_first_rows, circle, cube_poses, line};
 use tautline_session::{
     CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, StoppedVerification, Verification,
 };
 
 use crate::model::command::WriteDraft;
-use crate::model::link::{DriverCommand, ValuesToWrite};
+use crate::model::link::{Connected, DriverCommand, ValuesToWrite};
 use crate::model::messages::{Cause, full_sentence};
 use crate::model::{Model, UiRequest};
 use tautline_workflow::adjusting::title;
@@ -232,7 +232,14 @@ pub(super) fn verify(model: &mut Model, stage: Stage) {
         targets.extend(circle(robot, workspace, POINTS.0));
         targets.extend(line(robot, workspace, POINTS.1));
     }
-    model.link.verify(targets, stage);
+    let stopped = adjusting::to_continue(open.session(), stage);
+    let rows = stopped.map_or_else(Vec::new, |stopped| stopped.rows.clone());
+    let rows = if are_first_rows(&rows, &targets) {
+        rows
+    } else {
+        Vec::new()
+    };
+    model.link.verify(targets, stage, rows);
     model.playback.follows = true;
     model.request(UiRequest::ShowScope);
 }
@@ -271,7 +278,12 @@ pub(super) fn verified(
 
 /// Keeps what a verification measured before it ended early.
 fn keep_stopped(model: &mut Model, stage: Stage, rows: Vec<CheckRow>, reason: String) {
-    let planned = model.link.targets.len();
+    let has_instrument = |c: &Connected| c.rig.has_instrument();
+    let options = match model.link.connected.as_ref().is_some_and(has_instrument) {
+        true => VerifyingOptions::default(),
+        false => VerifyingOptions::typed(),
+    };
+    let planned = model.link.targets.len() * options.cycles;
     let Some(open) = model.open.as_mut().filter(|_| !rows.is_empty()) else {
         return;
     };

@@ -58,6 +58,11 @@ pub enum Leaving {
 }
 
 impl Leaving {
+    /// Whether the open session must be in a file before.
+    pub(crate) fn keeps_session(&self) -> bool {
+        matches!(self, Self::Open(opening) if opening.origin == Origin::Series)
+    }
+
     /// Whether the session is left with its connection.
     pub(crate) fn ends_session(&self) -> bool {
         !matches!(self, Self::Robot(_))
@@ -69,10 +74,20 @@ impl Leaving {
 pub struct Opening {
     pub session: Session,
     pub path: Option<PathBuf>,
-    /// Whether its changes were recovered and are in no file yet.
-    pub is_recovered: bool,
-    /// Whether its robot is new and has to be described.
-    pub is_new: bool,
+    pub origin: Origin,
+}
+
+/// Where a session that is opened comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// A file, or something else that is complete.
+    Complete,
+    /// Changes that were recovered and are in no file yet.
+    Recovered,
+    /// A new robot, which has to be described.
+    NewRobot,
+    /// Another series of the open session, which is kept and so has to be saved.
+    Series,
 }
 
 /// What a task with files came to.

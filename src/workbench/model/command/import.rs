@@ -10,6 +10,8 @@ pub enum ImportCommand {
     /// Asks for its file.
     Ask(Table),
     Read(Table, PathBuf),
+    /// Goes to where it is shown.
+    Show(Table),
 }
 
 #[derive(Debug)]

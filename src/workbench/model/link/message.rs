@@ -60,8 +60,8 @@ pub enum DriverCommand {
     Abort,
     /// The pose of this label is stored.
     Stored(i64),
-    /// Drives to targets for a verification.
-    Verify(Vec<CheckTarget>, Stage),
+    /// Drives to targets for a verification, of which some are measured.
+    Verify(Vec<CheckTarget>, Stage, Vec<CheckRow>),
     /// Writes values instead of the old ones, unless the controller holds others.
     Write {
         /// Values on the controller before writing.

@@ -21,7 +21,7 @@ use tautline_core::robot::Robot;
 use tautline_link::opcua::Password;
 use tautline_link::verifying::CheckTarget;
 use tautline_link::{Activity, ControllerState, LinkProtection, ParameterInfo};
-use tautline_session::Stage;
+use tautline_session::{CheckRow, Stage};
 
 use self::publisher::StatusPublisher;
 use self::scope::Scope;
@@ -300,11 +300,11 @@ impl Link {
         self.send(DriverCommand::Repeat(label));
     }
 
-    pub fn verify(&mut self, targets: Vec<CheckTarget>, stage: Stage) {
+    pub fn verify(&mut self, targets: Vec<CheckTarget>, stage: Stage, rows: Vec<CheckRow>) {
         self.begin();
         self.verifying = Some(stage);
         self.targets.clone_from(&targets);
-        self.send(DriverCommand::Verify(targets, stage));
+        self.send(DriverCommand::Verify(targets, stage, rows));
     }
 
     /// Values that are to be written once their record is on disk.

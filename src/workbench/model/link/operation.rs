@@ -185,6 +185,8 @@ pub(super) struct Verifying {
     pub run: VerifyingRun,
     pub stage: Stage,
     rows: Vec<CheckRow>,
+    /// Number of rows from before it was continued.
+    begun_with: usize,
     doing: Doing,
     /// Where the operator types the poses.
     pub typed: Option<TypedInstrument>,
@@ -194,17 +196,24 @@ pub(super) struct Verifying {
 }
 
 impl Verifying {
-    /// A run over targets; without an instrument the operator types the poses.
-    pub fn new(targets: Vec<CheckTarget>, stage: Stage, has_instrument: bool) -> Self {
+    /// A run over targets, of which `rows` are measured; without an instrument the operator types the poses.
+    pub fn new(
+        targets: Vec<CheckTarget>,
+        (stage, rows): (Stage, Vec<CheckRow>),
+        has_instrument: bool,
+    ) -> Self {
         let (options, typed) = match has_instrument {
             true => (VerifyingOptions::default(), None),
             false => (VerifyingOptions::typed(), Some(TypedInstrument::default())),
         };
         Self {
-            run: VerifyingRun::new(targets, options).asking(typed.clone()),
+            run: VerifyingRun::new(targets, options)
+                .asking(typed.clone())
+                .continuing(rows.len()),
+            begun_with: rows.len(),
             stage,
             typed,
-            rows: Vec::new(),
+            rows,
             doing: Doing::Moving,
             is_home: false,
             commanded_s: None,
@@ -218,7 +227,10 @@ impl Verifying {
         else {
             return None;
         };
-        (done > 1).then(|| (last_s - first_s) / (done - 1) as f64 * (of + 1 - done) as f64)
+        let ways = done
+            .checked_sub(self.begun_with + 1)
+            .filter(|ways| *ways > 0)?;
+        Some((last_s - first_s) / ways as f64 * (of + 1 - done) as f64)
     }
 
     pub fn tick(

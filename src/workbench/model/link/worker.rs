@@ -11,7 +11,7 @@ use tautline_link::adjusting::{
 use tautline_link::measuring::LOST;
 use tautline_link::verifying::CheckTarget;
 use tautline_link::{Activity, Clock, Controller, LinkError};
-use tautline_session::Stage;
+use tautline_session::{CheckRow, Stage};
 
 use super::connection::{Connection, ReconnectWhileWriting};
 use super::message::{DriverCommand, DriverEvent, LinkRequest, Live, Lost};
@@ -235,7 +235,7 @@ impl Worker {
             }
             DriverCommand::Add(label, pose) => self.operation.measuring(|m| m.add(label, pose)),
             DriverCommand::Close => self.operation.measuring(|m| m.run.close()),
-            DriverCommand::Verify(targets, stage) => self.verify(targets, stage),
+            DriverCommand::Verify(targets, stage, rows) => self.verify(targets, stage, rows),
             DriverCommand::Requested(LinkRequest::TypedPose(number, pose)) => {
                 if let Operation::Verifying(verifying) = &self.operation
                     && let Some(typed) = &verifying.typed
@@ -337,7 +337,7 @@ impl Worker {
         })
     }
 
-    fn verify(&mut self, targets: Vec<CheckTarget>, stage: Stage) {
+    fn verify(&mut self, targets: Vec<CheckTarget>, stage: Stage, rows: Vec<CheckRow>) {
         let Some(connection) = &mut self.connection else {
             return;
         };
@@ -348,7 +348,7 @@ impl Worker {
         match begun {
             Ok(()) => {
                 let has_instrument = connection.instrument.is_some();
-                let run = Verifying::new(targets, stage, has_instrument);
+                let run = Verifying::new(targets, (stage, rows), has_instrument);
                 self.operation = Operation::Verifying(Box::new(run));
             }
             Err(text) => self

@@ -1,34 +1,97 @@
 //! The next step of phase 5, along its checklist.
 
-use tautline_session::Stage;
+use tautline_link::adjusting::Difference;
+use tautline_session::{Outcome, Session, Stage};
 
-use super::{Action, CheckState, Item, NextStep, checklist, connecting, waits};
+use super::{Action, NextStep, Sign, connecting, identification, of_controller, status};
 use crate::model::command::{ReportCommand, RobotCommand};
 use crate::model::phase::{Phase, PhaseStatus, Progress};
-use crate::model::{Model, OpenSession, phase_status};
+use crate::model::{Model, OpenSession};
+use tautline_workflow::accuracy::before_and_after;
+use tautline_workflow::adjusting::{self, Check, CheckState, Item};
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::report::ReportFormat;
-use tautline_workflow::wording::count;
+use tautline_workflow::wording::{count, sentence};
+
+/// What is wrong with the values, the controller, and what was written and measured.
+pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
+    let session = open.session();
+    let mut signs: Vec<Sign> = of_values(model, open).into_iter().collect();
+    signs.extend(of_controller(model));
+    let review = model.review();
+    let with_controller = |text: &str, (action, then): (Action, &'static str)| {
+        let (action, then) = connecting(model, session).unwrap_or((Some(action), then));
+        Sign::new(text, action, then)
+    };
+    signs.extend(
+        match session.adjustments().last().map(|last| &last.outcome) {
+            Some(Outcome::Failed(why)) if !open.fit_is_current() => {
+                let (action, then) = unidentified(open);
+                Some(Sign::new(why, Some(action), then))
+            }
+            Some(Outcome::Failed(why)) => Some(with_controller(why, write(session, &review.lines))),
+            Some(Outcome::Begun | Outcome::Unsettled(_)) => {
+                let settle = Action::new("Settle the interrupted values", RobotCommand::Arm);
+                let text = model.unsettled().unwrap_or_default();
+                let then = "Nothing moves and nothing is written before.";
+                Some(with_controller(&text, (settle, then)))
+            }
+            _ => None,
+        },
+    );
+    signs.extend(adjusting::refusal(&review.lines).map(|why| {
+        Sign::new(
+            sentence(&why),
+            None,
+            "End the correction at the controller first.",
+        )
+    }));
+    let is_worse = |check: &Check| check.state == CheckState::Bad;
+    if open.checklist(&review.lines).iter().any(is_worse) {
+        let back = Action::new("Roll back the values", RobotCommand::RollBack);
+        let text = "The robot is less accurate than before.";
+        let then = "Take the values back, then diagnose the model.";
+        signs.push(with_controller(text, (back, then)));
+    }
+    if let Err(error) = before_and_after(session) {
+        signs.push(with_controller(&error, measure(session, Stage::After)));
+    }
+    signs
+}
+
+/// What is wrong in phase 4 with the values that would be written.
+#[must_use]
+pub fn of_values(model: &Model, open: &OpenSession) -> Option<Sign> {
+    if !open.fit_is_current() {
+        return None;
+    }
+    let sign = identification::of_values(model, open).into_iter().next()?;
+    let then = "Its values can make the robot less accurate.";
+    let go = Action::go(Phase::Identification);
+    Some(Sign::new(sign.text, Some(go), then))
+}
+
+/// The poses are measured, or the pulleys identified, before anything is written.
+fn unidentified(open: &OpenSession) -> (Action, &'static str) {
+    let action = match open.session().measurements.is_empty() {
+        true => Action::go(Phase::Measuring),
+        false => super::identify(),
+    };
+    let then = match open.fit() {
+        Some(_) => "The data changed after the last identification.",
+        None => "There is nothing to write before the pulleys are identified.",
+    };
+    (action, then)
+}
 
 pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
-    if let Some(waits) = waits(model) {
-        return waits;
-    }
-    let status = phase_status::of(model, open, Phase::Adjustment);
+    let status = status(model, open, Phase::Adjustment);
     if !open.fit_is_current() {
-        let action = match open.session().measurements.is_empty() {
-            true => Action::go(Phase::Measuring),
-            false => super::identify(),
-        };
-        let then = match open.fit() {
-            Some(_) => "The data changed after the last identification.",
-            None => "There is nothing to write before the pulleys are identified.",
-        };
+        let (action, then) = unidentified(open);
         return NextStep::new(status, Some(action), then);
     }
     let review = model.review();
-    let changes = review.changes().count();
-    let checks = checklist(open, &review.lines);
+    let checks = open.checklist(&review.lines);
     let next = checks.iter().find(|check| check.state == CheckState::Next);
     let Some(next) = next.map(|check| check.item) else {
         let action = Action::new(
@@ -44,12 +107,12 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
         );
         return NextStep::new(status, Some(action), "Then: save the session.");
     };
-    let is_worse = checks.iter().any(|check| check.state == CheckState::Bad);
-    if next == Item::Accept && !is_worse {
+    if next == Item::Accept {
         let accept = Action::new("Accept the robot", RobotCommand::Accept);
         return NextStep::new(status, Some(accept), "Then: save the report.");
     }
-    if let Some((action, then)) = connecting(model, open.session()) {
+    let session = open.session();
+    if let Some((action, then)) = connecting(model, session) {
         return NextStep::new(status, action, then);
     }
     let (action, then) = match next {
@@ -60,25 +123,27 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
                     "The controller gets parameters for what the doctor found.",
                 )
             })
-            .unwrap_or_else(|| measure(Stage::Before)),
-        Item::Review | Item::Write if changes > 0 => {
-            let title = format!("Write {}…", count(changes, "value"));
-            let then = "You are asked for your name before anything is written.";
-            (Action::new(title, RobotCommand::Write), then)
-        }
-        Item::Review | Item::Write | Item::MeasureAfter => measure(Stage::After),
-        Item::Accept => {
-            let back = Action::new("Roll back the values", RobotCommand::RollBack);
-            (
-                back,
-                "The robot is less accurate than before: take the values back, then diagnose the model.",
-            )
-        }
+            .unwrap_or_else(|| measure(session, Stage::Before)),
+        Item::Review | Item::Write => write(session, &review.lines),
+        Item::MeasureAfter | Item::Accept => measure(session, Stage::After),
     };
     NextStep::new(status, Some(action), then)
 }
 
-fn measure(stage: Stage) -> (Action, &'static str) {
+/// What differs is written; where nothing does, it is measured.
+fn write(session: &Session, differences: &[Difference]) -> (Action, &'static str) {
+    let changes = differences.iter().filter(|one| one.is_writable_change());
+    match changes.count() {
+        0 => measure(session, Stage::After),
+        changes => {
+            let title = format!("Write {}…", count(changes, "value"));
+            let then = "You are asked for your name before anything is written.";
+            (Action::new(title, RobotCommand::Write), then)
+        }
+    }
+}
+
+fn measure(session: &Session, stage: Stage) -> (Action, &'static str) {
     let (title, then) = match stage {
         Stage::Before => (
             "Measure before",
@@ -89,14 +154,15 @@ fn measure(stage: Stage) -> (Action, &'static str) {
             "The robot moves to test poses. Then: accept the robot.",
         ),
     };
+    let title = match adjusting::to_continue(session, stage) {
+        Some(run) => format!("{title}: continue ({} of {})", run.rows.len(), run.planned),
+        None => title.to_owned(),
+    };
     (Action::new(title, RobotCommand::Verify(stage)), then)
 }
 
 /// A simulated controller gets parameters for effects that it cannot correct yet.
-fn missing_parameters(
-    model: &Model,
-    differences: &[tautline_link::adjusting::Difference],
-) -> Option<Action> {
+fn missing_parameters(model: &Model, differences: &[Difference]) -> Option<Action> {
     let kind = model
         .link
         .connected

@@ -1,107 +1,265 @@
 //! The next step of phase 4: identify, diagnose, add what was found, until the model explains the readings.
 
 use tautline_core::diagnosis::{Finding, Verdict};
+use tautline_core::effect::EffectSetting;
+use tautline_core::planning::USUAL_POSES;
 
-use super::{Action, NextStep, identify};
-use crate::model::command::{DIAGNOSING, IDENTIFYING, IdentificationCommand};
-use crate::model::phase::{Phase, PhaseStatus};
-use crate::model::{Model, OpenSession, findings, phase_status};
+use super::{Action, NextStep, Sign, identify, plan, status};
+use crate::model::command::{FileCommand, IdentificationCommand, ImportCommand, RecordingCommand};
+use crate::model::phase::Phase;
+use crate::model::{Model, OpenSession, findings};
 use tautline_workflow::diagnosis::Diagnosed;
-use tautline_workflow::identification::FitVerdict;
-use tautline_workflow::wording::count;
+use tautline_workflow::foreign_writes;
+use tautline_workflow::identification::{FitVerdict, Identification};
+use tautline_workflow::importing::can_import_again;
+use tautline_workflow::precalibration::Table;
+use tautline_workflow::readiness::{COMPLETE, CheckItem, CheckOutcome, PLAUSIBLE};
+use tautline_workflow::wording::{count, sentence};
+
+/// Something to do, with what comes after it.
+type Step = (Action, &'static str);
 
 pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
-    let status = phase_status::of(model, open, Phase::Identification);
+    let status = status(model, open, Phase::Identification);
     if open.session().measurements.is_empty() {
         let action = Action::go(Phase::Measuring);
         return NextStep::new(status, Some(action), "Identification needs measured poses.");
-    }
-    for (title, text) in [
-        (IDENTIFYING, "Identifying."),
-        (DIAGNOSING, "Diagnosing the model."),
-    ] {
-        let running = model
-            .tasks
-            .running()
-            .iter()
-            .find(|task| task.title == title);
-        if let Some(task) = running {
-            let progress = task.progress();
-            let words = match progress.text.is_empty() {
-                true => text.to_owned(),
-                false => format!("{}: {}.", text.trim_end_matches('.'), progress.text),
-            };
-            return NextStep::wait(words, progress.fraction, "");
-        }
     }
     let Some(fit) = open.fit().filter(|_| open.fit_is_current()) else {
         let then = "Then: check whether the model explains the readings.";
         return NextStep::new(status, Some(identify()), then);
     };
-    let poses = count(fit.dataset.measurements.len(), "pose");
-    let status = PhaseStatus {
-        line: format!("identified from {poses}: {}", status.line),
-        ..status
-    };
-    let diagnosed = open.diagnosis().filter(|_| open.diagnosis_is_current());
-    if let Some(diagnosed) = diagnosed
-        && let Some(step) = proposed(open, diagnosed, status.clone())
-    {
-        return step;
+    let is_doubtful = FitVerdict::of(fit.solution.p_value()) == FitVerdict::Doubtful;
+    if is_doubtful && !open.is_model_diagnosed() {
+        let (action, then) = diagnose();
+        return NextStep::new(status, Some(action), then);
     }
-    let is_adequate = match FitVerdict::of(fit.solution.p_value()) {
-        FitVerdict::Inadequate | FitVerdict::Doubtful => false,
-        FitVerdict::Adequate | FitVerdict::NoiseOverstated | FitVerdict::Untested => true,
-    };
-    if !is_adequate && !open.is_model_diagnosed() {
-        let action = Action::new("Diagnose model", IdentificationCommand::Diagnose);
-        return NextStep::new(status, Some(action), "Then: add the causes to the model.");
-    }
-    let then = match is_adequate {
-        true => "Then: measure the accuracy, write the values, measure again.",
-        false => {
-            "The model does not explain the data: values from it can make the robot less accurate."
+    let then = match is_doubtful {
+        false => "Then: measure the accuracy, write the values, measure again.",
+        true => {
+            "The model hardly explains the data: values from it can make the robot less accurate."
         }
     };
     NextStep::new(status, Some(Action::go(Phase::Adjustment)), then)
 }
 
-/// What a diagnosis proposes that is not decided yet: causes for the model first, then poses that tell causes apart.
-fn proposed(open: &OpenSession, diagnosed: &Diagnosed, status: PhaseStatus) -> Option<NextStep> {
+/// What is wrong with the readings and with the model, and what the diagnosis proposes that is not decided yet.
+pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
+    let mut signs = of_values(model, open);
+    let diagnosed = open.diagnosis().filter(|_| open.diagnosis_is_current());
+    if let Some(diagnosed) = diagnosed {
+        let undecided = findings::undecided(open, diagnosed);
+        let step = of_findings(model, diagnosed, &undecided);
+        signs.extend(step.map(|(action, then)| {
+            let text = format!("{} to look at.", count(undecided.len(), "finding"));
+            Sign::new(text, Some(action), then)
+        }));
+    }
+    signs
+}
+
+/// What is wrong with readings and fit, so that the values must not be used.
+pub(super) fn of_values(model: &Model, open: &OpenSession) -> Vec<Sign> {
+    if open.session().measurements.is_empty() {
+        return Vec::new();
+    }
+    let checks = checked(model, open);
+    let mut signs: Vec<Sign> = checks.into_iter().filter_map(|(_, sign)| sign).collect();
+    let written = foreign_writes::sentences(open.session()).into_iter();
+    signs.extend(written.map(|text| {
+        let (action, then) = measure_again(Vec::new());
+        Sign::new(text, Some(action), then)
+    }));
+    if let Some(fit) = open.fit().filter(|_| open.fit_is_current()) {
+        signs.extend(of_fit(model, open, fit));
+    }
+    signs
+}
+
+/// The check of the readings; what is wrong with them, as long as no model explains them.
+#[must_use]
+pub fn checked<'m>(model: &'m Model, open: &'m OpenSession) -> Vec<(&'m CheckItem, Option<Sign>)> {
+    let whole = model.identification.readiness.as_ref();
+    let whole = whole.filter(|(of, _)| *of == open.inputs());
+    let items = whole.map_or(open.checked_readings(), |(_, found)| &found.checks);
+    let fit = open.fit().filter(|_| open.fit_is_current());
+    let is_explained =
+        fit.is_some_and(|fit| FitVerdict::of(fit.solution.p_value()) == FitVerdict::Adequate);
+    let sign = |item: &CheckItem| {
+        (item.outcome == CheckOutcome::Fail && !is_explained).then(|| {
+            let (action, then) = of_check(model, open, item);
+            let advice = item.action.clone();
+            let text = format!("{}: {}", item.title(), item.sentence);
+            Sign::new(
+                text,
+                Some(action),
+                advice.unwrap_or_else(|| then.to_owned()),
+            )
+        })
+    };
+    items.iter().map(|item| (item, sign(item))).collect()
+}
+
+/// A wrong sign, unit or channel is one of the recipe where there is one; else the doctor may name it.
+fn of_check(model: &Model, open: &OpenSession, item: &CheckItem) -> Step {
+    match item.name.as_str() {
+        COMPLETE | PLAUSIBLE if can_import_again(open.session()) => {
+            let back = Action::new("Back to import", RecordingCommand::Correct);
+            (back, "Then: import the readings again.")
+        }
+        PLAUSIBLE => of_model(model, open),
+        COMPLETE if !open.missing().is_empty() => {
+            (Action::go(Phase::Measuring), "Then: measure the poses.")
+        }
+        _ => more_poses(),
+    }
+}
+
+/// What is wrong with a fit; the doctor says what the model lacks.
+#[must_use]
+pub fn of_fit(model: &Model, open: &OpenSession, fit: &Identification) -> Vec<Sign> {
+    let mut signs = Vec::new();
+    let mut add = |text: String, (action, then): Step| {
+        signs.push(Sign::new(text, Some(action), then));
+    };
+    if !fit.solution.converged() {
+        let text = "The identification did not converge: do not use these values.";
+        add(text.to_owned(), of_model(model, open));
+    }
+    if let Some(place) = fit.extrapolation() {
+        let text = format!("{}: the result does not hold there.", sentence(&place));
+        let measure = Action::new(
+            "Measure the elongation further",
+            ImportCommand::Show(Table::Elongation),
+        );
+        add(text, (measure, "Then: identify the pulleys again."));
+    }
+    let explains = FitVerdict::of(fit.solution.p_value());
+    let diagnosed = open.diagnosis().filter(|_| open.is_model_diagnosed());
+    if explains == FitVerdict::Inadequate || diagnosed.is_some_and(|d| !findings::explain(d)) {
+        let text = format!("{}.", sentence(FitVerdict::Inadequate.words()));
+        add(text, of_model(model, open));
+    }
+    signs
+}
+
+/// What is to be done about a model that does not explain the readings.
+fn of_model(model: &Model, open: &OpenSession) -> Step {
+    let diagnosed = open.diagnosis().filter(|_| open.diagnosis_is_current());
+    let Some(diagnosed) = diagnosed else {
+        return diagnose();
+    };
     let undecided = findings::undecided(open, diagnosed);
-    let is_list = |finding: &&Finding| finding.is_list();
+    let of_findings = of_findings(model, diagnosed, &undecided);
+    of_findings.unwrap_or_else(|| match open.is_model_diagnosed() {
+        false => diagnose(),
+        true if diagnosed.diagnosis.noise.is_empty() => more_poses(),
+        true => (
+            Action::go(Phase::Modeling),
+            "No cause was found, but the noise is not the stated one: correct it in the description.",
+        ),
+    })
+}
+
+/// What is to be done about findings: causes that last are part of the model, and a new series is measured without those
+/// that do not; then poses tell several causes apart, and patterns describe what has no cause.
+fn of_findings(model: &Model, diagnosed: &Diagnosed, undecided: &[&Finding]) -> Option<Step> {
+    let open = model.open.as_ref()?;
     let has_name = |finding: &&Finding| finding.verdict() != Verdict::Unknown && !finding.is_list();
     let named: Vec<&Finding> = undecided.iter().copied().filter(has_name).collect();
-    let then = "Then: the model is identified again.";
-    if let [first, others @ ..] = &named[..] {
-        let title = match others {
-            [] => format!("Add to model: {}", diagnosed.subject(&first.subject)),
-            _ => "Add all findings".to_owned(),
+    let not_added = model.identification.not_added.as_ref();
+    let lasts = |finding: &Finding| {
+        let is_damage = finding
+            .cause()
+            .is_some_and(|cause| cause.effect().is_damage());
+        let failed =
+            not_added.is_some_and(|(effects, _)| findings::has_any(diagnosed, finding, effects));
+        !is_damage && !failed
+    };
+    let (lasting, passing): (Vec<&Finding>, Vec<&Finding>) =
+        named.iter().copied().partition(|finding| lasts(finding));
+    if let [first, others @ ..] = &lasting[..] {
+        let title = match others.len() {
+            0 => format!("Add to model: {}", diagnosed.subject(&first.subject)),
+            _ if lasting.len() == undecided.len() => "Add all findings".to_owned(),
+            _ => format!("Add {}", count(lasting.len(), "finding")),
         };
-        let action = Action::new(title, findings::adding(diagnosed, &named));
-        return Some(NextStep::new(status, Some(action), then));
+        let action = Action::new(title, findings::adding(diagnosed, &lasting));
+        return Some((action, "Then: the model is identified again."));
     }
-    let finding = undecided.into_iter().find(is_list)?;
+    if !passing.is_empty() {
+        let causes = passing.iter().filter_map(|finding| finding.cause());
+        let repaired = causes.flat_map(|cause| diagnosed.settings(cause));
+        return Some(measure_again(repaired.collect()));
+    }
+    let Some(finding) = undecided.iter().find(|finding| finding.is_list()) else {
+        return (!undecided.is_empty()).then(|| pattern(model, open));
+    };
     let poses = finding.separation.as_ref().map_or(&[][..], |s| &s.poses);
-    if poses.is_empty() {
-        let likeliest = diagnosed.subject(&finding.subject);
-        let action = Action::new(
-            format!("Add to model: {likeliest}"),
-            findings::adding(diagnosed, &[finding]),
-        );
-        let then = "It is the likeliest of several causes, which are compared above.";
-        return Some(NextStep::new(status, Some(action), then));
+    let likeliest = diagnosed.subject(&finding.subject);
+    Some(if poses.is_empty() {
+        let title = format!("Add to model: {likeliest}");
+        let add = Action::new(title, findings::adding(diagnosed, &[finding]));
+        (
+            add,
+            "It is the likeliest of several causes, which are compared above.",
+        )
+    } else if findings::are_planned(open, poses) {
+        (
+            Action::go(Phase::Measuring),
+            "Several causes are possible: the poses that tell them apart are planned.",
+        )
+    } else {
+        let title = format!("Add {} to the plan", count(poses.len(), "pose"));
+        (
+            Action::new(title, findings::planning(open, poses)),
+            "Several causes are possible: measure the poses that tell them apart, or choose one above.",
+        )
+    })
+}
+
+/// An error without a name: what it looks like, and the likeliest pattern for the model.
+fn pattern(model: &Model, open: &OpenSession) -> Step {
+    let found = model.identification.patterns.as_ref();
+    match found.filter(|(of, _)| *of == open.inputs()) {
+        None => (
+            Action::new(
+                "What does it look like?",
+                IdentificationCommand::FindFormulas,
+            ),
+            "No known cause explains the error: formulas of position, tension and time are tried.",
+        ),
+        Some((_, Ok(patterns))) if !patterns.is_empty() => (
+            Action::new(
+                "Extend the model by the likeliest pattern",
+                findings::extending(&patterns[0]),
+            ),
+            "A pattern is no cause. Then: the model is identified again.",
+        ),
+        Some(_) => (
+            measure_again(Vec::new()).0,
+            "No known cause and no pattern explains the error: look for it in the workshop first.",
+        ),
     }
-    if findings::are_planned(open, poses) {
-        let action = Action::go(Phase::Measuring);
-        let then = "Several causes are possible: the poses that tell them apart are planned.";
-        return Some(NextStep::new(status, Some(action), then));
-    }
-    let action = Action::new(
-        format!("Add {} to the plan", count(poses.len(), "pose")),
-        findings::planning(open, poses),
-    );
-    let then =
-        "Several causes are possible: measure the poses that tell them apart, or choose one above.";
-    Some(NextStep::new(status, Some(action), then))
+}
+
+fn diagnose() -> Step {
+    let action = Action::new("Diagnose model", IdentificationCommand::Diagnose);
+    (action, "Then: add the causes to the model.")
+}
+
+/// A new series of the same poses, without what was repaired.
+fn measure_again(repaired: Vec<EffectSetting>) -> Step {
+    let title = match repaired.len() {
+        0 => "Measure again",
+        _ => "Repaired: measure again",
+    };
+    let action = Action::new(title, FileCommand::NewSeries(repaired));
+    let then = "The same poses in a new series. The present readings stay in their file.";
+    (action, then)
+}
+
+fn more_poses() -> Step {
+    let action = plan(USUAL_POSES).in_phase(Phase::Measuring);
+    (action, "No cause was found: more poses show more.")
 }

@@ -1,24 +1,19 @@
 //! The next step of phase 3: plan, connect, arm, measure.
 
-use super::{Action, NextStep, connecting, identify, plan, waits};
-use crate::model::command::{PLANNING, RobotCommand};
+use super::{Action, NextStep, Sign, connecting, identify, of_controller, plan, status};
+use crate::model::command::{ImportCommand, RobotCommand};
 use crate::model::link::{LinkRequest, RunLog};
 use crate::model::phase::{Phase, Progress};
-use crate::model::{Model, OpenSession, phase_status};
+use crate::model::{Model, OpenSession};
+use tautline_workflow::precalibration::Table;
 use tautline_workflow::wording::sentence;
 
 pub(super) fn of(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
-    let session = open.session();
-    let status = phase_status::of(model, open, Phase::Measuring);
-    if model.tasks.runs(PLANNING) {
-        return NextStep::wait("Planning poses.", None, "Then: connect the controller.");
-    }
-    if let Some(step) = running(model) {
+    if let Some(step) = paused(model) {
         return step;
     }
-    if let Some(waits) = waits(model) {
-        return waits;
-    }
+    let session = open.session();
+    let status = status(model, open, Phase::Measuring);
     let decides = session.settings.until.enabled;
     let has_decided = model.link.run.as_ref().is_some_and(RunLog::has_decided);
     let is_complete = open.missing().is_empty() || decides && has_decided;
@@ -48,21 +43,58 @@ pub(super) fn of(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
     NextStep::new(status, Some(action), "Then: the robot moves. Stop: F12.")
 }
 
-/// A measuring run, paused or not.
-fn running(model: &Model) -> Option<NextStep> {
+/// What is wrong before poses are measured, and while they are.
+pub(super) fn signs(model: &Model, open: &OpenSession) -> Vec<Sign> {
+    let signs = failed_save(model).into_iter().chain(no_home(open));
+    signs.chain(of_controller(model)).collect()
+}
+
+/// A measured pose that could not be kept on disk.
+#[must_use]
+pub fn failed_save(model: &Model) -> Option<Sign> {
+    let pending = model.link.pending.as_ref();
+    let label = pending.filter(|pending| pending.failed)?.pose.label();
+    let text = format!(
+        "Pose {label} was measured but could not be saved. The run is paused: free disk space or fix permissions, then retry."
+    );
+    let retry = Action::new("Retry save", RobotCommand::RetrySave);
+    Some(Sign::new(text, Some(retry), "Then: the run goes on."))
+}
+
+/// Revolutions without the pose from which they count.
+#[must_use]
+pub fn no_home(open: &OpenSession) -> Option<Sign> {
+    let session = open.session();
+    if session.robot.home.is_some() || !session.measurements.length_m.is_empty() {
+        return None;
+    }
+    let text = "This robot has no home pose, so revolutions have no reference. Measure it first.";
+    let measure = Action::new("Measure the home pose", ImportCommand::Show(Table::Home));
+    let then = "On the home platform, or with another instrument.";
+    Some(Sign::new(text, Some(measure), then))
+}
+
+/// A measuring run that needs nobody.
+pub(super) fn running(model: &Model) -> Option<NextStep> {
+    let run = model.link.run.as_ref()?;
+    if run.paused.is_some() || failed_save(model).is_some() {
+        return None;
+    }
+    let words = [
+        Some(poses_measured(run)),
+        model.link.doing().map(|doing| lowercase(&doing)),
+        model.link.time_left(),
+    ];
+    let words: Vec<String> = words.into_iter().flatten().collect();
+    let text = format!("{}.", words.join("; "));
+    let then = "Then: identify the pulleys.";
+    Some(NextStep::wait(text, Some(share(run)), then))
+}
+
+/// A measuring run that is paused.
+fn paused(model: &Model) -> Option<NextStep> {
     let run = model.link.run.as_ref().filter(|run| !run.has_ended())?;
-    let (done, of) = (run.done(), run.of());
-    let share = Some(done as f32 / of.max(1) as f32);
-    let Some(reason) = &run.paused else {
-        let words = [
-            Some(poses_measured(run)),
-            model.link.doing().map(|doing| lowercase(&doing)),
-            model.link.time_left(),
-        ];
-        let words: Vec<String> = words.into_iter().flatten().collect();
-        let text = format!("{}.", words.join("; "));
-        return Some(NextStep::wait(text, share, "Then: identify the pulleys."));
-    };
+    let reason = run.paused.as_ref()?;
     let resume = Action::new("Resume", LinkRequest::Resume);
     let arm = Action::new("Arm the controller", RobotCommand::Arm);
     let action = match (model.link.is_connected(), model.link.is_armed()) {
@@ -73,10 +105,14 @@ fn running(model: &Model) -> Option<NextStep> {
     Some(NextStep {
         progress: Progress::Attention,
         done: format!("{}; the run is paused.", poses_measured(run)),
-        share,
+        share: Some(share(run)),
         action,
         then: format!("{}.", sentence(reason.trim_end_matches('.'))),
     })
+}
+
+fn share(run: &RunLog) -> f32 {
+    run.done() as f32 / run.of().max(1) as f32
 }
 
 fn poses_measured(run: &RunLog) -> String {

@@ -1,18 +1,27 @@
-//! What is done in a phase, the one thing to do next, and what comes after it.
+//! What is done in a phase, the one thing to do next, and what comes after it. What is wrong comes first: its remedy is the
+//! one thing to do.
 
 mod adjustment;
-mod checklist;
+mod bench;
 mod identification;
 mod measuring;
+mod sign;
 
-pub use checklist::{Check, CheckState, Item, checklist};
+pub use adjustment::of_values;
+pub use identification::{checked, of_fit};
+pub use measuring::{failed_save, no_home};
+pub use sign::Sign;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
+use tautline_link::Activity;
 use tautline_session::Session;
 use tautline_workflow::controllers::Kind;
 
-use super::command::{Command, IdentificationCommand, RobotCommand, Setup, ViewCommand};
-use super::edit::Edit;
+use super::command::{
+    Command, DIAGNOSING, FORMULAS, IDENTIFYING, IdentificationCommand, PLANNING, RobotCommand,
+    Setup, ViewCommand,
+};
+use super::link::LinkRequest;
 use super::phase::{Phase, PhaseStatus, Progress, Screen};
 use super::{Model, OpenSession, phase_status};
 use tautline_workflow::wording::{count, sentence};
@@ -63,6 +72,14 @@ impl Action {
         let go = ViewCommand::Go(Screen::Phase(phase));
         Self::new(title, go)
     }
+
+    /// The phase in which it does more than to go there.
+    fn works_in(&self) -> Option<Phase> {
+        match &self.commands[..] {
+            [Command::View(ViewCommand::Go(Screen::Phase(phase))), _, ..] => Some(*phase),
+            _ => None,
+        }
+    }
 }
 
 impl NextStep {
@@ -89,70 +106,90 @@ impl NextStep {
 }
 
 /// The next step of a phase; `poses` are to be planned if none are. Nothing without a session.
+///
+/// What runs is waited for. Else the first thing that is wrong is remedied: here, and where the next step would work.
 #[must_use]
 pub fn of(model: &Model, phase: Phase, poses: usize) -> Option<NextStep> {
     let open = model.open.as_ref()?;
-    Some(match phase {
-        Phase::Precalibration => precalibration(model, open, poses),
-        Phase::Modeling => modeling(model, open, poses),
-        Phase::Measuring => measuring::of(model, open, poses),
-        Phase::Identification => identification::of(model, open),
-        Phase::Adjustment => adjustment::of(model, open),
-    })
+    if let Some(running) = running(model, phase) {
+        return Some(running);
+    }
+    let mut signs = signs(model, phase);
+    if signs.is_empty() {
+        let step = match phase {
+            Phase::Precalibration | Phase::Modeling => bench::of(model, (open, phase), poses),
+            Phase::Measuring => measuring::of(model, open, poses),
+            Phase::Identification => identification::of(model, open),
+            Phase::Adjustment => adjustment::of(model, open),
+        };
+        let works_in = step.action.as_ref().and_then(Action::works_in);
+        signs = works_in.map_or_else(Vec::new, |other| self::signs(model, other));
+        if signs.is_empty() {
+            return Some(step);
+        }
+    }
+    let status = PhaseStatus {
+        progress: Progress::Attention,
+        ..status(model, open, phase)
+    };
+    let Sign { remedy, then, .. } = signs.swap_remove(0);
+    Some(NextStep::new(status, remedy, then))
 }
 
-/// Phase 1: measured values are applied, all at once.
-fn precalibration(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
-    let status = phase_status::of(model, open, Phase::Precalibration);
-    let all = open.calibration().with_all();
-    let robot = all.robot.ok().filter(|_| !all.is_used);
-    if let (Some(robot), Progress::InProgress) = (robot, status.progress) {
-        let edit = Edit::SetRobot(Box::new(robot), "apply measured values".to_owned());
-        let action = Action::new("Apply measured values", edit);
-        return NextStep::new(status, Some(action), "Then: measure poses.");
+/// What is wrong in a phase, the first thing first; each is shown there in red. Nothing without a session.
+#[must_use]
+pub fn signs(model: &Model, phase: Phase) -> Vec<Sign> {
+    let Some(open) = &model.open else {
+        return Vec::new();
+    };
+    match phase {
+        Phase::Precalibration | Phase::Modeling => bench::signs(open, phase),
+        Phase::Measuring => measuring::signs(model, open),
+        Phase::Identification => identification::signs(model, open),
+        Phase::Adjustment => adjustment::signs(model, open),
     }
-    if let Some(waits) = waits(model) {
-        return waits;
-    }
-    let (action, then) = towards_measuring(open, poses);
-    NextStep::new(status, Some(action), then)
 }
 
-/// Phase 2: a measured elongation is applied.
-fn modeling(model: &Model, open: &OpenSession, poses: usize) -> NextStep {
-    let status = phase_status::of(model, open, Phase::Modeling);
-    if let Some(edit) = elongation(open) {
-        let action = Action::new("Apply measured elongation", edit);
-        return NextStep::new(status, Some(action), "Then: measure poses.");
+/// The state of a phase; that of the identification with its poses.
+fn status(model: &Model, open: &OpenSession, phase: Phase) -> PhaseStatus {
+    let status = phase_status::of(model, open, phase);
+    let fit = open.fit().filter(|_| open.fit_is_current());
+    let (Phase::Identification, Some(fit)) = (phase, fit) else {
+        return status;
+    };
+    let poses = count(fit.dataset.measurements.len(), "pose");
+    PhaseStatus {
+        line: format!("identified from {poses}: {}", status.line),
+        ..status
     }
-    if let Some(waits) = waits(model) {
-        return waits;
-    }
-    let (action, then) = towards_measuring(open, poses);
-    NextStep::new(status, Some(action), then)
 }
 
-/// The edit that applies a measured elongation which the robot does not have yet.
-fn elongation(open: &OpenSession) -> Option<Edit> {
-    let calibration = open.calibration();
-    let is_fitted = matches!(calibration.elongation, Some(Ok(_)));
-    let proposal = &calibration.with_elongation;
-    let robot = proposal.robot.as_ref().ok();
-    let robot = robot.filter(|_| is_fitted && !proposal.is_used)?;
-    let name = "apply measured elongation".to_owned();
-    Some(Edit::SetRobot(Box::new(robot.clone()), name))
-}
-
-/// From phases 1 and 2 to phase 3, with its first step where that moves nothing.
-fn towards_measuring(open: &OpenSession, poses: usize) -> (Action, &'static str) {
-    let session = open.session();
-    let nothing = session.plan.is_empty() && session.measurements.is_empty();
-    match nothing {
-        true => (
-            plan(poses).in_phase(Phase::Measuring),
-            "Then: connect the controller and measure.",
-        ),
-        false => (Action::go(Phase::Measuring), "Poses are planned."),
+/// What is computed in a phase, or what the robot does.
+fn running(model: &Model, phase: Phase) -> Option<NextStep> {
+    let tasks: &[(&str, &str, &str)] = match phase {
+        Phase::Measuring => &[(PLANNING, "Planning poses", "Then: connect the controller.")],
+        Phase::Identification => &[
+            (IDENTIFYING, "Identifying", ""),
+            (DIAGNOSING, "Diagnosing the model", ""),
+            (FORMULAS, "Trying patterns", ""),
+        ],
+        _ => &[],
+    };
+    for (title, text, then) in tasks {
+        let mut running = model.tasks.running().iter();
+        if let Some(task) = running.find(|task| task.title == *title) {
+            let progress = task.progress();
+            let words = match progress.text.is_empty() {
+                true => format!("{text}."),
+                false => format!("{text}: {}.", progress.text),
+            };
+            return Some(NextStep::wait(words, progress.fraction, *then));
+        }
+    }
+    match phase {
+        Phase::Measuring if model.link.is_measuring() => measuring::running(model),
+        Phase::Identification => None,
+        _ => moving(model),
     }
 }
 
@@ -162,7 +199,7 @@ fn plan(poses: usize) -> Action {
 }
 
 /// The robot moves, or is written to, from another phase than the one that is shown.
-fn waits(model: &Model) -> Option<NextStep> {
+fn moving(model: &Model) -> Option<NextStep> {
     let doing = model.link.doing()?;
     let words: Vec<String> = [Some(doing), model.link.time_left()]
         .into_iter()
@@ -180,15 +217,24 @@ fn waits(model: &Model) -> Option<NextStep> {
     ))
 }
 
+/// What is wrong with the controller.
+fn of_controller(model: &Model) -> Option<Sign> {
+    let live = model.link.live();
+    if live.lost.is_some() {
+        let now = Action::new("Reconnect now", LinkRequest::TryNow);
+        let then = "Tautline reconnects by itself, too.";
+        return Some(Sign::new("The connection is lost.", Some(now), then));
+    }
+    let Activity::Fault(text) = live.state?.activity else {
+        return None;
+    };
+    let then = "Clear the fault at the controller: nothing moves before.";
+    Some(Sign::new(format!("Fault: {text}"), None, then))
+}
+
 /// Connecting and arming what the session's settings name; nothing once that is done.
 fn connecting(model: &Model, session: &Session) -> Option<(Option<Action>, &'static str)> {
     let link = &model.link;
-    if link.lost().is_some() {
-        return Some((
-            None,
-            "The connection is lost: Tautline reconnects by itself.",
-        ));
-    }
     if link.connecting {
         return Some((None, "Connecting."));
     }

@@ -5,8 +5,8 @@ use egui_material_icons::{MaterialIcon, icons};
 use tautline_link::adjusting::Difference;
 
 use crate::model::Model;
-use crate::model::next_step::{Check, CheckState, checklist};
 use crate::theme::{self, GRID, Palette};
+use tautline_workflow::adjusting::{Check, CheckState};
 
 pub(super) fn show(ui: &mut Ui, model: &Model, differences: &[Difference]) {
     let Some(open) = &model.open else {
@@ -15,7 +15,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, differences: &[Difference]) {
     ui.add_space(GRID);
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.5 * GRID;
-        for (number, check) in checklist(open, differences).iter().enumerate() {
+        for (number, check) in open.checklist(differences).iter().enumerate() {
             line(ui, number + 1, check);
         }
     });

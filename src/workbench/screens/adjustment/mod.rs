@@ -11,19 +11,17 @@ use egui::{Button, Ui};
 use egui_material_icons::icons;
 
 use super::measuring::controller;
-use crate::model::Memo;
-use crate::model::Model;
-use crate::model::accuracy_figures::Figures;
 use crate::model::command::Outbox;
-use crate::model::command::{Export, IdentificationCommand, RobotCommand, ViewCommand};
+use crate::model::command::{Export, RobotCommand};
 use crate::model::edit::Edit;
 use crate::model::link::LinkRequest;
-use crate::model::phase::{Phase, Screen};
+use crate::model::next_step::of_values;
+use crate::model::{Memo, Model, OpenSession};
 use crate::theme::GRID;
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
+use tautline_workflow::accuracy::Figure;
 use tautline_workflow::adjusting::{self, Review};
 use tautline_workflow::controllers::Kind;
-use tautline_workflow::identification::FitVerdict;
 use tautline_workflow::wording::sentence;
 
 pub(crate) use table::lines;
@@ -33,7 +31,7 @@ pub(crate) use table::lines;
 pub struct PanelState {
     /// Whether parameters that stay as they are are shown as well.
     all: bool,
-    figures: Memo<(u64, u64), Result<Figures, String>>,
+    figures: Memo<(u64, u64), Result<Vec<Figure>, String>>,
     /// The pose that is typed at a target.
     typed: typed::Typed,
 }
@@ -47,68 +45,43 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         ui,
         "The identified values are written to the controller; an external instrument verifies the result.",
     );
-    let current = model.open.as_ref().is_some_and(|d| d.fit_is_current());
-    if !current {
-        missing(ui, model, outbox);
+    let Some(open) = &model.open else {
+        return;
+    };
+    let current = open.fit_is_current();
+    match current {
+        true => doubt(ui, model, open),
+        false => missing(ui, open),
     }
     let review = model.review();
     checks::show(ui, model, &review.lines);
     controller::show(ui, model, outbox);
     if current {
-        doubt(ui, model, outbox);
         compare(ui, model, panel, outbox, &review);
         write(ui, model, outbox, &review);
     }
     record::show(ui, model);
-    verification::show(ui, model, panel, outbox);
+    verification::show(ui, model, panel, outbox, &review.lines);
     reveal::show(ui, model, outbox);
 }
 
-/// Warns of values from a model that misses the readings: they can make the robot worse.
-fn doubt(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    let fit = model.open.as_ref().and_then(|open| open.fit());
-    let explains = |p: f64| FitVerdict::of(Some(p)) != FitVerdict::Inadequate;
-    if fit
-        .and_then(|fit| fit.solution.p_value())
-        .is_none_or(explains)
-    {
-        return;
-    }
-    let text = "The model does not explain the readings. Its values can make the robot less accurate: diagnose the model \
-                first.";
-    verdict(ui, Verdict::Doubtful, text);
-    if ui.button("Go to the model doctor").clicked() {
-        outbox.send(IdentificationCommand::Diagnose);
-        outbox.send(ViewCommand::Go(Screen::Phase(Phase::Identification)));
+/// Warns of values that must not be written: they can make the robot worse.
+fn doubt(ui: &mut Ui, model: &Model, open: &OpenSession) {
+    if let Some(sign) = of_values(model, open) {
+        verdict(ui, Verdict::Bad, &format!("{} {}", sign.text, sign.then));
     }
 }
 
-/// Says what is missing and where to get it.
-fn missing(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    let Some(open) = &model.open else {
-        return;
-    };
-    let (text, step) = if open.session().measurements.is_empty() {
-        (
-            "Nothing is identified: no poses are measured yet.",
-            Phase::Measuring,
-        )
+/// Says what is missing.
+fn missing(ui: &mut Ui, open: &OpenSession) {
+    let text = if open.session().measurements.is_empty() {
+        "Nothing is identified: no poses are measured yet."
     } else if open.fit().is_some() {
-        (
-            "The data changed after the last identification. Identify again before anything is written.",
-            Phase::Identification,
-        )
+        "The data changed after the last identification. Identify again before anything is written."
     } else {
-        (
-            "The pulleys are not identified yet: there is nothing to write.",
-            Phase::Identification,
-        )
+        "The pulleys are not identified yet: there is nothing to write."
     };
     verdict(ui, Verdict::Neutral, text);
-    let button = format!("Go to {}", step.title().to_lowercase());
-    if ui.button(button).clicked() {
-        outbox.send(ViewCommand::Go(Screen::Phase(step)));
-    }
 }
 
 fn compare(

@@ -2,24 +2,31 @@
 
 use egui::Ui;
 use egui_material_icons::icons;
-use tautline_session::{Session, Stage};
+use tautline_link::adjusting::Difference;
+use tautline_session::Stage;
 
 use super::PanelState;
 use super::typed;
 use crate::model::Model;
-use crate::model::accuracy_figures::{Figure, figures};
 use crate::model::command::Outbox;
 use crate::model::command::{Export, FileCommand, RobotCommand};
 use crate::model::link::Doing;
 use crate::screens::measuring::motion;
 use crate::theme;
 use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
-use tautline_workflow::adjusting::title;
+use tautline_workflow::accuracy::{Figure, before_and_after};
+use tautline_workflow::adjusting;
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::wording::units::fixed;
 
 /// Draws buttons, progress and the table of both runs.
-pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+pub(super) fn show(
+    ui: &mut Ui,
+    model: &Model,
+    panel: &mut PanelState,
+    outbox: &mut Outbox,
+    differences: &[Difference],
+) {
     section(ui, "Verification");
     muted(
         ui,
@@ -32,13 +39,20 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
         return;
     };
     let session = open.session();
-    stopped(ui, session);
+    for run in [Stage::Before, Stage::After].map(|stage| adjusting::to_continue(session, stage)) {
+        if let Some(run) = run {
+            verdict(ui, Verdict::Doubtful, &adjusting::stopped_in_words(run));
+        }
+    }
     if session.verifications().is_empty() {
         return;
     }
     let key = (open.id(), open.revision());
-    match panel.figures.get(key, || figures(session)) {
-        Ok(figures) => show_figures(ui, &figures.lines),
+    match panel.figures.get(key, || before_and_after(session)) {
+        Ok(figures) => {
+            let is_held = adjusting::written(session, differences).is_some();
+            show_figures(ui, figures, is_held);
+        }
         Err(error) => verdict(ui, Verdict::Bad, &format!("{error}.")),
     }
 }
@@ -100,27 +114,6 @@ pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outb
     }
 }
 
-/// The last run, if it was stopped: nothing is computed from some of the targets.
-fn stopped(ui: &mut Ui, session: &Session) {
-    let Some(last) = session.stopped_verifications().last() else {
-        return;
-    };
-    let runs = session.verifications();
-    if runs
-        .iter()
-        .any(|run| run.stage == last.stage && run.time >= last.time)
-    {
-        return;
-    }
-    let text = format!(
-        "{}: stopped after {} of {} measurements. They are kept, but no accuracy follows from a part: measure again.",
-        title(last.stage),
-        last.rows.len(),
-        last.planned
-    );
-    verdict(ui, Verdict::Doubtful, &text);
-}
-
 /// Asks to which run an imported table belongs.
 fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     let Some(open) = &model.open else {
@@ -148,7 +141,8 @@ fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     });
 }
 
-fn show_figures(ui: &mut Ui, lines: &[Figure]) {
+/// Draws the figures, which are of the values that the controller holds, or of earlier ones.
+fn show_figures(ui: &mut Ui, lines: &[Figure], is_held: bool) {
     let main = lines.iter().find_map(|line| Some((line, line.gain()?)));
     if let Some((line, gain)) = main {
         let percent = 100.0 * gain;
@@ -158,7 +152,8 @@ fn show_figures(ui: &mut Ui, lines: &[Figure]) {
             verdict(ui, Verdict::Good, &text);
         } else {
             let text = format!("Not improved: {name} is worse by {:.0} %.", -percent);
-            verdict(ui, Verdict::Bad, &text);
+            let kinds = [Verdict::Doubtful, Verdict::Bad];
+            verdict(ui, kinds[usize::from(is_held)], &text);
         }
     }
     let columns = [

@@ -12,7 +12,7 @@ use crate::model::command::{CompareCommand, Outbox, ReportCommand, ViewCommand};
 use crate::model::comparison::{Side, Source};
 use crate::model::phase::{Phase, Screen};
 use crate::theme::{self, GRID};
-use crate::widgets::{entered, heading, icon_button};
+use crate::widgets::{entered, heading, icon_button, named};
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::wording::{recent_facts, session_facts};
@@ -191,11 +191,4 @@ fn known(
             ui.close();
         }
     }
-}
-
-/// Gives a button a name of its own, where the text alone is there twice.
-fn named(response: egui::Response, name: &str) -> egui::Response {
-    let enabled = response.enabled();
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
-    response
 }

@@ -2,27 +2,28 @@
 
 use std::collections::BTreeSet;
 
-use egui::{CornerRadius, Frame, Margin, RichText, Ui};
+use egui::{CollapsingHeader, CornerRadius, Frame, Margin, RichText, Ui};
 use egui_material_icons::icons;
 use tautline_core::diagnosis::{Cause, Evidence, Finding, FoundParameter, Verdict as Sure};
 use tautline_core::effect::{EffectSetting, Search};
 
 use super::check::back_to_import;
-use super::{Panel, ambiguous, discrepancy, effects, gain, patterns};
+use super::{Panel, ambiguous, effects, gain, patterns};
 use crate::model::command::{FileCommand, ViewCommand};
 use crate::model::edit::{Edit, same_effect};
 use crate::model::findings;
 use crate::theme::{self, GRID};
 use crate::views::plots::small;
 use crate::views::pulley_inspector;
-use crate::widgets::{Verdict, icon_button, muted, probability, verdict};
+use crate::widgets::{Verdict, icon_button, muted, named, probability, verdict};
 use tautline_workflow::diagnosis::Diagnosed;
 use tautline_workflow::diagnosis::dependences::of_finding;
-use tautline_workflow::plot::Figure;
 use tautline_workflow::wording::probability::{odds_between, percent};
 use tautline_workflow::wording::units::{self, unit_of};
 use tautline_workflow::wording::{count, odds, readings, sentence};
 
+/// Height of a plot (points).
+const HEIGHT: f32 = 190.0;
 /// Most cables of a finding whose pulleys can be inspected from there.
 const INSPECTED: usize = 2;
 
@@ -30,6 +31,10 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: u
     let Some(finding) = diagnosed.diagnosis.findings.get(number) else {
         return;
     };
+    let is_unknown = finding.verdict() == Sure::Unknown;
+    if is_unknown && largest_unknown(diagnosed) != Some(number) {
+        return;
+    }
     ui.add_space(GRID);
     let frame = Frame::new()
         .fill(ui.visuals().faint_bg_color)
@@ -63,11 +68,8 @@ fn dependence(
         return;
     };
     let button = icon_button(ui, icons::ICON_SHOW_CHART, "Show its residuals", true);
-    button.widget_info(|| {
-        let name = format!("Show the residuals of finding {}", number + 1);
-        egui::WidgetInfo::labeled(egui::Role::Button, true, name)
-    });
-    if button
+    let name = format!("Show the residuals of finding {}", number + 1);
+    if named(button, &name)
         .on_hover_text(
             "Plots them against what they depend on, and colours the cables by their residuals",
         )
@@ -148,22 +150,36 @@ fn unknown(
         Verdict::Doubtful,
         "No cause is named: only which readings depend on which variable.",
     );
-    let found = &diagnosed.diagnosis.discrepancies;
-    if let Some(index) = of_finding(found, finding) {
-        let name = format!("Residuals of finding {}", number + 1);
-        let plots = panel.open.plotted_diagnosis();
-        let figure = plots.and_then(|plots| plots.dependences.get(&index));
-        figure_of(ui, panel, figure, &name);
-    }
+    shown_by(ui, panel, diagnosed, number);
     if !finding.advice.is_empty() {
         muted(ui, "What helps");
         paragraph(ui, &finding.advice);
     }
-    // The patterns are of all unexplained errors together: they stand once, below the last of them.
-    let mut later = diagnosed.diagnosis.findings.iter().skip(number + 1);
-    if later.all(|other| other.verdict() != Sure::Unknown) {
-        patterns::show(ui, panel);
+    patterns::show(ui, panel);
+    // One fault shows in several kinds of readings.
+    let findings = diagnosed.diagnosis.findings.iter().enumerate();
+    let is_other =
+        |(index, other): &(usize, &Finding)| *index != number && other.verdict() == Sure::Unknown;
+    let others: Vec<(usize, &Finding)> = findings.filter(is_other).collect();
+    if others.is_empty() {
+        return;
     }
+    let title = format!("Where else it shows ({})", others.len());
+    CollapsingHeader::new(title).show(ui, |ui| {
+        for (index, other) in others {
+            paragraph(ui, &other.sentence);
+            shown_by(ui, panel, diagnosed, index);
+        }
+    });
+}
+
+/// The largest of the errors without a name, which has the card of all.
+fn largest_unknown(diagnosed: &Diagnosed) -> Option<usize> {
+    let findings = diagnosed.diagnosis.findings.iter().enumerate();
+    let unknown = findings.filter(|(_, finding)| finding.verdict() == Sure::Unknown);
+    let size = |finding: &Finding| finding.evidence.delta_chi2;
+    let largest = unknown.max_by(|(_, a), (_, b)| size(a).total_cmp(&size(b)));
+    largest.map(|(index, _)| index)
 }
 
 /// The plot of the readings that show a cause best.
@@ -185,14 +201,8 @@ fn shown_by(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed, number: u
         "Evidence of finding {}: {readings} against {against}",
         number + 1
     );
-    figure_of(ui, panel, Some(&evidence.figure), &name);
-}
-
-fn figure_of(ui: &mut Ui, panel: &mut Panel<'_>, figure: Option<&Figure>, name: &str) {
-    let Some(figure) = figure else {
-        return;
-    };
-    let clicked = small::show(ui, name, figure, discrepancy::HEIGHT, panel.selection);
+    let selection = panel.model.selection;
+    let clicked = small::show(ui, &name, &evidence.figure, HEIGHT, selection);
     if let Some(selection) = clicked {
         panel.outbox.send(ViewCommand::Select(selection));
     }
@@ -297,7 +307,7 @@ pub fn actions(
         in_model(ui, panel, &settings, name);
         return;
     }
-    if let Some((effects, reason)) = &panel.run.not_added
+    if let Some((effects, reason)) = &panel.model.identification.not_added
         && settings
             .iter()
             .any(|one| effects.iter().any(|other| same_effect(one, other)))
@@ -308,25 +318,22 @@ pub fn actions(
         back_to_import(ui, panel);
     }
     if cause.effect().is_damage() {
-        let when = "It does not last: repair it, then measure the same plan in a new series. This one is kept.";
+        let when = "It does not last: repair it, then measure the same poses again. The present readings stay in their file.";
         repaired(ui, panel, &settings, (name, when));
         let when = "Only for these readings: the next ones will not have it in the same way.";
         add(ui, panel, settings, (name, when));
     } else {
         let when = "It lasts: its size is identified, and the controller can correct for it.";
         add(ui, panel, settings.clone(), (name, when));
-        let when = "If the workshop removes it: the same plan in a new series. This one is kept.";
+        let when = "If the workshop removes it: the same poses again. The present readings stay in their file.";
         repaired(ui, panel, &settings, (name, when));
     }
 }
 
 fn in_model(ui: &mut Ui, panel: &mut Panel<'_>, settings: &[EffectSetting], name: &str) {
     verdict(ui, Verdict::Good, "In the model");
-    if named_button(
-        ui,
-        "Remove from model",
-        &format!("Remove {name} from model"),
-    ) {
+    let remove = ui.button("Remove from model");
+    if named(remove, &format!("Remove {name} from model")).clicked() {
         let what = effects::removing(name);
         panel
             .outbox
@@ -340,7 +347,8 @@ fn add(
     settings: Vec<EffectSetting>,
     (name, when): (&str, &str),
 ) {
-    if named_button(ui, "Add to model", &format!("Add to model: {name}")) {
+    let add = ui.button("Add to model");
+    if named(add, &format!("Add to model: {name}")).clicked() {
         let what = findings::adding_named(name);
         panel.outbox.send(Edit::AddEffects(settings, what));
     }
@@ -353,19 +361,9 @@ fn repaired(
     settings: &[EffectSetting],
     (name, when): (&str, &str),
 ) {
-    if named_button(
-        ui,
-        "Repaired: measure again",
-        &format!("Repaired: measure again: {name}"),
-    ) {
+    let repaired = ui.button("Repaired: measure again");
+    if named(repaired, &format!("Repaired: measure again: {name}")).clicked() {
         panel.outbox.send(FileCommand::NewSeries(settings.to_vec()));
     }
     muted(ui, when);
-}
-
-/// A button that has another name than its text; whether it was clicked.
-fn named_button(ui: &mut Ui, text: &str, name: &str) -> bool {
-    let button = ui.button(text);
-    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
-    button.clicked()
 }

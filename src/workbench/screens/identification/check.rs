@@ -4,10 +4,11 @@ use egui::{CollapsingHeader, Ui};
 use tautline_session::Session;
 use tautline_workflow::foreign_writes::sentences;
 use tautline_workflow::importing::can_import_again;
-use tautline_workflow::readiness::{CheckItem, CheckOutcome, PLAUSIBLE, check_readings};
+use tautline_workflow::readiness::{CheckItem, CheckOutcome, PLAUSIBLE};
 
 use super::Panel;
 use crate::model::command::{IdentificationCommand, READINESS, Readiness, RecordingCommand};
+use crate::model::next_step::{Sign, checked};
 use crate::widgets::{Verdict, fault_window, muted, section, verdict};
 
 /// Most warnings of the measuring run that are listed without being asked for.
@@ -17,17 +18,9 @@ const WARNINGS_SHOWN: usize = 3;
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     section(ui, "Check");
     let open = panel.open;
-    let key = (open.id(), open.revision());
-    let readings = panel
-        .memory
-        .readings
-        .get(key, || check_readings(&open.session().dataset(), None))
-        .clone();
-    let inputs = open.inputs();
-    let whole = panel.run.readiness.as_ref().filter(|(of, _)| *of == inputs);
-    let items = whole.map_or(&readings, |(_, found)| &found.checks);
+    let items = checked(panel.model, open);
     // What is well once there is a result needs no room.
-    let is_well = items.iter().all(|item| item.outcome != CheckOutcome::Fail);
+    let is_well = items.iter().all(|(_, sign)| sign.is_none());
     if is_well && open.fit_is_current() {
         verdict(
             ui,
@@ -40,9 +33,16 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         items.iter().for_each(|item| show_item(ui, panel, item));
     }
     warnings(ui, open.session());
-    match whole {
+    let inputs = open.inputs();
+    match panel
+        .model
+        .identification
+        .readiness
+        .as_ref()
+        .filter(|(of, _)| *of == inputs)
+    {
         Some((_, found)) => faults(ui, found, &mut panel.memory.shows_faults),
-        None if panel.tasks.runs(READINESS) => {
+        None if panel.model.tasks.runs(READINESS) => {
             ui.horizontal(|ui| {
                 ui.spinner();
                 muted(
@@ -85,11 +85,11 @@ fn warnings(ui: &mut Ui, session: &Session) {
         });
 }
 
-fn show_item(ui: &mut Ui, panel: &mut Panel<'_>, item: &CheckItem) {
+fn show_item(ui: &mut Ui, panel: &mut Panel<'_>, (item, sign): &(&CheckItem, Option<Sign>)) {
     let kind = match item.outcome {
         CheckOutcome::Pass => Verdict::Good,
-        CheckOutcome::Notice => Verdict::Doubtful,
-        CheckOutcome::Fail => Verdict::Bad,
+        CheckOutcome::Fail if sign.is_some() => Verdict::Bad,
+        CheckOutcome::Notice | CheckOutcome::Fail => Verdict::Doubtful,
         CheckOutcome::NotEvaluated => Verdict::Neutral,
     };
     let not = match item.outcome {

@@ -3,14 +3,13 @@
 use std::sync::Arc;
 
 use egui::{CollapsingHeader, Ui};
-use tautline_session::ResultRecord;
 
 use super::{Panel, card, discrepancy, effects, results};
 use crate::model::command::{DIAGNOSING, IdentificationCommand};
+use crate::model::findings;
 use crate::theme::GRID;
 use crate::widgets::{Verdict, muted, probability, section, verdict};
 use tautline_workflow::diagnosis::{Diagnosed, adequacy};
-use tautline_workflow::wording::local_time::date_and_time;
 use tautline_workflow::wording::{p_value, sentence};
 
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -34,6 +33,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
     ui.add_space(GRID);
     let task = panel
+        .model
         .tasks
         .running()
         .iter()
@@ -50,9 +50,8 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     } else {
         ask(ui, panel);
     }
-    match panel.open.diagnosis().cloned() {
-        Some(diagnosed) => answer(ui, panel, &diagnosed),
-        None => stored(ui, panel),
+    if let Some(diagnosed) = panel.open.diagnosis().cloned() {
+        answer(ui, panel, &diagnosed);
     }
     if has_effects {
         section(ui, "Effects in the model");
@@ -106,10 +105,10 @@ fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
 /// Whether the model explains the readings, and how well.
 fn judgement(ui: &mut Ui, diagnosed: &Diagnosed) {
     let diagnosis = &diagnosed.diagnosis;
-    let kind = match (diagnosis.base.adequate, diagnosis.extended.adequate) {
-        (true, _) => Verdict::Good,
-        (false, true) if !diagnosis.findings.is_empty() => Verdict::Doubtful,
-        _ => Verdict::Bad,
+    let kind = match findings::explain(diagnosed) {
+        true if diagnosis.base.adequate => Verdict::Good,
+        true => Verdict::Doubtful,
+        false => Verdict::Bad,
     };
     verdict(ui, kind, &sentence(&diagnosed.judgement("not")));
     for (index, line) in diagnosed.fit().iter().enumerate() {
@@ -186,35 +185,4 @@ fn possible(ui: &mut Ui, diagnosed: &Diagnosed) {
             probability(ui, &name, cause.probability);
         }
     });
-}
-
-/// A diagnosis that was stored with the session.
-fn stored(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let of_diagnosis = |record: &&ResultRecord| record.format() == Some("tautline-diagnosis");
-    let results = panel.open.session().results();
-    let Some(record) = results.iter().rev().find(of_diagnosis) else {
-        return;
-    };
-    muted(
-        ui,
-        &format!(
-            "From the diagnosis of {} in this session:",
-            date_and_time(record.time)
-        ),
-    );
-    let key = (panel.open.id(), results.len());
-    let causes = panel.memory.stored.get(key, || {
-        let diagnosis = record.document.value();
-        let findings = diagnosis.get("findings").and_then(|list| list.as_array());
-        let causes = findings.into_iter().flatten();
-        let causes = causes.filter_map(|finding| Some(finding.get("cause")?.as_str()?.to_owned()));
-        causes.collect()
-    });
-    for cause in causes {
-        ui.add(egui::Label::new(cause).wrap());
-    }
-    if causes.is_empty() {
-        muted(ui, "No cause was found.");
-    }
-    muted(ui, "Diagnose again for plots and details.");
 }

@@ -5,7 +5,7 @@ use egui::Ui;
 use super::Panel;
 use crate::model::edit::Edit;
 use crate::theme;
-use crate::widgets::muted;
+use crate::widgets::{muted, named};
 use tautline_workflow::identification::{effect_sizes, effects_title};
 
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -29,12 +29,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         ui.horizontal(|ui| {
             ui.add(egui::Label::new(egui::RichText::new(&title).font(theme::strong(13.0))).wrap());
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let button = ui.button("Remove");
-                button.widget_info(|| {
-                    let name = format!("Remove {title}");
-                    egui::WidgetInfo::labeled(egui::Role::Button, true, name)
-                });
-                if button
+                if named(ui.button("Remove"), &format!("Remove {title}"))
                     .on_hover_text("Removes it from the model and identifies again")
                     .clicked()
                 {

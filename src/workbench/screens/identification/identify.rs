@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     section(ui, "Effects in the model");
     effects::show(ui, panel);
     ui.add_space(2.0 * GRID);
-    if panel.tasks.runs(IDENTIFYING) {
+    if panel.model.tasks.runs(IDENTIFYING) {
         running(ui, panel);
         return;
     }
@@ -70,7 +70,7 @@ fn method(ui: &mut Ui, panel: &mut Panel<'_>) {
 
 /// The residuals as they shrink.
 fn running(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let missed = panel.run.progress.missed();
+    let missed = panel.model.identification.progress.missed();
     ui.horizontal(|ui| {
         ui.spinner();
         let text = match missed.last() {

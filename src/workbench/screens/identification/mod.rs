@@ -16,12 +16,9 @@ mod suspects;
 use egui::Ui;
 
 use crate::model::command::Outbox;
-use crate::model::fit_progress::IdentificationState;
 use crate::model::open_session::Stored;
-use crate::model::tasks::Tasks;
-use crate::model::{Memo, Model, OpenSession, Selection};
+use crate::model::{Model, OpenSession};
 use crate::widgets::{Verdict, heading, muted, verdict};
-use tautline_workflow::readiness::CheckItem;
 
 /// The two halves of the panel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -39,24 +36,16 @@ pub struct PanelState {
     pub half: Half,
     /// Whether the table shows every coordinate.
     show_axes: bool,
-    pub open: Option<usize>,
     /// Whether it is said in full what the data cannot show.
     show_invisible: bool,
-    /// Causes of the diagnosis that the session keeps from before, by document and number of results.
-    stored: Memo<(u64, usize), Vec<String>>,
-    /// The parts of the check that take no time, by document and its revision.
-    readings: Memo<(u64, u64), Vec<CheckItem>>,
     /// Whether the matrix of faults is shown.
     shows_faults: bool,
 }
 
 /// What the parts of the panel see and change.
 struct Panel<'a> {
+    model: &'a Model,
     open: &'a OpenSession,
-    tasks: &'a Tasks,
-    /// What accompanies the identification.
-    run: &'a IdentificationState,
-    selection: Selection,
     outbox: &'a mut Outbox,
     memory: &'a mut PanelState,
 }
@@ -75,10 +64,8 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         return;
     }
     let panel = &mut Panel {
+        model,
         open,
-        tasks: &model.tasks,
-        run: &model.identification,
-        selection: model.selection,
         outbox,
         memory: panel,
     };

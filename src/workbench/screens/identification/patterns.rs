@@ -1,20 +1,19 @@
 //! What an error without a name looks like, and how the model takes it in.
 
-use egui::{Button, Label, Spinner, Ui};
+use egui::{Label, Spinner, Ui};
 use egui_material_icons::icons;
-use tautline_core::effect::EffectSetting;
 use tautline_workflow::formulas::PatternDocument;
 
 use super::Panel;
 use crate::model::command::{FORMULAS, HypothesisCommand, IdentificationCommand};
-use crate::model::edit::Edit;
+use crate::model::findings;
 use crate::theme::GRID;
-use crate::widgets::{Verdict, icon_button, muted, probability, verdict};
+use crate::widgets::{Verdict, icon_button, muted, named, probability, verdict};
 
 /// The button that asks, and the patterns once they were found.
 pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     ui.add_space(GRID);
-    if panel.tasks.runs(FORMULAS) {
+    if panel.model.tasks.runs(FORMULAS) {
         ui.horizontal(|ui| {
             ui.add(Spinner::new());
             muted(ui, "Trying patterns…");
@@ -22,7 +21,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         return;
     }
     let inputs = panel.open.inputs();
-    let found = panel.run.patterns.as_ref();
+    let found = panel.model.identification.patterns.as_ref();
     match found.filter(|(of, _)| *of == inputs) {
         None => {
             let title = "What does it look like?";
@@ -67,32 +66,14 @@ fn one(ui: &mut Ui, panel: &mut Panel<'_>, pattern: &PatternDocument) {
             ),
         );
     }
-    let edit = ui.add(Button::new("Edit as a hypothesis"));
-    edit.widget_info(|| {
-        let name = format!("Edit {name} as a hypothesis");
-        egui::WidgetInfo::labeled(egui::Role::Button, true, name)
-    });
-    if edit.clicked() {
+    let edit = ui.button("Edit as a hypothesis");
+    if named(edit, &format!("Edit {name} as a hypothesis")).clicked() {
         panel
             .outbox
             .send(HypothesisCommand::Begin(pattern.hypothesis.clone()));
     }
-    let button = ui.add(Button::new("Extend the model by this pattern"));
-    button.widget_info(|| {
-        let name = format!("Extend the model by {name}");
-        egui::WidgetInfo::labeled(egui::Role::Button, true, name)
-    });
-    if button.clicked() {
-        let sizes = pattern.parameters.iter();
-        let effect = EffectSetting {
-            effect: pattern.effect.clone(),
-            targets: pattern.targets.clone(),
-            parameters: sizes.map(|p| (p.name.clone(), p.value)).collect(),
-        };
-        panel.outbox.send(Edit::AddPattern {
-            hypothesis: pattern.hypothesis.clone(),
-            effect: Box::new(effect),
-            name,
-        });
+    let extend = ui.button("Extend the model by this pattern");
+    if named(extend, &format!("Extend the model by {name}")).clicked() {
+        panel.outbox.send(findings::extending(pattern));
     }
 }

@@ -10,10 +10,13 @@ use super::rows::{Cell, deviation, heads, millimetres, row};
 use super::{Panel, doctor, identify, suspects};
 use crate::model::Selection;
 use crate::model::command::{IDENTIFYING, ViewCommand};
+use crate::model::next_step::of_fit;
 use crate::theme::{self, GRID};
 use crate::views::pulley_inspector;
 use crate::widgets::{Verdict, checkbox, muted, section, verdict};
-use tautline_workflow::identification::{FitVerdict, Identification, entry_point_sd};
+use tautline_workflow::identification::{
+    FitVerdict, Identification, entry_point_covariance, entry_point_sd,
+};
 use tautline_workflow::wording::units::with_sd;
 use tautline_workflow::wording::{p_value, ratio, sentence};
 
@@ -22,7 +25,7 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         return;
     };
     section(ui, "Result");
-    if !panel.open.fit_is_current() && !panel.tasks.runs(IDENTIFYING) {
+    if !panel.open.fit_is_current() && !panel.model.tasks.runs(IDENTIFYING) {
         verdict(
             ui,
             Verdict::Doubtful,
@@ -52,30 +55,26 @@ pub fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
 /// Whether the model explains the data, and how well it did before the last change.
 pub fn adequacy(ui: &mut Ui, panel: &Panel<'_>, fit: &Identification) {
     let solution = &fit.solution;
-    if !solution.converged() {
-        verdict(
-            ui,
-            Verdict::Bad,
-            "The identification did not converge: do not use these values.",
-        );
-    }
-    if let Some(place) = fit.extrapolation() {
-        let text = format!("{}: the result does not hold there.", sentence(&place));
-        verdict(ui, Verdict::Bad, &text);
+    let wrong = match panel.open.fit_is_current() {
+        true => Verdict::Bad,
+        false => Verdict::Neutral,
+    };
+    for sign in of_fit(panel.model, panel.open, fit) {
+        verdict(ui, wrong, &sign.text);
     }
     let explains = FitVerdict::of(solution.p_value());
     let kind = match explains {
         FitVerdict::Adequate => Verdict::Good,
         FitVerdict::Doubtful | FitVerdict::NoiseOverstated => Verdict::Doubtful,
-        FitVerdict::Inadequate => Verdict::Bad,
-        FitVerdict::Untested => Verdict::Neutral,
+        FitVerdict::Inadequate | FitVerdict::Untested => Verdict::Neutral,
     };
-    verdict(ui, kind, &format!("{}.", sentence(explains.words())));
     if explains == FitVerdict::Inadequate {
         muted(ui, "The standard deviations are valid only if it does.");
+    } else {
+        verdict(ui, kind, &format!("{}.", sentence(explains.words())));
     }
     if let Some(missed) = fit.residual_ratio() {
-        let before = panel.run.before.as_ref();
+        let before = panel.model.identification.before.as_ref();
         let text = format!(
             "The residuals are {} times the expected noise.",
             ratio(missed)
@@ -130,33 +129,12 @@ fn published(ui: &mut Ui, fit: &Identification) {
 
 /// How far a point moved, with the standard deviation of that along the way; `None` where it is not determined.
 fn moved(solution: &Solution, cable: usize, way: Vector3<f64>) -> (f64, Option<f64>) {
-    let size = way.norm();
-    let axes: Vec<Option<usize>> = (0..3)
-        .map(|axis| {
-            let id = ParameterId::EntryPoint { cable, axis };
-            solution.parameters.iter().position(|p| p.id == id)
-        })
-        .collect();
-    let Some(covariance) = &solution.covariance else {
-        return (size, None);
-    };
-    let mut along = if size > 0.0 {
-        way / size
-    } else {
-        Vector3::zeros()
-    };
-    if size == 0.0 {
-        along.x = 1.0;
-    }
-    let mut variance = 0.0;
-    for (i, a) in axes.iter().enumerate() {
-        for (k, b) in axes.iter().enumerate() {
-            if let (Some(a), Some(b)) = (a, b) {
-                variance += along[i] * along[k] * covariance[(*a, *b)];
-            }
-        }
-    }
-    (size, Some(variance.max(0.0).sqrt()))
+    let along = way.try_normalize(0.0).unwrap_or_else(Vector3::x);
+    // What was not estimated is given.
+    let variance = entry_point_covariance(solution, cable)
+        .map_or(0.0, |covariance| (covariance * along).dot(&along));
+    let sd = solution.covariance.as_ref();
+    (way.norm(), sd.map(|_| variance.max(0.0).sqrt()))
 }
 
 fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
@@ -190,7 +168,7 @@ fn pulleys(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Arc<Identification>) {
             return;
         };
         let (size, sd) = moved(&fit.solution, index, found - nominal);
-        let selected = panel.selection.cable == Some(index);
+        let selected = panel.model.selection.cable == Some(index);
         let mut cells = vec![
             Cell::new(format!("{}  {}", index + 1, cable.name))
                 .coloured(theme::of(ui).cable(index))

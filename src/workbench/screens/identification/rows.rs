@@ -2,6 +2,7 @@
 
 use egui::{Align2, Color32, FontId, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2};
 
+use crate::screens::bench_panel::decimals_for;
 use crate::theme::{self, GRID};
 use tautline_workflow::wording::units::mm;
 
@@ -105,7 +106,7 @@ pub fn heads(ui: &mut Ui, shares: &[f32], heads: &[&str]) {
 
 /// Millimetres with the decimals that a standard deviation (m) leaves sense; two without one.
 pub fn millimetres(value_m: f64, sd_m: Option<f64>) -> String {
-    let decimals = sd_m.map_or(2, decimals);
+    let decimals = sd_m.filter(|sd| *sd > 0.0).map_or(2, decimals);
     mm(value_m, decimals)
 }
 
@@ -120,11 +121,7 @@ pub fn deviation(sd_m: Option<f64>) -> String {
 
 /// Decimals of millimetres for a standard deviation (m): two digits that count, one to three decimals.
 fn decimals(sd_m: f64) -> usize {
-    let sd = 1e3 * sd_m;
-    if !(sd.is_finite() && sd > 0.0) {
-        return 2;
-    }
-    (1.0 - sd.log10().floor()).clamp(0.0, 3.0) as usize
+    decimals_for(1e3 * sd_m, 0, 3)
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ fn suspect(ui: &mut Ui, panel: &mut Panel<'_>, fit: &Identification, readings: &
         several => format!(", and {} more", several - 1),
     };
     let text = format!("Pose {label}, {}{more}", fit.suspect_line(&readings[0]));
-    let selected = panel.selection.pose == Some(label);
+    let selected = panel.model.selection.pose == Some(label);
     let colour = if selected {
         theme::of(ui).accent
     } else {

@@ -17,6 +17,7 @@ use tautline_session::PlannedPose;
 
 use crate::model::command::Outbox;
 use crate::model::command::{Command, Export, FileCommand, PLANNING, RobotCommand};
+use crate::model::next_step::no_home;
 use crate::model::{Memo, Model, OpenSession};
 use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 
@@ -121,12 +122,8 @@ fn instruments(ui: &mut Ui, model: &Model) {
             "This robot has no force sensors: elongation and sag of the cables are not corrected.",
         );
     }
-    if robot.home.is_none() {
-        verdict(
-            ui,
-            Verdict::Bad,
-            "This robot has no home pose, so revolutions have no reference. Measure its home platform first.",
-        );
+    if let Some(sign) = no_home(open) {
+        verdict(ui, Verdict::Bad, &sign.text);
     }
 }
 

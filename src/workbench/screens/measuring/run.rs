@@ -11,6 +11,7 @@ use crate::model::command::{FileCommand, RobotCommand, ViewCommand};
 use crate::model::link::LinkRequest;
 use crate::model::link::{Doing, RunLog};
 use crate::model::messages::full_sentence;
+use crate::model::next_step::failed_save;
 use crate::theme::{self, GRID};
 use crate::widgets::{Verdict, icon_button, muted, section, verdict};
 use tautline_workflow::identification::RESIDUAL;
@@ -160,15 +161,10 @@ fn progress(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
 
 /// A measured pose that could not be kept on disk.
 fn pending(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
-    let failed = model.link.pending.as_ref().filter(|pending| pending.failed);
-    let Some(pending) = failed else {
+    let Some(sign) = failed_save(model) else {
         return;
     };
-    let text = format!(
-        "Pose {} was measured but could not be saved. The run is paused: free disk space or fix permissions, then retry.",
-        pending.pose.label()
-    );
-    verdict(ui, Verdict::Bad, &text);
+    verdict(ui, Verdict::Bad, &sign.text);
     if ui.button("Retry save").clicked() {
         outbox.send(RobotCommand::RetrySave);
     }

@@ -42,7 +42,7 @@ fn platform(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut TableInput) {
         verdict(
             ui,
             Verdict::Neutral,
-            "The description of this robot has no home platform, so distances cannot be converted to a pose. Add home_platform with six sensors and three planes to its robot.json and reopen it, or measure the home pose with another instrument; until then the nominal home pose is used.",
+            "The description of this robot has no home platform, so distances cannot be converted to a pose. Add home_platform with six sensors and three planes to its robot.json and reopen it. Or measure the home pose with another instrument.",
         );
         return;
     };

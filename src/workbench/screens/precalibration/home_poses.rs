@@ -31,9 +31,7 @@ pub struct PoseInput {
 
 /// Draws the measurements and the fields for one more.
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut PoseInput) {
-    let Some(home) = bench.robot().home else {
-        return;
-    };
+    let home = bench.robot().home;
     section(ui, "Measured by another instrument");
     muted(
         ui,
@@ -46,15 +44,17 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>, input: &mut PoseInput) {
         .phases
         .home_poses
         .last()
-        .map_or((home.position_sd_m, home.orientation_sd_rad), |last| {
-            (last.position_sd_m, last.orientation_sd_rad)
-        });
+        .map(|last| (last.position_sd_m, last.orientation_sd_rad))
+        .or(home.map(|home| (home.position_sd_m, home.orientation_sd_rad)));
     let sds = deviations(ui, &mut input.sds, by_default);
     let measured = input.pose.pose().and_then(|pose| {
         let (position_sd_m, orientation_sd_rad) = sds?;
         Ok(HomePose {
             position_m: pose.position_m,
-            orientation_wxyz: pose.orientation_wxyz.unwrap_or(home.orientation_wxyz),
+            orientation_wxyz: pose
+                .orientation_wxyz
+                .or(home.map(|home| home.orientation_wxyz))
+                .unwrap_or([1.0, 0.0, 0.0, 0.0]),
             position_sd_m,
             orientation_sd_rad,
         })
@@ -108,14 +108,14 @@ fn list(ui: &mut Ui, bench: &mut Bench<'_>) {
 fn deviations(
     ui: &mut Ui,
     texts: &mut [String; 2],
-    (position_m, orientation_rad): (f64, f64),
+    by_default: Option<(f64, f64)>,
 ) -> Result<(f64, f64), String> {
-    let shown = [position_m * 1e3, orientation_rad.to_degrees()];
+    let shown = by_default.map(|(m, rad)| [m * 1e3, rad.to_degrees()]);
     let names = ["Home position ±", "Home rotation ±"];
     ui.horizontal_wrapped(|ui| {
         for (k, (text, unit)) in texts.iter_mut().zip(["mm", "degrees"]).enumerate() {
             muted(ui, "±");
-            let hint = format!("{:.4}", shown[k]);
+            let hint = shown.map_or_else(String::new, |shown| format!("{:.4}", shown[k]));
             let field = TextEdit::singleline(text).hint_text(hint);
             let field = ui.add(field.desired_width(15.0 * GRID));
             let value = text.clone();
@@ -129,9 +129,9 @@ fn deviations(
     });
     let typed = |k: usize| -> Result<f64, String> {
         let text = texts[k].trim();
-        let value = match text.is_empty() {
-            true => shown[k],
-            false => parse_number(text).map_err(|problem| format!("{}: {problem}", names[k]))?,
+        let value = match shown.filter(|_| text.is_empty()) {
+            Some(shown) => shown[k],
+            None => parse_number(text).map_err(|problem| format!("{}: {problem}", names[k]))?,
         };
         if value.is_finite() && value > 0.0 {
             return Ok(value);
@@ -151,7 +151,7 @@ fn change(bench: &mut Bench<'_>, what: &str, change: impl FnOnce(&mut Vec<HomePo
 /// Draws the mean of all measurements and the step that uses it.
 pub fn mean(ui: &mut Ui, bench: &mut Bench<'_>) {
     let calibration = bench.calibration;
-    let (Some(average), Some(home)) = (&calibration.home_average, bench.robot().home) else {
+    let Some(average) = &calibration.home_average else {
         return;
     };
     let worst_mm = average.sd().0.into_iter().fold(0.0, f64::max) * 1e3;
@@ -169,7 +169,7 @@ pub fn mean(ui: &mut Ui, bench: &mut Bench<'_>) {
             verdict(ui, Verdict::Good, &text);
         }
     }
-    pose_table(ui, &home, average);
+    pose_table(ui, bench.robot().home, average);
     bench.propose(
         ui,
         &calibration.with_home,
@@ -178,14 +178,15 @@ pub fn mean(ui: &mut Ui, bench: &mut Bench<'_>) {
     );
 }
 
-fn pose_table(ui: &mut Ui, home: &Home, average: &HomeAverage) {
+fn pose_table(ui: &mut Ui, home: Option<Home>, average: &HomeAverage) {
     let columns = [
         Column::words("Home pose"),
         Column::number("Current", ""),
         Column::number("Mean", ""),
         Column::number("±", ""),
     ];
-    let (now, new) = (coordinates(&home.pose()), coordinates(&average.pose));
+    let now = home.map(|home| coordinates(&home.pose()));
+    let new = coordinates(&average.pose);
     let names = ["x (mm)", "y (mm)", "z (mm)", "rx (°)", "ry (°)", "rz (°)"];
     let rows: Vec<Vec<Cell>> = (0..6)
         .map(|k| {
@@ -194,7 +195,7 @@ fn pose_table(ui: &mut Ui, home: &Home, average: &HomeAverage) {
             let digits = decimals_for(sd, 2, 4);
             vec![
                 Cell::new(names[k]),
-                or_dash(Some(now[k] * shown), digits),
+                or_dash(now.map(|now| now[k] * shown), digits),
                 or_dash(Some(new[k] * shown), digits),
                 or_dash(Some(sd), digits),
             ]

@@ -106,7 +106,7 @@ pub fn show(
                     verdict != FitVerdict::Inadequate
                 });
                 judged(ui, &inspection, is_explained);
-                let tolerance_m = model.preferences.report.tolerance_m;
+                let tolerance_m = open.tolerance_m();
                 details(ui, &inspection, (robot, tolerance_m), arrangement);
             });
         });

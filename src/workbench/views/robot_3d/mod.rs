@@ -115,7 +115,7 @@ impl Robot3d {
             selection: model.selection,
             live: live.cloned(),
             shows_errors: model.screen == Screen::Phase(Phase::Adjustment),
-            tolerance_m: model.preferences.report.tolerance_m,
+            tolerance_m: open.tolerance_m(),
         };
         let known = self.scene.as_ref();
         if let Some((_, scene)) = known.filter(|(known, _)| known.is_same(&key)) {

@@ -1,19 +1,20 @@
-//! The checklist of phase 5: measure before, review, write, measure after, accept.
+//! The checklist of an adjustment: measure before, review, write, measure after, accept.
 
 use tautline_link::adjusting::Difference;
-use tautline_session::Stage;
+use tautline_session::{Session, Stage};
 
-use crate::model::OpenSession;
-use crate::model::accuracy_figures::{Figure, figures};
-use tautline_workflow::adjusting;
-use tautline_workflow::wording::count;
+use super::written;
+use crate::accuracy::{Figure, before_and_after};
+use crate::wording::count;
 
+/// A step of an adjustment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Item {
     /// The accuracy with the values that the controller has.
     MeasureBefore,
     /// What would change in the controller.
     Review,
+    /// The values are written.
     Write,
     /// The accuracy with the identified values.
     MeasureAfter,
@@ -31,6 +32,7 @@ impl Item {
         Self::Accept,
     ];
 
+    /// Its title.
     #[must_use]
     pub fn title(self) -> &'static str {
         match self {
@@ -43,10 +45,12 @@ impl Item {
     }
 }
 
+/// How far a step is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CheckState {
     /// Done, and good.
     Done,
+    /// To be done now.
     Next,
     /// It needs one before it.
     Later,
@@ -59,26 +63,26 @@ pub enum CheckState {
 /// A line with its result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Check {
+    /// The step.
     pub item: Item,
+    /// How far it is.
     pub state: CheckState,
     /// Its result, in a few words.
     pub result: String,
 }
 
-/// The checklist of a session whose controller differs so from what was identified.
+/// The checklist of a session whose controller differs so from what was identified; `is_old` if the data were changed after
+/// that.
 #[must_use]
-pub fn checklist(open: &OpenSession, differences: &[Difference]) -> [Check; 5] {
-    let session = open.session();
+pub fn checklist(session: &Session, differences: &[Difference], is_old: bool) -> [Check; 5] {
     let changes = differences.iter().filter(|one| one.is_writable_change());
     let changes = changes.count();
-    let is_old = open.fit().is_some() && !open.fit_is_current();
-    let written = adjusting::written(session, differences).filter(|_| !is_old);
+    let written = written(session, differences).filter(|_| !is_old);
     let mut runs = session.verifications().iter();
     let before = runs.rfind(|run| run.stage == Stage::Before);
     let after = written.and_then(|written| written.verification);
-    let main = figures(session)
-        .ok()
-        .and_then(|all| all.lines.into_iter().next());
+    let main = before_and_after(session).ok();
+    let main = main.and_then(|all| all.into_iter().next());
     let gain = main
         .as_ref()
         .and_then(Figure::gain)
@@ -135,10 +139,35 @@ pub fn checklist(open: &OpenSession, differences: &[Difference]) -> [Check; 5] {
 #[cfg(test)]
 mod tests {
     use tautline_core::robot::presets;
-    use tautline_session::{Adjustment, Outcome, Session, Timestamp};
+    use tautline_session::{
+        Adjustment, CheckKind, CheckPose, CheckRow, Outcome, Session, Timestamp, Verification,
+    };
 
     use super::*;
-    use crate::model::accuracy_figures::tests::run;
+
+    /// A verification of one pose, measured twice, off by so much each time.
+    fn run(stage: Stage, seconds: i64, off_m: f64) -> Verification {
+        let pose = |x: f64| CheckPose {
+            position_m: [x, 0.0, 0.0],
+            orientation_wxyz: None,
+        };
+        let row = |cycle: i64| CheckRow {
+            kind: CheckKind::Pose,
+            target: "P1".into(),
+            cycle,
+            sample: 0,
+            time_s: None,
+            commanded: pose(0.1),
+            attained: pose(0.1 + off_m),
+        };
+        Verification {
+            time: Timestamp::from_unix_seconds(seconds),
+            title: String::new(),
+            stage,
+            rows: vec![row(1), row(2)],
+            accepted: None,
+        }
+    }
 
     fn at(seconds: i64) -> Timestamp {
         Timestamp::from_unix_seconds(seconds)
@@ -157,8 +186,7 @@ mod tests {
     }
 
     fn states(session: &Session) -> [CheckState; 5] {
-        let open = OpenSession::new(session.clone(), None);
-        checklist(&open, &[]).map(|check| check.state)
+        checklist(session, &[], false).map(|check| check.state)
     }
 
     #[test]
@@ -185,8 +213,7 @@ mod tests {
         assert_eq!(states(&session), [Done, Done, Done, Done, Next]);
         session.accept("Ada", at(4));
         assert_eq!(states(&session), [Done; 5]);
-        let open = OpenSession::new(session.clone(), None);
-        let [before, _, wrote, after, accepted] = checklist(&open, &[]);
+        let [before, _, wrote, after, accepted] = checklist(&session, &[], false);
         assert_eq!(before.result, "2.00 mm on average");
         assert_eq!(wrote.result, "by Ada");
         assert_eq!(after.result, "0.50 mm on average (-75 %)");
@@ -201,8 +228,7 @@ mod tests {
             difference: Some(1e-3),
             sd: None,
         };
-        let open = OpenSession::new(session.clone(), None);
-        let changed = checklist(&open, &[other]).map(|check| check.state);
+        let changed = checklist(&session, &[other], false).map(|check| check.state);
         assert_eq!(changed, [Done, Next, Later, Later, Later]);
         // Other values need another measurement.
         session.add_adjustment(written(5));

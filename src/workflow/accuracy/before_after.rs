@@ -1,62 +1,51 @@
-//! Figures of ISO 9283 before and after, from the verification runs of a session.
+//! Figures before and after the adjustment, beside each other.
 
-use tautline_session::{Session, Stage, Verification};
+use tautline_session::{Session, Stage};
 
-use tautline_workflow::accuracy;
+use super::{Accuracy, VerificationDocument};
 
-/// One figure of accuracy (m), before and after.
+/// A figure of accuracy (m), before and after.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
+    /// Its name.
     pub name: String,
+    /// Before the adjustment; `None` if it was not measured.
     pub before_m: Option<f64>,
+    /// After it.
     pub after_m: Option<f64>,
 }
 
 impl Figure {
     /// Part by which the error has become smaller, where both are known.
+    #[must_use]
     pub fn gain(&self) -> Option<f64> {
         let (before, after) = self.before_m.zip(self.after_m)?;
         (before > 0.0).then(|| 1.0 - after / before)
     }
 }
 
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Figures {
-    /// In the order of the table.
-    pub lines: Vec<Figure>,
-}
-
-type Named = Vec<(String, f64)>;
-
-/// The figures of the last run of each stage.
+/// The figures of the last run of each stage, in the order of a table; the mean pose accuracy first.
 ///
 /// # Errors
 /// One sentence if the rows of a run do not make one.
-pub fn figures(session: &Session) -> Result<Figures, String> {
-    let last = |stage: Stage| {
-        let runs = session.verifications().iter().rev();
-        let mut of_stage = runs.filter(|run| run.stage == stage);
-        of_stage.next().map(of_run).transpose()
-    };
-    let before = last(Stage::Before)?.unwrap_or_default();
-    let after = last(Stage::After)?.unwrap_or_default();
-    let names = before.iter().chain(&after).map(|(name, _)| name);
-    let mut lines: Vec<Figure> = Vec::new();
-    for name in names {
-        if lines.iter().all(|line| line.name != *name) {
-            let of = |side: &Named| side.iter().find(|(n, _)| n == name).map(|(_, m)| *m);
-            lines.push(Figure {
+pub fn before_and_after(session: &Session) -> Result<Vec<Figure>, String> {
+    let of = VerificationDocument::of(session, Stage::After)?;
+    let [before, after] = [of.before, of.after].map(|run| run.map_or_else(Vec::new, named));
+    let mut figures: Vec<Figure> = Vec::new();
+    for (name, _) in before.iter().chain(&after) {
+        if figures.iter().all(|known| known.name != *name) {
+            let of = |run: &[(String, f64)]| run.iter().find(|(n, _)| n == name).map(|(_, m)| *m);
+            figures.push(Figure {
                 name: name.clone(),
                 before_m: of(&before),
                 after_m: of(&after),
             });
         }
     }
-    Ok(Figures { lines })
+    Ok(figures)
 }
 
-fn of_run(run: &Verification) -> Result<Named, String> {
-    let accuracy = accuracy::figures(&run.rows)?;
+fn named(accuracy: Accuracy) -> Vec<(String, f64)> {
     let mut figures = Vec::new();
     if let Some(poses) = accuracy.poses {
         figures.extend([
@@ -75,13 +64,13 @@ fn of_run(run: &Verification) -> Result<Named, String> {
         let name = format!("Path accuracy, {}", path.target.to_lowercase());
         (name, path.accuracy_m)
     }));
-    Ok(figures)
+    figures
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use tautline_core::robot::presets;
-    use tautline_session::{CheckKind, CheckPose, CheckRow, Timestamp};
+    use tautline_session::{CheckKind, CheckPose, CheckRow, Timestamp, Verification};
 
     use super::*;
 
@@ -115,11 +104,11 @@ pub(super) mod tests {
         let mut session = Session::new("test", robot, Timestamp::from_unix_seconds(0));
         session.add_verification(run(Stage::Before, 0, 5e-3));
         session.add_verification(run(Stage::Before, 0, 2e-3));
-        let alone = figures(&session).expect("figures");
-        assert_eq!(alone.lines[0].gain(), None);
+        let alone = before_and_after(&session).expect("figures");
+        assert_eq!(alone[0].gain(), None);
         session.add_verification(run(Stage::After, 0, 5e-4));
-        let both = figures(&session).expect("figures");
-        assert_eq!(both.lines[0].name, "Pose accuracy, mean");
-        assert!((both.lines[0].gain().expect("both") - 0.75).abs() < 1e-9);
+        let both = before_and_after(&session).expect("figures");
+        assert_eq!(both[0].name, "Pose accuracy, mean");
+        assert!((both[0].gain().expect("both") - 0.75).abs() < 1e-9);
     }
 }

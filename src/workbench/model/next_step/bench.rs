@@ -1,0 +1,69 @@
+//! The next step of phases 1 and 2: what was measured on the bench is applied, then poses are measured.
+
+use tautline_workflow::precalibration::Table;
+use tautline_workflow::wording::sentence;
+
+use super::{Action, NextStep, Sign, plan, status};
+use crate::model::command::ImportCommand;
+use crate::model::edit::Edit;
+use crate::model::phase::{Phase, Progress};
+use crate::model::{Model, OpenSession, phase_status};
+
+/// Measured values are applied, those of phase 1 all at once.
+pub(super) fn of(model: &Model, (open, phase): (&OpenSession, Phase), poses: usize) -> NextStep {
+    let status = status(model, open, phase);
+    let calibration = open.calibration();
+    let (proposal, values) = match phase {
+        Phase::Precalibration => (&calibration.with_all(), "values"),
+        _ => (&calibration.with_elongation, "elongation"),
+    };
+    let robot = proposal.robot.as_ref().ok().filter(|_| !proposal.is_used);
+    if let (Some(robot), Progress::InProgress) = (robot, status.progress) {
+        let name = format!("apply measured {values}");
+        let edit = Edit::SetRobot(Box::new(robot.clone()), name.clone());
+        let action = Action::new(sentence(&name), edit);
+        return NextStep::new(status, Some(action), "Then: measure poses.");
+    }
+    let session = open.session();
+    let (action, then) = match session.plan.is_empty() && session.measurements.is_empty() {
+        true => (
+            plan(poses).in_phase(Phase::Measuring),
+            "Then: connect the controller and measure.",
+        ),
+        false => (Action::go(Phase::Measuring), "Poses are planned."),
+    };
+    NextStep::new(status, Some(action), then)
+}
+
+/// Tables from which no good values follow.
+pub(super) fn signs(open: &OpenSession, phase: Phase) -> Vec<Sign> {
+    let of = open.calibration();
+    let tables = match phase {
+        Phase::Precalibration => vec![
+            (Table::Winch, phase_status::winches(of), &of.with_winches),
+            (
+                Table::Force,
+                phase_status::force_sensors(of),
+                &of.with_force_sensors,
+            ),
+            (Table::Home, phase_status::home(of), &of.with_home),
+        ],
+        _ => vec![(
+            Table::Elongation,
+            phase_status::elongation(open),
+            &of.with_elongation,
+        )],
+    };
+    let signs = tables.into_iter().filter_map(|(table, status, proposal)| {
+        let why = match (status.progress, &proposal.robot) {
+            (Progress::Attention, _) => &status.line,
+            (Progress::InProgress, Err(why)) => why,
+            _ => return None,
+        };
+        let title = format!("Import {} again…", table.file_name());
+        let again = Action::new(title, ImportCommand::Ask(table));
+        let then = "Measure it again, and import or type what was read.";
+        Some(Sign::new(sentence(why), Some(again), then))
+    });
+    signs.collect()
+}
