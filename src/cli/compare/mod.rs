@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::Control;
-use tautline_session::Method;
+use tautline_session::{Method, Session};
 use tautline_workflow::clock;
 use tautline_workflow::comparison::{
     ComparisonDocument, LEVEL, compare_identifications, identify_to_compare,
@@ -56,14 +56,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let format = report.map(|path| report_format("--report", path));
     let format = format.transpose()?;
     arguments.replace.permit(&[report], Some(&arguments.json))?;
-    let (name_a, first) = identified(&arguments.first)?;
-    let (name_b, second) = identified(&arguments.second)?;
-    let names = [name_a, name_b];
+    let sessions = [
+        input::session(&arguments.first)?,
+        input::session(&arguments.second)?,
+    ];
+    let first = identified(&arguments.first, &sessions[0])?;
+    let second = identified(&arguments.second, &sessions[1])?;
     let compared = compare_identifications([&first, &second], level).map_err(BadInput::new)?;
     if let (Some(path), Some(format)) = (report, format) {
         let input = ComparisonInput {
-            names: [&names[0], &names[1]],
+            names: sessions.each_ref().map(|session| session.name.as_str()),
             fits: [&first, &second],
+            is_simulated: sessions.iter().any(Session::is_simulated),
             comparison: &compared,
             choice: &ReportChoice::default(),
             now: clock::now(),
@@ -76,16 +80,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .deliver(&document, || report::print(&compared, &document))
 }
 
-/// Name of a session, and its identification.
-fn identified(path: &Path) -> Result<(String, Identification)> {
-    let session = input::session(path)?;
+/// The identification of a session.
+fn identified(path: &Path, session: &Session) -> Result<Identification> {
     if session.settings.identification.method == Method::Published {
         note!(
             "{}: the published method has no standard deviations to compare with; the joint one is used",
             path.display()
         );
     }
-    let found = identify_to_compare(&session, &mut |_| Control::Continue)
-        .map_err(|error| BadInput::new(format!("{}: {error}", path.display())))?;
-    Ok((session.name, found))
+    identify_to_compare(session, &mut |_| Control::Continue)
+        .map_err(|error| BadInput::new(format!("{}: {error}", path.display())))
 }

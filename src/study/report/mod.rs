@@ -57,6 +57,7 @@ fn document(plan: &StudyPlan, result: &StudyResult, now: Timestamp) -> Document 
         about(plan, result, now),
     ];
     Document {
+        marking: "",
         header: String::new(),
         title: format!("Study: {}", plan.study.name),
         subtitle: vec![format!("Created {now}")],

@@ -5,6 +5,8 @@ use crate::plot::Drawing;
 /// A whole report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Document {
+    /// Printed at the head of every page; empty on most.
+    pub marking: &'static str,
     /// A line above the title; may be empty.
     pub header: String,
     /// Title.
