@@ -9,7 +9,7 @@ use super::mean::mean_and_sd;
 use super::options::{MeasuringOptions, Prediction};
 use crate::controller::Sample;
 
-/// Number of standard deviations of a mean tension that count as noise.
+/// Number of standard deviations below zero from which on the noise of a slack cable does not explain a tension.
 const TENSION_NOISE: f64 = 3.0;
 /// Difference between two samples at rest that counts as a jump, in standard deviations of one sample.
 const JUMP: f64 = 15.0;
@@ -22,28 +22,28 @@ const MULTIPLE: f64 = 10.0;
 /// Fraction of its standard deviation below which a force sensor shows no noise.
 const SILENT: f64 = 1e-3;
 
-/// A tension that is off by more than its noise.
+/// A tension outside the limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TensionFault {
-    /// Below zero: a cable cannot push.
+    /// Below zero by more than its noise: a cable cannot push.
     Negative,
-    /// Below the least allowed one.
-    Slack,
-    /// Above the greatest allowed one.
-    Overload,
+    /// Below the smallest allowed one.
+    Low,
+    /// Above the largest allowed one.
+    High,
 }
 
 impl TensionFault {
-    /// The fault of a tension (N), if it has one.
+    /// The fault of a tension (N), if it has one. Noise does not widen the limits: a tension that is read outside them is
+    /// more likely outside than within, and the operator sees the limits as marks.
     #[must_use]
     pub fn of(sensor: &ForceSensor, tension_n: f64, range: &TensionRange) -> Option<Self> {
-        let noise_n = TENSION_NOISE * sensor.tension_sd_n;
-        if tension_n < -noise_n {
+        if tension_n < -TENSION_NOISE * sensor.tension_sd_n {
             Some(Self::Negative)
-        } else if tension_n < range.lower_n - noise_n {
-            Some(Self::Slack)
-        } else if tension_n > range.upper_n + noise_n {
-            Some(Self::Overload)
+        } else if tension_n < range.lower_n {
+            Some(Self::Low)
+        } else if tension_n > range.upper_n {
+            Some(Self::High)
         } else {
             None
         }
@@ -222,11 +222,15 @@ impl Checks<'_> {
                 Some(TensionFault::Negative) => format!(
                     "its force sensor shows {tension:.1} N, but a cable cannot push: is its sign reversed?"
                 ),
-                Some(TensionFault::Slack) => {
-                    format!("it is slack: {tension:.1} N, at least {least:.1} N are needed")
+                Some(TensionFault::Low) => {
+                    format!(
+                        "its tension is too low: {tension:.2} N, at least {least:.1} N are needed"
+                    )
                 }
-                Some(TensionFault::Overload) => {
-                    format!("it is overloaded: {tension:.1} N, at most {most:.1} N are allowed")
+                Some(TensionFault::High) => {
+                    format!(
+                        "its tension is too high: {tension:.2} N, at most {most:.1} N are allowed"
+                    )
                 }
             };
             found.push(self.warning(Some(index), false, &text));

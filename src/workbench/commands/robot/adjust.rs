@@ -6,10 +6,10 @@ use tautline_session::{
     CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, StoppedVerification, Verification,
 };
 
+use crate::model::Model;
 use crate::model::command::WriteDraft;
 use crate::model::link::{DriverCommand, ValuesToWrite};
 use crate::model::messages::Cause;
-use crate::model::{Model, UiRequest};
 use tautline_workflow::adjusting::title;
 use tautline_workflow::adjusting::{self, Purpose};
 use tautline_workflow::clock;
@@ -222,8 +222,7 @@ pub(super) fn verify(model: &mut Model, stage: Stage) {
         targets.extend(line(robot, workspace, POINTS.1));
     }
     model.link.verify(targets, stage);
-    model.playback.follows = true;
-    model.request(UiRequest::ShowScope);
+    super::run::watch(model);
 }
 
 pub(super) fn verified(

@@ -1,6 +1,6 @@
-//! The robot while it moves: progress, pose, tensions with their limits.
+//! The robot while it moves: pose, and tensions with their limits.
 
-use egui::{Align2, ProgressBar, Rect, Sense, TextStyle, Ui, Vec2};
+use egui::{Align2, Rect, Sense, TextStyle, Ui, Vec2};
 use tautline_core::simulation::TensionRange;
 use tautline_link::measuring::TensionFault;
 
@@ -17,26 +17,8 @@ const ROW: f32 = 5.0 * GRID;
 /// Part of the width of a bar that the largest allowed tension takes; more is an overload.
 const FULL: f64 = 0.85;
 
-pub(in crate::screens) fn show(ui: &mut Ui, model: &Model) {
-    progress(ui, model);
-    tensions(ui, model);
-}
-
-/// What is done, and where the platform is.
-pub(super) fn progress(ui: &mut Ui, model: &Model) {
-    if let Some([done, of]) = model.link.done_of() {
-        let part = done as f32 / of.max(1) as f32;
-        ui.add(ProgressBar::new(part).desired_height(2.0 * GRID));
-        let run = model.link.run.as_ref().filter(|run| !run.has_ended());
-        let at_most = match run.is_some_and(|run| run.until.is_some()) {
-            true => "at most ",
-            false => "",
-        };
-        ui.label(format!("{done} of {at_most}{of} measured"));
-    }
-    if let Some(words) = model.link.doing() {
-        muted(ui, &format!("{words}."));
-    }
+/// Where the platform is. How far the operation is stands at the foot of the panel.
+pub(in crate::screens) fn position(ui: &mut Ui, model: &Model) {
     if let Some(pose) = model.link.live().pose {
         let [x, y, z] = [0, 1, 2].map(|axis| fixed(pose.position[axis] * 1e3, 1));
         value(ui, "Platform at x, y, z", &format!("{x}, {y}, {z}"), "mm");
@@ -44,7 +26,7 @@ pub(super) fn progress(ui: &mut Ui, model: &Model) {
 }
 
 /// A bar for each cable, with marks at the smallest and the largest allowed tension.
-pub(super) fn tensions(ui: &mut Ui, model: &Model) {
+pub(in crate::screens) fn tensions(ui: &mut Ui, model: &Model) {
     let (Some(open), Some(sample)) = (&model.open, model.link.live().sample) else {
         return;
     };
@@ -68,7 +50,7 @@ pub(super) fn tensions(ui: &mut Ui, model: &Model) {
     muted(
         ui,
         &format!(
-            "Marks: {} to {} N are allowed.",
+            "Allowed: {} to {} N (marks).",
             fixed(range.lower_n, 0),
             fixed(range.upper_n, 0)
         ),
@@ -87,8 +69,8 @@ fn bar(
     let state = match fault {
         None => "",
         Some(TensionFault::Negative) => ", below zero",
-        Some(TensionFault::Slack) => ", slack",
-        Some(TensionFault::Overload) => ", too high",
+        Some(TensionFault::Low) => ", too low",
+        Some(TensionFault::High) => ", too high",
     };
     let colour = fault.map_or(palette.text, |_| palette.warning);
     let words = format!("{} N{state}", fixed(tension_n, 1));
@@ -127,7 +109,8 @@ fn bar(
         )
     };
     painter.rect_filled(of(left + width), 2.0, palette.raised);
-    painter.rect_filled(of(x(tension_n)), 2.0, palette.cable(cable));
+    let fill = fault.map_or(palette.cable(cable), |_| palette.warning);
+    painter.rect_filled(of(x(tension_n)), 2.0, fill);
     for limit_n in [range.lower_n, range.upper_n] {
         let reach = middle - 0.9 * BAR..=middle + 0.9 * BAR;
         painter.vline(x(limit_n), reach, egui::Stroke::new(1.5, palette.text));
