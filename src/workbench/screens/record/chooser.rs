@@ -9,7 +9,6 @@ use tautline_workflow::report::ReportFormat;
 use super::PanelState;
 use crate::model::Model;
 use crate::model::command::{Outbox, RecordCommand, ReportCommand, ViewCommand};
-use crate::model::phase::{Phase, Screen};
 use crate::theme::{self, GRID};
 use crate::widgets::{heading, icon_button};
 
@@ -22,16 +21,12 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
-                let back = match model.open {
-                    Some(_) => Screen::Phase(Phase::Identification),
-                    None => Screen::Start,
-                };
-                outbox.send(ViewCommand::Go(back));
+                outbox.send(ViewCommand::Go(model.previous_screen()));
             }
             let is_open = open.is_some();
             let name = "Save report…";
             if icon_button(ui, icons::ICON_DESCRIPTION, name, is_open).clicked() {
-                outbox.send(ReportCommand::AskSave(ReportFormat::Pdf));
+                outbox.send(ReportCommand::AskSave(ReportFormat::FOR_PAPER));
             }
             if icon_button(ui, icons::ICON_DOWNLOAD, "Save table…", is_open).clicked() {
                 outbox.send(RecordCommand::AskSaveTable);
