@@ -1,8 +1,8 @@
 //! The start screen: what one can begin with.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use egui::{Align, Button, Key, Layout, RichText, TextEdit, Ui};
+use egui::{Align, Button, Key, Label, Layout, Response, RichText, TextEdit, Ui};
 use egui_material_icons::icons;
 
 use crate::model::Model;
@@ -11,7 +11,7 @@ use crate::model::command::{
 };
 use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
-use crate::widgets::{icon_button, icon_only, muted, page, primary, section};
+use crate::widgets::{COLUMN, icon_button, icon_only, muted, page, primary, section};
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::templates::Template;
 use tautline_workflow::wording::local_time::date_and_time;
@@ -30,9 +30,15 @@ pub struct PanelState {
 /// Number of unsaved sessions that are listed at first.
 const UNSAVED_SHOWN: usize = 3;
 
+/// Least width of the screen for two columns, and their width together (points).
+const WIDE: f32 = 940.0;
+const COLUMNS: f32 = 1120.0;
+
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let is_wide = ui.available_width() >= WIDE;
     let above = (ui.ctx().content_rect().height() * 0.09).max(6.0 * GRID);
-    page(ui, above, |ui| {
+    let width = if is_wide { COLUMNS } else { COLUMN };
+    page(ui, (width, above), |ui| {
         ui.label(RichText::new("Tautline").font(theme::strong(32.0)));
         muted(
             ui,
@@ -40,20 +46,45 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         );
         ui.add_space(4.0 * GRID);
         unsaved_sessions(ui, model, panel, outbox);
-        begin(ui, outbox);
-        section(ui, "Open a session, a robot.json or a dataset folder");
-        open(ui, panel, outbox);
-        new_robot(ui, outbox);
-        compare(ui, outbox);
-        recent(ui, model, outbox);
-        sample_sessions(ui, panel, outbox);
+        if is_wide {
+            ui.spacing_mut().item_spacing.x = 12.0 * GRID;
+            ui.columns_const(|[left, right]| {
+                for column in [&mut *left, &mut *right] {
+                    column.spacing_mut().item_spacing.x = 2.0 * GRID;
+                }
+                things_to_do(left, model, panel, outbox);
+                known_sessions(right, model, panel, outbox);
+            });
+        } else {
+            things_to_do(ui, model, panel, outbox);
+            known_sessions(ui, model, panel, outbox);
+        }
         ui.add_space(6.0 * GRID);
     });
 }
 
-fn begin(ui: &mut Ui, outbox: &mut Outbox) {
+fn things_to_do(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    begin(ui, model, outbox);
+    section(ui, "Open a session, a robot.json or a dataset folder");
+    open(ui, panel, outbox);
+    new_robot(ui, outbox);
+    compare(ui, outbox);
+}
+
+fn known_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    recent(ui, model, outbox);
+    sample_sessions(ui, panel, outbox);
+}
+
+fn begin(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
-        if primary(ui, "Try the demo robot", true).clicked() {
+        let title = "Try the demo robot";
+        // What can be recovered comes first.
+        let demo = match model.recoverable() {
+            Some(_) => ui.button(title),
+            None => primary(ui, title, true),
+        };
+        if demo.clicked() {
             outbox.send(FileCommand::TryDemo);
         }
         muted(
@@ -178,7 +209,10 @@ fn unsaved_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: 
                     outbox.send(FileCommand::Discard(place));
                 }
                 let name = format!("Recover {}", left.name);
-                let recover = ui.add_enabled(left.problem.is_none(), Button::new("Recover"));
+                let recover = match model.recoverable() == Some(place) {
+                    true => primary(ui, "Recover", true),
+                    false => ui.add_enabled(left.problem.is_none(), Button::new("Recover")),
+                };
                 recover.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
                 if recover.clicked() {
                     outbox.send(FileCommand::Recover(place));
@@ -204,33 +238,26 @@ fn recent(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     for recent in model.preferences.recent() {
         let there = recent.exists();
         let facts = recent_facts(recent);
-        let hint = if there {
-            facts
-        } else {
-            format!("{facts}: the file no longer exists")
+        let facts = match there {
+            true => facts,
+            false => format!("{facts}: the file no longer exists"),
         };
-        ui.horizontal(|ui| {
-            if link(ui, &recent.name, there) {
-                outbox.send(FileCommand::Open(recent.path().to_owned()));
-            }
-            muted(ui, &hint);
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                if icon_only(
-                    ui,
-                    icons::ICON_CLOSE,
-                    &format!("Forget {}", recent.name),
-                    true,
-                )
-                .clicked()
-                {
+        let forget = format!("Forget {}", recent.name);
+        let folder = recent.path().parent().unwrap_or(Path::new(""));
+        ui.horizontal_top(|ui| {
+            ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+                if icon_only(ui, icons::ICON_CLOSE, &forget, true).clicked() {
                     outbox.send(FileCommand::Forget(recent.path().to_owned()));
                 }
-                let folder = recent
-                    .path()
-                    .parent()
-                    .map_or_else(String::new, |folder| folder.display().to_string());
-                let text = RichText::new(folder).small().color(theme::of(ui).muted);
-                ui.add(egui::Label::new(text).truncate());
+                ui.with_layout(Layout::top_down(Align::Min), |ui| {
+                    let hint = folder.display().to_string();
+                    if entry(ui, (&recent.name, &facts), there)
+                        .on_hover_text(hint)
+                        .clicked()
+                    {
+                        outbox.send(FileCommand::Open(recent.path().to_owned()));
+                    }
+                });
             });
         });
     }
@@ -244,37 +271,31 @@ fn sample_sessions(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
         return;
     }
     section(ui, "Sample sessions");
-    let width = |title: &str| {
-        let font = egui::TextStyle::Button.resolve(ui.style());
-        let galley = ui
-            .painter()
-            .layout_no_wrap(title.to_owned(), font, theme::of(ui).text);
-        galley.size().x
-    };
-    // What they show stands in a column, unless that would leave no room for it.
-    let widest = found.iter().map(|sample| width(&sample.title));
-    let column = widest.fold(0.0, f32::max).min(0.5 * ui.available_width());
     for sample in found.iter() {
-        ui.horizontal(|ui| {
-            // Names stand below the heading, without the margin of a button.
-            ui.spacing_mut().button_padding.x = 0.0;
-            let left = ui.cursor().min.x + ui.spacing().item_spacing.x;
-            if link(ui, &sample.title, true) {
-                outbox.send(FileCommand::Open(sample.session.clone()));
-            }
-            ui.add_space((left + column - ui.cursor().min.x).max(0.0));
-            let text = RichText::new(&sample.shows).color(theme::of(ui).muted);
-            ui.add(egui::Label::new(text).truncate());
-        });
+        if entry(ui, (&sample.title, &sample.shows), true).clicked() {
+            outbox.send(FileCommand::Open(sample.session.clone()));
+        }
     }
 }
 
-fn link(ui: &mut Ui, text: &str, enabled: bool) -> bool {
+/// A session by name, and below it what is known of it.
+fn entry(ui: &mut Ui, (name, facts): (&str, &str), enabled: bool) -> Response {
+    let palette = theme::of(ui);
     let colour = if enabled {
-        theme::of(ui).accent
+        palette.accent
     } else {
-        theme::of(ui).muted
+        palette.muted
     };
-    let button = Button::new(RichText::new(text).color(colour)).frame_when_inactive(false);
-    ui.add_enabled(enabled, button).clicked()
+    let entry = ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        // Names stand below the heading, without the margin of a button.
+        ui.spacing_mut().button_padding.x = 0.0;
+        let name = RichText::new(name).font(theme::strong(13.0)).color(colour);
+        let button = Button::new(name).frame_when_inactive(false).wrap();
+        let entry = ui.add_enabled(enabled, button);
+        ui.add(Label::new(RichText::new(facts).color(palette.muted)).wrap());
+        ui.add_space(GRID);
+        entry
+    });
+    entry.inner
 }

@@ -195,19 +195,23 @@ fn leaving(ui: &mut Ui, state: &mut State) {
             verdict(ui, Verdict::Bad, why);
         }
         ui.add_space(2.0 * GRID);
-        let answers: &[(&str, Answer)] = match is_unsaved {
-            true => &[
+        let answers: &[(&str, Answer)] = match (is_unsaved, &draft.failure) {
+            (true, None) => &[
                 ("Save", Answer::Save),
                 ("Do not save", Answer::Discard),
                 ("Cancel", Answer::Cancel),
             ],
-            false => &[("Disconnect", Answer::Discard), ("Cancel", Answer::Cancel)],
+            (true, Some(_)) => &[("Do not save", Answer::Discard), ("Cancel", Answer::Cancel)],
+            (false, _) => &[("Disconnect", Answer::Discard), ("Cancel", Answer::Cancel)],
         };
         let mut given = None;
         ui.horizontal(|ui| {
+            if is_unsaved && draft.failure.is_some() && primary(ui, "Save as…", true).clicked() {
+                outbox.send(FileCommand::AskSaveAs);
+            }
             for (k, (title, answer)) in answers.iter().enumerate() {
                 let button = match k {
-                    0 => primary(ui, title, true),
+                    0 if draft.failure.is_none() || !is_unsaved => primary(ui, title, true),
                     _ => ui.button(*title),
                 };
                 given = given.or(button.clicked().then_some(*answer));

@@ -1,6 +1,6 @@
 //! The frame of the window: menus, phase rail, status, and the screen between them.
 
-use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Rangef, Ui};
+use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Rangef, Stroke, StrokeKind, Ui};
 use egui_material_icons::icons;
 
 use super::sized::{Size, sized};
@@ -31,8 +31,6 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     escape::show(ui, state);
     let items = menu::items(state);
     top::shortcuts(ui, state, &items);
-    let ground = theme::of(ui).ground;
-    let centre = || CentralPanel::no_frame().frame(Frame::new().fill(ground));
     let bar = Frame::new().inner_margin(Margin::symmetric(2 * GRID as i8, GRID as i8));
     Panel::top("top")
         .frame(bar)
@@ -42,82 +40,6 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         .frame(bar)
         .show(ui, |ui| status::show(ui, state));
     match state.model.screen {
-        Screen::Start => {
-            let State {
-                model,
-                outbox,
-                panels,
-                ..
-            } = state;
-            centre().show(ui, |ui| {
-                screens::start::show(ui, model, &mut panels.start, outbox);
-            });
-        }
-        Screen::Compare => {
-            let State {
-                model,
-                outbox,
-                panels,
-                views,
-            } = state;
-            let memory = (&mut panels.compare, views);
-            centre().show(ui, |ui| screens::compare::show(ui, model, memory, outbox));
-        }
-        Screen::Record => {
-            let State {
-                model,
-                outbox,
-                panels,
-                views,
-            } = state;
-            let memory = (&mut panels.record, views);
-            centre().show(ui, |ui| screens::record::show(ui, model, memory, outbox));
-        }
-        Screen::WhichSensor => {
-            let State {
-                model,
-                outbox,
-                panels,
-                ..
-            } = state;
-            let panel = &mut panels.which_sensor;
-            centre().show(ui, |ui| {
-                screens::which_sensor::show(ui, model, panel, outbox);
-            });
-        }
-        Screen::Hypothesis => {
-            let State { model, outbox, .. } = state;
-            centre().show(ui, |ui| screens::hypothesis::show(ui, model, outbox));
-        }
-        Screen::Gallery => {
-            let State {
-                model,
-                outbox,
-                panels,
-                ..
-            } = state;
-            let panel = &mut panels.gallery;
-            centre().show(ui, |ui| screens::gallery::show(ui, model, panel, outbox));
-        }
-        Screen::NewRobot => {
-            let draft = &mut state.panels.new_robot;
-            let back = state.model.home_screen();
-            let outbox = &mut state.outbox;
-            centre().show(ui, |ui| {
-                screens::modeling::new_robot::show(ui, draft, back, outbox);
-            });
-        }
-        Screen::Import => {
-            let State {
-                model,
-                outbox,
-                panels,
-                ..
-            } = state;
-            centre().show(ui, |ui| {
-                screens::import::show(ui, model, &mut panels.import, outbox);
-            });
-        }
         Screen::Phase(current) => {
             if state.model.maximised.is_some() || ui.available_width() < COMPACT {
                 one_part(ui, state, current);
@@ -126,6 +48,11 @@ pub fn show(ui: &mut Ui, state: &mut State) {
             }
             let view = (&mut state.views.plots, &mut state.views.hovered);
             views::plots::show_detached(ui, &state.model, view, &mut state.outbox);
+        }
+        screen => {
+            let frame = Frame::new().fill(theme::of(ui).ground);
+            let centre = CentralPanel::no_frame().frame(frame);
+            centre.show(ui, |ui| besides(ui, state, screen));
         }
     }
     log::show(ui, state);
@@ -140,6 +67,49 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         modals(ui, state);
     }
     escape::remember_typing(ui);
+    focus_ring(ui);
+}
+
+/// A ring around what has the focus of the keyboard, whatever its own colour.
+fn focus_ring(ui: &Ui) {
+    let focused = ui.memory(|memory| memory.focused());
+    let Some(response) = focused.and_then(|id| ui.ctx().read_response(id)) else {
+        return;
+    };
+    if response.interact_rect.is_positive() {
+        let ring = response.rect.intersect(response.interact_rect).expand(2.0);
+        let stroke = Stroke::new(2.0, theme::of(ui).text);
+        let painter = ui.ctx().layer_painter(response.layer_id);
+        painter.rect_stroke(ring, 5.0, stroke, StrokeKind::Outside);
+    }
+}
+
+/// The screens besides the phases.
+fn besides(ui: &mut Ui, state: &mut State, screen: Screen) {
+    let State {
+        model,
+        outbox,
+        panels,
+        views,
+    } = state;
+    match screen {
+        Screen::Start => screens::start::show(ui, model, &mut panels.start, outbox),
+        Screen::Compare => {
+            screens::compare::show(ui, model, (&mut panels.compare, views), outbox);
+        }
+        Screen::Record => screens::record::show(ui, model, (&mut panels.record, views), outbox),
+        Screen::WhichSensor => {
+            screens::which_sensor::show(ui, model, &mut panels.which_sensor, outbox);
+        }
+        Screen::Hypothesis => screens::hypothesis::show(ui, model, outbox),
+        Screen::Gallery => screens::gallery::show(ui, model, &mut panels.gallery, outbox),
+        Screen::NewRobot => {
+            let back = model.previous_screen();
+            screens::modeling::new_robot::show(ui, &mut panels.new_robot, back, outbox);
+        }
+        Screen::Import => screens::import::show(ui, model, &mut panels.import, outbox),
+        Screen::Phase(_) => {}
+    }
 }
 
 /// Command palette and dialogs.
@@ -178,7 +148,12 @@ fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
     }
     let height = ui.available_height();
     let rows = state.views.plots.rows() as f32;
-    let share = if rows > 1.0 { 0.64 } else { 0.38 };
+    // The live scope has several graphs.
+    let (share, rows) = match state.model.link.is_under_way() {
+        true => (0.56, 2.0),
+        false if rows > 1.0 => (0.64, rows),
+        false => (0.38, 1.0),
+    };
     // A low window still has room for a plot below its lines of choices.
     let usual = (share * height).min(300.0 * rows);
     let usual = usual.max((0.5 * height).min(240.0));

@@ -23,7 +23,7 @@ pub use meter::meter;
 pub(crate) use modal::{backdrop, modal};
 pub(crate) use number::width_of;
 pub use number::{Entered, Number, number, number_checked, parse as parse_number};
-pub use page::page;
+pub use page::{COLUMN, page};
 pub use panel_frame::{one_part, panel_frame};
 pub use parts::parts;
 pub use pose_fields::PoseFields;

@@ -10,7 +10,6 @@ use super::PanelState;
 use crate::model::Model;
 use crate::model::command::{CompareCommand, Outbox, ReportCommand, ViewCommand};
 use crate::model::comparison::{Side, Source};
-use crate::model::phase::{Phase, Screen};
 use crate::theme::{self, GRID};
 use crate::widgets::{heading, icon_button};
 use tautline_workflow::report::ReportFormat;
@@ -37,11 +36,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         );
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
-                let back = match model.open {
-                    Some(_) => Screen::Phase(Phase::Identification),
-                    None => Screen::Start,
-                };
-                outbox.send(ViewCommand::Go(back));
+                outbox.send(ViewCommand::Go(model.previous_screen()));
             }
             let is_compared = matches!(model.comparison.result(), Some(Ok(_)));
             let name = "Save report…";

@@ -3,7 +3,7 @@
 use egui::Key;
 
 use super::super::state::State;
-use super::{CONTROL, CONTROL_SHIFT, Item, Menu, item, keys};
+use super::{CONTROL, CONTROL_SHIFT, Item, Menu};
 use crate::model::command::{
     CompareCommand, FileCommand, RecordCommand, RecordingCommand, ReportCommand, ViewCommand,
 };
@@ -14,16 +14,23 @@ use tautline_workflow::wording::recent_facts;
 
 /// Most sessions that the menu offers to open again.
 const RECENT: usize = 5;
+const GROUP: &str = "Open recent";
+
 /// Sessions that are offered to be opened again.
 fn recent(state: &State) -> Vec<Item> {
     let recent = state.model.preferences.recent().iter().take(RECENT);
-    recent
-        .map(|session| {
-            let open = FileCommand::Open(session.path().to_owned());
-            let title = format!("{} ({})", session.name, recent_facts(session));
-            item(Menu::File, title, None, true, open).within("Open recent")
-        })
-        .collect()
+    let recent = recent.map(|session| {
+        let open = FileCommand::Open(session.path().to_owned());
+        let title = format!("{} ({})", session.name, recent_facts(session));
+        Menu::File.line(title, true, open).within(GROUP)
+    });
+    let mut items: Vec<Item> = recent.collect();
+    if items.is_empty() {
+        // The lines below it stay where they are.
+        let none = Menu::File.line("No session yet", false, FileCommand::AskOpen);
+        items.push(none.within(GROUP));
+    }
+    items
 }
 
 pub fn lines(state: &State) -> Vec<Item> {
@@ -36,104 +43,51 @@ pub fn lines(state: &State) -> Vec<Item> {
         Screen::Record => state.model.record.open().is_some(),
         _ => open,
     };
+    let file =
+        |title: &str, enabled, command: FileCommand| Menu::File.line(title, enabled, command);
+    let report =
+        |title, enabled, format| Menu::File.line(title, enabled, ReportCommand::AskSave(format));
+    let pdf = ReportFormat::Pdf.is_available();
+    let pdf_title = match pdf {
+        true => "Save report as PDF…",
+        false => "Save report as PDF (not in this build)",
+    };
+    let new = |template: Template| {
+        file(template.title(), true, FileCommand::New(template)).within("New robot")
+    };
+    let blank = ViewCommand::Go(Screen::NewRobot);
     let mut items = vec![
-        item(
-            Menu::File,
-            "Try the demo robot",
-            None,
-            true,
-            FileCommand::TryDemo,
-        ),
-        item(
-            Menu::File,
-            "Open…",
-            keys(CONTROL, Key::O),
-            true,
-            FileCommand::AskOpen,
-        ),
-        item(Menu::File, "Import…", None, true, RecordingCommand::Show),
+        file("Try the demo robot", true, FileCommand::TryDemo),
+        file("Open…", true, FileCommand::AskOpen).keys(CONTROL, Key::O),
+        Menu::File.line("Import…", true, RecordingCommand::Show),
     ];
+    items.extend(Template::ALL.map(new));
+    items.push(
+        Menu::File
+            .line("Empty table", true, blank)
+            .within("New robot"),
+    );
     items.extend(recent(state));
     items.extend([
-        item(
-            Menu::File,
-            "Compare two sessions",
-            None,
-            true,
-            CompareCommand::Show,
-        ),
-        item(
-            Menu::File,
-            "Record of a robot",
-            None,
-            true,
-            RecordCommand::Show,
-        ),
-        item(
-            Menu::File,
-            "Save",
-            keys(CONTROL, Key::S),
-            open,
-            FileCommand::Save,
-        ),
-        item(
-            Menu::File,
-            "Save as…",
-            keys(CONTROL_SHIFT, Key::S),
-            open,
-            FileCommand::AskSaveAs,
-        ),
-        item(
-            Menu::File,
-            "Save report as HTML…",
-            None,
-            has_report,
-            ReportCommand::AskSave(ReportFormat::Html),
-        ),
-        item(
-            Menu::File,
-            match ReportFormat::Pdf.is_available() {
-                true => "Save report as PDF…",
-                false => "Save report as PDF (left out of this build)",
-            },
-            None,
-            has_report && ReportFormat::Pdf.is_available(),
-            ReportCommand::AskSave(ReportFormat::Pdf),
-        ),
-        item(
-            Menu::File,
+        Menu::File
+            .line("Compare two sessions", true, CompareCommand::Show)
+            .first(),
+        Menu::File.line("Record of a robot", true, RecordCommand::Show),
+        file("Save", open, FileCommand::Save)
+            .keys(CONTROL, Key::S)
+            .first(),
+        file("Save as…", open, FileCommand::AskSaveAs).keys(CONTROL_SHIFT, Key::S),
+        report("Save report as HTML…", has_report, ReportFormat::Html),
+        report(pdf_title, has_report && pdf, ReportFormat::Pdf),
+        file(
             "New series of this session",
-            None,
             measured,
             FileCommand::NewSeries(Vec::new()),
         ),
-        item(
-            Menu::File,
-            "Close session",
-            keys(CONTROL, Key::W),
-            open,
-            FileCommand::Close,
-        ),
-        item(
-            Menu::File,
-            "Quit",
-            keys(CONTROL, Key::Q),
-            true,
-            FileCommand::Quit,
-        ),
+        file("Close session", open, FileCommand::Close)
+            .keys(CONTROL, Key::W)
+            .first(),
+        file("Quit", true, FileCommand::Quit).keys(CONTROL, Key::Q),
     ]);
-    let new = Template::ALL.map(|template| {
-        let new = FileCommand::New(template);
-        item(Menu::File, template.title(), None, true, new).within("New robot")
-    });
-    let blank = item(
-        Menu::File,
-        "Empty table",
-        None,
-        true,
-        ViewCommand::Go(Screen::NewRobot),
-    )
-    .within("New robot");
-    items.splice(3..3, new.into_iter().chain([blank]));
     items
 }

@@ -3,141 +3,61 @@
 use egui::{Key, Modifiers, ThemePreference};
 
 use super::super::state::State;
-use super::{CONTROL, CONTROL_SHIFT, Item, Menu, item, keys};
+use super::{CONTROL, CONTROL_SHIFT, Item, Menu};
 use crate::model::command::{PoseStep, ViewCommand};
 use crate::model::part::Part;
 use crate::model::phase::{Phase, Screen};
 
+const DIGITS: [Key; 5] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
+
 pub fn lines(state: &State) -> Vec<Item> {
-    let open = state.model.open.is_some();
-    let digits = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5];
-    let mut items: Vec<Item> = Phase::ALL
-        .iter()
-        .zip(digits)
-        .map(|(step, digit)| {
-            let title = format!("Go to {}. {}", step.number(), step.title());
-            item(
-                Menu::View,
-                title,
-                keys(CONTROL, digit),
-                open,
-                ViewCommand::Go(Screen::Phase(*step)),
-            )
-        })
-        .collect();
-    let scale = state.model.context.zoom_factor();
-    let is_phase = matches!(state.model.screen, Screen::Phase(_));
-    let measured = state
-        .model
-        .open
-        .as_ref()
-        .is_some_and(|d| !d.session().measurements.is_empty());
+    let model = &state.model;
+    let open = model.open.is_some();
+    let view =
+        |title: &str, enabled, command: ViewCommand| Menu::View.line(title, enabled, command);
+    let phases = Phase::ALL.iter().zip(DIGITS).map(|(step, digit)| {
+        let title = format!("Go to {}. {}", step.number(), step.title());
+        view(&title, open, ViewCommand::Go(Screen::Phase(*step))).keys(CONTROL, digit)
+    });
+    let mut items: Vec<Item> = phases.collect();
+    let scale = model.context.zoom_factor();
+    let is_phase = matches!(model.screen, Screen::Phase(_));
+    let is_restorable = is_phase && model.maximised.is_some();
+    let measured = model.open.as_ref();
+    let measured = measured.is_some_and(|d| !d.session().measurements.is_empty());
+    let cable = model.selection.cable.filter(|_| open);
+    let pose = |title, step| view(title, measured, ViewCommand::Pose(step));
+    let part = |title, part| view(title, is_phase, ViewCommand::Maximise(Some(part)));
+    let zoom = |title, scale| view(title, true, ViewCommand::Scale(scale));
+    let theme = |title, theme| view(title, true, ViewCommand::Theme(theme));
+    let none = Modifiers::NONE;
     items.extend([
-        item(
-            Menu::View,
+        view(
             "Inspect the pulley of the selected cable",
-            None,
-            state.model.selection.cable.is_some() && open,
-            ViewCommand::Inspect(state.model.selection.cable),
-        ),
-        item(
-            Menu::View,
-            "Show the next pose",
-            keys(Modifiers::ALT, Key::ArrowRight),
-            measured,
-            ViewCommand::Pose(PoseStep::Next),
-        ),
-        item(
-            Menu::View,
-            "Show the previous pose",
-            keys(Modifiers::ALT, Key::ArrowLeft),
-            measured,
-            ViewCommand::Pose(PoseStep::Previous),
-        ),
-        item(
-            Menu::View,
-            "Maximise the 3D view",
-            keys(Modifiers::NONE, Key::F7),
-            is_phase,
-            ViewCommand::Maximise(Some(Part::Robot)),
-        ),
-        item(
-            Menu::View,
-            "Maximise the plots",
-            keys(Modifiers::NONE, Key::F8),
-            is_phase,
-            ViewCommand::Maximise(Some(Part::Plots)),
-        ),
-        item(
-            Menu::View,
-            "Maximise the panel",
-            keys(Modifiers::NONE, Key::F9),
-            is_phase,
-            ViewCommand::Maximise(Some(Part::Panel)),
-        ),
-        item(
-            Menu::View,
-            "Restore panels",
-            keys(Modifiers::NONE, Key::F6),
-            is_phase && state.model.maximised.is_some(),
-            ViewCommand::Maximise(None),
-        ),
-        item(
-            Menu::View,
-            "Command palette",
-            keys(CONTROL_SHIFT, Key::P),
-            true,
-            ViewCommand::Palette(true),
-        ),
-        item(
-            Menu::View,
-            "Log",
-            keys(CONTROL, Key::L),
-            true,
-            ViewCommand::Log(true),
-        ),
-        item(
-            Menu::View,
-            "Zoom in",
-            keys(CONTROL, Key::Plus),
-            true,
-            ViewCommand::Scale(scale + 0.1),
-        ),
-        item(
-            Menu::View,
-            "Zoom out",
-            keys(CONTROL, Key::Minus),
-            true,
-            ViewCommand::Scale(scale - 0.1),
-        ),
-        item(
-            Menu::View,
-            "Reset zoom",
-            keys(CONTROL, Key::Num0),
-            true,
-            ViewCommand::Scale(1.0),
-        ),
-        item(
-            Menu::View,
-            "Dark theme",
-            None,
-            true,
-            ViewCommand::Theme(ThemePreference::Dark),
-        ),
-        item(
-            Menu::View,
-            "Light theme",
-            None,
-            true,
-            ViewCommand::Theme(ThemePreference::Light),
-        ),
-        item(
-            Menu::View,
-            "System theme",
-            None,
-            true,
-            ViewCommand::Theme(ThemePreference::System),
-        ),
+            cable.is_some(),
+            ViewCommand::Inspect(cable),
+        )
+        .first(),
+        pose("Show the next pose", PoseStep::Next).keys(Modifiers::ALT, Key::ArrowRight),
+        pose("Show the previous pose", PoseStep::Previous).keys(Modifiers::ALT, Key::ArrowLeft),
+        part("Maximise the 3D view", Part::Robot)
+            .keys(none, Key::F7)
+            .first(),
+        part("Maximise the plots", Part::Plots).keys(none, Key::F8),
+        part("Maximise the panel", Part::Panel).keys(none, Key::F9),
+        view("Restore panels", is_restorable, ViewCommand::Maximise(None)).keys(none, Key::F6),
+        view("Command palette", true, ViewCommand::Palette(true))
+            .keys(CONTROL_SHIFT, Key::P)
+            .first(),
+        view("Log", true, ViewCommand::Log(true)).keys(CONTROL, Key::L),
+        zoom("Zoom in", scale + 0.1)
+            .keys(CONTROL, Key::Plus)
+            .first(),
+        zoom("Zoom out", scale - 0.1).keys(CONTROL, Key::Minus),
+        zoom("Reset zoom", 1.0).keys(CONTROL, Key::Num0),
+        theme("Dark theme", ThemePreference::Dark).first(),
+        theme("Light theme", ThemePreference::Light),
+        theme("System theme", ThemePreference::System),
     ]);
     items
 }
