@@ -9,8 +9,9 @@ use super::mean::mean_and_sd;
 use super::options::{MeasuringOptions, Prediction};
 use crate::controller::Sample;
 
-/// Number of standard deviations below zero from which on the noise of a slack cable does not explain a tension.
-const TENSION_NOISE: f64 = 3.0;
+/// Standard deviations of a mean tension by which it may be outside the limits as noise: of a hundred means of a cable that is held
+/// at a limit, fewer than one is farther out.
+const TENSION_NOISE: f64 = 2.5;
 /// Difference between two samples at rest that counts as a jump, in standard deviations of one sample.
 const JUMP: f64 = 15.0;
 /// A winch that is expected to turn by more than this many standard deviations of its length must show a change.
@@ -22,10 +23,10 @@ const MULTIPLE: f64 = 10.0;
 /// Fraction of its standard deviation below which a force sensor shows no noise.
 const SILENT: f64 = 1e-3;
 
-/// A tension outside the limits.
+/// A tension that is outside the limits by more than its noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TensionFault {
-    /// Below zero by more than its noise: a cable cannot push.
+    /// Below zero: a cable cannot push.
     Negative,
     /// Below the smallest allowed one.
     Low,
@@ -34,15 +35,15 @@ pub enum TensionFault {
 }
 
 impl TensionFault {
-    /// The fault of a tension (N), if it has one. Noise does not widen the limits: a tension that is read outside them is
-    /// more likely outside than within, and the operator sees the limits as marks.
+    /// The fault of a tension (N), if it has one.
     #[must_use]
     pub fn of(sensor: &ForceSensor, tension_n: f64, range: &TensionRange) -> Option<Self> {
-        if tension_n < -TENSION_NOISE * sensor.tension_sd_n {
+        let noise_n = TENSION_NOISE * sensor.tension_sd_n;
+        if tension_n < -noise_n {
             Some(Self::Negative)
-        } else if tension_n < range.lower_n {
+        } else if tension_n < range.lower_n - noise_n {
             Some(Self::Low)
-        } else if tension_n > range.upper_n {
+        } else if tension_n > range.upper_n + noise_n {
             Some(Self::High)
         } else {
             None

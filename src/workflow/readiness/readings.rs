@@ -1,7 +1,9 @@
 //! Checks that readings are complete and plausible, without a fit.
 
 use tautline_core::measurement::{Dataset, Grid};
+use tautline_core::simulation::TensionRange;
 use tautline_import::{Kind, Line, Mistake, Quantity, TableCheck};
+use tautline_link::measuring::TensionFault;
 
 use super::faults::{self, ReadingFault};
 use super::{CheckItem, CheckOutcome, PLAUSIBLE};
@@ -150,7 +152,8 @@ pub(super) fn plausible(
 
 /// Tensions outside the limits that the description states, in one sentence with the first of each cable.
 fn tensions_outside_limits(dataset: &Dataset) -> Option<String> {
-    let limits = dataset.robot.limits?.tension?;
+    dataset.robot.limits?.tension?;
+    let range = TensionRange::of(&dataset.robot);
     let data = &dataset.measurements;
     if data.force_n.is_empty() {
         return None;
@@ -161,7 +164,7 @@ fn tensions_outside_limits(dataset: &Dataset) -> Option<String> {
         let tensions = (0..data.len()).map(|row| sensor.tension_n(data.force_n.get(row, cable)));
         let mut outside = tensions
             .zip(&data.labels)
-            .filter(|(tension_n, _)| *tension_n < limits.lower_n || *tension_n > limits.upper_n);
+            .filter(|(tension_n, _)| TensionFault::of(&sensor, *tension_n, &range).is_some());
         let (tension_n, label) = outside.next()?;
         let more = match outside.count() {
             0 => String::new(),
@@ -171,7 +174,7 @@ fn tensions_outside_limits(dataset: &Dataset) -> Option<String> {
         Some(format!("{name} at pose {label}{more} ({tension_n:.1} N)"))
     });
     let outside: Vec<String> = outside.collect();
-    let [lower, upper] = [limits.lower_n, limits.upper_n].map(|limit_n| significant(limit_n, 3));
+    let [lower, upper] = [range.lower_n, range.upper_n].map(|limit_n| significant(limit_n, 3));
     (!outside.is_empty()).then(|| {
         let outside = list(&outside);
         format!("Tensions outside of {lower} to {upper} N: {outside}.")

@@ -2,7 +2,6 @@
 
 use egui::{Align2, Rect, Sense, TextStyle, Ui, Vec2};
 use tautline_core::simulation::TensionRange;
-use tautline_link::measuring::TensionFault;
 
 use super::name_of;
 use crate::model::Model;
@@ -34,18 +33,16 @@ pub(in crate::screens) fn tensions(ui: &mut Ui, model: &Model) {
     let range = TensionRange::of(robot);
     let cables = robot.cables.iter().zip(&sample.force_n).enumerate();
     let read = cables.filter_map(|(k, (cable, force_n))| {
-        let sensor = cable.force_sensor?;
-        let tension_n = sensor.tension_n(*force_n);
-        let fault = TensionFault::of(&sensor, tension_n, &range);
-        tension_n.is_finite().then_some((k, tension_n, fault))
+        let tension_n = cable.force_sensor?.tension_n(*force_n);
+        tension_n.is_finite().then_some((k, tension_n))
     });
-    let read: Vec<(usize, f64, Option<TensionFault>)> = read.collect();
+    let read: Vec<(usize, f64)> = read.collect();
     if read.is_empty() {
         return;
     }
     section(ui, "Tensions");
-    for (k, tension_n, fault) in read {
-        bar(ui, (k, name_of(model, k)), (tension_n, fault), range);
+    for (k, tension_n) in read {
+        bar(ui, (k, name_of(model, k)), tension_n, range);
     }
     muted(
         ui,
@@ -57,22 +54,21 @@ pub(in crate::screens) fn tensions(ui: &mut Ui, model: &Model) {
     );
 }
 
-fn bar(
-    ui: &mut Ui,
-    (cable, name): (usize, &str),
-    (tension_n, fault): (f64, Option<TensionFault>),
-    range: TensionRange,
-) {
+fn bar(ui: &mut Ui, (cable, name): (usize, &str), tension_n: f64, range: TensionRange) {
     let palette = theme::of(ui);
     let size = Vec2::new(ui.available_width(), ROW);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-    let state = match fault {
-        None => "",
-        Some(TensionFault::Negative) => ", below zero",
-        Some(TensionFault::Low) => ", too low",
-        Some(TensionFault::High) => ", too high",
+    // By the marks that are drawn: one sample is noisier than the mean of which a warning tells.
+    let state = match tension_n {
+        low if low < 0.0 => ", below zero",
+        low if low < range.lower_n => ", too low",
+        high if high > range.upper_n => ", too high",
+        _ => "",
     };
-    let colour = fault.map_or(palette.text, |_| palette.warning);
+    let (colour, fill) = match state {
+        "" => (palette.text, palette.cable(cable)),
+        _ => (palette.warning, palette.warning),
+    };
     let words = format!("{} N{state}", fixed(tension_n, 1));
     response.widget_info(|| {
         let text = format!("Tension of {name}: {words}");
@@ -109,7 +105,6 @@ fn bar(
         )
     };
     painter.rect_filled(of(left + width), 2.0, palette.raised);
-    let fill = fault.map_or(palette.cable(cable), |_| palette.warning);
     painter.rect_filled(of(x(tension_n)), 2.0, fill);
     for limit_n in [range.lower_n, range.upper_n] {
         let reach = middle - 0.9 * BAR..=middle + 0.9 * BAR;
