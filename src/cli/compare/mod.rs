@@ -56,12 +56,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let format = report.map(|path| report_format("--report", path));
     let format = format.transpose()?;
     arguments.replace.permit(&[report], Some(&arguments.json))?;
-    let sessions = [
-        input::session(&arguments.first)?,
-        input::session(&arguments.second)?,
-    ];
-    let first = identified(&arguments.first, &sessions[0])?;
-    let second = identified(&arguments.second, &sessions[1])?;
+    let (session_a, first) = identified(&arguments.first)?;
+    let (session_b, second) = identified(&arguments.second)?;
+    let sessions = [session_a, session_b];
     let compared = compare_identifications([&first, &second], level).map_err(BadInput::new)?;
     if let (Some(path), Some(format)) = (report, format) {
         let input = ComparisonInput {
@@ -80,14 +77,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .deliver(&document, || report::print(&compared, &document))
 }
 
-/// The identification of a session.
-fn identified(path: &Path, session: &Session) -> Result<Identification> {
+/// A session and its identification.
+fn identified(path: &Path) -> Result<(Session, Identification)> {
+    let session = input::session(path)?;
     if session.settings.identification.method == Method::Published {
         note!(
             "{}: the published method has no standard deviations to compare with; the joint one is used",
             path.display()
         );
     }
-    identify_to_compare(session, &mut |_| Control::Continue)
-        .map_err(|error| BadInput::new(format!("{}: {error}", path.display())))
+    let found = identify_to_compare(&session, &mut |_| Control::Continue)
+        .map_err(|error| BadInput::new(format!("{}: {error}", path.display())))?;
+    Ok((session, found))
 }

@@ -363,7 +363,10 @@ fn none_is_within_where_all_are_outside() {
     }
     sample.choice.tolerance_m = Some(3e-3);
     let html = sample.html();
-    assert!(html.contains("All 8 pulleys are outside the tolerance of 3 mm."));
+    let pulleys = sample.fit.dataset.robot.cable_count();
+    assert!(html.contains(&format!(
+        "All {pulleys} pulleys are outside the tolerance of 3 mm."
+    )));
     assert!(!html.contains("The others are within it"));
 }
 
