@@ -63,7 +63,7 @@ fn a_plan_is_measured_with_pause_skip_repeat_and_a_break() {
     let ended = bench.session().measurements.len();
     bench
         .harness
-        .get_by_label_contains("Measured poses are saved");
+        .get_by_label_contains("Measured poses are kept");
     assert!(ended < 26, "{ended} poses");
     bench.press("Continue measuring");
     bench.wait("all poses", |state| !state.model.link.is_measuring());

@@ -183,7 +183,7 @@ fn outcome(ui: &mut Ui, run: &RunLog, outbox: &mut Outbox) {
         false => "The run can be continued.",
     };
     let text = format!(
-        "The run ended after {}: {} Measured poses are saved. {next}",
+        "The run ended after {}: {} Measured poses are kept. {next}",
         run.measured_in_words(),
         full_sentence(why)
     );
