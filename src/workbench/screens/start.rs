@@ -2,20 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align, Button, Key, Label, Layout, Response, RichText, TextEdit, Ui};
+use egui::{Align, Button, Label, Layout, Response, RichText, Ui};
 use egui_material_icons::icons;
 
 use crate::model::Model;
 use crate::model::command::{
-    CompareCommand, FileCommand, Outbox, RecordCommand, RecordingCommand, ViewCommand,
+    Command, CompareCommand, FileCommand, Outbox, RecordCommand, RecordingCommand, ViewCommand,
 };
 use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
-use crate::widgets::{COLUMN, icon_button, icon_only, muted, page, primary, section};
+use crate::widgets::{COLUMN, icon_button, icon_only, muted, page, path_field, primary, section};
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::templates::Template;
 use tautline_workflow::wording::local_time::date_and_time;
-use tautline_workflow::wording::recent_facts;
+use tautline_workflow::wording::{count, recent_facts};
 
 /// What the start screen remembers.
 #[derive(Debug, Default)]
@@ -99,18 +99,10 @@ fn open(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         // Both buttons have room beside it.
         let width = (ui.available_width() - 190.0).clamp(120.0, 400.0);
-        let field = TextEdit::singleline(path).hint_text("Path, or drop a file on the window");
-        let field = ui.add(
-            field
-                .desired_width(width)
-                .align(egui::Align2::LEFT_CENTER)
-                .min_size(egui::vec2(0.0, 26.0)),
-        );
-        field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let names = ("Path", "Path, or drop a file on the window");
+        let entered = path_field(ui, names, path, width);
         let typed = !path.trim().is_empty();
-        let button = Button::new("Open").min_size(egui::vec2(0.0, 26.0));
-        if (ui.add_enabled(typed, button).clicked() || entered) && typed {
+        if (ui.add_enabled(typed, Button::new("Open")).clicked() || entered) && typed {
             outbox.send(FileCommand::Open(PathBuf::from(path.trim())));
         }
         if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
@@ -144,33 +136,34 @@ pub(super) fn template_buttons(ui: &mut Ui, outbox: &mut Outbox) {
 }
 
 fn compare(ui: &mut Ui, outbox: &mut Outbox) {
-    ui.add_space(2.0 * GRID);
-    ui.horizontal(|ui| {
-        let title = "Compare two sessions";
-        if icon_button(ui, icons::ICON_COMPARE_ARROWS, title, true).clicked() {
-            outbox.send(CompareCommand::Show);
-        }
-        muted(ui, "Has a pulley moved, or is it noise?");
-    });
-    ui.add_space(GRID);
-    ui.horizontal(|ui| {
-        let title = "Record of a robot";
-        if icon_button(ui, icons::ICON_TIMELINE, title, true).clicked() {
-            outbox.send(RecordCommand::Show);
-        }
-        muted(
-            ui,
+    for (icon, title, purpose, command) in [
+        (
+            icons::ICON_COMPARE_ARROWS,
+            "Compare two sessions",
+            "Has a pulley moved, or is it noise?",
+            Command::from(CompareCommand::Show),
+        ),
+        (
+            icons::ICON_TIMELINE,
+            "Record of a robot",
             "What moved over many sessions, and when to calibrate again.",
-        );
-    });
-    ui.add_space(GRID);
-    ui.horizontal(|ui| {
-        let title = "Import files of other programs";
-        if icon_button(ui, icons::ICON_UPLOAD_FILE, title, true).clicked() {
-            outbox.send(RecordingCommand::Show);
-        }
-        muted(ui, "Logs, motion capture, spreadsheets.");
-    });
+            RecordCommand::Show.into(),
+        ),
+        (
+            icons::ICON_UPLOAD_FILE,
+            "Import files of other programs",
+            "Logs, motion capture, spreadsheets.",
+            RecordingCommand::Show.into(),
+        ),
+    ] {
+        ui.add_space(GRID);
+        ui.horizontal_wrapped(|ui| {
+            if icon_button(ui, icon, title, true).clicked() {
+                outbox.send(command);
+            }
+            muted(ui, purpose);
+        });
+    }
 }
 
 fn unsaved_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
@@ -192,11 +185,7 @@ fn unsaved_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: 
     };
     for (place, left) in model.unsaved_sessions.iter().enumerate().take(shown) {
         ui.horizontal(|ui| {
-            let poses = match left.poses {
-                0 => "no poses".to_owned(),
-                1 => "1 pose".to_owned(),
-                poses => format!("{poses} poses"),
-            };
+            let poses = count(left.poses, "pose");
             ui.label(&left.name);
             muted(ui, &format!("{poses}, {}", date_and_time(left.when)));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

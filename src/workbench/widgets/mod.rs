@@ -18,7 +18,7 @@ mod text;
 
 pub use button::{checkbox, choice, icon_button, icon_only, primary, radio};
 pub use fault_matrix::fault_window;
-pub use import_row::{Import, import_row};
+pub use import_row::{Import, import_row, path_field};
 pub use meter::meter;
 pub(crate) use modal::{backdrop, modal};
 pub(crate) use number::width_of;

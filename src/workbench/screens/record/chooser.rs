@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Button, Key, Label, Layout, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Align, Button, Label, Layout, RichText, Ui};
 use egui_material_icons::icons;
 use tautline_workflow::report::ReportFormat;
 
@@ -10,7 +10,7 @@ use super::PanelState;
 use crate::model::Model;
 use crate::model::command::{Outbox, RecordCommand, ReportCommand, ViewCommand};
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, icon_button};
+use crate::widgets::{heading, icon_button, path_field};
 
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let open = model.record.open();
@@ -57,12 +57,9 @@ fn is_read(model: &Model) -> bool {
 }
 
 fn choose(ui: &mut Ui, path: &mut String, outbox: &mut Outbox) {
-    let field = TextEdit::singleline(path)
-        .hint_text("Folder with the sessions of one robot, or drop it on the window")
-        .desired_width((ui.available_width() - 220.0).clamp(160.0, 560.0));
-    let field = ui.add(field);
-    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Folder of the record"));
-    let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    let hint = "Folder with the sessions of one robot, or drop it on the window";
+    let width = (ui.available_width() - 220.0).clamp(160.0, 560.0);
+    let entered = path_field(ui, ("Folder of the record", hint), path, width);
     let typed = !path.trim().is_empty();
     let open = ui.add_enabled(typed, Button::new("Open"));
     if (open.clicked() || entered) && typed {

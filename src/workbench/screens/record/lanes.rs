@@ -93,15 +93,7 @@ fn one(ui: &mut Ui, model: &Model, part: &Part, plot: &Linked<'_>, outbox: &mut 
     }
     if let Some((ending, file)) = asked.saved {
         let name = plot.figure.y.label.to_lowercase();
-        let name: String = (name.chars())
-            .map(|letter| {
-                if letter.is_alphanumeric() {
-                    letter
-                } else {
-                    '-'
-                }
-            })
-            .collect();
+        let name = name.replace(|letter: char| !letter.is_alphanumeric(), "-");
         outbox.send(PlotCommand::AskSave(format!("{name}.{ending}"), file));
     }
 }
