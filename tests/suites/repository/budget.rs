@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7754),
-    ("core", 35592),
-    ("import", 16953),
-    ("link", 10124),
+    ("cli", 7755),
+    ("core", 35604),
+    ("import", 16958),
+    ("link", 10128),
     ("python", 951),
-    ("session", 7881),
+    ("session", 7891),
     ("study", 3110),
     ("workbench", 37518),
-    ("workflow", 18030),
+    ("workflow", 18162),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
