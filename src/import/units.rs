@@ -245,7 +245,13 @@ pub fn split_heading(heading: &str) -> (String, Option<String>) {
     let is_unit = |unit: &&str| {
         matches!(*unit, "m" | "s" | "n" | "N") || (unit.len() > 1 && parse_unit(unit).is_some())
     };
-    (heading.into(), unit.filter(is_unit).map(str::to_owned))
+    // Columns are often named in lower case, symbols of units are not.
+    let symbol = |unit: &str| match unit {
+        "n" => "N".to_owned(),
+        "kn" => "kN".to_owned(),
+        _ => unit.to_owned(),
+    };
+    (heading.into(), unit.filter(is_unit).map(symbol))
 }
 
 /// Whether brackets hold the index of a vector and not a unit.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::BadInput;
 use anyhow::Result;
 use tautline_core::estimation::Control;
-use tautline_session::Method;
+use tautline_session::{Method, Session};
 use tautline_workflow::clock;
 use tautline_workflow::comparison::{
     ComparisonDocument, LEVEL, compare_identifications, identify_to_compare,
@@ -53,14 +53,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let report = arguments.report.as_deref();
     let format = report.map(|path| report_format("--report", path));
     let format = format.transpose()?;
-    let (name_a, first) = identified(&arguments.first)?;
-    let (name_b, second) = identified(&arguments.second)?;
-    let names = [name_a, name_b];
+    let (session_a, first) = identified(&arguments.first)?;
+    let (session_b, second) = identified(&arguments.second)?;
+    let sessions = [session_a, session_b];
     let compared = compare_identifications([&first, &second], level).map_err(BadInput::new)?;
     if let (Some(path), Some(format)) = (report, format) {
         let input = ComparisonInput {
-            names: [&names[0], &names[1]],
+            names: sessions.each_ref().map(|session| session.name.as_str()),
             fits: [&first, &second],
+            is_simulated: sessions.iter().any(Session::is_simulated),
             comparison: &compared,
             choice: &ReportChoice::default(),
             now: clock::now(),
@@ -73,8 +74,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .deliver(&document, || report::print(&compared, &document))
 }
 
-/// Name of a session, and its identification.
-fn identified(path: &Path) -> Result<(String, Identification)> {
+/// A session and its identification.
+fn identified(path: &Path) -> Result<(Session, Identification)> {
     let session = input::session(path)?;
     if session.settings.identification.method == Method::Published {
         note!(
@@ -84,5 +85,5 @@ fn identified(path: &Path) -> Result<(String, Identification)> {
     }
     let found = identify_to_compare(&session, &mut |_| Control::Continue)
         .map_err(|error| BadInput::new(format!("{}: {error}", path.display())))?;
-    Ok((session.name, found))
+    Ok((session, found))
 }

@@ -31,7 +31,7 @@ use drive::{Drive, RunEnd};
 #[derive(Debug, clap::Args)]
 #[command(after_help = examples(&[
     ("25 poses of a simulated robot", "tautline measure run.json --controller sim --robot mini --arm"),
-    ("Until it is known what is wrong, be it nothing", "tautline measure s.json --controller sim --robot mini --until cause=95% --arm"),
+    ("Until the cause is known or excluded", "tautline measure s.json --controller sim --robot mini --until cause=95% --arm"),
     ("An OPC UA controller and the poses of a plan; the session exists", "tautline measure cell.json --controller opc.tcp://plc --plan poses.csv --arm"),
 ]))]
 pub struct Arguments {

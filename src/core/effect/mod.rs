@@ -82,7 +82,7 @@ pub(crate) use hypothesis::CROSSTALK;
 pub use hypothesis::{
     FORMULA_QUANTITIES, FORMULA_TARGETS, FormulaQuantity, FormulaTarget, Hypothesis,
     HypothesisError, HypothesisNotAdded, MAX_HYPOTHESES, MAX_HYPOTHESIS_BYTES, NotAsText,
-    line_and_column,
+    formula_functions, line_and_column,
 };
 pub(crate) use motion::inertia;
 pub use part_deviation::{PartDeviation, part_deviations};

@@ -64,6 +64,9 @@ pub enum Tolerance<'a> {
 pub struct Forecast {
     /// Probability of being out of tolerance already, because the values of the last session are uncertain.
     pub at_once: f64,
+    /// Largest error of the values of the last session that is exceeded with the probability at which a calibration is due (m):
+    /// a smaller tolerance is left at once.
+    pub known_m: f64,
     /// Days after the last session at which the probability of being out of tolerance reaches 5 %; `None` if it does not within ten
     /// years.
     pub due_days: Option<f64>,
@@ -114,8 +117,15 @@ pub fn forecast(history: &History, tolerance: Tolerance<'_>) -> Result<Forecast,
     each.sort_by(f64::total_cmp);
     let rank = |p: f64| each[((p * RATES as f64) as usize).min(RATES - 1)];
     let ends = [0.5 - 0.5 * INTERVAL, 0.5 + 0.5 * INTERVAL].map(rank);
+    let columns = rates.iter().flat_map(|rates| rates.errors.column_iter());
+    let mut known: Vec<f64> = columns
+        .map(|values| error.largest_m(values.as_slice()))
+        .collect();
+    known.sort_by(f64::total_cmp);
+    let place = ((1.0 - OUT_OF_TOLERANCE) * known.len() as f64) as usize;
     Ok(Forecast {
         at_once: share(&rates, 0.0),
+        known_m: known.get(place).copied().unwrap_or(0.0),
         due_days: due(|days| share(&rates, days)),
         interval_days: ends.map(|days| days.is_finite().then_some(days)),
     })
@@ -246,10 +256,11 @@ impl ErrorOfValues {
         })
     }
 
-    fn is_out_of_tolerance(&self, error: &[f64]) -> bool {
-        let square = self.limit_m * self.limit_m;
-        let mut groups = error.chunks(self.group.max(1));
-        groups.any(|group| group.iter().map(|e| e * e).sum::<f64>() > square)
+    /// The largest of the lengths that count.
+    fn largest_m(&self, error: &[f64]) -> f64 {
+        let groups = error.chunks(self.group.max(1));
+        let squares = groups.map(|group| group.iter().map(|e| e * e).sum::<f64>());
+        squares.fold(0.0, f64::max).sqrt()
     }
 }
 
@@ -325,7 +336,7 @@ impl Rates {
                     *sum += by;
                 }
             }
-            error.is_out_of_tolerance(&sum)
+            error.largest_m(&sum) > error.limit_m
         };
         self.errors
             .column_iter()

@@ -9,8 +9,9 @@ use super::mean::mean_and_sd;
 use super::options::{MeasuringOptions, Prediction};
 use crate::controller::Sample;
 
-/// Number of standard deviations of a mean tension that count as noise.
-const TENSION_NOISE: f64 = 3.0;
+/// Standard deviations of a mean tension by which it may be outside the limits as noise: of a hundred means of a cable that is held
+/// at a limit, fewer than one is farther out.
+const TENSION_NOISE: f64 = 2.5;
 /// Difference between two samples at rest that counts as a jump, in standard deviations of one sample.
 const JUMP: f64 = 15.0;
 /// A winch that is expected to turn by more than this many standard deviations of its length must show a change.
@@ -22,15 +23,15 @@ const MULTIPLE: f64 = 10.0;
 /// Fraction of its standard deviation below which a force sensor shows no noise.
 const SILENT: f64 = 1e-3;
 
-/// A tension that is off by more than its noise.
+/// A tension that is outside the limits by more than its noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TensionFault {
     /// Below zero: a cable cannot push.
     Negative,
-    /// Below the least allowed one.
-    Slack,
-    /// Above the greatest allowed one.
-    Overload,
+    /// Below the smallest allowed one.
+    Low,
+    /// Above the largest allowed one.
+    High,
 }
 
 impl TensionFault {
@@ -41,9 +42,9 @@ impl TensionFault {
         if tension_n < -noise_n {
             Some(Self::Negative)
         } else if tension_n < range.lower_n - noise_n {
-            Some(Self::Slack)
+            Some(Self::Low)
         } else if tension_n > range.upper_n + noise_n {
-            Some(Self::Overload)
+            Some(Self::High)
         } else {
             None
         }
@@ -248,11 +249,15 @@ impl Checks<'_> {
                     found.push(self.dead_sensor(index, &text));
                     continue;
                 }
-                Some(TensionFault::Slack) => {
-                    format!("it is slack: {tension:.1} N, at least {least:.1} N are needed")
+                Some(TensionFault::Low) => {
+                    format!(
+                        "its tension is too low: {tension:.2} N, at least {least:.1} N are needed"
+                    )
                 }
-                Some(TensionFault::Overload) => {
-                    format!("it is overloaded: {tension:.1} N, at most {most:.1} N are allowed")
+                Some(TensionFault::High) => {
+                    format!(
+                        "its tension is too high: {tension:.2} N, at most {most:.1} N are allowed"
+                    )
                 }
             };
             found.push(self.warning(Some(index), false, &text));

@@ -92,6 +92,9 @@ pub struct Session<M = Measurements> {
     /// The virtual robot of a demonstration.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulator: Option<Simulator>,
+    /// Whether a robot that was simulated from the description gave readings of this session.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_simulated_readings: bool,
     /// The parameters that the controller holds, so that a simulated one continues with them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub controller: Vec<NamedValue>,
@@ -146,6 +149,7 @@ impl<M> Session<M> {
             settings: self.settings.clone(),
             results: self.results.clone(),
             simulator: self.simulator.clone(),
+            has_simulated_readings: self.has_simulated_readings,
             controller: self.controller.clone(),
             controller_started: self.controller_started,
             laser_source: self.laser_source.clone(),
@@ -179,6 +183,7 @@ impl Session {
             phases: PhaseData::default(),
             settings: Settings::default(),
             simulator: None,
+            has_simulated_readings: false,
             controller: Vec::new(),
             controller_started: None,
             laser_source: LaserSettings::default(),
@@ -218,6 +223,14 @@ impl Session {
             connection: self.connection.clone(),
             ..Self::new(name, self.robot.clone(), now)
         }
+    }
+
+    /// Whether its readings are not of a real machine, as far as the session knows.
+    #[must_use]
+    pub fn is_simulated(&self) -> bool {
+        self.has_simulated_readings
+            || self.simulator.is_some()
+            || !self.measurements.truth.poses.is_empty()
     }
 
     /// A session created from a dataset; the caller must show its notices.

@@ -57,13 +57,13 @@ fn document(plan: &StudyPlan, result: &StudyResult, now: Timestamp) -> Document 
         about(plan, result, now),
     ];
     Document {
-        header: String::new(),
         title: format!("Study: {}", plan.study.name),
         subtitle: vec![format!("Created {now}")],
         sections: sections
             .into_iter()
             .filter(|section| !section.blocks.is_empty())
             .collect(),
+        ..Document::default()
     }
 }
 

@@ -123,6 +123,7 @@ impl Preparation {
         Ok(Arc::new(Run {
             fit: Arc::new(fit.map_err(named)?),
             measured: session.measured(),
+            is_simulated: session.is_simulated(),
             name: session.name,
             source,
             inputs,

@@ -296,7 +296,7 @@ pub(super) fn receive(model: &mut Model, outcome: HypothesisOutcome) {
                 model.hypothesis.gallery = Some((*robot, result));
             } else {
                 model.messages.info("Simulating effects was stopped.");
-                model.screen = model.home_screen();
+                model.screen = model.previous_screen();
             }
         }
     }

@@ -28,7 +28,7 @@ use tautline_workflow::identification::{
 use tautline_workflow::isolability::IsolabilityTable;
 use tautline_workflow::readiness::check;
 use tautline_workflow::results::record;
-use tautline_workflow::wording::{count, ratio};
+use tautline_workflow::wording::{count, poses_used, ratio};
 
 pub(super) fn perform(model: &mut Model, command: IdentificationCommand) {
     match command {
@@ -405,10 +405,13 @@ fn take_fit(
     fit: Identification,
     record: Option<Box<ResultRecord>>,
 ) -> String {
-    let text = format!(
-        "Identified from {}.",
-        count(fit.dataset.measurements.len(), "pose")
-    );
+    let session = open.session();
+    let measured = session
+        .measurements
+        .len()
+        .saturating_sub(session.excluded().len());
+    let poses = poses_used(&fit.dataset.measurements, measured);
+    let text = format!("Identified from {poses}.");
     open.set_fit(fit, inputs);
     if let Some(record) = record {
         open.add_result(*record);

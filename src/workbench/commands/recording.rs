@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
 use tautline_import::{
     AlignedClock, HAS_MORE_FORMATS, Imported, MemoryBudget, Recipe, Source, Suggestion,
@@ -23,6 +24,7 @@ use crate::model::messages::Cause;
 use crate::model::phase::{Phase, Screen};
 use crate::model::tasks::TaskHandle;
 use crate::model::{Model, OpenSession};
+use tautline_workflow::readiness::check_readings;
 use tautline_workflow::wording::sentence;
 use tautline_workflow::{clock, importing};
 
@@ -77,7 +79,7 @@ pub(super) fn perform(model: &mut Model, command: RecordingCommand) {
             model.importing.open = None;
             model.importing.waiting.clear();
             (model.importing.replaces, model.importing.corrects) = (false, false);
-            model.screen = model.home_screen();
+            model.screen = model.previous_screen();
         }
     }
 }
@@ -227,10 +229,26 @@ fn cut(model: &mut Model) {
     let sources = Arc::clone(open.draft.sources());
     let recipe = open.draft.recipe().clone();
     model.tasks.start(CUTTING, move |_| {
+        let result = importing::cut(&sources, &recipe, &robot);
+        let times = clock_times(&sources, &recipe, &robot);
+        let checks = result.as_ref().map_or_else(
+            |_| Vec::new(),
+            |imported| {
+                let measurements = imported.measurements.clone();
+                check_readings(
+                    &Dataset {
+                        robot,
+                        measurements,
+                    },
+                    None,
+                )
+            },
+        );
         RecordingOutcome::Cut(Box::new(Cut {
             revision,
-            result: importing::cut(&sources, &recipe, &robot),
-            times: clock_times(&sources, &recipe, &robot),
+            result,
+            checks,
+            times,
         }))
         .into()
     });

@@ -143,6 +143,7 @@ fn save_comparison(model: &mut Model, path: PathBuf, choice: ReportChoice, of: A
         let input = ComparisonInput {
             names: of.runs.each_ref().map(|run| run.name.as_str()),
             fits: of.runs.each_ref().map(|run| run.fit.as_ref()),
+            is_simulated: of.runs.iter().any(|run| run.is_simulated),
             comparison: &of.comparison,
             choice: &choice,
             now: clock::now(),

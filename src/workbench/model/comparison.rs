@@ -43,6 +43,7 @@ pub struct Run {
     /// Time of its last measurement.
     pub measured: Option<Timestamp>,
     pub source: Source,
+    pub is_simulated: bool,
     pub fit: Arc<Identification>,
     /// Number of the inputs of the open session, if it is that one.
     pub inputs: Option<u64>,

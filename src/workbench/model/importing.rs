@@ -8,6 +8,7 @@ use tautline_import::{
     Change, Draft, ImportError, Imported, PoseReport, Recipe, Source, Suggestion, uses,
 };
 use tautline_workflow::importing::Outlines;
+use tautline_workflow::readiness::CheckItem;
 
 /// A channel, by the indices of its series and of itself; those of text follow those of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,6 +25,8 @@ pub struct Cut {
     /// The revision of the draft that it is of.
     pub revision: u64,
     pub result: Result<Imported, ImportError>,
+    /// The check of the poses as readings of the robot.
+    pub checks: Vec<CheckItem>,
     /// Times of the rows of each series (s), on the common clock.
     pub times: Vec<Option<Vec<f64>>>,
 }

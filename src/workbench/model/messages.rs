@@ -45,6 +45,10 @@ pub struct Messages {
     all: Vec<Message>,
     /// The last error, until the operator has seen it or its cause is gone.
     alert: Option<(Message, Option<Cause>)>,
+    /// How many there were at the end of the last frame.
+    known: usize,
+    /// How many were said on screens that were left.
+    left: usize,
 }
 
 /// Older messages are dropped beyond this number.
@@ -55,6 +59,8 @@ impl Messages {
     pub(crate) fn log(&mut self, severity: Severity, text: impl Into<String>) {
         if self.all.len() == MOST {
             self.all.remove(0);
+            self.known = self.known.saturating_sub(1);
+            self.left = self.left.saturating_sub(1);
         }
         self.all.push(Message {
             time: clock::now(),
@@ -97,6 +103,14 @@ impl Messages {
         self.alert.as_ref().map(|(message, _)| message)
     }
 
+    /// Whether the error that is shown is one of saving.
+    #[must_use]
+    pub fn failed_to_save(&self) -> bool {
+        self.alert
+            .as_ref()
+            .is_some_and(|(_, of)| *of == Some(Cause::Saving))
+    }
+
     /// The operator has seen the last error.
     pub fn dismiss(&mut self) {
         self.alert = None;
@@ -110,6 +124,22 @@ impl Messages {
     #[must_use]
     pub fn last(&self) -> Option<&Message> {
         self.all.last()
+    }
+
+    /// The last message on the present screen.
+    #[must_use]
+    pub fn last_here(&self) -> Option<&Message> {
+        self.all.get(self.left..)?.last()
+    }
+
+    /// The screen was left; what was said along with that belongs to the next one.
+    pub(crate) fn leave(&mut self) {
+        self.left = self.known;
+    }
+
+    /// A frame has ended.
+    pub(crate) fn mark(&mut self) {
+        self.known = self.all.len();
     }
 }
 

@@ -104,6 +104,8 @@ pub struct Model {
     pub open: Option<OpenSession>,
     /// What the window shows.
     pub screen: Screen,
+    /// The screens that led to the present one, itself the last.
+    trail: Vec<Screen>,
     pub selection: Selection,
     /// The part of a phase's screen that has the whole window, if one has.
     pub maximised: Option<part::Part>,
@@ -177,6 +179,7 @@ impl Model {
             open: None,
             session_lock: SessionLock::new(windows),
             screen: Screen::default(),
+            trail: Vec::new(),
             selection: Selection::default(),
             maximised: None,
             inspected: None,
@@ -299,13 +302,41 @@ impl Model {
         connected.is_none_or(|connected| connected.rig.kind == Kind::OfSession)
     }
 
-    /// The screen after an import or a new robot was given up.
-    pub(crate) fn home_screen(&self) -> Screen {
+    /// The place of the first session that can be recovered.
+    #[must_use]
+    pub fn recoverable(&self) -> Option<usize> {
+        let mut left = self.unsaved_sessions.iter();
+        left.position(|session| session.problem.is_none())
+    }
+
+    /// The screen from which the present one was reached.
+    pub(crate) fn previous_screen(&self) -> Screen {
+        if let [.., previous, _] = *self.trail {
+            return previous;
+        }
         match &self.open {
             Some(open) if open.session().measurements.is_empty() => Screen::Phase(Phase::Measuring),
             Some(_) => Screen::Phase(Phase::Identification),
             None => Screen::Start,
         }
+    }
+
+    /// Keeps how the present screen was reached. What was said on another one is in the log only.
+    pub(crate) fn follow_screen(&mut self) {
+        let is_phase = matches!(self.screen, Screen::Phase(_));
+        let before = self.trail.last();
+        if before != Some(&self.screen) {
+            if !is_phase || !matches!(before, Some(Screen::Phase(_))) {
+                self.messages.leave();
+            }
+            if is_phase || self.screen == Screen::Start {
+                self.trail.clear();
+            }
+            let known = self.trail.iter().position(|screen| *screen == self.screen);
+            self.trail.truncate(known.unwrap_or(self.trail.len()));
+            self.trail.push(self.screen);
+        }
+        self.messages.mark();
     }
 
     /// Names of what undo would undo and redo would do again: changes of the recipe while files are imported, else edits.

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use egui::{
-    Align, Button, Frame, Label, Layout, RichText, Role, ScrollArea, Sense, TextEdit, Ui,
-    WidgetInfo, vec2,
+    Align, Button, CollapsingHeader, Frame, Label, Layout, RichText, Role, ScrollArea, Sense,
+    TextEdit, Ui, WidgetInfo, vec2,
 };
 use egui_material_icons::icons;
+use tautline_core::effect::Effect;
 use tautline_workflow::plot::Selection;
 use tautline_workflow::signature::{Gallery, Signature};
 use tautline_workflow::wording::count;
@@ -60,7 +61,7 @@ fn head(
         // The buttons first: the heading has the room that they leave.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
-                outbox.send(ViewCommand::Go(model.home_screen()));
+                outbox.send(ViewCommand::Go(model.previous_screen()));
             }
             let is_drawn = gallery.is_some();
             if icon_button(ui, icons::ICON_DOWNLOAD, "Save as HTML…", is_drawn).clicked() {
@@ -108,7 +109,8 @@ fn contents(ui: &mut Ui, gallery: &Gallery, panel: &mut PanelState, outbox: &mut
             .iter()
             .any(|text| text.to_lowercase().contains(&wanted))
     };
-    let shown: Vec<&Signature> = gallery.signatures.iter().filter(is_wanted).collect();
+    let wanted = gallery.signatures.iter().filter(is_wanted);
+    let (shown, empty): (Vec<&Signature>, Vec<_>) = wanted.partition(|one| one.images.is_ok());
     let chosen = gallery
         .signatures
         .iter()
@@ -128,6 +130,7 @@ fn contents(ui: &mut Ui, gallery: &Gallery, panel: &mut PanelState, outbox: &mut
                 let width = ui.available_width() - CHOSEN - 4.0 * GRID;
                 ui.vertical(|ui| {
                     ui.set_width(width);
+                    without_picture(ui, &empty, panel);
                     cards(ui, &shown, panel);
                 });
                 ui.add_space(2.0 * GRID);
@@ -139,14 +142,52 @@ fn contents(ui: &mut Ui, gallery: &Gallery, panel: &mut PanelState, outbox: &mut
                 });
             });
         }
-        None => cards(ui, &shown, panel),
+        None => {
+            without_picture(ui, &empty, panel);
+            cards(ui, &shown, panel);
+        }
+    }
+}
+
+/// Effects that leave nothing to be seen, folded.
+fn without_picture(ui: &mut Ui, empty: &[&Signature], panel: &mut PanelState) {
+    if empty.is_empty() {
+        return;
+    }
+    let title = format!("{} without a picture", count(empty.len(), "effect"));
+    CollapsingHeader::new(title)
+        .id_salt("effects without a picture")
+        .open((!panel.filter.is_empty()).then_some(true))
+        .show(ui, |ui| {
+            for one in empty {
+                ui.horizontal_wrapped(|ui| {
+                    name(ui, one.effect, panel);
+                    if let Err(why) = &one.images {
+                        muted(ui, why);
+                    }
+                });
+            }
+        });
+}
+
+/// The title of an effect, a click on which shows it in full.
+fn name(ui: &mut Ui, effect: &Effect, panel: &mut PanelState) {
+    let title = RichText::new(effect.title()).font(theme::strong(13.0));
+    let button = ui.add(Button::new(title).frame(false).truncate());
+    button.widget_info(|| {
+        let name = format!("Effect: {}", effect.title());
+        WidgetInfo::labeled(Role::Button, true, name)
+    });
+    if button.clicked() {
+        let is_chosen = panel.chosen == Some(effect.id());
+        panel.chosen = (!is_chosen).then_some(effect.id());
     }
 }
 
 /// Cards in rows; only those that are seen are drawn.
 fn cards(ui: &mut Ui, shown: &[&Signature], panel: &mut PanelState) {
     if shown.is_empty() {
-        muted(ui, "No effect has this name.");
+        muted(ui, "No effect with a picture has this name.");
         return;
     }
     let space = 2.0 * GRID;
@@ -187,30 +228,14 @@ fn card(ui: &mut Ui, signature: &Signature, size: egui::Vec2, panel: &mut PanelS
             .id_salt(effect.id()),
     );
     ui.set_clip_rect(ui.clip_rect().intersect(place));
-    let title = RichText::new(effect.title()).font(theme::strong(13.0));
-    let button = ui.add(Button::new(title).frame(false).truncate());
-    button.widget_info(|| {
-        let name = format!("Effect: {}", effect.title());
-        WidgetInfo::labeled(Role::Button, true, name)
-    });
-    if button.clicked() {
-        panel.chosen = (!is_chosen).then_some(effect.id());
-    }
-    match &signature.images {
-        Ok(images) => {
-            let Some(image) = images.first() else {
-                return;
-            };
-            let line = format!("{}, {}", image.name, signature.size);
-            let line = RichText::new(line).small().color(palette.muted);
-            ui.add(Label::new(line).truncate());
-            let name = format!("Residuals of {}: {}", effect.title(), image.name);
-            small::show(&mut ui, &name, &image.figure, PLOT, Selection::default());
-        }
-        Err(why) => {
-            let why = RichText::new(why).color(palette.muted);
-            ui.add(Label::new(why).wrap());
-        }
+    name(&mut ui, effect, panel);
+    let images = signature.images.as_ref().ok();
+    if let Some(image) = images.and_then(|images| images.first()) {
+        let line = format!("{}, {}", image.name, signature.size);
+        let line = RichText::new(line).small().color(palette.muted);
+        ui.add(Label::new(line).truncate());
+        let name = format!("Residuals of {}: {}", effect.title(), image.name);
+        small::show(&mut ui, &name, &image.figure, PLOT, Selection::default());
     }
 }
 

@@ -1,21 +1,21 @@
 //! The start screen: what one can begin with.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use egui::{Align, Button, Layout, RichText, TextEdit, Ui};
+use egui::{Align, Button, Label, Layout, Response, RichText, Ui};
 use egui_material_icons::icons;
 
 use crate::model::Model;
 use crate::model::command::{
-    CompareCommand, FileCommand, Outbox, RecordCommand, RecordingCommand, ViewCommand,
+    Command, CompareCommand, FileCommand, Outbox, RecordCommand, RecordingCommand, ViewCommand,
 };
 use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
-use crate::widgets::{entered, icon_button, icon_only, muted, page, primary, section};
+use crate::widgets::{COLUMN, icon_button, icon_only, muted, page, path_field, primary, section};
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::templates::Template;
 use tautline_workflow::wording::local_time::date_and_time;
-use tautline_workflow::wording::recent_facts;
+use tautline_workflow::wording::{count, recent_facts};
 
 /// What the start screen remembers.
 #[derive(Debug, Default)]
@@ -30,9 +30,15 @@ pub struct PanelState {
 /// Number of unsaved sessions that are listed at first.
 const UNSAVED_SHOWN: usize = 3;
 
+/// Least width of the screen for two columns, and their width together (points).
+const WIDE: f32 = 940.0;
+const COLUMNS: f32 = 1120.0;
+
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    let is_wide = ui.available_width() >= WIDE;
     let above = (ui.ctx().content_rect().height() * 0.09).max(6.0 * GRID);
-    page(ui, above, |ui| {
+    let width = if is_wide { COLUMNS } else { COLUMN };
+    page(ui, (width, above), |ui| {
         ui.label(RichText::new("Tautline").font(theme::strong(32.0)));
         muted(
             ui,
@@ -40,20 +46,45 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         );
         ui.add_space(4.0 * GRID);
         unsaved_sessions(ui, model, panel, outbox);
-        begin(ui, outbox);
-        section(ui, "Open a session, a robot.json or a dataset folder");
-        open(ui, panel, outbox);
-        new_robot(ui, outbox);
-        compare(ui, outbox);
-        recent(ui, model, outbox);
-        sample_sessions(ui, panel, outbox);
+        if is_wide {
+            ui.spacing_mut().item_spacing.x = 12.0 * GRID;
+            ui.columns_const(|[left, right]| {
+                for column in [&mut *left, &mut *right] {
+                    column.spacing_mut().item_spacing.x = 2.0 * GRID;
+                }
+                things_to_do(left, model, panel, outbox);
+                known_sessions(right, model, panel, outbox);
+            });
+        } else {
+            things_to_do(ui, model, panel, outbox);
+            known_sessions(ui, model, panel, outbox);
+        }
         ui.add_space(6.0 * GRID);
     });
 }
 
-fn begin(ui: &mut Ui, outbox: &mut Outbox) {
+fn things_to_do(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    begin(ui, model, outbox);
+    section(ui, "Open a session, a robot.json or a dataset folder");
+    open(ui, panel, outbox);
+    new_robot(ui, outbox);
+    compare(ui, outbox);
+}
+
+fn known_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
+    recent(ui, model, outbox);
+    sample_sessions(ui, panel, outbox);
+}
+
+fn begin(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
-        if primary(ui, "Try the demo robot", true).clicked() {
+        let title = "Try the demo robot";
+        // What can be recovered comes first.
+        let demo = match model.recoverable() {
+            Some(_) => ui.button(title),
+            None => primary(ui, title, true),
+        };
+        if demo.clicked() {
             outbox.send(FileCommand::TryDemo);
         }
         muted(
@@ -68,18 +99,10 @@ fn open(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         // Both buttons have room beside it.
         let width = (ui.available_width() - 190.0).clamp(120.0, 400.0);
-        let field = TextEdit::singleline(path).hint_text("Path, or drop a file on the window");
-        let field = ui.add(
-            field
-                .desired_width(width)
-                .align(egui::Align2::LEFT_CENTER)
-                .min_size(egui::vec2(0.0, 26.0)),
-        );
-        field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Path"));
-        let entered = entered(&field);
+        let names = ("Path", "Path, or drop a file on the window");
+        let entered = path_field(ui, names, path, width);
         let typed = !path.trim().is_empty();
-        let button = Button::new("Open").min_size(egui::vec2(0.0, 26.0));
-        if (ui.add_enabled(typed, button).clicked() || entered) && typed {
+        if (ui.add_enabled(typed, Button::new("Open")).clicked() || entered) && typed {
             outbox.send(FileCommand::Open(PathBuf::from(path.trim())));
         }
         if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
@@ -113,33 +136,34 @@ pub(super) fn template_buttons(ui: &mut Ui, outbox: &mut Outbox) {
 }
 
 fn compare(ui: &mut Ui, outbox: &mut Outbox) {
-    ui.add_space(2.0 * GRID);
-    ui.horizontal(|ui| {
-        let title = "Compare two sessions";
-        if icon_button(ui, icons::ICON_COMPARE_ARROWS, title, true).clicked() {
-            outbox.send(CompareCommand::Show);
-        }
-        muted(ui, "Has a pulley moved, or is it noise?");
-    });
-    ui.add_space(GRID);
-    ui.horizontal(|ui| {
-        let title = "Record of a robot";
-        if icon_button(ui, icons::ICON_TIMELINE, title, true).clicked() {
-            outbox.send(RecordCommand::Show);
-        }
-        muted(
-            ui,
+    for (icon, title, purpose, command) in [
+        (
+            icons::ICON_COMPARE_ARROWS,
+            "Compare two sessions",
+            "Has a pulley moved, or is it noise?",
+            Command::from(CompareCommand::Show),
+        ),
+        (
+            icons::ICON_TIMELINE,
+            "Record of a robot",
             "What moved over many sessions, and when to calibrate again.",
-        );
-    });
-    ui.add_space(GRID);
-    ui.horizontal(|ui| {
-        let title = "Import files of other programs";
-        if icon_button(ui, icons::ICON_UPLOAD_FILE, title, true).clicked() {
-            outbox.send(RecordingCommand::Show);
-        }
-        muted(ui, "Logs, motion capture, spreadsheets.");
-    });
+            RecordCommand::Show.into(),
+        ),
+        (
+            icons::ICON_UPLOAD_FILE,
+            "Import files of other programs",
+            "Logs, motion capture, spreadsheets.",
+            RecordingCommand::Show.into(),
+        ),
+    ] {
+        ui.add_space(GRID);
+        ui.horizontal_wrapped(|ui| {
+            if icon_button(ui, icon, title, true).clicked() {
+                outbox.send(command);
+            }
+            muted(ui, purpose);
+        });
+    }
 }
 
 fn unsaved_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
@@ -161,11 +185,7 @@ fn unsaved_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: 
     };
     for (place, left) in model.unsaved_sessions.iter().enumerate().take(shown) {
         ui.horizontal(|ui| {
-            let poses = match left.poses {
-                0 => "no poses".to_owned(),
-                1 => "1 pose".to_owned(),
-                poses => format!("{poses} poses"),
-            };
+            let poses = count(left.poses, "pose");
             ui.label(&left.name);
             muted(ui, &format!("{poses}, {}", date_and_time(left.when)));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -178,7 +198,10 @@ fn unsaved_sessions(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: 
                     outbox.send(FileCommand::Discard(place));
                 }
                 let name = format!("Recover {}", left.name);
-                let recover = ui.add_enabled(left.problem.is_none(), Button::new("Recover"));
+                let recover = match model.recoverable() == Some(place) {
+                    true => primary(ui, "Recover", true),
+                    false => ui.add_enabled(left.problem.is_none(), Button::new("Recover")),
+                };
                 recover.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
                 if recover.clicked() {
                     outbox.send(FileCommand::Recover(place));
@@ -204,33 +227,26 @@ fn recent(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     for recent in model.preferences.recent() {
         let there = recent.exists();
         let facts = recent_facts(recent);
-        let hint = if there {
-            facts
-        } else {
-            format!("{facts}: the file no longer exists")
+        let facts = match there {
+            true => facts,
+            false => format!("{facts}: the file no longer exists"),
         };
-        ui.horizontal(|ui| {
-            if link(ui, &recent.name, there) {
-                outbox.send(FileCommand::Open(recent.path().to_owned()));
-            }
-            muted(ui, &hint);
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                if icon_only(
-                    ui,
-                    icons::ICON_CLOSE,
-                    &format!("Forget {}", recent.name),
-                    true,
-                )
-                .clicked()
-                {
+        let forget = format!("Forget {}", recent.name);
+        let folder = recent.path().parent().unwrap_or(Path::new(""));
+        ui.horizontal_top(|ui| {
+            ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+                if icon_only(ui, icons::ICON_CLOSE, &forget, true).clicked() {
                     outbox.send(FileCommand::Forget(recent.path().to_owned()));
                 }
-                let folder = recent
-                    .path()
-                    .parent()
-                    .map_or_else(String::new, |folder| folder.display().to_string());
-                let text = RichText::new(folder).small().color(theme::of(ui).muted);
-                ui.add(egui::Label::new(text).truncate());
+                ui.with_layout(Layout::top_down(Align::Min), |ui| {
+                    let hint = folder.display().to_string();
+                    if entry(ui, (&recent.name, &facts), there)
+                        .on_hover_text(hint)
+                        .clicked()
+                    {
+                        outbox.send(FileCommand::Open(recent.path().to_owned()));
+                    }
+                });
             });
         });
     }
@@ -244,37 +260,31 @@ fn sample_sessions(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
         return;
     }
     section(ui, "Sample sessions");
-    let width = |title: &str| {
-        let font = egui::TextStyle::Button.resolve(ui.style());
-        let galley = ui
-            .painter()
-            .layout_no_wrap(title.to_owned(), font, theme::of(ui).text);
-        galley.size().x
-    };
-    // What they show stands in a column, unless that would leave no room for it.
-    let widest = found.iter().map(|sample| width(&sample.title));
-    let column = widest.fold(0.0, f32::max).min(0.5 * ui.available_width());
     for sample in found.iter() {
-        ui.horizontal(|ui| {
-            // Names stand below the heading, without the margin of a button.
-            ui.spacing_mut().button_padding.x = 0.0;
-            let left = ui.cursor().min.x + ui.spacing().item_spacing.x;
-            if link(ui, &sample.title, true) {
-                outbox.send(FileCommand::Open(sample.session.clone()));
-            }
-            ui.add_space((left + column - ui.cursor().min.x).max(0.0));
-            let text = RichText::new(&sample.shows).color(theme::of(ui).muted);
-            ui.add(egui::Label::new(text).truncate());
-        });
+        if entry(ui, (&sample.title, &sample.shows), true).clicked() {
+            outbox.send(FileCommand::Open(sample.session.clone()));
+        }
     }
 }
 
-fn link(ui: &mut Ui, text: &str, enabled: bool) -> bool {
+/// A session by name, and below it what is known of it.
+fn entry(ui: &mut Ui, (name, facts): (&str, &str), enabled: bool) -> Response {
+    let palette = theme::of(ui);
     let colour = if enabled {
-        theme::of(ui).accent
+        palette.accent
     } else {
-        theme::of(ui).muted
+        palette.muted
     };
-    let button = Button::new(RichText::new(text).color(colour)).frame_when_inactive(false);
-    ui.add_enabled(enabled, button).clicked()
+    let entry = ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        // Names stand below the heading, without the margin of a button.
+        ui.spacing_mut().button_padding.x = 0.0;
+        let name = RichText::new(name).font(theme::strong(13.0)).color(colour);
+        let button = Button::new(name).frame_when_inactive(false).wrap();
+        let entry = ui.add_enabled(enabled, button);
+        ui.add(Label::new(RichText::new(facts).color(palette.muted)).wrap());
+        ui.add_space(GRID);
+        entry
+    });
+    entry.inner
 }

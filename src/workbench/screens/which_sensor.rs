@@ -9,7 +9,6 @@ use tautline_workflow::wording::units::{fixed, significant};
 
 use crate::model::Model;
 use crate::model::command::{AskedRobot, Outbox, SIMULATING, StudyCommand, ViewCommand};
-use crate::model::phase::{Phase, Screen};
 use crate::theme::GRID;
 use crate::views::plots::small;
 use crate::widgets::{Verdict, checkbox, heading, muted, section, verdict};
@@ -71,12 +70,8 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
             ui.horizontal(|ui| {
                 heading(ui, "Which sensor?");
                 muted(ui, &format!("for {}", asked.robot.name));
-                let back = match session {
-                    Some(_) => Screen::Phase(Phase::Measuring),
-                    None => Screen::Start,
-                };
                 if ui.button("Back").clicked() {
-                    outbox.send(ViewCommand::Go(back));
+                    outbox.send(ViewCommand::Go(model.previous_screen()));
                 }
             });
             muted(ui, "The position error to expect once the identified values are at the controller: root mean square over the workspace. Standard deviations are 1 sd.");

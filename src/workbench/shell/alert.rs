@@ -4,7 +4,7 @@ use egui::{Align2, Area, Frame, Id, Label, Margin, Order, Stroke, Ui, Vec2};
 use egui_material_icons::icons;
 
 use super::State;
-use crate::model::command::ViewCommand;
+use crate::model::command::{FileCommand, ViewCommand};
 use crate::theme::{self, GRID};
 
 /// Greatest width of its text (points).
@@ -33,6 +33,10 @@ pub fn show(ui: &Ui, state: &mut State) {
                     ui.set_max_width(width);
                     ui.add(Label::new(&alert.text).wrap());
                 });
+                let elsewhere = state.model.messages.failed_to_save() && state.model.open.is_some();
+                if elsewhere && ui.button("Save as…").clicked() {
+                    state.outbox.send(FileCommand::AskSaveAs);
+                }
                 if ui.button("Dismiss").clicked() {
                     state.outbox.send(ViewCommand::Dismiss);
                 }

@@ -198,18 +198,31 @@ fn leaving(ui: &mut Ui, state: &mut State) {
             verdict(ui, Verdict::Bad, why);
         }
         ui.add_space(2.0 * GRID);
-        let answers: &[(&str, Answer)] = match is_unsaved {
-            true if draft.leaving.keeps_session() => {
+        let answers: &[(&str, Answer)] = match (is_unsaved, &draft.failure) {
+            (true, _) if draft.leaving.keeps_session() => {
                 &[("Save", Answer::Save), ("Cancel", Answer::Cancel)]
             }
-            true => &[
+            (true, None) => &[
                 ("Save", Answer::Save),
                 ("Do not save", Answer::Discard),
                 ("Cancel", Answer::Cancel),
             ],
-            false => &[("Disconnect", Answer::Discard), ("Cancel", Answer::Cancel)],
+            (true, Some(_)) => &[("Do not save", Answer::Discard), ("Cancel", Answer::Cancel)],
+            (false, _) => &[("Disconnect", Answer::Discard), ("Cancel", Answer::Cancel)],
         };
-        choice_of(ui, answers)
+        if !is_unsaved || draft.failure.is_none() {
+            return choice_of(ui, answers);
+        }
+        let row = ui.horizontal(|ui| {
+            if primary(ui, "Save as…", true).clicked() {
+                outbox.send(FileCommand::AskSaveAs);
+            }
+            let given = answers
+                .iter()
+                .map(|(title, answer)| ui.button(*title).clicked().then_some(*answer));
+            given.fold(None, Option::or)
+        });
+        row.inner
     });
     if let Some(answer) = answer.or(is_left.then_some(Answer::Cancel)) {
         outbox.send(FileCommand::Answer(answer));

@@ -1,6 +1,6 @@
 //! The frame of the window: menus, phase rail, status, and the screen between them.
 
-use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Rangef, Ui};
+use egui::{Align, CentralPanel, Frame, Layout, Margin, Panel, Rangef, Stroke, StrokeKind, Ui};
 use egui_material_icons::icons;
 
 use super::sized::{Size, sized};
@@ -69,6 +69,21 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         modals(ui, state);
     }
     escape::remember_typing(ui);
+    focus_ring(ui);
+}
+
+/// A ring around what has the focus of the keyboard, whatever its own colour.
+fn focus_ring(ui: &Ui) {
+    let focused = ui.memory(|memory| memory.focused());
+    let Some(response) = focused.and_then(|id| ui.ctx().read_response(id)) else {
+        return;
+    };
+    if response.interact_rect.is_positive() {
+        let ring = response.rect.intersect(response.interact_rect).expand(2.0);
+        let stroke = Stroke::new(2.0, theme::of(ui).text);
+        let painter = ui.ctx().layer_painter(response.layer_id);
+        painter.rect_stroke(ring, 5.0, stroke, StrokeKind::Outside);
+    }
 }
 
 /// A screen that has no parts.
@@ -91,7 +106,7 @@ fn whole(ui: &mut Ui, state: &mut State) {
         Screen::Hypothesis => screens::hypothesis::show(ui, model, outbox),
         Screen::Gallery => screens::gallery::show(ui, model, &mut panels.gallery, outbox),
         Screen::NewRobot => {
-            let back = model.home_screen();
+            let back = model.previous_screen();
             screens::modeling::new_robot::show(ui, &mut panels.new_robot, back, outbox);
         }
         Screen::Import => screens::import::show(ui, model, &mut panels.import, outbox),
@@ -135,7 +150,12 @@ fn phase(ui: &mut Ui, state: &mut State, current: Phase) {
     }
     let height = ui.available_height();
     let rows = state.views.plots.rows() as f32;
-    let share = if rows > 1.0 { 0.64 } else { 0.38 };
+    // The live scope has several graphs.
+    let (share, rows) = match state.model.link.is_under_way() {
+        true => (0.56, 2.0),
+        false if rows > 1.0 => (0.64, rows),
+        false => (0.38, 1.0),
+    };
     // A low window still has room for a plot below its lines of choices.
     let usual = (share * height).min(300.0 * rows);
     let usual = usual.max((0.5 * height).min(240.0));

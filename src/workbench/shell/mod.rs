@@ -85,6 +85,7 @@ impl App {
         if model.caught_panic.is_some() {
             ui.ctx().request_repaint();
         }
+        model.follow_screen();
         model.autosave.follow(model.open.as_ref());
         if let Some(text) = model.session_lock.follow(model.open.as_ref()) {
             model.messages.warning(text);

@@ -13,10 +13,11 @@ pub fn show(ui: &mut Ui, state: &mut State) {
     let Some(mut text) = state.model.dialogs.palette.take() else {
         return;
     };
-    let items: Vec<Item> = menu::items(state)
-        .into_iter()
-        .filter(|item| item.enabled && matches(&item.name(), &text))
-        .collect();
+    let mut items = menu::items(state);
+    items.retain(|item| matches(&item.name(), &text));
+    // What cannot be done now comes last, and is never marked.
+    items.sort_by_key(|item| !item.enabled);
+    let enabled = items.iter().filter(|item| item.enabled).count();
     let mut chosen = None;
     let before = text.clone();
     let ((), is_left) = modal(ui, ("command palette", 480.0), |ui| {
@@ -26,13 +27,15 @@ pub fn show(ui: &mut Ui, state: &mut State) {
         let field = ui.add(field);
         field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, "Command"));
         field.request_focus();
-        let marked = marked(ui, items.len(), text != before);
+        let marked = marked(ui, enabled, text != before);
         if ui.input(|input| input.key_pressed(Key::Enter)) {
-            chosen = items.get(marked.place).map(|item| item.commands.clone());
+            chosen = items[..enabled]
+                .get(marked.place)
+                .map(|item| item.commands.clone());
         }
         ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
             for (k, item) in items.iter().enumerate() {
-                let line = line(ui, item, k == marked.place);
+                let line = line(ui, item, k == marked.place && item.enabled);
                 if line.clicked() {
                     chosen = Some(item.commands.clone());
                 }
@@ -92,7 +95,7 @@ fn line(ui: &mut Ui, item: &Item, is_marked: bool) -> egui::Response {
     if let Some(shortcut) = item.shortcut {
         button = button.shortcut_text(ui.ctx().format_shortcut(&shortcut));
     }
-    ui.add(button)
+    ui.add_enabled(item.enabled, button)
 }
 
 /// Whether the letters of `text` occur in `title` in their order, case aside.

@@ -28,7 +28,7 @@ fn last_message(ui: &mut Ui, state: &mut State) {
     }
     let palette = theme::of(ui);
     // An error is shown above the window, or in the dialog that it concerns.
-    let last = state.model.messages.last();
+    let last = state.model.messages.last_here();
     let Some(message) = last.filter(|last| last.severity != Severity::Error) else {
         muted(ui, "Ready");
         return;

@@ -42,6 +42,6 @@ fn button(ui: &mut Ui, can_move: bool) -> Response {
     let response = ui.add_enabled(can_move, button);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, can_move, "Stop the robot"));
     response
-        .on_hover_text("Stops the robot at once, whatever goes on")
+        .on_hover_text("Stops the robot immediately")
         .on_disabled_hover_text("Nothing can move: the controller is not armed")
 }

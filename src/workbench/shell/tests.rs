@@ -1,4 +1,4 @@
-//! What a panic leaves of the program.
+//! What a panic leaves of the program, and the lines of its menus.
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -7,7 +7,7 @@ use tautline_session::{Folders, Session, find_unsaved_sessions};
 
 use super::*;
 use crate::model::OpenSession;
-use crate::model::command::{Command, Outcome, RobotCommand};
+use crate::model::command::{Command, HypothesisCommand, Outcome, RobotCommand};
 use crate::model::edit::Edit;
 use crate::model::phase::{Phase, Screen};
 
@@ -56,6 +56,33 @@ fn rename(harness: &mut Harness<'_, Trapped>, name: &str) {
     let outbox = &mut harness.state_mut().app.state.outbox;
     outbox.send(Command::Edit(Edit::Rename(name.into())));
     harness.run_ok();
+}
+
+#[test]
+fn lines_of_menus_keep_their_places() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = workbench(folder.path());
+    let titles = |harness: &Harness<'_, Trapped>| -> Vec<String> {
+        let lines = menu::items(&harness.state().app.state).into_iter();
+        // Undo says what, and the next step which.
+        let fixed = lines.map(|line| line.title.split(':').next().unwrap_or_default().to_owned());
+        fixed
+            .map(|title| title.replace("Next step", "Next"))
+            .collect()
+    };
+    let of_session = titles(&harness);
+    rename(&mut harness, "renamed");
+    let outbox = &mut harness.state_mut().app.state.outbox;
+    outbox.send(HypothesisCommand::Show);
+    harness.run_ok();
+    assert!(harness.state().app.state.model.hypothesis.draft.is_some());
+    let with_hypothesis = titles(&harness);
+    let same = of_session.iter().zip(&with_hypothesis);
+    let moved: Vec<_> = same.filter(|(a, b)| a != b).collect();
+    assert!(
+        moved.is_empty() && of_session.len() == with_hypothesis.len(),
+        "{moved:?}"
+    );
 }
 
 #[test]

@@ -68,6 +68,9 @@ fn lines(ui: &mut Ui, state: &mut State, (menu, items): (Menu, &[Item])) {
     let room = ui.ctx().content_rect().height() - 56.0;
     let mut add = |ui: &mut Ui| {
         for part in own.chunk_by(|a, b| a.group.is_some() && a.group == b.group) {
+            if part.first().is_some_and(|item| item.begins) {
+                ui.separator();
+            }
             let mut part_of = |ui: &mut Ui| part.iter().for_each(|item| line(ui, state, item));
             match part.first().and_then(|item| item.group) {
                 Some(group) => {

@@ -164,13 +164,18 @@ fn play_recording(
     commands
 }
 
+/// The pose at a place and its number, the home pose not counted.
 fn words(labels: &[i64], place: Option<usize>) -> String {
+    let poses = |labels: &[i64]| labels.iter().filter(|label| **label != 0).count();
+    let all = poses(labels);
     match place {
-        None => count(labels.len(), "pose"),
-        Some(place) if labels[place] == 0 => {
-            format!("Home, {} of {}", place + 1, labels.len())
-        }
-        Some(place) => format!("Pose {}, {} of {}", labels[place], place + 1, labels.len()),
+        None => count(all, "pose"),
+        Some(place) if labels[place] == 0 => "Home".to_owned(),
+        Some(place) => format!(
+            "Pose {}, {} of {all}",
+            labels[place],
+            poses(&labels[..=place])
+        ),
     }
 }
 

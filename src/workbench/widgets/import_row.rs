@@ -29,15 +29,22 @@ pub fn import_row(ui: &mut Ui, file: &str, path: &mut String) -> Option<Import> 
         let typed = !path.trim().is_empty();
         let pressed = icon_button(ui, icons::ICON_UPLOAD_FILE, "Import", typed).clicked();
         let name = format!("Path of {file}");
-        let field = TextEdit::singleline(path)
-            .hint_text(format!("Path of {file}, or drop it here"))
-            .desired_width(ui.available_width());
-        let field = ui.add(field);
-        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, &name));
-        let entered = entered(&field);
+        let hint = format!("Path of {file}, or drop it here");
+        let width = ui.available_width();
+        let entered = path_field(ui, (&name, &hint), path, width);
         if typed && (pressed || entered) {
             answer = Some(Import::Path(PathBuf::from(path.trim())));
         }
     });
     answer
+}
+
+/// A field for a path, with its name and what it says while it is empty; whether Enter ended it.
+pub fn path_field(ui: &mut Ui, (name, hint): (&str, &str), path: &mut String, width: f32) -> bool {
+    let field = TextEdit::singleline(path)
+        .hint_text(hint)
+        .desired_width(width);
+    let field = ui.add(field);
+    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, name));
+    entered(&field)
 }

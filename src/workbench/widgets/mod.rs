@@ -18,12 +18,12 @@ mod text;
 
 pub use button::{checkbox, choice, entered, icon_button, icon_only, named, primary, radio};
 pub use fault_matrix::fault_window;
-pub use import_row::{Import, import_row};
+pub use import_row::{Import, import_row, path_field};
 pub use meter::meter;
 pub(crate) use modal::{backdrop, modal};
 pub(crate) use number::width_of;
 pub use number::{Entered, Number, number, number_checked, parse as parse_number};
-pub use page::page;
+pub use page::{COLUMN, page};
 pub use panel_frame::{one_part, panel_frame};
 pub use parts::parts;
 pub use pose_fields::PoseFields;

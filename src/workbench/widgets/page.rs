@@ -4,17 +4,17 @@ use egui::{ScrollArea, Ui};
 
 use crate::theme::GRID;
 
-/// Greatest width of the text (points).
-const WIDTH: f32 = 640.0;
+/// Greatest width of a column of text (points).
+pub const COLUMN: f32 = 640.0;
 
-/// Draws `contents` in a column in the middle, with space above (points); it scrolls where it is longer than the window.
-pub fn page(ui: &mut Ui, above: f32, contents: impl FnOnce(&mut Ui)) {
-    let margin = ((ui.available_width() - WIDTH) / 2.0).max(4.0 * GRID);
+/// Draws `contents` in the middle, at most so wide and with space above (points); it scrolls where it is longer than the window.
+pub fn page(ui: &mut Ui, (most, above): (f32, f32), contents: impl FnOnce(&mut Ui)) {
+    let margin = ((ui.available_width() - most) / 2.0).max(4.0 * GRID);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.add_space(margin);
             ui.vertical(|ui| {
-                ui.set_width(WIDTH.min(ui.available_width() - margin));
+                ui.set_width(most.min(ui.available_width() - margin));
                 ui.add_space(above);
                 contents(ui);
             });

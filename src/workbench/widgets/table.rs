@@ -88,8 +88,7 @@ pub struct Touched {
     pub hovered: Option<usize>,
 }
 
-/// Height of a row and of a line of the header (points).
-const ROW: f32 = 6.0 * GRID;
+/// Height of a line of the header (points).
 const LINE: f32 = 4.0 * GRID;
 /// Least space between columns (points).
 const GAP: f32 = 2.5 * GRID;
@@ -250,7 +249,8 @@ fn body(
     let mut touched = Touched::default();
     for (index, (cells, galleys)) in rows.iter().zip(galleys).enumerate() {
         let tallest = galleys.iter().map(|galley| galley.text.size().y + 2.0);
-        let size = Vec2::new(places.width, tallest.fold(ROW, f32::max));
+        let least = ui.spacing().interact_size.y;
+        let size = Vec2::new(places.width, tallest.fold(least, f32::max));
         let (rect, response) = ui.allocate_exact_size(size, Sense::click());
         response.widget_info(|| {
             let texts: Vec<&str> = cells.iter().map(|cell| cell.text.as_str()).collect();

@@ -12,7 +12,7 @@ use tautline_session::{Import, Session, Timestamp};
 use crate::audit;
 use crate::identification::{Identification, IdentificationError, identify_session};
 pub use document::{ComparisonDocument, PulleyDocument};
-pub use words::{by_chance, differs, effect_name, unexplained, verdict};
+pub use words::{by_chance, common_motion, differs, effect_name, unexplained, verdict};
 
 /// Significance level of a comparison: probability of finding a difference between two sessions of an unchanged robot.
 pub const LEVEL: f64 = 0.05;

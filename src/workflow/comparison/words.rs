@@ -3,6 +3,7 @@
 use tautline_core::comparison::{Comparison, EffectDifference, Test};
 use tautline_core::effect::find;
 
+use crate::wording::units::quantity;
 use crate::wording::{count, list, odds};
 
 /// Probability of a fit below which its differences are not trusted.
@@ -74,6 +75,16 @@ pub fn unexplained(compared: &Comparison, names: [&str; 2]) -> Vec<String> {
             )
         })
         .collect()
+}
+
+/// The motion that was taken out of the differences of the pulleys, if there is one.
+pub fn common_motion(compared: &Comparison) -> Option<String> {
+    let motion = compared.motion.as_ref()?;
+    Some(format!(
+        "The motion common to all pulleys has been taken out: a shift of {} and a rotation of {}.",
+        quantity(motion.shift_m.norm(), "m"),
+        quantity(motion.rotation_rad.norm(), "rad")
+    ))
 }
 
 /// How often noise alone causes such a difference, in words.

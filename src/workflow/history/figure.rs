@@ -3,6 +3,7 @@
 use tautline_core::history::{CERTAIN, Part};
 
 use super::{RobotHistory, RobotRecord, Tolerance, days_between, part_name, unit_of};
+use crate::identification::entry_point_covariance;
 use crate::plot::figure::{Axis, Band, Curve, Figure, Ink, Marker, Point, Ribbon, Series, Span};
 use crate::wording::sentence;
 use crate::wording::units::{display_unit, quantity};
@@ -16,7 +17,8 @@ const LOOKS: [(Ink, Marker); 3] = [
     (Ink::Text, Marker::Triangle),
 ];
 
-/// The coordinates of a part over time, less those of the last session, with 95 % bands; of effects the parameter itself.
+/// The coordinates of a part over time by all sessions together, less those of the last session, with 95 % bands; of effects the
+/// parameter itself. Points are what each session says of a pulley by itself, with one standard deviation.
 ///
 /// Ranges in which a jump happened are marked: strongly where it is certain. Lines are interrupted there. Dashed lines are events,
 /// such as values that were written to the controller. Pulleys have the tolerance besides.
@@ -62,7 +64,19 @@ pub fn lane(record: &RobotRecord, found: &RobotHistory, part: usize) -> Figure {
             }
             edges.push([*day, value - half, value + half]);
             line.push([*day, value]);
-            points.push(Point::new(*day, value));
+            points.push(match (of, axes.get(k)) {
+                (Part::Pulley(cable), Some(axis)) => {
+                    let fit = &record.sessions[index].identification.solution;
+                    let own = fit.globals.entry_points[*cable][*axis];
+                    let covariance = entry_point_covariance(fit, *cable);
+                    let sd = covariance.map_or(0.0, |c| c[(*axis, *axis)].max(0.0).sqrt());
+                    Point {
+                        sd: [0.0, factor * sd],
+                        ..Point::new(*day, factor * (own - last))
+                    }
+                }
+                _ => Point::new(*day, value),
+            });
         }
         figure.ribbons.push(Ribbon {
             of: name.to_owned(),

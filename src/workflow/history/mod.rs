@@ -34,8 +34,9 @@ pub use rows::{RecordRow, pulleys_csv, rows};
 use words::unit_of;
 pub use words::{changes, next_calibration, next_calibration_after, part_name, size_of_jump};
 
-/// Largest displacement of a pulley that is tolerable if nothing else is said (m).
-pub const TOLERANCE_M: f64 = 5e-3;
+/// Largest displacement of a pulley that is tolerable if nothing else is said (m): more than what is not known of the pulleys of a
+/// small robot after one calibration of the usual number of poses, so that a first record has a date.
+pub const TOLERANCE_M: f64 = 10e-3;
 
 /// Position error of the platform that is tolerable if nothing else is said (m).
 pub const POSITION_TOLERANCE_M: f64 = 1e-3;
@@ -96,6 +97,8 @@ pub struct RecordedSession {
     pub time: Option<Timestamp>,
     /// What was identified.
     pub identification: Identification,
+    /// Whether its readings are of a simulated robot.
+    pub is_simulated: bool,
     /// Whether values were written to the controller in it.
     pub adjusted: bool,
     /// Who wrote values to the controller or accepted the robot in it.
@@ -295,6 +298,7 @@ impl RobotRecord {
             name: name_of(&path),
             time,
             identification,
+            is_simulated: session.is_simulated(),
             adjusted: !session.adjustments().is_empty(),
             operator: operator(session),
             accuracy_after_m: accuracy_after_m(session),

@@ -9,7 +9,7 @@ use tautline_session::Timestamp;
 
 use super::{RobotHistory, RobotRecord, Tolerance, date, days_after};
 use crate::wording::probability::{certainty, percent};
-use crate::wording::units::{quantity, with_sd};
+use crate::wording::units::{quantity, significant, with_sd};
 use crate::wording::{first_lower, list};
 
 /// Days of a month, for rates that people read.
@@ -117,8 +117,13 @@ fn due_sentence(forecast: &Forecast, tolerance: Tolerance, last: Timestamp) -> S
         Tolerance::Position { .. } => "the position of the platform",
     };
     if forecast.at_once > OUT_OF_TOLERANCE {
+        let are_known = match tolerance {
+            Tolerance::Pulley(_) => "The pulleys are",
+            Tolerance::Position { .. } => "The position of the platform is",
+        };
         return format!(
-            "The values of the last session are too uncertain for a tolerance of {limit} of {of_whom}: measure more poses."
+            "{are_known} known to {} mm (95 %), which is not enough for a tolerance of {limit}: measure more poses.",
+            significant(1e3 * forecast.known_m, 2)
         );
     }
     let Some(due) = forecast.due_days else {

@@ -1,10 +1,13 @@
 //! Checks that readings are complete and plausible, without a fit.
 
 use tautline_core::measurement::{Dataset, Grid};
-use tautline_import::{Kind, Mistake, Quantity, TableCheck};
+use tautline_core::simulation::TensionRange;
+use tautline_import::{Kind, Line, Mistake, Quantity, TableCheck};
+use tautline_link::measuring::TensionFault;
 
 use super::faults::{self, ReadingFault};
 use super::{COMPLETE, CheckItem, CheckOutcome, PLAUSIBLE};
+use crate::wording::units::significant;
 use crate::wording::{count, list, sentence};
 
 /// Largest fraction of a cable's readings that may be missing.
@@ -126,16 +129,56 @@ pub(super) fn plausible(
             "Correct sign, unit or channel in the recording, or exclude the poses concerned.",
         );
     }
-    if found.lengths.iter().all(Option::is_none) {
-        let why = "Lengths were not compared: too few poses are known.";
-        return item(CheckOutcome::NotEvaluated, why.to_owned()).with(
-            "Record the commanded poses (columns x_m, y_m, z_m, qw, qx, qy, qz of poses.csv).",
+    let are_compared = found.lengths.iter().any(Option::is_some);
+    let lengths = match are_compared {
+        true => "Changes of length match the poses",
+        false => "Lengths were not compared: too few poses are known",
+    };
+    if let Some(outside) = tensions_outside_limits(dataset) {
+        return item(CheckOutcome::Notice, format!("{lengths}. {outside}")).with(
+            "Plan poses at which all tensions are within the limits, or find out why a cable pulls otherwise.",
         );
     }
-    item(
-        CheckOutcome::Pass,
-        "Changes of length match the poses, and tensions and distances are plausible.".to_owned(),
-    )
+    match are_compared {
+        true => item(
+            CheckOutcome::Pass,
+            format!("{lengths}, and tensions and distances are plausible."),
+        ),
+        false => item(CheckOutcome::NotEvaluated, format!("{lengths}.")).with(
+            "Record the commanded poses (columns x_m, y_m, z_m, qw, qx, qy, qz of poses.csv).",
+        ),
+    }
+}
+
+/// Tensions outside the limits that the description states, in one sentence with the first of each cable.
+fn tensions_outside_limits(dataset: &Dataset) -> Option<String> {
+    dataset.robot.limits?.tension?;
+    let range = TensionRange::of(&dataset.robot);
+    let data = &dataset.measurements;
+    if data.force_n.is_empty() {
+        return None;
+    }
+    let outside = dataset.robot.cables.iter().enumerate();
+    let outside = outside.filter_map(|(cable, described)| {
+        let sensor = described.force_sensor?;
+        let tensions = (0..data.len()).map(|row| sensor.tension_n(data.force_n.get(row, cable)));
+        let mut outside = tensions
+            .zip(&data.labels)
+            .filter(|(tension_n, _)| TensionFault::of(&sensor, *tension_n, &range).is_some());
+        let (tension_n, label) = outside.next()?;
+        let more = match outside.count() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let name = &described.name;
+        Some(format!("{name} at pose {label}{more} ({tension_n:.1} N)"))
+    });
+    let outside: Vec<String> = outside.collect();
+    let [lower, upper] = [range.lower_n, range.upper_n].map(|limit_n| significant(limit_n, 3));
+    (!outside.is_empty()).then(|| {
+        let outside = list(&outside);
+        format!("Tensions outside of {lower} to {upper} N: {outside}.")
+    })
 }
 
 /// Mistakes of sign, unit and channel, and changes of length that have no such reason.
@@ -169,13 +212,23 @@ fn implausible_lengths(dataset: &Dataset, found: &TableCheck) -> Vec<String> {
             _ => {}
         }
     }
+    let follows = |line: &Line| line.scatter <= SCATTERED;
+    let lines = found.lengths.iter().flatten();
+    let off = lines.filter(|line| !follows(line)).count();
+    if 2 * off > cables.len() {
+        problems.push(format!(
+            "The lengths of {off} of {} cables do not follow the poses: is this the robot that was measured?",
+            cables.len()
+        ));
+        return problems;
+    }
     for (cable, line) in found.lengths.iter().enumerate() {
         let name = &cables[cable].name;
         problems.push(match line {
-            Some(line) if line.scatter > SCATTERED && !named[cable] => {
+            Some(line) if !follows(line) && !named[cable] => {
                 format!("The length of {name} does not follow the poses.")
             }
-            Some(line) if line.scatter <= SCATTERED && !RATIOS.contains(&line.slope.abs()) => {
+            Some(line) if follows(line) && !RATIOS.contains(&line.slope.abs()) => {
                 format!(
                     "The length of {name} changes {:.3} times as much as the poses require: unit, drum or gear may be wrong.",
                     line.slope.abs()

@@ -137,6 +137,23 @@ fn wrong_signs_units_and_channels_are_named() {
 }
 
 #[test]
+fn tensions_outside_the_stated_limits_are_named() {
+    let mut dataset = measured();
+    let tension = dataset.robot.limits.and_then(|limits| limits.tension);
+    let lower_n = tension.expect("MINI states its limits").lower_n;
+    let sensor = dataset.robot.cables[2].force_sensor.expect("a sensor");
+    // Within the noise of the sensor, and outside all the same.
+    let reading_n = sensor.tension_gain * (lower_n - 2.7) + sensor.bias_n;
+    dataset.measurements.force_n.set(4, 2, reading_n);
+    let found = &check_readings(&dataset, None)[1];
+    assert_eq!(found.outcome, CheckOutcome::Notice, "{found:?}");
+    let label = dataset.measurements.labels[4];
+    let expected = format!("Tensions outside of 10 to 150 N: cable-3 at pose {label} (7.3 N).");
+    assert!(found.sentence.ends_with(&expected), "{found:?}");
+    assert!(found.action.is_some());
+}
+
+#[test]
 fn what_is_missing_is_named() {
     let mut dataset = measured();
     let grid = &mut dataset.measurements.revolutions;

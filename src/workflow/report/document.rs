@@ -3,8 +3,10 @@
 use crate::plot::Drawing;
 
 /// A whole report.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Document {
+    /// Printed at the head of every page; empty on most.
+    pub marking: &'static str,
     /// A line above the title; may be empty.
     pub header: String,
     /// Title.

@@ -23,6 +23,7 @@ pub fn render(document: &Document) -> String {
                 style { (PreEscaped(STYLE)) }
             }
             body {
+                @if !document.marking.is_empty() { p.marking { (document.marking) } }
                 main {
                     @if !document.header.is_empty() { p.subtitle { (document.header) } }
                     h1 { (document.title) }

@@ -57,6 +57,8 @@ pub struct ComparisonInput<'a> {
     pub names: [&'a str; 2],
     /// Their identifications.
     pub fits: [&'a Identification; 2],
+    /// Whether readings of a simulated robot are compared.
+    pub is_simulated: bool,
     /// The comparison, second less first.
     pub comparison: &'a Comparison,
     /// The heading; a comparison has all its parts.

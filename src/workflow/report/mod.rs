@@ -93,10 +93,7 @@ pub enum ReportError {
     #[error("{}: expected a name that ends with .html or .pdf", .0.display())]
     Extension(PathBuf),
     /// A PDF is asked for in a build without it.
-    #[error(
-        "a PDF is what this build leaves out, expected the program of a release, one built with `cargo build --release \
-         --features more-formats`, or HTML"
-    )]
+    #[error("this build cannot write PDF; use HTML, or the released program")]
     PdfLeftOut,
     /// The PDF cannot be created.
     #[cfg(feature = "pdf")]

@@ -359,6 +359,48 @@ fn a_tolerance_is_judged_with_the_uncertainty_on_the_safe_side() {
 }
 
 #[test]
+fn none_is_within_where_all_are_outside() {
+    let mut sample = sample(&[]);
+    for place in &mut sample.fit.solution.globals.entry_points {
+        place[0] += 1.0;
+    }
+    sample.choice.tolerance_m = Some(3e-3);
+    let html = sample.html();
+    let pulleys = sample.fit.dataset.robot.cable_count();
+    assert!(html.contains(&format!(
+        "All {pulleys} pulleys are outside the tolerance of 3 mm."
+    )));
+    assert!(!html.contains("The others are within it"));
+}
+
+#[test]
+fn the_report_of_a_simulated_robot_says_so_on_every_page_and_at_the_signatures() {
+    const MARK: &str = "SIMULATED DATA";
+    let mut sample = sample(&[Verdict::Named]);
+    sample.session.measurements.truth = Default::default();
+    let of_machine = content::document(&sample.input());
+    assert!(!sample.html().contains(MARK));
+    assert!(
+        pdf::page_texts(&of_machine)
+            .iter()
+            .flatten()
+            .all(|text| !text.contains(MARK))
+    );
+    sample.session.has_simulated_readings = true;
+    let html = sample.html();
+    assert!(html.contains(&format!("<p class=\"marking\">{MARK}</p>")));
+    let (_, signatures) = html.split_once("<h2>Signatures</h2>").expect("signatures");
+    assert!(signatures.contains(&format!("{MARK}: these readings are of a simulated robot")));
+    let pages = pdf::page_texts(&content::document(&sample.input()));
+    assert!(pages.len() >= 3);
+    assert!(
+        pages
+            .iter()
+            .all(|page| page.iter().any(|text| text == MARK))
+    );
+}
+
+#[test]
 fn the_plots_of_residuals_show_all_points() {
     let points = [(1, 0.5), (2, -250.0)];
     let drawing = plots::residuals("cable-1", &points, "");
@@ -387,6 +429,7 @@ fn a_comparison_has_a_report() {
     let input = ComparisonInput {
         names: ["Before <b>", "After"],
         fits,
+        is_simulated: true,
         comparison: &comparison,
         choice: &sample.choice,
         now: time(60),
@@ -399,6 +442,7 @@ fn a_comparison_has_a_report() {
         "No pulley has moved",
         "Compared by: name, date, signature",
         "From above",
+        "SIMULATED DATA: these readings are of a simulated robot",
     ] {
         assert!(html.contains(text), "{text}");
     }

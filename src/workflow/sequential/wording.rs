@@ -2,7 +2,7 @@
 
 use tautline_core::diagnosis::Cause;
 use tautline_core::robot::Robot;
-use tautline_core::sequential::{Assessment, Goal, NextStep, Obstacle, Reason};
+use tautline_core::sequential::{Assessment, FIRST_POSES, Goal, NextStep, Obstacle, Reason};
 
 use crate::diagnosis::cause_title;
 use crate::wording::{count, first_lower, list, units};
@@ -11,7 +11,7 @@ use crate::wording::{count, first_lower, list, units};
 #[must_use]
 pub fn reason_in_words(robot: &Robot, reason: &Reason) -> String {
     match reason {
-        Reason::First => "determines the geometry".to_owned(),
+        Reason::First => format!("is one of the {FIRST_POSES} poses that fix the geometry"),
         Reason::Narrows(cable) => format!("narrows the pulley of {}", robot.cables[*cable].name),
         Reason::Separates(one, other) => format!(
             "separates {} from {}",

@@ -50,6 +50,7 @@ pub fn size_in_words(bound: &BoundEffect) -> String {
     match bound.effect.search() {
         // The phase of a wave is not a size.
         Search::Wave { .. } => sizes.first().cloned().unwrap_or_default(),
+        Search::Exchange => "swapped at all poses".to_owned(),
         _ => list(&sizes),
     }
 }

@@ -24,13 +24,13 @@ pub fn gallery_document(gallery: &Gallery) -> Document {
     let mut sections = vec![about];
     sections.extend(gallery.signatures.iter().map(section));
     Document {
-        header: String::new(),
         title: format!("Gallery of effects: {robot}"),
         subtitle: vec![format!(
             "{} and what they leave in the residuals.",
             count(gallery.signatures.len(), "effect")
         )],
         sections,
+        ..Document::default()
     }
 }
 

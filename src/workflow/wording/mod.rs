@@ -11,7 +11,7 @@ pub mod units;
 use tautline_core::diagnosis::Quantity;
 
 pub use printable::{is_obeyed, printable};
-pub use recording::sampling_sentence;
+pub use recording::{poses_used, sampling_sentence};
 pub use session::{recent_facts, session_facts};
 
 /// Name and version of the program, as stated in reports and audit trails.

@@ -23,6 +23,23 @@ pub fn sampling_sentence(data: &Measurements) -> Option<String> {
     Some(used + &why)
 }
 
+/// How many of `measured` poses an identification used, and why not all: `1497 of 60001 poses: ...`.
+#[must_use]
+pub fn poses_used(used: &Measurements, measured: usize) -> String {
+    let poses = count(measured, "pose");
+    if used.len() >= measured {
+        return poses;
+    }
+    let why = match &used.rates {
+        Some(rates) => format!(
+            "samples {} apart have independent noise",
+            milliseconds(rates.sampling.interval_s)
+        ),
+        None => "the samples of each standstill are averaged".to_owned(),
+    };
+    format!("{} of {poses}: {why}", used.len())
+}
+
 /// Correlation time of the noise for each kind of reading; `None` if it is shorter than the sampling interval.
 fn correlated(sampling: &Sampling) -> Option<String> {
     let long = sampling.correlation_s.iter();
@@ -41,6 +58,30 @@ fn milliseconds(time_s: f64) -> String {
 mod tests {
     use super::*;
     use tautline_core::measurement::{Rates, ReadingKind};
+
+    #[test]
+    fn poses_that_are_not_used_have_a_reason() {
+        let mut used = Measurements {
+            labels: vec![0, 1, 2],
+            ..Measurements::default()
+        };
+        assert_eq!(poses_used(&used, 3), "3 poses");
+        assert_eq!(
+            poses_used(&used, 60),
+            "3 of 60 poses: the samples of each standstill are averaged"
+        );
+        used.rates = Some(Rates {
+            sampling: Sampling {
+                interval_s: 0.2,
+                ..Sampling::default()
+            },
+            ..Rates::default()
+        });
+        assert_eq!(
+            poses_used(&used, 60),
+            "3 of 60 poses: samples 200 ms apart have independent noise"
+        );
+    }
 
     #[test]
     fn what_is_used_is_said() {

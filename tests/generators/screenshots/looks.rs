@@ -283,7 +283,7 @@ fn demo(looks: &mut Looks) -> Result<()> {
 fn until(looks: &mut Looks) -> Result<()> {
     looks.stage.press("Try the demo robot");
     phase(&mut looks.stage, Phase::Measuring);
-    looks.stage.press("Measure until");
+    looks.stage.press("Measure until certain");
     looks.at("until-goals")?;
     looks.stage.press("All pulleys are accurate to");
     looks.stage.connect_and_arm();

@@ -69,7 +69,7 @@ fn a_moved_pulley_is_distinguished_from_noise_and_the_sessions_are_swapped() {
     harness.get_by_label(verdict);
     for cable in 1..=8 {
         let text = row(&harness, &format!("cable-{cable}"));
-        let expected = if cable == 5 { "moved" } else { "noise" };
+        let expected = if cable == 5 { "moved" } else { "unchanged" };
         assert!(text.contains(expected), "{text}");
     }
     let along_y = |harness: &Harness<'_, App>| {

@@ -95,11 +95,16 @@ fn invalid_entries_are_explained_beside_their_fields_and_settings_can_be_undone(
     );
     bench.press("Beckhoff controller (ADS)");
     assert!(!is_enabled(&bench, "Connect"));
+    // What is not typed yet is no mistake: the foot of the window alone says what is missing.
     assert!(shows(
         &bench,
-        "expected the name or address of the controller"
+        "Not ready to connect: Controller: found nothing"
     ));
-    assert!(shows(&bench, "Not ready to connect"));
+    assert!(
+        !shows(&bench, "Found nothing"),
+        "{:?}",
+        words(&bench.harness)
+    );
     type_into(&mut bench, "Host", "plc");
     type_into(&mut bench, "AMS Net ID", "1.2.3");
     assert!(shows(&bench, "expected six numbers from 0 to 255"));
@@ -241,6 +246,8 @@ fn a_typed_laser_distance_is_requested_at_every_pose() {
         typed.push(text.parse::<f64>().expect("a number") * 1e-3);
         bench.wait("the pose", |state| measured(state) > pose);
     }
+    // Its robot is simulated from the description, which a report has to say.
+    assert!(bench.session().is_simulated());
     let laser_m = &bench.session().measurements.laser_m;
     let same = laser_m
         .iter()

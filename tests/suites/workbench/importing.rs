@@ -280,6 +280,30 @@ fn mistakes_are_corrected_by_one_click_each() {
 }
 
 #[test]
+fn another_robot_than_the_measured_one_is_not_called_right() {
+    // Every pulley is somewhere else.
+    let mut bench = Bench::with_robot(|robot| {
+        for (k, cable) in robot["cables"]
+            .as_array_mut()
+            .expect("cables")
+            .iter_mut()
+            .enumerate()
+        {
+            let place = &mut cable["pulley"]["entry_point_m"];
+            let coordinate = place[k % 3].as_f64().expect("a number");
+            place[k % 3] = (-0.3 * coordinate).into();
+        }
+    });
+    let file = bench.write("log.csv", &example("log.csv"));
+    give(&mut bench.harness, RecordingCommand::Read(file));
+    assert!(!bench.shows("No mistake is found in the readings."));
+    assert!(bench.shows("rev_1 … rev_8: winch revolutions"));
+    assert!(bench.shows("force_1_n … force_8_n: cable force"));
+    press(&mut bench.harness, "force_1_n, force_1_n");
+    assert!(bench.shows("in N, as the file states"));
+}
+
+#[test]
 fn a_channel_is_mapped_by_hand() {
     let mut bench = Bench::new();
     let file = bench.write("log.csv", &example("table.csv"));

@@ -67,9 +67,9 @@ fn the_panel_in_motion_has_what_matters_until_the_robot_stands() {
     });
     bench.harness.step();
     for part in [
-        "2 of 4 measured",
+        "2 of 4 poses measured",
         "Platform at x, y, z",
-        "Marks: 10 to ",
+        "Allowed: 10 to ",
         "Last poses",
         "Pause",
         "Skip pose",
@@ -112,7 +112,7 @@ fn warnings_of_a_run_are_in_phase_4_also_of_the_saved_session() {
         .collect();
     let slack = kept
         .iter()
-        .find(|text| text.starts_with("cable-3: it is slack: "));
+        .find(|text| text.starts_with("cable-3: its tension is too low: "));
     let slack = slack.unwrap_or_else(|| panic!("{kept:?}")).clone();
     assert!(
         slack.contains(" N, at least ") && slack.contains("(at "),
@@ -145,7 +145,7 @@ fn a_stopped_verification_keeps_what_it_measured() {
         measured.is_some_and(|[done, of]| done >= 3 && done < of)
     });
     bench.harness.step();
-    assert!(shows(&bench, " measured") && shows(&bench, "Tension of cable-1: "));
+    assert!(shows(&bench, "Test pose ") && shows(&bench, "Tension of cable-1: "));
     bench.press("Stop the robot");
     bench.wait("the end", |state| state.model.link.verifying.is_none());
     bench.harness.step();

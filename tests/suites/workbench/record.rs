@@ -82,7 +82,13 @@ fn a_folder_of_sessions_is_opened_as_a_record_and_the_tolerance_moves_the_date()
     settle(&mut harness);
     give(&mut harness, FileCommand::Open(year()));
     assert_eq!(harness.state().state.model.screen, Screen::Record);
-    harness.get_by_label_contains("are too uncertain for a tolerance of 5 mm");
+    harness.get_by_label_contains("Calibrate again by ");
+    give(
+        &mut harness,
+        RecordCommand::SetTolerance(Tolerance::Pulley(5e-3)),
+    );
+    harness.get_by_label_contains("The pulleys are known to ");
+    harness.get_by_label_contains("(95 %), which is not enough for a tolerance of 5 mm");
     let of_pulleys = Tolerance::Pulley(0.02);
     give(&mut harness, RecordCommand::SetTolerance(of_pulleys));
     harness.get_by_label_contains("is more than 20 mm from its value in the last session");

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use tautline_core::estimation::Termination;
 use tautline_core::robot::presets;
@@ -128,6 +129,8 @@ fn the_window_does_not_write_over_what_a_command_wrote() {
     assert_eq!(told(&bench, "another program has changed this session"), 2);
     assert_eq!(saved(&bench).name, "as the command wrote it");
     let other = bench.folder.path().join("other.json");
+    bench.press("Save as…");
+    bench.harness.get_by_label("Save the session as");
     bench.give(FileCommand::SaveAs(other.clone()));
     bench.settle("saving");
     assert_eq!(
@@ -311,7 +314,10 @@ fn a_recovered_run_goes_on_where_it_was_interrupted() {
         bench.wait("what is left", |state| {
             !state.model.unsaved_sessions.is_empty()
         });
-        bench.press("Recover mini");
+        // Nothing comes before what can be recovered.
+        bench
+            .harness
+            .key_press_modifiers(Modifiers::COMMAND, Key::Enter);
         bench.wait("the session", |state| state.model.open.is_some());
         assert_eq!(bench.session().measurements.len(), 4);
         assert_eq!(bench.state().model.screen, Screen::Phase(expected));

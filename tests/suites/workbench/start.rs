@@ -1,16 +1,17 @@
 //! The start screen.
 
 use egui::{Key, Role};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_core::robot::presets;
 use tautline_core::simulation::{SimulationOptions, simulate};
 use tautline_session::{Session, Timestamp, write_session};
 use tautline_validation::support::harness::words;
-use tautline_workbench::model::command::{FileCommand, ViewCommand};
+use tautline_workbench::model::command::{CompareCommand, FileCommand, RecordCommand, ViewCommand};
 use tautline_workbench::model::messages::Severity;
-use tautline_workbench::model::phase::Screen;
+use tautline_workbench::model::phase::{Phase, Screen};
 use tautline_workflow::samples;
 
+use crate::demo::Bench;
 use crate::measured::give;
 use crate::support::{settle, type_into, workbench};
 
@@ -45,6 +46,64 @@ fn arrow_keys_choose_in_the_command_palette() {
     settle(&mut harness);
     assert_eq!(harness.state().state.model.screen, Screen::Import);
     assert!(harness.state().state.model.dialogs.palette.is_none());
+}
+
+#[test]
+fn the_palette_has_commands_that_cannot_be_given_now_and_does_not_give_them() {
+    let mut harness = workbench();
+    settle(&mut harness);
+    give(&mut harness, ViewCommand::Palette(true));
+    type_into(&mut harness, Role::TextInput, "Command", "diagnosemodel");
+    harness.run_ok();
+    let line = harness.get_by_label("Diagnose model");
+    assert!(line.accesskit_node().is_disabled());
+    harness.key_press(Key::Enter);
+    settle(&mut harness);
+    let model = &harness.state().state.model;
+    assert!(model.dialogs.palette.is_some() && model.tasks.running().is_empty());
+}
+
+#[test]
+fn back_leads_to_where_one_came_from_and_messages_stay_there() {
+    let mut bench = Bench::demo(3);
+    bench.settle("the demonstration");
+    bench.go(Phase::Modeling);
+    bench.give(ViewCommand::Go(Screen::Gallery));
+    bench.settle("the gallery");
+    bench.give(RecordCommand::Show);
+    bench.give(CompareCommand::Show);
+    bench.settle("all screens");
+    for screen in [
+        Screen::Record,
+        Screen::Gallery,
+        Screen::Phase(Phase::Modeling),
+    ] {
+        bench.press("Back");
+        assert_eq!(bench.state().model.screen, screen);
+    }
+    let state = &mut bench.harness.state_mut().state;
+    state.model.messages.info("Something was done.");
+    bench.harness.step();
+    bench.harness.get_by_label("Something was done.");
+    bench.give(CompareCommand::Show);
+    bench.harness.step();
+    assert!(
+        bench
+            .harness
+            .query_by_label("Something was done.")
+            .is_none()
+    );
+    bench.harness.get_by_label("Ready");
+}
+
+#[test]
+fn the_first_step_is_that_of_the_keys() {
+    let mut harness = workbench();
+    settle(&mut harness);
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
+    settle(&mut harness);
+    let open = harness.state().state.model.open.as_ref();
+    assert_eq!(open.expect("a session").session().name, "Demo robot");
 }
 
 #[test]

@@ -93,9 +93,9 @@ fn enter(bench: &mut Bench, name: &str, text: &str) {
 fn goals_are_chosen_and_the_run_ends_when_they_are_reached() {
     let mut bench = Bench::of_session(&mini());
     bench.go(Phase::Measuring);
-    bench.press("Measure until");
+    bench.press("Measure until certain");
     assert!(!shows(&bench, "Plan poses"), "no plan is needed");
-    bench.press("It is known what is wrong, with");
+    bench.press("The cause is found, with");
     assert!(shows(&bench, "Choose at least one goal."));
     bench.press("All pulleys are accurate to");
     enter(&mut bench, "Accuracy of the pulleys", "2.4");
@@ -134,7 +134,7 @@ fn goals_are_chosen_and_the_run_ends_when_they_are_reached() {
         .collect();
     let begun = "Measuring until all pulleys are accurate to 2.40 mm, at most 40 poses.";
     assert!(log.contains(&begun), "{log:?}");
-    assert!(log.contains(&"Pose 1 was chosen: it determines the geometry."));
+    assert!(log.contains(&"Pose 1 was chosen: it is one of the 8 poses that fix the geometry."));
     let ended = format!("Measured {poses} poses and the home pose, all goals reached.");
     assert_eq!(log.last(), Some(&ended.as_str()));
     assert!(shows(&bench, "Next: Identify the pulleys"));
@@ -156,7 +156,7 @@ fn causes_that_are_possible_have_bars_and_the_limit_ends_the_run() {
     bench.wait("a decision", |state| {
         measured(state) == 9 && chosen(state).is_some()
     });
-    assert!(shows(&bench, "It is known what is wrong, goal 98 %"));
+    assert!(shows(&bench, "The cause is found, goal 98 %"));
     assert!(shows(&bench, "Probability of no fault: "));
     let chosen = chosen(bench.state()).expect("a pose");
     let reason = format!("Pose {} {}.", chosen.pose, chosen.reason);

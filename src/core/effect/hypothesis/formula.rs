@@ -143,10 +143,14 @@ const PI: &str = "pi";
 
 /// Names that parameters cannot have.
 pub(super) fn is_reserved(name: &str) -> bool {
-    name == PI || name.ends_with(OF) || quantity(name).is_some() || functions().any(|f| f == name)
+    name == PI
+        || name.ends_with(OF)
+        || quantity(name).is_some()
+        || formula_functions().any(|f| f == name)
 }
 
-fn functions() -> impl Iterator<Item = &'static str> {
+/// Names of the functions that formulas may use.
+pub fn formula_functions() -> impl Iterator<Item = &'static str> {
     let of_numbers = UNARY.iter().map(|(name, _)| *name);
     let of_units = UNARY_OF_UNIT.iter().map(|(name, ..)| *name);
     let of_two = BINARY.iter().map(|(name, ..)| *name);
@@ -566,7 +570,7 @@ impl<'t> Compiler<'t> {
             None => {
                 let of = FORMULA_QUANTITIES.iter().filter(|q| q.is_of_cable());
                 let of = of.map(|q| format!("{}{OF}", q.name));
-                let all: Vec<String> = functions().map(str::to_owned).chain(of).collect();
+                let all: Vec<String> = formula_functions().map(str::to_owned).chain(of).collect();
                 let near = nearest(name, all.iter().map(String::as_str));
                 let message = format!("found \"{}(\", expected a function{near}", shortened(name));
                 Err(Fault::new(start, message))

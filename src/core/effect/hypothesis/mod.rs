@@ -27,6 +27,7 @@ use super::{CablePorts, Dual, Effect, EffectParameter, PlatformPorts, RowContext
 use crate::measurement::Variable;
 pub use as_text::NotAsText;
 pub use fault::{HypothesisError, line_and_column};
+pub use formula::formula_functions;
 use formula::{Circumstances, Program};
 pub use known::{HypothesisNotAdded, MAX_HYPOTHESES};
 pub use quantity::{FORMULA_QUANTITIES, FORMULA_TARGETS, FormulaQuantity, FormulaTarget};

@@ -334,7 +334,13 @@ fn faults_of_one_cable_are_named() {
         cable: 6,
         factor: 0.1,
     };
-    assert_warns(vec![slack], "cable-7", "slack: ");
+    assert_warns(vec![slack], "cable-7", "too low: 2.00 N, at least 10.0 N");
+    // Beyond the limit by less than three standard deviations.
+    let low = Fault::Tension {
+        cable: 6,
+        reading_n: 14.6,
+    };
+    assert_warns(vec![low], "cable-7", "too low: 7.30 N, at least 10.0 N");
 }
 
 #[test]

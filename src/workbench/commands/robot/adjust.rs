@@ -8,10 +8,10 @@ use tautline_session::{
     CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, StoppedVerification, Verification,
 };
 
+use crate::model::Model;
 use crate::model::command::WriteDraft;
 use crate::model::link::{Connected, DriverCommand, ValuesToWrite};
 use crate::model::messages::{Cause, full_sentence};
-use crate::model::{Model, UiRequest};
 use tautline_workflow::adjusting::title;
 use tautline_workflow::adjusting::{self, Purpose};
 use tautline_workflow::clock;
@@ -240,8 +240,7 @@ pub(super) fn verify(model: &mut Model, stage: Stage) {
         Vec::new()
     };
     model.link.verify(targets, stage, rows);
-    model.playback.follows = true;
-    model.request(UiRequest::ShowScope);
+    super::run::watch(model);
 }
 
 pub(super) fn verified(

@@ -12,6 +12,7 @@ use super::until;
 use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending, RunLog};
 use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::clock;
+use tautline_workflow::controllers::Kind;
 use tautline_workflow::foreign_writes::{ValuesRead, begin_run, end_run};
 use tautline_workflow::planning::poses_in_words;
 use tautline_workflow::sequential::SequentialRun;
@@ -55,8 +56,13 @@ pub(super) fn start(model: &mut Model) {
     watch(model);
 }
 
-/// Shows the robot and its readings.
+/// Shows the robot and its readings, and keeps in the session that they are simulated, if they are.
 pub(super) fn watch(model: &mut Model) {
+    let connected = model.link.connected.as_ref();
+    let is_simulated = connected.is_some_and(|one| one.rig.kind == Kind::OfDescription);
+    if let Some(open) = model.open.as_mut().filter(|_| is_simulated) {
+        open.record(|session| session.has_simulated_readings = true);
+    }
     model.playback.follows = true;
     model.request(UiRequest::ShowScope);
 }

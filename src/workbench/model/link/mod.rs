@@ -266,11 +266,14 @@ impl Link {
         // What was seen in a run before is still to be looked at.
         let before = self.run.take();
         let is_open_ended = until.is_some();
-        let mut run = RunLog::new(to_measure);
+        let poses = measured.iter().filter(|label| **label != 0).count();
+        let (until, poses) = match until {
+            Some((until, poses)) => (Some(until), poses),
+            None => (None, poses),
+        };
+        let mut run = RunLog::new(to_measure, poses);
         run.warnings = before.map_or_else(Vec::new, |run| run.warnings);
-        if let Some((until, before)) = until {
-            run = run.until(until, before);
-        }
+        run.until = until;
         self.run = Some(run);
         self.send(DriverCommand::Measure(Box::new(MeasuringRequest {
             plan,

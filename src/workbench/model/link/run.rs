@@ -47,27 +47,18 @@ pub struct RunLog {
     pub until: Option<SequentialRun>,
     /// Why no pose could be decided on, if that failed.
     pub undecided: Option<String>,
-    /// Poses that were measured before an open-ended run, the home pose not counted.
+    /// Poses that were measured before the run, the home pose not counted.
     before: usize,
 }
 
 impl RunLog {
-    /// A run over poses of these labels.
+    /// A run over poses of these labels, beside `before` poses that were measured before.
     #[must_use]
-    pub fn new(labels: impl Iterator<Item = i64>) -> Self {
+    pub fn new(labels: impl Iterator<Item = i64>, before: usize) -> Self {
         Self {
             to_measure: labels.collect(),
-            ..Self::default()
-        }
-    }
-
-    /// The same run with decisions on further poses, beside those that were measured before, the home pose not counted.
-    #[must_use]
-    pub fn until(self, until: SequentialRun, before: usize) -> Self {
-        Self {
-            until: Some(until),
             before,
-            ..self
+            ..Self::default()
         }
     }
 
@@ -83,20 +74,21 @@ impl RunLog {
         self.has_ended() && until.is_some_and(|until| until.end().is_some())
     }
 
-    /// Poses that are measured, the home pose not counted; of an open-ended run also those that were measured before.
+    /// Poses that are measured, those before the run included and the home pose not counted.
     #[must_use]
     pub fn done(&self) -> usize {
         self.before + self.measured.iter().filter(|label| **label != 0).count()
     }
 
-    /// Poses in all, those left out and the home pose not counted; of an open-ended run the largest number.
+    /// Poses in all, those before the run included, those left out and the home pose not counted; of an open-ended run the
+    /// largest number.
     #[must_use]
     pub fn of(&self) -> usize {
         if let Some(until) = &self.until {
             return until.at_most().max(self.done());
         }
         let wanted = self.to_measure.difference(&self.skipped);
-        wanted.filter(|label| **label != 0).count()
+        self.before + wanted.filter(|label| **label != 0).count()
     }
 
     /// The poses that are measured, in words.
@@ -149,7 +141,7 @@ mod tests {
 
     #[test]
     fn time_left_follows_from_the_poses_so_far() {
-        let mut run = RunLog::new(0..6);
+        let mut run = RunLog::new(0..6, 0);
         run.measured(0, 10.0);
         assert_eq!(run.remaining_s(), None);
         run.measured(1, 14.0);
@@ -160,5 +152,8 @@ mod tests {
         assert_eq!(run.remaining_s(), Some(12.0));
         run.again(1);
         assert_eq!(run.done(), 0);
+        let mut continued = RunLog::new(8..12, 7);
+        continued.measured(8, 20.0);
+        assert_eq!((continued.done(), continued.of()), (8, 11));
     }
 }

@@ -3,6 +3,7 @@
 use crate::model::OpenSession;
 use crate::model::phase::{PhaseStatus, Progress};
 use tautline_workflow::planning::poses_in_words;
+use tautline_workflow::wording::count;
 
 /// How many poses are measured and how many are still planned.
 pub(super) fn whole(open: &OpenSession) -> PhaseStatus {
@@ -22,8 +23,12 @@ pub(super) fn whole(open: &OpenSession) -> PhaseStatus {
             let is_pose = |label: &i64| *label != 0;
             let measured = labels().filter(is_pose).count();
             let planned = measured + missing.iter().copied().filter(is_pose).count();
-            let line = format!("{measured} of {planned} poses measured");
-            PhaseStatus::new(Progress::InProgress, line)
+            let poses = match session.settings.until.enabled {
+                // How many there will be is decided pose by pose.
+                true => count(measured, "pose"),
+                false => format!("{measured} of {planned} poses"),
+            };
+            PhaseStatus::new(Progress::InProgress, format!("{poses} measured"))
         }
     }
 }

@@ -107,7 +107,8 @@ fn buttons(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 /// Draws a running verification.
 pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     section(ui, "Verification");
-    motion::show(ui, model);
+    motion::position(ui, model);
+    motion::tensions(ui, model);
     match model.link.live().doing {
         Doing::Locating { number, of } => typed::show(ui, model, panel, outbox, (number, of)),
         _ => typed::forget(panel),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Button, Label, Layout, RichText, Role, TextEdit, Ui, WidgetInfo, vec2};
+use egui::{Align, Button, Label, Layout, RichText, Role, Ui, WidgetInfo, vec2};
 use egui_material_icons::icons;
 use tautline_session::{Session, Timestamp};
 
@@ -10,9 +10,8 @@ use super::PanelState;
 use crate::model::Model;
 use crate::model::command::{CompareCommand, Outbox, ReportCommand, ViewCommand};
 use crate::model::comparison::{Side, Source};
-use crate::model::phase::{Phase, Screen};
 use crate::theme::{self, GRID};
-use crate::widgets::{entered, heading, icon_button, named};
+use crate::widgets::{heading, icon_button, path_field};
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::wording::{recent_facts, session_facts};
@@ -37,11 +36,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         );
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
-                let back = match model.open {
-                    Some(_) => Screen::Phase(Phase::Identification),
-                    None => Screen::Start,
-                };
-                outbox.send(ViewCommand::Go(back));
+                outbox.send(ViewCommand::Go(model.previous_screen()));
             }
             let is_compared = matches!(model.comparison.result(), Some(Ok(_)));
             let name = "Save report…";
@@ -125,13 +120,9 @@ fn identity(session: &Session) -> (&String, Option<Timestamp>, String) {
 fn choose(ui: &mut Ui, model: &Model, panel: &mut PanelState, side: Side, outbox: &mut Outbox) {
     let name = side.name();
     let path = &mut panel.paths[side as usize];
-    let field = TextEdit::singleline(path)
-        .hint_text("Path of a session or a dataset folder, or drop it on the window")
-        .desired_width((ui.available_width() - 420.0).clamp(160.0, 560.0));
-    let field = ui.add(field);
-    let label = format!("Path of {name}");
-    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, &label));
-    let entered = entered(&field);
+    let hint = "Path of a session or a dataset folder, or drop it on the window";
+    let width = (ui.available_width() - 420.0).clamp(160.0, 560.0);
+    let entered = path_field(ui, (&format!("Path of {name}"), hint), path, width);
     let typed = !path.trim().is_empty();
     let take = named(
         ui.add_enabled(typed, Button::new("Use")),

@@ -32,7 +32,7 @@ fn verdict(ui: &Ui, compared: &Comparison, test: Option<Test>) -> Cell {
         Some(_) if differs(compared, test) => Cell::new("different")
             .with_icon(icons::ICON_WARNING)
             .coloured(palette.warning),
-        Some(_) => Cell::new("noise")
+        Some(_) => Cell::new("unchanged")
             .with_icon(icons::ICON_CHECK_CIRCLE)
             .coloured(palette.good),
     }

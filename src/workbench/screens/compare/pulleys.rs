@@ -9,6 +9,7 @@ use crate::model::{Model, Selection};
 use crate::screens::bench_panel::decimals_for;
 use crate::theme;
 use crate::widgets::{Cell, Column, muted, section, table};
+use tautline_workflow::comparison::common_motion;
 use tautline_workflow::wording::units::mm;
 
 /// Draws the part; gives the cable that was clicked.
@@ -26,7 +27,7 @@ pub fn show(
         Column::number("z", "mm"),
         Column::number("Distance ±", "mm"),
         Column::words("Verdict"),
-        Column::words("By noise alone"),
+        Column::words("Chance"),
     ];
     let decimals = decimals(compared);
     let pulleys = compared.pulleys.iter().enumerate();
@@ -41,9 +42,13 @@ pub fn show(
         };
         outbox.send(ViewCommand::Select(selection));
     }
+    let motion = common_motion(compared).unwrap_or_default();
     muted(
         ui,
-        "Relative to the pulleys that did not move, ± one standard deviation. The probabilities are corrected for the number of tests.",
+        &format!(
+            "{motion} Relative to the pulleys that did not move, ± one standard deviation. Chance: how often noise alone \
+             makes such a difference, corrected for the number of tests.",
+        ),
     );
     touched.clicked
 }
@@ -57,10 +62,11 @@ fn decimals(compared: &Comparison) -> usize {
     decimals_for(sds.fold(f64::INFINITY, f64::min), 1, 3)
 }
 
-/// How often noise alone makes such a difference, as short as it fits a table.
+/// How often chance makes such a difference, as short as it fits a table.
 fn chance(test: Test) -> String {
     match test.p_corrected {
         p if p < 1e-6 => "under 1 in a million".to_owned(),
+        p if p > 0.5 => "expected".to_owned(),
         p if p > 0.05 => format!("{:.0} in 100", 100.0 * p),
         p => format!("1 in {:.0}", 1.0 / p),
     }
@@ -75,7 +81,7 @@ fn row(ui: &Ui, index: usize, pulley: &PulleyDifference, decimals: usize) -> Vec
         (Some(_), true) => Cell::new("moved")
             .with_icon(icons::ICON_WARNING)
             .coloured(palette.warning),
-        (Some(_), false) => Cell::new("noise")
+        (Some(_), false) => Cell::new("unchanged")
             .with_icon(icons::ICON_CHECK_CIRCLE)
             .coloured(palette.good),
     };

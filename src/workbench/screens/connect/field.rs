@@ -55,7 +55,8 @@ fn edit<T>(
             info.label = Some(name.to_owned());
             info
         });
-        if let Some(problem) = problem {
+        // What is not typed yet is no mistake; the foot of the window says what is missing.
+        if let Some(problem) = problem.filter(|_| !text.trim().is_empty()) {
             let colour = theme::of(ui).bad;
             let sentence = tautline_workflow::wording::sentence(&format!("{problem}."));
             let text = RichText::new(sentence).small().color(colour);

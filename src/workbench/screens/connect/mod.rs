@@ -172,7 +172,7 @@ fn controller(
     match draft.kind {
         ControllerKind::Simulated => {
             let text = match present.is_demo {
-                true => "The robot of the demonstration: its hidden fault is in what it reads.",
+                true => "Demo robot. A fault is hidden in its readings.",
                 false => "A robot that moves as its description says. Its readings are simulated.",
             };
             wrapped(ui, text);

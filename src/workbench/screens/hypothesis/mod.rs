@@ -77,7 +77,7 @@ fn head(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: &mut Outbox
         // The buttons first: the name has the room that they leave.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
-                outbox.send(ViewCommand::Go(model.home_screen()));
+                outbox.send(ViewCommand::Go(model.previous_screen()));
             }
             if icon_button(ui, icons::ICON_GRID_VIEW, "Gallery of effects", true).clicked() {
                 outbox.send(ViewCommand::Go(Screen::Gallery));

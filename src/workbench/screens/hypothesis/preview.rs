@@ -1,6 +1,7 @@
 //! What the hypothesis does to the residuals.
 
-use egui::{ComboBox, Label, Spinner, Ui};
+use egui::{CollapsingHeader, ComboBox, Label, RichText, Spinner, Ui};
+use tautline_core::effect::{FORMULA_QUANTITIES, formula_functions};
 use tautline_workflow::plot::Selection;
 use tautline_workflow::signature::{Image, Placement, Signature, Trial};
 
@@ -16,25 +17,55 @@ use crate::widgets::{Verdict, muted, section, verdict};
 const PLOT: f32 = 190.0;
 
 pub(super) fn show(ui: &mut Ui, model: &Model, draft: &HypothesisDraft, outbox: &mut Outbox) {
+    vocabulary(ui, draft.checked().is_err());
     section(ui, "What it does to the residuals");
     let inputs = model.open.as_ref().map(|open| open.inputs());
     if draft.checked().is_err() {
         muted(ui, "Appears here once the text has no mistake.");
         return;
     }
-    if model.tasks.runs(TRYING) || draft.lacks_preview(inputs) {
+    let is_fitting = model.tasks.runs(TRYING) || draft.lacks_preview(inputs);
+    if is_fitting {
         ui.horizontal(|ui| {
             ui.add(Spinner::new());
             muted(ui, "Fitting it to the readings…");
         });
     }
-    // The last one stays until the next is there, so that nothing jumps while somebody types.
-    match draft.preview.as_ref().map(|preview| &preview.result) {
-        None => {}
-        Some(Err(why)) => verdict(ui, Verdict::Doubtful, why),
-        Some(Ok(Previewed::Measured(trial))) => measured(ui, (model, draft), trial, outbox),
-        Some(Ok(Previewed::Simulated(signature))) => simulated(ui, model, signature, outbox),
-    }
+    // The last one stays, dimmed, until the next is there, so that nothing jumps while somebody types.
+    ui.scope(|ui| {
+        if is_fitting {
+            ui.set_opacity(0.4);
+        }
+        match draft.preview.as_ref().map(|preview| &preview.result) {
+            None => {}
+            Some(Err(why)) => verdict(ui, Verdict::Doubtful, why),
+            Some(Ok(Previewed::Measured(trial))) => measured(ui, (model, draft), trial, outbox),
+            Some(Ok(Previewed::Simulated(signature))) => simulated(ui, model, signature, outbox),
+        }
+    });
+}
+
+/// What formulas may use; open while there is nothing else to see.
+fn vocabulary(ui: &mut Ui, is_open: bool) {
+    let header = CollapsingHeader::new("Quantities and functions").default_open(is_open);
+    header.show(ui, |ui| {
+        for quantity in FORMULA_QUANTITIES {
+            ui.horizontal_wrapped(|ui| {
+                ui.label(RichText::new(quantity.name).monospace());
+                let unit = match quantity.unit {
+                    "1" => String::new(),
+                    unit => format!(" ({unit})"),
+                };
+                muted(ui, &format!("{}{unit}", quantity.meaning));
+            });
+        }
+        muted(
+            ui,
+            "Those of a cable also of another one, as paid_of(next).",
+        );
+        let functions: Vec<&str> = formula_functions().collect();
+        ui.add(Label::new(RichText::new(functions.join(", ")).monospace()).wrap());
+    });
 }
 
 fn measured(

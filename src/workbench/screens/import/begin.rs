@@ -9,11 +9,11 @@ use crate::model::Model;
 use crate::model::command::{FileCommand, Outbox, RecordingCommand};
 use crate::screens::start::template_buttons;
 use crate::theme::GRID;
-use crate::widgets::{heading, icon_button, muted, page, section};
+use crate::widgets::{COLUMN, heading, icon_button, muted, page, section};
 use egui_material_icons::icons;
 
 pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
-    page(ui, 8.0 * GRID, |ui| {
+    page(ui, (COLUMN, 8.0 * GRID), |ui| {
         heading(ui, "Import files of other programs");
         if model.open.is_some() {
             file(ui, panel, outbox);

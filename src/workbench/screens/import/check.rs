@@ -3,6 +3,8 @@
 use egui::{CollapsingHeader, Ui};
 use egui_material_icons::icons;
 
+use tautline_workflow::readiness::{CheckItem, CheckOutcome};
+
 use super::Bench;
 use crate::model::Model;
 use crate::model::command::{CUTTING, RecordingCommand};
@@ -27,9 +29,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
         Err(error) => {
             verdict(ui, Verdict::Bad, &format!("{}.", error.error));
         }
-        Ok(_) if suggestions.is_empty() => {
-            verdict(ui, Verdict::Good, "No mistake is found in the readings.");
-        }
+        Ok(_) if suggestions.is_empty() => readings(ui, &cut.checks),
         Ok(_) => {}
     }
     let mut notices: Vec<&str> = bench
@@ -53,6 +53,27 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
                 muted(ui, &format!("{notice}."));
             }
         });
+}
+
+/// Whether the poses can be readings of the robot.
+fn readings(ui: &mut Ui, checks: &[CheckItem]) {
+    let open = checks
+        .iter()
+        .filter(|one| one.outcome != CheckOutcome::Pass);
+    for item in open.clone() {
+        let kind = match item.outcome {
+            CheckOutcome::Fail => Verdict::Bad,
+            CheckOutcome::Notice => Verdict::Doubtful,
+            CheckOutcome::NotEvaluated | CheckOutcome::Pass => Verdict::Neutral,
+        };
+        verdict(ui, kind, &item.sentence);
+        if let Some(action) = &item.action {
+            muted(ui, action);
+        }
+    }
+    if open.count() == 0 {
+        verdict(ui, Verdict::Good, "No mistake is found in the readings.");
+    }
 }
 
 /// Draws the step that takes the poses into the session.

@@ -1,13 +1,13 @@
 //! The files at the top.
 
-use egui::{Align, Layout, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Align, Layout, RichText, Ui};
 use egui_material_icons::icons;
 
 use super::PanelState;
 use crate::model::command::{Outbox, RecordingCommand};
 use crate::model::importing::OpenImport;
 use crate::theme::{self, GRID};
-use crate::widgets::{entered, heading, icon_button, icon_only, muted};
+use crate::widgets::{heading, icon_button, icon_only, muted, path_field};
 
 pub fn show(ui: &mut Ui, import: &OpenImport, panel: &mut PanelState, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
@@ -55,12 +55,11 @@ pub fn path_row(ui: &mut Ui, path: &mut String, width: f32, outbox: &mut Outbox)
     let typed = !path.trim().is_empty();
     let pressed = icon_button(ui, icons::ICON_ADD, "Add", typed).clicked();
     let used = right - ui.available_width();
-    let field = TextEdit::singleline(path)
-        .hint_text("Path of a file or folder, or drop it here")
-        .desired_width((width - used).max(120.0));
-    let field = ui.add(field);
-    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Path of a file to import"));
-    let entered = entered(&field);
+    let names = (
+        "Path of a file to import",
+        "Path of a file or folder, or drop it here",
+    );
+    let entered = path_field(ui, names, path, (width - used).max(120.0));
     if typed && (pressed || entered) {
         outbox.send(RecordingCommand::Read(path.trim().into()));
         path.clear();

@@ -258,7 +258,8 @@ fn choose_unit(
     let stated = shown.unit.filter(|unit| parse_unit(unit).is_some());
     let of_file = match stated {
         Some(unit) => format!("{unit}, as the file states"),
-        None => format!("{}, as nothing is stated", unit_of(quantity)),
+        None if unit_of(quantity) == "rev" => "revolutions (assumed)".to_owned(),
+        None => format!("{} (assumed)", unit_of(quantity)),
     };
     combo(ui, "Unit", now.unwrap_or(&of_file), |ui| {
         if ui.selectable_label(now.is_none(), &of_file).clicked() {

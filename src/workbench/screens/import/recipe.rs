@@ -2,6 +2,8 @@
 
 use egui::{Align, Label, Layout, Role, TextEdit, Ui, Vec2, WidgetInfo};
 use egui_material_icons::icons;
+use tautline_core::robot::Robot;
+use tautline_import::{Assignment, Quantity};
 
 use super::{Bench, PanelState};
 use crate::model::command::RecordingCommand;
@@ -59,11 +61,7 @@ fn entries(ui: &mut Ui, bench: &mut Bench<'_>) {
             if icon_only(ui, icons::ICON_CLOSE, &name, true).clicked() {
                 removed = Some(k);
             }
-            let sign = if entry.reversed { "−" } else { "" };
-            let unit = entry.unit.as_ref();
-            let unit = unit.map_or_else(String::new, |unit| format!(" in {unit}"));
-            let text = format!("{} is {sign}{}{unit}", entry.quantity, entry.channel);
-            ui.add(Label::new(text).truncate());
+            ui.add(Label::new(in_words(entry, bench.robot)).truncate());
         });
     }
     if let Some(k) = removed {
@@ -72,4 +70,29 @@ fn entries(ui: &mut Ui, bench: &mut Bench<'_>) {
             recipe.channels.remove(k);
         });
     }
+}
+
+/// What an entry makes of its channels: "rev_1 … rev_8: winch revolutions".
+fn in_words(entry: &Assignment, robot: &Robot) -> String {
+    let last = robot.cable_count().saturating_sub(1);
+    let channels = match entry.is_pattern() {
+        true => format!("{} … {}", entry.channel_of(0), entry.channel_of(last)),
+        false => entry.channel.clone(),
+    };
+    let quantity = Quantity::parse(&entry.of_cable(0).quantity);
+    let mut words = quantity.map_or_else(
+        || entry.quantity.clone(),
+        |quantity| quantity.title().to_lowercase(),
+    );
+    let cable = quantity.filter(|quantity| quantity.is_per_cable() && !entry.is_pattern());
+    if let Some(cable) = cable.and_then(|quantity| robot.cables.get(quantity.index)) {
+        words += &format!(" of {}", cable.name);
+    }
+    if entry.reversed {
+        words += ", reversed";
+    }
+    if let Some(unit) = &entry.unit {
+        words += &format!(", in {unit}");
+    }
+    format!("{channels}: {words}")
 }

@@ -1,8 +1,7 @@
-//! The robot while it moves: progress, pose, tensions with their limits.
+//! The robot while it moves: pose, and tensions with their limits.
 
-use egui::{Align2, ProgressBar, Rect, Sense, TextStyle, Ui, Vec2};
+use egui::{Align2, Rect, Sense, TextStyle, Ui, Vec2};
 use tautline_core::simulation::TensionRange;
-use tautline_link::measuring::TensionFault;
 
 use super::name_of;
 use crate::model::Model;
@@ -17,26 +16,8 @@ const ROW: f32 = 5.0 * GRID;
 /// Part of the width of a bar that the largest allowed tension takes; more is an overload.
 const FULL: f64 = 0.85;
 
-pub(in crate::screens) fn show(ui: &mut Ui, model: &Model) {
-    progress(ui, model);
-    tensions(ui, model);
-}
-
-/// What is done, and where the platform is.
-pub(super) fn progress(ui: &mut Ui, model: &Model) {
-    if let Some([done, of]) = model.link.done_of() {
-        let part = done as f32 / of.max(1) as f32;
-        ui.add(ProgressBar::new(part).desired_height(2.0 * GRID));
-        let run = model.link.run.as_ref().filter(|run| !run.has_ended());
-        let at_most = match run.is_some_and(|run| run.until.is_some()) {
-            true => "at most ",
-            false => "",
-        };
-        ui.label(format!("{done} of {at_most}{of} measured"));
-    }
-    if let Some(words) = model.link.doing() {
-        muted(ui, &format!("{words}."));
-    }
+/// Where the platform is. How far the operation is stands at the foot of the panel.
+pub(in crate::screens) fn position(ui: &mut Ui, model: &Model) {
     if let Some(pose) = model.link.live().pose {
         let [x, y, z] = [0, 1, 2].map(|axis| fixed(pose.position[axis] * 1e3, 1));
         value(ui, "Platform at x, y, z", &format!("{x}, {y}, {z}"), "mm");
@@ -44,7 +25,7 @@ pub(super) fn progress(ui: &mut Ui, model: &Model) {
 }
 
 /// A bar for each cable, with marks at the smallest and the largest allowed tension.
-pub(super) fn tensions(ui: &mut Ui, model: &Model) {
+pub(in crate::screens) fn tensions(ui: &mut Ui, model: &Model) {
     let (Some(open), Some(sample)) = (&model.open, model.link.live().sample) else {
         return;
     };
@@ -52,45 +33,42 @@ pub(super) fn tensions(ui: &mut Ui, model: &Model) {
     let range = TensionRange::of(robot);
     let cables = robot.cables.iter().zip(&sample.force_n).enumerate();
     let read = cables.filter_map(|(k, (cable, force_n))| {
-        let sensor = cable.force_sensor?;
-        let tension_n = sensor.tension_n(*force_n);
-        let fault = TensionFault::of(&sensor, tension_n, &range);
-        tension_n.is_finite().then_some((k, tension_n, fault))
+        let tension_n = cable.force_sensor?.tension_n(*force_n);
+        tension_n.is_finite().then_some((k, tension_n))
     });
-    let read: Vec<(usize, f64, Option<TensionFault>)> = read.collect();
+    let read: Vec<(usize, f64)> = read.collect();
     if read.is_empty() {
         return;
     }
     section(ui, "Tensions");
-    for (k, tension_n, fault) in read {
-        bar(ui, (k, name_of(model, k)), (tension_n, fault), range);
+    for (k, tension_n) in read {
+        bar(ui, (k, name_of(model, k)), tension_n, range);
     }
     muted(
         ui,
         &format!(
-            "Marks: {} to {} N are allowed.",
+            "Allowed: {} to {} N (marks).",
             fixed(range.lower_n, 0),
             fixed(range.upper_n, 0)
         ),
     );
 }
 
-fn bar(
-    ui: &mut Ui,
-    (cable, name): (usize, &str),
-    (tension_n, fault): (f64, Option<TensionFault>),
-    range: TensionRange,
-) {
+fn bar(ui: &mut Ui, (cable, name): (usize, &str), tension_n: f64, range: TensionRange) {
     let palette = theme::of(ui);
     let size = Vec2::new(ui.available_width(), ROW);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-    let state = match fault {
-        None => "",
-        Some(TensionFault::Negative) => ", below zero",
-        Some(TensionFault::Slack) => ", slack",
-        Some(TensionFault::Overload) => ", too high",
+    // By the marks that are drawn: one sample is noisier than the mean of which a warning tells.
+    let state = match tension_n {
+        low if low < 0.0 => ", below zero",
+        low if low < range.lower_n => ", too low",
+        high if high > range.upper_n => ", too high",
+        _ => "",
     };
-    let colour = fault.map_or(palette.text, |_| palette.warning);
+    let (colour, fill) = match state {
+        "" => (palette.text, palette.cable(cable)),
+        _ => (palette.warning, palette.warning),
+    };
     let words = format!("{} N{state}", fixed(tension_n, 1));
     response.widget_info(|| {
         let text = format!("Tension of {name}: {words}");
@@ -127,7 +105,7 @@ fn bar(
         )
     };
     painter.rect_filled(of(left + width), 2.0, palette.raised);
-    painter.rect_filled(of(x(tension_n)), 2.0, palette.cable(cable));
+    painter.rect_filled(of(x(tension_n)), 2.0, fill);
     for limit_n in [range.lower_n, range.upper_n] {
         let reach = middle - 0.9 * BAR..=middle + 0.9 * BAR;
         painter.vline(x(limit_n), reach, egui::Stroke::new(1.5, palette.text));

@@ -83,7 +83,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
 /// Draws a run whose robot moves.
 pub(super) fn under_way(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     buttons(ui, model, outbox);
-    motion::progress(ui, model);
+    motion::position(ui, model);
     until::known(ui, model, &mut panel.until);
     motion::tensions(ui, model);
     progress(ui, model, panel, outbox);

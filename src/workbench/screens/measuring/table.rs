@@ -65,6 +65,10 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
     let place = rows
         .iter()
         .position(|row| Some(row.label) == shown.selected);
+    // Of all rows, so that a column is as wide as its longest number wherever it is scrolled to.
+    let axis = |k: usize| width(ui, rows.iter().filter_map(|row| Some(row.position_mm?[k])));
+    let axes = [0, 1, 2].map(axis);
+    let turn = width(ui, rows.iter().filter_map(|row| row.rotation_deg));
     let mut table = TableBuilder::new(ui);
     if let Some(place) = place.filter(|_| shown.is_new) {
         table = table.scroll_to_row(place, None);
@@ -77,8 +81,10 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
         // Whole rows, so that none is cut when one is scrolled to.
         .max_scroll_height(10.0 * height)
         .column(Column::exact(14.0 * GRID))
-        .columns(Column::exact(12.0 * GRID), 3)
-        .column(Column::exact(18.0 * GRID))
+        .column(Column::exact(axes[0]))
+        .column(Column::exact(axes[1]))
+        .column(Column::exact(axes[2]))
+        .column(Column::exact(turn.max(18.0 * GRID)))
         .column(Column::remainder().at_least(20.0 * GRID).clip(true))
         .header(height, |mut header| {
             for head in [
@@ -126,6 +132,17 @@ fn table(ui: &mut Ui, rows: &[Row], shown: &Shown<'_>) -> Option<i64> {
             });
         });
     clicked
+}
+
+/// Width of a column with these numbers and one decimal.
+fn width(ui: &Ui, values: impl Iterator<Item = f64>) -> f32 {
+    let most = values.fold(0.0, |most: f64, value| most.max(value.abs()));
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let longest = fixed(-most.max(100.0), 1);
+    let galley = ui
+        .painter()
+        .layout_no_wrap(longest, font, theme::of(ui).text);
+    galley.size().x + GRID
 }
 
 /// The label of a pose, to be pressed.

@@ -63,10 +63,7 @@ fn entry(goal: Goal) -> Entry {
             unit: "mm",
             scale: 1e3,
         },
-        Goal::Cause(_) => percent(
-            "It is known what is wrong, with",
-            "Probability of the cause",
-        ),
+        Goal::Cause(_) => percent("The cause is found, with", "Probability of the cause"),
         Goal::FaultFree(_) => percent(
             "The robot is free of faults, with",
             "Probability of no fault",
@@ -92,7 +89,7 @@ pub(super) fn settings(ui: &mut Ui, model: &Model, state: &mut UntilState, outbo
     let before = &open.session().settings.until;
     let mut until = before.clone();
     ui.add_enabled_ui(!model.link.is_busy(), |ui| {
-        checkbox(ui, &mut until.enabled, "Measure until");
+        checkbox(ui, &mut until.enabled, "Measure until certain");
         if until.enabled {
             ui.indent("goals", |ui| {
                 goals(ui, state, &mut until, outbox);
@@ -253,7 +250,7 @@ fn reached(ui: &mut Ui, until: &SequentialRun, known: &Assessment) {
                 )
             }
             Goal::Cause(goal) => {
-                let what = format!("It is known what is wrong, goal {}", percent(*goal));
+                let what = format!("The cause is found, goal {}", percent(*goal));
                 (what, percent(known.explained), known.explained, Some(*goal))
             }
             Goal::FaultFree(goal) => {

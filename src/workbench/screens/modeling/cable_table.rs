@@ -118,7 +118,7 @@ pub(crate) static COLUMNS: [TableColumn; 18] = [
     }),
     TableColumn::mm("Pulley radius", 2, |c| &mut c.pulley.radius_m),
     TableColumn {
-        title: "Pulley known to",
+        title: "Position known to ±",
         unit: "mm",
         decimals: 1,
         empty: Empty::Unknown,
@@ -134,7 +134,10 @@ pub(crate) static COLUMNS: [TableColumn; 18] = [
     TableColumn::mm("Drum diameter", 2, |c| &mut c.winch.drum_diameter_m),
     TableColumn::mm("Drum pitch", 2, |c| &mut c.winch.drum_pitch_m).or(0.0),
     TableColumn::new("Gear ratio", "", 1.0, 4, |c| &mut c.winch.gear_ratio).or(1.0),
-    TableColumn::mm("Cable to pulley", 0, |c| &mut c.winch.length_to_pulley_m).or(0.0),
+    TableColumn::mm("Cable length winch to pulley", 0, |c| {
+        &mut c.winch.length_to_pulley_m
+    })
+    .or(0.0),
     TableColumn::mm("Length noise", 3, |c| &mut c.winch.length_sd_m),
     TableColumn {
         title: "Axial stiffness",

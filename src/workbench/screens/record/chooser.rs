@@ -2,16 +2,15 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Button, Label, Layout, RichText, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Align, Button, Label, Layout, RichText, Ui};
 use egui_material_icons::icons;
 use tautline_workflow::report::ReportFormat;
 
 use super::PanelState;
 use crate::model::Model;
 use crate::model::command::{Outbox, RecordCommand, ReportCommand, ViewCommand};
-use crate::model::phase::{Phase, Screen};
 use crate::theme::{self, GRID};
-use crate::widgets::{entered, heading, icon_button};
+use crate::widgets::{heading, icon_button, path_field};
 
 pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     let open = model.record.open();
@@ -22,16 +21,12 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, icons::ICON_ARROW_BACK, "Back", true).clicked() {
-                let back = match model.open {
-                    Some(_) => Screen::Phase(Phase::Identification),
-                    None => Screen::Start,
-                };
-                outbox.send(ViewCommand::Go(back));
+                outbox.send(ViewCommand::Go(model.previous_screen()));
             }
             let is_open = open.is_some();
             let name = "Save report…";
             if icon_button(ui, icons::ICON_DESCRIPTION, name, is_open).clicked() {
-                outbox.send(ReportCommand::AskSave(ReportFormat::Pdf));
+                outbox.send(ReportCommand::AskSave(ReportFormat::FOR_PAPER));
             }
             if icon_button(ui, icons::ICON_DOWNLOAD, "Save table…", is_open).clicked() {
                 outbox.send(RecordCommand::AskSaveTable);
@@ -62,12 +57,9 @@ fn is_read(model: &Model) -> bool {
 }
 
 fn choose(ui: &mut Ui, path: &mut String, outbox: &mut Outbox) {
-    let field = TextEdit::singleline(path)
-        .hint_text("Folder with the sessions of one robot, or drop it on the window")
-        .desired_width((ui.available_width() - 220.0).clamp(160.0, 560.0));
-    let field = ui.add(field);
-    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Folder of the record"));
-    let entered = entered(&field);
+    let hint = "Folder with the sessions of one robot, or drop it on the window";
+    let width = (ui.available_width() - 220.0).clamp(160.0, 560.0);
+    let entered = path_field(ui, ("Folder of the record", hint), path, width);
     let typed = !path.trim().is_empty();
     let open = ui.add_enabled(typed, Button::new("Open"));
     if (open.clicked() || entered) && typed {

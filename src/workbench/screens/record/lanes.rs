@@ -12,7 +12,7 @@ use crate::model::Model;
 use crate::model::command::{Outbox, PlotCommand, ViewCommand};
 use crate::model::record::OpenRecord;
 use crate::theme::GRID;
-use crate::views::plots::small::{Linked, show_linked};
+use crate::views::plots::small::{Linked, legend_of, show_linked};
 use crate::widgets::{muted, section};
 
 /// Least width of a plot, its height, and the space between two (points).
@@ -47,15 +47,27 @@ pub(super) fn show(ui: &mut Ui, model: &Model, lanes: &Lanes, outbox: &mut Outbo
         section(ui, "Courses");
         muted(
             ui,
-            "less the last session, with 95 % bands; shaded dates: when it jumped; dashed: events",
+            "less the last session. Line with 95 % band: all sessions together; points: each by itself; shaded dates: when it jumped; dashed: events",
         );
     });
+    let first = lanes.plots.first().map(|(_, figure)| figure);
+    if let Some(first) = first {
+        legend_of(ui, first, model.selection);
+    }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let columns = (ui.available_width() / WIDTH).floor().max(1.0);
         let width = (ui.available_width() - GAP * (columns - 1.0)) / columns;
         Grid::new("courses").spacing(vec2(GAP, GAP)).show(ui, |ui| {
             for (index, (part, figure)) in lanes.plots.iter().enumerate() {
-                one(ui, model, (part, figure, lanes.generation), width, outbox);
+                let plot = Linked {
+                    name: &format!("Course: {}", figure.y.title()),
+                    figure,
+                    generation: lanes.generation,
+                    size: vec2(width, HEIGHT),
+                    link: "courses",
+                    is_explained: first.is_some_and(|first| names(first) == names(figure)),
+                };
+                one(ui, model, part, &plot, outbox);
                 if (index + 1) % columns as usize == 0 {
                     ui.end_row();
                 }
@@ -64,38 +76,24 @@ pub(super) fn show(ui: &mut Ui, model: &Model, lanes: &Lanes, outbox: &mut Outbo
     });
 }
 
-fn one(
-    ui: &mut Ui,
-    model: &Model,
-    (part, figure, generation): (&Part, &Arc<Figure>, u64),
-    width: f32,
-    outbox: &mut Outbox,
-) {
-    let name = format!("Course: {}", figure.y.title());
-    let plot = Linked {
-        name: &name,
-        figure,
-        generation,
-        size: vec2(width, HEIGHT),
-        link: "courses",
-    };
-    let asked = show_linked(ui, &plot, model.selection);
+/// What the legend of a plot says.
+fn names(figure: &Figure) -> Vec<&str> {
+    let series = figure.series.iter().map(|one| one.name.as_str());
+    let curves = figure.curves.iter().map(|one| one.name.as_str());
+    let bands = figure.bands.iter().map(|one| one.name.as_str());
+    series.chain(curves).chain(bands).collect()
+}
+
+fn one(ui: &mut Ui, model: &Model, part: &Part, plot: &Linked<'_>, outbox: &mut Outbox) {
+    let asked = show_linked(ui, plot, model.selection);
     if asked.is_clicked
         && let Some(selection) = selection_of(part)
     {
         outbox.send(ViewCommand::Select(selection));
     }
     if let Some((ending, file)) = asked.saved {
-        let name = figure.y.label.to_lowercase();
-        let name: String = (name.chars())
-            .map(|letter| {
-                if letter.is_alphanumeric() {
-                    letter
-                } else {
-                    '-'
-                }
-            })
-            .collect();
+        let name = plot.figure.y.label.to_lowercase();
+        let name = name.replace(|letter: char| !letter.is_alphanumeric(), "-");
         outbox.send(PlotCommand::AskSave(format!("{name}.{ending}"), file));
     }
 }

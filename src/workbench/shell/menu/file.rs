@@ -3,7 +3,7 @@
 use egui::Key;
 
 use super::super::state::State;
-use super::{CONTROL, CONTROL_SHIFT, Item, Menu, item};
+use super::{CONTROL, CONTROL_SHIFT, Item, Menu};
 use crate::model::command::{
     Command, CompareCommand, FileCommand, RecordCommand, RecordingCommand, ReportCommand,
     ViewCommand,
@@ -15,21 +15,23 @@ use tautline_workflow::wording::recent_facts;
 
 /// Most sessions that the menu offers to open again.
 const RECENT: usize = 5;
-
-fn file(title: impl Into<String>, command: impl Into<Command>) -> Item {
-    item(Menu::File, title, command)
-}
+const GROUP: &str = "Open recent";
 
 /// Sessions that are offered to be opened again.
 fn recent(state: &State) -> Vec<Item> {
     let recent = state.model.preferences.recent().iter().take(RECENT);
-    recent
-        .map(|session| {
-            let open = FileCommand::Open(session.path().to_owned());
-            let title = format!("{} ({})", session.name, recent_facts(session));
-            file(title, open).within("Open recent")
-        })
-        .collect()
+    let recent = recent.map(|session| {
+        let open = FileCommand::Open(session.path().to_owned());
+        let title = format!("{} ({})", session.name, recent_facts(session));
+        Menu::File.line(title, true, open).within(GROUP)
+    });
+    let mut items: Vec<Item> = recent.collect();
+    if items.is_empty() {
+        // The lines below it stay where they are.
+        let none = Menu::File.line("No session yet", false, FileCommand::AskOpen);
+        items.push(none.within(GROUP));
+    }
+    items
 }
 
 pub fn lines(state: &State) -> Vec<Item> {
@@ -42,49 +44,51 @@ pub fn lines(state: &State) -> Vec<Item> {
         Screen::Record => state.model.record.open().is_some(),
         _ => open,
     };
+    let file =
+        |title: &str, enabled, command: FileCommand| Menu::File.line(title, enabled, command);
+    let report =
+        |title, enabled, format| Menu::File.line(title, enabled, ReportCommand::AskSave(format));
+    let pdf = ReportFormat::Pdf.is_available();
+    let pdf_title = match pdf {
+        true => "Save report as PDF…",
+        false => "Save report as PDF (not in this build)",
+    };
+    let new = |template: Template| {
+        file(template.title(), true, FileCommand::New(template)).within("New robot")
+    };
+    let blank = ViewCommand::Go(Screen::NewRobot);
     let mut items = vec![
-        file("Try the demo robot", FileCommand::TryDemo),
-        file("Open…", FileCommand::AskOpen).keys(CONTROL, Key::O),
-        file("Import…", RecordingCommand::Show),
+        file("Try the demo robot", true, FileCommand::TryDemo),
+        file("Open…", true, FileCommand::AskOpen).keys(CONTROL, Key::O),
+        Menu::File.line("Import…", true, RecordingCommand::Show),
     ];
+    items.extend(Template::ALL.map(new));
+    items.push(
+        Menu::File
+            .line("Empty table", true, blank)
+            .within("New robot"),
+    );
     items.extend(recent(state));
     items.extend([
-        file("Compare two sessions", CompareCommand::Show),
-        file("Record of a robot", RecordCommand::Show),
-        file("Save", FileCommand::Save)
+        Menu::File
+            .line("Compare two sessions", true, CompareCommand::Show)
+            .first(),
+        Menu::File.line("Record of a robot", true, RecordCommand::Show),
+        file("Save", open, FileCommand::Save)
             .keys(CONTROL, Key::S)
-            .when(open),
-        file("Save as…", FileCommand::AskSaveAs)
-            .keys(CONTROL_SHIFT, Key::S)
-            .when(open),
-        file(
-            "Save report as HTML…",
-            ReportCommand::AskSave(ReportFormat::Html),
-        )
-        .when(has_report),
-        file(
-            match ReportFormat::Pdf.is_available() {
-                true => "Save report as PDF…",
-                false => "Save report as PDF (left out of this build)",
-            },
-            ReportCommand::AskSave(ReportFormat::Pdf),
-        )
-        .when(has_report && ReportFormat::Pdf.is_available()),
+            .first(),
+        file("Save as…", open, FileCommand::AskSaveAs).keys(CONTROL_SHIFT, Key::S),
+        report("Save report as HTML…", has_report, ReportFormat::Html),
+        report(pdf_title, has_report && pdf, ReportFormat::Pdf),
         file(
             "New series of this session",
+            measured,
             FileCommand::NewSeries(Vec::new()),
-        )
-        .when(measured),
-        file("Close session", FileCommand::Close)
+        ),
+        file("Close session", open, FileCommand::Close)
             .keys(CONTROL, Key::W)
-            .when(open),
-        file("Quit", FileCommand::Quit).keys(CONTROL, Key::Q),
+            .first(),
+        file("Quit", true, FileCommand::Quit).keys(CONTROL, Key::Q),
     ]);
-    let new = Template::ALL.map(|template| {
-        let new = FileCommand::New(template);
-        file(template.title(), new).within("New robot")
-    });
-    let blank = file("Empty table", ViewCommand::Go(Screen::NewRobot)).within("New robot");
-    items.splice(3..3, new.into_iter().chain([blank]));
     items
 }

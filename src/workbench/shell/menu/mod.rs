@@ -7,8 +7,8 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::state::State;
 use crate::model::command::{
-    Command, DIAGNOSING, HypothesisCommand, IDENTIFYING, IdentificationCommand, RecordCommand,
-    RobotCommand, STOP, Setup, ViewCommand,
+    Command, DIAGNOSING, FileCommand, HypothesisCommand, IDENTIFYING, IdentificationCommand,
+    RecordCommand, RobotCommand, STOP, Setup, ViewCommand,
 };
 use crate::model::link::LinkRequest;
 use crate::model::manual::Page;
@@ -62,6 +62,8 @@ pub struct Item {
     pub shortcut: Option<KeyboardShortcut>,
     /// Whether it can be used now.
     pub enabled: bool,
+    /// Whether a line separates it from those above it.
+    pub(crate) begins: bool,
     pub commands: Vec<Command>,
 }
 
@@ -74,13 +76,7 @@ impl Item {
         }
     }
 
-    fn within(self, group: &'static str) -> Self {
-        Self {
-            group: Some(group),
-            ..self
-        }
-    }
-
+    /// The same with keys.
     fn keys(self, modifiers: Modifiers, key: Key) -> Self {
         Self {
             shortcut: Some(KeyboardShortcut::new(modifiers, key)),
@@ -88,9 +84,19 @@ impl Item {
         }
     }
 
-    /// The same, which can be used where this is so.
-    fn when(self, enabled: bool) -> Self {
-        Self { enabled, ..self }
+    /// The first line of its kind.
+    fn first(self) -> Self {
+        Self {
+            begins: true,
+            ..self
+        }
+    }
+
+    fn within(self, group: &'static str) -> Self {
+        Self {
+            group: Some(group),
+            ..self
+        }
     }
 }
 
@@ -112,152 +118,141 @@ pub fn items(state: &State) -> Vec<Item> {
     items
 }
 
-/// A line without keys that can be used now.
-fn item(menu: Menu, title: impl Into<String>, command: impl Into<Command>) -> Item {
-    Item {
-        menu,
-        group: None,
-        title: title.into(),
-        shortcut: None,
-        enabled: true,
-        commands: vec![command.into()],
+impl Menu {
+    /// A line of it.
+    fn line(self, title: impl Into<String>, enabled: bool, command: impl Into<Command>) -> Item {
+        Item {
+            menu: self,
+            group: None,
+            title: title.into(),
+            shortcut: None,
+            enabled,
+            begins: false,
+            commands: vec![command.into()],
+        }
     }
 }
 
 fn help(state: &State) -> Vec<Item> {
     let page = Page::of(state.model.screen);
+    let manual = |title: &str, page| Menu::Help.line(title, true, ViewCommand::Manual(Some(page)));
+    let here = format!("Help on this screen: {}", page.title());
     vec![
-        item(Menu::Help, "Manual", ViewCommand::Manual(Some(Page::Start))),
-        item(
-            Menu::Help,
-            format!("Help on this screen: {}", page.title()),
-            ViewCommand::Manual(Some(page)),
-        )
-        .keys(Modifiers::NONE, Key::F1),
-        item(
-            Menu::Help,
-            "What each number means",
-            ViewCommand::Manual(Some(Page::Numbers)),
-        ),
-        item(Menu::Help, "About Tautline", ViewCommand::About(true)),
+        manual("Manual", Page::Start),
+        manual(&here, page).keys(Modifiers::NONE, Key::F1),
+        manual("What each number means", Page::Numbers),
+        Menu::Help
+            .line("About Tautline", true, ViewCommand::About(true))
+            .first(),
     ]
 }
 
 fn edit(state: &State) -> Vec<Item> {
     let [undo, redo] = state.model.next_steps();
-    let named = |what: &str, name: Option<&str>| {
-        name.map_or_else(|| what.to_owned(), |name| format!("{what}: {name}"))
+    let line = |what: &str, name: Option<&str>, command: Command| {
+        let title = name.map_or_else(|| what.to_owned(), |name| format!("{what}: {name}"));
+        Menu::Edit.line(title, name.is_some(), command)
     };
     vec![
-        item(Menu::Edit, named("Undo", undo), Command::Undo)
-            .keys(CONTROL, Key::Z)
-            .when(undo.is_some()),
-        item(Menu::Edit, named("Redo", redo), Command::Redo)
-            .keys(CONTROL_SHIFT, Key::Z)
-            .when(redo.is_some()),
+        line("Undo", undo, Command::Undo).keys(CONTROL, Key::Z),
+        line("Redo", redo, Command::Redo).keys(CONTROL_SHIFT, Key::Z),
     ]
 }
 
 fn model(state: &State) -> Vec<Item> {
+    let model = &state.model;
     let computing = [IDENTIFYING, DIAGNOSING]
         .iter()
-        .any(|title| state.model.tasks.runs(title));
-    let measured = state
-        .model
-        .open
-        .as_ref()
-        .is_some_and(|d| !d.session().measurements.is_empty());
-    let mut items = vec![
-        item(Menu::Model, "Identify", IdentificationCommand::Identify)
+        .any(|title| model.tasks.runs(title));
+    let open = model.open.as_ref();
+    let measured = open.is_some_and(|d| !d.session().measurements.is_empty());
+    let has_draft = model.hypothesis.draft.is_some();
+    let line = |title: &str, enabled, command: Command| Menu::Model.line(title, enabled, command);
+    let compute =
+        |title, enabled, command: IdentificationCommand| Menu::Model.line(title, enabled, command);
+    let go = |title, screen| Menu::Model.line(title, true, ViewCommand::Go(screen));
+    let new = match has_draft {
+        false => HypothesisCommand::Show,
+        true => HypothesisCommand::New,
+    };
+    vec![
+        next(state),
+        compute("Identify", measured, IdentificationCommand::Identify)
             .keys(CONTROL, Key::I)
-            .when(measured),
-        item(
-            Menu::Model,
-            "Diagnose model",
-            IdentificationCommand::Diagnose,
-        )
-        .keys(CONTROL, Key::D)
-        .when(measured),
-        item(
-            Menu::Model,
-            "Cancel computation",
-            IdentificationCommand::Stop,
-        )
-        .when(computing),
-        item(
-            Menu::Model,
-            "New hypothesis",
-            match state.model.hypothesis.draft {
-                None => HypothesisCommand::Show,
-                Some(_) => HypothesisCommand::New,
-            },
+            .first(),
+        compute("Diagnose model", measured, IdentificationCommand::Diagnose).keys(CONTROL, Key::D),
+        compute("Cancel computation", computing, IdentificationCommand::Stop),
+        line("New hypothesis", true, new.into()).first(),
+        line(
+            "Show the hypothesis",
+            has_draft,
+            HypothesisCommand::Show.into(),
         ),
-        item(
-            Menu::Model,
-            "Gallery of effects",
-            ViewCommand::Go(Screen::Gallery),
-        ),
-        item(
-            Menu::Model,
-            "Which sensor?",
-            ViewCommand::Go(Screen::WhichSensor),
-        ),
-    ];
-    if state.model.hypothesis.draft.is_some() {
-        let show = item(Menu::Model, "Show the hypothesis", HypothesisCommand::Show);
-        items.insert(items.len() - 2, show);
-    }
-    items.splice(0..0, next(state));
-    items
+        go("Gallery of effects", Screen::Gallery),
+        go("Which sensor?", Screen::WhichSensor),
+    ]
 }
 
 /// The one thing to do next, as the foot of the phase has it.
-fn next(state: &State) -> Option<Item> {
-    let Screen::Phase(phase) = state.model.screen else {
-        return None;
+fn next(state: &State) -> Item {
+    let step = match state.model.screen {
+        Screen::Phase(phase) => next_step::of(&state.model, phase, state.panels.measuring.poses()),
+        _ => None,
     };
-    let step = next_step::of(&state.model, phase, state.panels.measuring.poses())?;
-    let action = step.action?;
-    Some(Item {
+    let next = match (step.and_then(|step| step.action), state.model.recoverable()) {
+        (Some(action), _) => Some((action.title, action.commands)),
+        (None, place) if state.model.screen == Screen::Start => Some(match place {
+            Some(place) => (
+                "Recover".to_owned(),
+                vec![FileCommand::Recover(place).into()],
+            ),
+            None => (
+                "Try the demo robot".to_owned(),
+                vec![FileCommand::TryDemo.into()],
+            ),
+        }),
+        (None, _) => None,
+    };
+    let (title, commands) = match next {
+        Some((title, commands)) => (format!("Next: {title}"), commands),
+        None => ("Next step".to_owned(), Vec::new()),
+    };
+    Item {
         menu: Menu::Model,
         group: None,
-        title: format!("Next: {}", action.title),
+        title,
         shortcut: Some(next_step::KEYS),
-        enabled: true,
-        commands: action.commands,
-    })
+        enabled: !commands.is_empty(),
+        begins: false,
+        commands,
+    }
 }
 
 fn robot(state: &State) -> Vec<Item> {
-    let open = state.model.open.is_some();
-    let connected = state.model.link.is_connected();
-    let lost = state.model.link.lost().is_some();
-    let armed = state.model.link.is_armed();
-    let busy = state.model.link.is_busy();
-    let session = state.model.open.as_ref().map(|open| open.session());
-    let measured = session.is_some_and(|session| session.measurements.len() > 1);
-    let robot =
-        |title: &str, enabled, command: Command| item(Menu::Robot, title, command).when(enabled);
+    let link = &state.model.link;
+    let open = state.model.open.as_ref();
+    let (connected, armed) = (link.is_connected(), link.is_armed());
+    let leaves = connected && !link.is_busy() || link.lost().is_some();
+    let measured = open.is_some_and(|open| open.session().measurements.len() > 1);
+    let line = |title, enabled, command: RobotCommand| Menu::Robot.line(title, enabled, command);
+    let ask = |title, enabled, request: LinkRequest| Menu::Robot.line(title, enabled, request);
+    let stop = Item {
+        shortcut: Some(STOP),
+        ..line("Stop the robot", connected, RobotCommand::Stop)
+    };
     vec![
-        robot("Connect…", open, RobotCommand::Setup(Setup::Open).into())
+        line("Connect…", open.is_some(), RobotCommand::Setup(Setup::Open))
             .keys(CONTROL_SHIFT, Key::K),
-        robot(
-            "Disconnect",
-            (connected && !busy) || lost,
-            LinkRequest::Disconnect.into(),
-        ),
-        robot(
-            "Arm the robot",
-            connected && !armed,
-            RobotCommand::Arm.into(),
-        ),
-        robot("Disarm the robot", armed, LinkRequest::Disarm.into()),
-        robot("Stop the robot", connected, RobotCommand::Stop.into())
-            .keys(STOP.modifiers, STOP.logical_key),
-        robot(
-            "Plan a health check",
-            measured,
-            RecordCommand::PlanCheck(None).into(),
-        ),
+        ask("Disconnect", leaves, LinkRequest::Disconnect),
+        line("Arm the robot", connected && !armed, RobotCommand::Arm).first(),
+        ask("Disarm the robot", armed, LinkRequest::Disarm),
+        stop,
+        Menu::Robot
+            .line(
+                "Plan a health check",
+                measured,
+                RecordCommand::PlanCheck(None),
+            )
+            .first(),
     ]
 }

@@ -8,9 +8,10 @@ use egui_material_icons::icons;
 use super::PlotState;
 use super::kind::OptionsInput;
 use super::sources::variable;
+use super::view::CursorColumn;
 use crate::model::command::{Format, Outbox, PlotCommand};
 use crate::model::{Model, OpenSession};
-use crate::widgets::icon_only;
+use crate::widgets::{Cell, Column, icon_only, table};
 use tautline_workflow::plot::Figure;
 
 /// Width (points) below which choices are menus.
@@ -52,10 +53,30 @@ pub(crate) fn options(
         let name = format!("{title}.{}", format.ending());
         outbox.send(PlotCommand::AskSave(name, file));
     }
-    // A line of its own: it is too long to stand beside anything.
-    if let Some(text) = plots.view.reading(figure) {
-        ui.add(egui::Label::new(text).wrap());
+    if let Some(columns) = plots.view.readings(figure) {
+        cursors(ui, &columns);
     }
+}
+
+/// Height of a row of the table of cursors (points).
+const CURSOR_ROW: f32 = 16.0;
+
+/// What the cursors read.
+fn cursors(ui: &mut Ui, columns: &[CursorColumn]) {
+    let heads = columns
+        .iter()
+        .map(|column| Column::number(&column.title, &column.unit));
+    let heads: Vec<Column<'_>> = [Column::words("")].into_iter().chain(heads).collect();
+    let names = ["A", "B", "B \u{2212} A"].into_iter().enumerate();
+    let row = |(k, name): (usize, &str)| {
+        let values = columns.iter().map(|column| Cell::new(&column.values[k]));
+        [Cell::new(name)].into_iter().chain(values).collect()
+    };
+    let rows: Vec<Vec<Cell>> = names.map(row).collect();
+    ui.scope(|ui| {
+        ui.spacing_mut().interact_size.y = CURSOR_ROW;
+        table(ui, &heads, &rows, None);
+    });
 }
 
 fn buttons(ui: &mut Ui, plots: &mut PlotState, figure: &Figure) {

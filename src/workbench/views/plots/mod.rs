@@ -155,6 +155,7 @@ fn plot(
         link: Some(Id::unique((plots.session, figure.x.title()))),
         is_docked: true,
         can_be_saved: true,
+        is_explained: false,
     };
     let output = plots.view.show(ui, &input);
     for event in output.events {

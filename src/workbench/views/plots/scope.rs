@@ -120,6 +120,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, state: &mut ScopeState) {
             link: Some(Id::unique("live scope")),
             is_docked: false,
             can_be_saved: false,
+            is_explained: false,
         };
         state.views[one.graph as usize].show(&mut inner, &input);
     }

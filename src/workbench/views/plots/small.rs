@@ -3,12 +3,16 @@
 use std::sync::Arc;
 
 use egui::mutex::Mutex;
-use egui::{Id, Ui, Vec2, vec2};
+use egui::{Id, Sense, Ui, Vec2, vec2};
 use tautline_workflow::plot::Figure;
+use tautline_workflow::plot::draw::{TEXT, legend};
+use tautline_workflow::plot::figure::Axis;
 
+use super::screen::{Screen, colours, text_width};
 use super::view::{PlotEvent, PlotInput, PlotView};
 use crate::model::Selection;
 use crate::model::command::PlotFile;
+use crate::theme::{self, GRID};
 
 /// Draws a figure over the whole width of a panel, `height` points high; `name` is its accessible name. Returns the cable
 /// and pose of a clicked point; neither where a click beside all points or Escape clears the selection.
@@ -21,7 +25,7 @@ pub(crate) fn show(
 ) -> Option<Selection> {
     let size = vec2(ui.available_width(), height);
     let drawn = (name, figure, ui.ctx().cumulative_pass_nr());
-    let (_, events) = draw(ui, drawn, (size, None, false), selection);
+    let (_, events) = draw(ui, drawn, (size, None, false, false), selection);
     events.into_iter().find_map(|event| match event {
         PlotEvent::Selected(selection) => Some(selection),
         _ => None,
@@ -38,6 +42,22 @@ pub(crate) struct Linked<'a> {
     pub(crate) size: Vec2,
     /// What the plots have in common.
     pub(crate) link: &'a str,
+    /// Whether its legend stands above the plots, see [`legend_of`].
+    pub(crate) is_explained: bool,
+}
+
+/// Draws the legend of a figure by itself, for plots that have it in common.
+pub(crate) fn legend_of(ui: &mut Ui, figure: &Figure, selection: Selection) {
+    let bare = Figure {
+        y: Axis::default(),
+        ..figure.clone()
+    };
+    let size = vec2(ui.available_width(), TEXT + 2.0 * GRID);
+    let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+    let mut canvas = Screen::new(ui.painter_at(rect));
+    for entry in legend(&bare, rect, &text_width(ui.painter())) {
+        entry.draw(&mut canvas, &colours(theme::of(ui)), selection, true);
+    }
 }
 
 /// What the operator asked of a plot.
@@ -52,7 +72,8 @@ pub(crate) struct Asked {
 pub(crate) fn show_linked(ui: &mut Ui, plot: &Linked<'_>, selection: Selection) -> Asked {
     let drawn = (plot.name, plot.figure, plot.generation);
     let link = Some(Id::unique(plot.link));
-    let (view, events) = draw(ui, drawn, (plot.size, link, true), selection);
+    let kind = (plot.size, link, true, plot.is_explained);
+    let (view, events) = draw(ui, drawn, kind, selection);
     let mut asked = Asked::default();
     for event in events {
         match event {
@@ -73,7 +94,7 @@ type KeptView = Arc<Mutex<PlotView>>;
 fn draw(
     ui: &mut Ui,
     (name, figure, generation): (&str, &Figure, u64),
-    (size, link, can_be_saved): (Vec2, Option<Id>, bool),
+    (size, link, can_be_saved, is_explained): (Vec2, Option<Id>, bool, bool),
     selection: Selection,
 ) -> (KeptView, Vec<PlotEvent>) {
     let id = ui.make_persistent_id(name);
@@ -90,6 +111,7 @@ fn draw(
         link,
         is_docked: false,
         can_be_saved,
+        is_explained,
     };
     let output = view.lock().show(ui, &input);
     ui.data_mut(|data| data.insert_temp(id, Arc::clone(&view)));

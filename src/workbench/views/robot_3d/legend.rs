@@ -178,7 +178,7 @@ fn significances(painter: &Painter, at: Pos2, picture: &Picture<'_>, palette: &P
         .filter(occurs)
         .map(|one| {
             let words = match (scene.besides, one) {
-                (Besides::Other(_), Significance::Noise) => "noise",
+                (Besides::Other(_), Significance::Noise) => "unchanged",
                 (Besides::Other(_), Significance::Clear) => "moved",
                 _ => one.words(),
             };

@@ -4,7 +4,7 @@ use tautline_core::comparison::{Comparison, PulleyDifference};
 use tautline_core::estimation::Observation;
 
 use super::{displacements, number, signatures, signed, titled, when};
-use crate::comparison::{differs, effect_name, unexplained, verdict};
+use crate::comparison::{common_motion, differs, effect_name, unexplained, verdict};
 use crate::identification::{Identification, all_readings};
 use crate::report::deviations::Deviation;
 use crate::report::document::{Block, Document, Section, Table};
@@ -22,10 +22,15 @@ pub fn document(input: &ComparisonInput<'_>) -> Document {
         pulleys(input),
         others(input.comparison),
         residuals(input),
-        signatures(input.choice, "Compared by"),
+        signatures(input.choice, "Compared by", input.is_simulated),
         about(input),
     ];
-    titled(input.choice, title, input.now, sections)
+    titled(
+        input.choice,
+        title,
+        (input.now, input.is_simulated),
+        sections,
+    )
 }
 
 fn result(input: &ComparisonInput<'_>) -> Section {
@@ -54,12 +59,8 @@ fn of_session(name: &str, fit: &Identification) -> String {
 
 fn pulleys(input: &ComparisonInput<'_>) -> Section {
     let mut section = Section::new("Pulleys, second less first");
-    if let Some(motion) = &input.comparison.motion {
-        section.paragraph(format!(
-            "The motion common to all pulleys has been removed: a shift of {} and a rotation of {}.",
-            quantity(motion.shift_m.norm(), "m"),
-            quantity(motion.rotation_rad.norm(), "rad")
-        ));
+    if let Some(motion) = common_motion(input.comparison) {
+        section.paragraph(motion);
     }
     let cables = &input.fits[0].dataset.robot.cables;
     let drawn = cables.iter().zip(&input.comparison.pulleys);
@@ -126,7 +127,7 @@ fn called(pulley: &PulleyDifference) -> &'static str {
     match (pulley.test, pulley.moved) {
         (None, _) => "undetermined",
         (Some(_), true) => "moved",
-        (Some(_), false) => "noise",
+        (Some(_), false) => "unchanged",
     }
 }
 
@@ -156,7 +157,7 @@ fn others(compared: &Comparison) -> Section {
             };
             let verdict = match differs(compared, size.test) {
                 true => "different",
-                false => "noise",
+                false => "unchanged",
             };
             table.push([
                 name,

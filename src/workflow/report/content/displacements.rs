@@ -77,11 +77,12 @@ pub fn judged(fit: &Identification, tolerance_m: f64, section: &mut Section) {
             .collect()
     };
     let (outside, undecided) = (names(Conformity::Outside), names(Conformity::Undecided));
+    let all = count(pulleys.len(), "pulley");
     section.lead(match (outside.is_empty(), undecided.is_empty()) {
-        (true, true) => format!(
-            "All {} are within the tolerance of {limit}.",
-            count(pulleys.len(), "pulley")
-        ),
+        (true, true) => format!("All {all} are within the tolerance of {limit}."),
+        _ if outside.len() == pulleys.len() => {
+            format!("All {all} are outside the tolerance of {limit}.")
+        }
         (true, false) => format!(
             "No pulley is outside the tolerance of {limit}; not decided: {}.",
             list(&undecided)

@@ -11,14 +11,16 @@ use crate::wording::units::{mm, quantity};
 /// The whole content.
 pub fn document(input: &HistoryInput<'_>) -> Document {
     let title = format!("History of {}", input.record.robot().label());
+    let mut recorded = input.record.sessions.iter();
+    let is_simulated = recorded.any(|session| session.is_simulated);
     let sections = [
         result(input),
         sessions(input),
         courses(input),
-        signatures(input.choice, "Assessed by"),
+        signatures(input.choice, "Assessed by", is_simulated),
         about(input),
     ];
-    titled(input.choice, title, input.now, sections)
+    titled(input.choice, title, (input.now, is_simulated), sections)
 }
 
 fn result(input: &HistoryInput<'_>) -> Section {
@@ -72,7 +74,7 @@ fn courses(input: &HistoryInput<'_>) -> Section {
         Tolerance::Position { .. } => String::new(),
     };
     section.note(format!(
-        "Coordinates less those of the last session, with 95 % bands{tolerance}. A shaded range of dates is one in which a jump \
+        "Coordinates less those of the last session: lines with 95 % bands by all sessions together, points by each session itself{tolerance}. A shaded range of dates is one in which a jump \
          happened; dashed lines are events."
     ));
     let parts = 0..input.found.history.parts.len();

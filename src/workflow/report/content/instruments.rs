@@ -3,7 +3,7 @@
 use tautline_core::robot::Robot;
 
 use super::number;
-use crate::report::document::{Block, Section, Table};
+use crate::report::document::{Section, Table};
 use crate::report::input::ReportInput;
 use crate::wording::count;
 use crate::wording::units::{mm, quantity, significant};
@@ -108,12 +108,8 @@ fn span(values: Vec<f64>, unit: &str) -> String {
 
 /// The tolerance, and lines for signatures.
 pub fn signatures(input: &ReportInput<'_>) -> Section {
-    let mut section = Section::new("Signatures");
-    let operator = input.choice.operator.trim();
-    section.blocks.push(Block::Signatures(vec![
-        ("Measured by".to_owned(), operator.to_owned()),
-        ("Approved by".to_owned(), String::new()),
-    ]));
+    let is_simulated = input.session.is_simulated();
+    let mut section = super::signatures(input.choice, "Measured by", is_simulated);
     if let Some(tolerance_m) = input.choice.tolerance_m {
         section.note(format!(
             "The tolerance of {} mm for {} was given by the operator.",

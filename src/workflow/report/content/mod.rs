@@ -28,11 +28,19 @@ use crate::wording::units::{fixed as number, signed};
 /// Placeholder of a missing number.
 const NONE: &str = "–";
 
+/// Marking of a report on a robot that does not exist, so that no page of it is taken for a certificate of a machine.
+const SIMULATED: &str = "SIMULATED DATA";
+
+/// The marking of a document.
+fn marking(is_simulated: bool) -> &'static str {
+    if is_simulated { SIMULATED } else { "" }
+}
+
 /// A document about several sessions: the heading as it was chosen, and the sections that have content.
 fn titled(
     choice: &ReportChoice,
     title: String,
-    now: Timestamp,
+    (now, is_simulated): (Timestamp, bool),
     sections: impl IntoIterator<Item = Section>,
 ) -> Document {
     let people = [("Company", &choice.company), ("Operator", &choice.operator)];
@@ -42,6 +50,7 @@ fn titled(
     let created = format!("Created {}", when(now));
     let sections = sections.into_iter();
     Document {
+        marking: marking(is_simulated),
         header: choice.header.trim().to_owned(),
         title: match choice.title.trim() {
             "" => title,
@@ -55,8 +64,13 @@ fn titled(
 }
 
 /// Lines to sign on: who did what the report is about, and who approves it.
-fn signatures(choice: &ReportChoice, done: &str) -> Section {
+fn signatures(choice: &ReportChoice, done: &str, is_simulated: bool) -> Section {
     let mut section = Section::new("Signatures");
+    if is_simulated {
+        section.lead(format!(
+            "{SIMULATED}: these readings are of a simulated robot, not of a machine."
+        ));
+    }
     let operator = choice.operator.trim();
     section.blocks.push(Block::Signatures(vec![
         (done.to_owned(), operator.to_owned()),
@@ -74,6 +88,7 @@ pub fn document(input: &ReportInput<'_>) -> Document {
         title => title.to_owned(),
     };
     Document {
+        marking: marking(session.is_simulated()),
         header: choice.header.trim().to_owned(),
         title,
         subtitle: head(input),

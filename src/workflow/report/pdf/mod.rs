@@ -41,13 +41,7 @@ pub enum PdfError {
 /// If the picture is not a PNG.
 pub fn render(document: &Document, now: Timestamp) -> Result<Vec<u8>, PdfError> {
     let faces = Faces::new()?;
-    let Layout {
-        mut pages, marks, ..
-    } = Layout::of(document, &faces);
-    let count = pages.len();
-    for (k, page) in pages.iter_mut().enumerate() {
-        page.shapes.extend(footer(&document.title, k + 1, count));
-    }
+    let Layout { pages, marks, .. } = whole_pages(document, &faces);
     let mut pdf = Pdf::new();
     pdf.set_metadata(
         Metadata::new()
@@ -72,6 +66,17 @@ pub fn render(document: &Document, now: Timestamp) -> Result<Vec<u8>, PdfError> 
         .map_err(|error| PdfError::Library(format!("{error:?}")))
 }
 
+/// The pages with what is at the head and at the foot of each.
+fn whole_pages<'a>(document: &Document, faces: &'a Faces) -> Layout<'a> {
+    let mut layout = Layout::of(document, faces);
+    let count = layout.pages.len();
+    for (k, page) in layout.pages.iter_mut().enumerate() {
+        page.shapes.push(marking(document.marking));
+        page.shapes.extend(footer(&document.title, k + 1, count));
+    }
+    layout
+}
+
 fn draw(pdf: &mut Pdf, page: &Page, faces: &Faces) -> Result<(), PdfError> {
     let settings = PageSettings::from_wh(PAGE[0] as f32, PAGE[1] as f32)
         .ok_or_else(|| PdfError::Library("the size of a page".to_owned()))?;
@@ -86,6 +91,18 @@ fn draw(pdf: &mut Pdf, page: &Page, faces: &Faces) -> Result<(), PdfError> {
     surface.finish();
     sheet.finish();
     Ok(())
+}
+
+/// The marking at the head of a page.
+fn marking(text: &str) -> Shape {
+    Shape::Text {
+        at: [0.5 * PAGE[0], 36.0],
+        size: 10.0,
+        anchor: Anchor::Middle,
+        colour: colours::WARNING,
+        bold: true,
+        text: text.to_owned(),
+    }
 }
 
 /// Title and page number.
@@ -119,6 +136,20 @@ fn date(now: Timestamp) -> DateTime {
         .minute(part(14))
         .second(part(17))
         .utc_offset_hour(0)
+}
+
+/// The lines of text on each page.
+#[cfg(test)]
+pub fn page_texts(document: &Document) -> Vec<Vec<String>> {
+    let faces = Faces::new().expect("fonts");
+    let text = |shape: Shape| match shape {
+        Shape::Text { text, .. } => Some(text),
+        _ => None,
+    };
+    let pages = whole_pages(document, &faces).pages.into_iter();
+    pages
+        .map(|page| page.shapes.into_iter().filter_map(text).collect())
+        .collect()
 }
 
 /// Asserts that every line of text and every shape is inside the margins.

@@ -55,7 +55,10 @@ fn a_goal_ends_the_run_and_every_pose_has_its_reason() {
     let measured = document["measured"].as_array().expect("labels");
     assert_eq!(measured.len(), poses.len() + 1, "home and the poses chosen");
     assert!(poses.len() > 8 && poses.len() < 40, "{}", poses.len());
-    assert_eq!(poses[0]["reason"], "determines the geometry");
+    assert_eq!(
+        poses[0]["reason"],
+        "is one of the 8 poses that fix the geometry"
+    );
     let last = poses[poses.len() - 1]["reason"].as_str().expect("a reason");
     assert!(last.starts_with("narrows the pulley of cable-"), "{last}");
     let label = &poses[poses.len() - 1]["pose"];

@@ -263,7 +263,9 @@ pub(crate) fn show(
         return;
     };
     let area = ui.available_rect_before_wrap();
-    let is_single = model.maximised == Some(Part::Plots) || area.width() < NARROW;
+    // While the robot moves, the live scope has the whole area.
+    let is_single =
+        model.maximised == Some(Part::Plots) || area.width() < NARROW || model.link.is_under_way();
     for plot in panes.plots.values_mut() {
         plot.settle(open);
     }

@@ -50,43 +50,46 @@ impl PlotView {
         }
     }
 
-    /// Values of all series at the cursors and their differences, in words.
-    pub(crate) fn reading(&self, figure: &Figure) -> Option<String> {
+    /// Values of all series at the cursors and their differences: for each column its heading, unit, and the values at A and
+    /// at B and B less A.
+    pub(crate) fn readings(&self, figure: &Figure) -> Option<Vec<CursorColumn>> {
         let scale = &self.drawn.as_ref()?.scale;
         let [a, b] = self.cursors?;
-        let numbers = |axis: &Axis, view: [f64; 2], [a, b]: [f64; 2]| {
+        let column = |title: &str, axis: &Axis, view: [f64; 2], [a, b]: [f64; 2]| {
             let number = |value: f64| match axis.is_whole {
                 true => format!("{value:.0}"),
                 false => readable(value, view),
             };
-            let values = [axis.number(a), axis.number(b)];
-            let values = [values[0], values[1], values[1] - values[0]];
-            values.map(number).join(", ")
+            let [a, b] = [axis.number(a), axis.number(b)];
+            CursorColumn {
+                title: title.to_owned(),
+                unit: axis.unit.to_string(),
+                values: [a, b, b - a].map(number),
+            }
         };
-        let along = numbers(&figure.x, scale.view[0], [a, b]);
-        let mut text = format!("A, B, B \u{2212} A: {along} {}", figure.x.unit)
-            .trim_end()
-            .to_owned();
+        let mut columns = vec![column(&figure.x.label, &figure.x, scale.view[0], [a, b])];
         let is_short = figure.series.len() > 4;
-        let shown = figure
-            .series
-            .iter()
-            .filter(|one| !self.is_hidden(figure, one));
-        for series in shown {
+        let shown = figure.series.iter();
+        for series in shown.filter(|one| !self.is_hidden(figure, one)) {
             if let (Some(at_a), Some(at_b)) = (closest(series, a), closest(series, b)) {
                 let name = match is_short && !series.short.is_empty() {
                     true => &series.short,
                     false => &series.name,
                 };
-                let values = numbers(&figure.y, scale.view[1], [at_a.y, at_b.y]);
-                text += &format!("; {name}: {values}");
+                let values = [at_a.y, at_b.y];
+                columns.push(column(name, &figure.y, scale.view[1], values));
             }
         }
-        if !figure.y.unit.is_empty() {
-            text += &format!(" ({})", figure.y.unit);
-        }
-        Some(text)
+        Some(columns)
     }
+}
+
+/// The values along x or of a series at both cursors, and their difference.
+#[derive(Debug, PartialEq)]
+pub(crate) struct CursorColumn {
+    pub(crate) title: String,
+    pub(crate) unit: String,
+    pub(crate) values: [String; 3],
 }
 
 /// The reading nearest to a place along x.

@@ -27,6 +27,7 @@ use crate::model::{Memo, Selection};
 use crate::theme::{self, GRID};
 pub(crate) use axes::scale_of;
 use axes::{arranged, zoom_by_wheel};
+pub(crate) use cursors::CursorColumn;
 use items::{DrawnPoints, ShapesKey};
 
 /// State of a plot between frames, beside the zoom, which `egui_plot` keeps by the identity of the plot.
@@ -82,6 +83,8 @@ pub(crate) struct PlotInput<'a> {
     pub(crate) is_docked: bool,
     /// Whether its menu offers to save it.
     pub(crate) can_be_saved: bool,
+    /// Whether its legend stands above the plots that it belongs to.
+    pub(crate) is_explained: bool,
 }
 
 #[derive(Debug, Default)]
@@ -196,7 +199,10 @@ impl PlotView {
         let title = figure.y.title();
         canvas.text(rect.min, Align2::LEFT_TOP, &title, TEXT, colours.text);
         let mut bottom = rect.min.y + TEXT + GRID;
-        let entries = legend(figure, rect, &text_width(ui.painter()));
+        let entries = match input.is_explained {
+            true => Vec::new(),
+            false => legend(figure, rect, &text_width(ui.painter())),
+        };
         for entry in entries {
             let id = input.id.with(("legend", &entry.name, &entry.text));
             let response = ui.interact(entry.rect, id, Sense::click());
@@ -351,6 +357,7 @@ mod tests {
                 link: None,
                 is_docked: true,
                 can_be_saved: true,
+                is_explained: false,
             };
             seen.events.extend(seen.view.show(ui, &input).events);
         };
@@ -541,11 +548,12 @@ mod tests {
         drag(&mut harness, PointerButton::Primary, at, to);
         assert_eq!(harness.state().view.cursors, Some([5.0, b]));
         assert_eq!(scale(&harness).view, before.view, "the view stays");
-        let text = harness.state().view.reading(&figure()).expect("a text");
-        assert!(text.starts_with("A, B, B \u{2212} A: 5, "), "{text}");
-        assert!(
-            text.contains("cable-1: 2.00, ") && text.contains("cable-2: 7.00, "),
-            "{text}"
-        );
+        let columns = harness.state().view.readings(&figure()).expect("columns");
+        let of = |k: usize| (columns[k].title.as_str(), columns[k].values.each_ref());
+        assert_eq!(of(0).0, "Pose");
+        assert_eq!(of(0).1[0], "5");
+        assert_eq!((of(1).0, of(2).0), ("cable-1", "cable-2"));
+        assert_eq!((of(1).1[0].as_str(), of(2).1[0].as_str()), ("2.00", "7.00"));
+        assert_eq!(columns[1].unit, "mm");
     }
 }

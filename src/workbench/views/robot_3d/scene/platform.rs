@@ -1,7 +1,7 @@
 //! The platform, the laser on it, and the home platform's sensors.
 
 use tautline_core::geometry::{Pose, Vec3};
-use tautline_core::robot::Robot;
+use tautline_core::robot::{Home, Robot};
 
 use super::{LaserView, bounds, corners};
 
@@ -59,11 +59,18 @@ pub fn laser(robot: &Robot, pose: &Pose) -> Option<LaserView> {
     })
 }
 
-/// Beams of the home platform's sensors with the platform at `pose`.
+/// Distance from the home pose up to which the sensors of the home platform see the platform (m).
+const AT_HOME_M: f64 = 0.02;
+
+/// Beams of the home platform's sensors with the platform at `pose`; none where it is elsewhere.
 pub fn home_beams(robot: &Robot, pose: &Pose) -> Vec<[Vec3; 2]> {
+    let is_elsewhere = |home: &Home| (pose.position - home.pose().position).norm() > AT_HOME_M;
     let Some(home) = &robot.home_platform else {
         return Vec::new();
     };
+    if robot.home.as_ref().is_some_and(is_elsewhere) {
+        return Vec::new();
+    }
     let reference = home.base_from_reference.pose();
     let beam = |sensor: &tautline_core::robot::HomeSensor| {
         let plane = home.planes.get(sensor.plane)?;
@@ -72,9 +79,8 @@ pub fn home_beams(robot: &Robot, pose: &Pose) -> Vec<[Vec3; 2]> {
         let normal = pose.orientation * Vec3::from(plane.normal);
         let to_plane = plane.offset_m + normal.dot(&(pose.position - from));
         let distance = to_plane / normal.dot(&direction);
-        // Away from home the beams meet nothing; they are drawn as long as they are at home, about.
-        let seen = distance.is_finite() && distance > 0.0 && distance < 1.0;
-        Some([from, from + direction * if seen { distance } else { 0.05 }])
+        let meets = distance.is_finite() && distance > 0.0;
+        meets.then(|| [from, from + direction * distance])
     };
     home.sensors.iter().filter_map(beam).collect()
 }
