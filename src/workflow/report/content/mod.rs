@@ -88,7 +88,7 @@ pub fn document(input: &ReportInput<'_>) -> Document {
         title => title.to_owned(),
     };
     Document {
-        marking: marking(session.is_simulated()),
+        marking: marking(input.session.is_simulated()),
         header: choice.header.trim().to_owned(),
         title,
         subtitle: head(input),
