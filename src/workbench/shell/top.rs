@@ -144,26 +144,13 @@ fn right(ui: &mut Ui, state: &mut State) {
         state.outbox.send(ViewCommand::Theme(theme));
     }
     let [undo, redo] = state.model.next_steps();
-    let redo = redo.map(|name| format!("Redo: {name}"));
-    let undo = undo.map(|name| format!("Undo: {name}"));
-    if icon_only(
-        ui,
-        icons::ICON_REDO,
-        redo.as_deref().unwrap_or("Redo"),
-        redo.is_some(),
-    )
-    .clicked()
-    {
-        state.outbox.send(Command::Redo);
-    }
-    if icon_only(
-        ui,
-        icons::ICON_UNDO,
-        undo.as_deref().unwrap_or("Undo"),
-        undo.is_some(),
-    )
-    .clicked()
-    {
-        state.outbox.send(Command::Undo);
+    for (icon, title, step, command) in [
+        (icons::ICON_REDO, "Redo", redo, Command::Redo),
+        (icons::ICON_UNDO, "Undo", undo, Command::Undo),
+    ] {
+        let name = step.map_or_else(|| title.to_owned(), |step| format!("{title}: {step}"));
+        if icon_only(ui, icon, &name, step.is_some()).clicked() {
+            state.outbox.send(command);
+        }
     }
 }

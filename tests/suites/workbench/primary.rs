@@ -243,6 +243,7 @@ fn replace_findings(harness: &mut Harness<'_, App>, change: impl FnOnce(&mut Vec
         alpha,
         seconds,
         limit_s,
+        ended_at_limit: known.ended_at_limit,
     };
     let model = (
         open.inputs(),

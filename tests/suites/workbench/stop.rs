@@ -9,7 +9,7 @@ use egui::{Key, KeyboardShortcut, Modifiers, Rect, Role};
 use egui_kittest::kittest::{NodeT, Queryable};
 use tautline_workbench::model::Selection;
 use tautline_workbench::model::command::{
-    Command, FileCommand, HypothesisCommand, IdentificationCommand, Opening, ReportCommand,
+    Command, FileCommand, HypothesisCommand, IdentificationCommand, Opening, Origin, ReportCommand,
     RobotCommand, Setup, ViewCommand, WriteDraft,
 };
 use tautline_workbench::model::edit::Edit;
@@ -156,8 +156,7 @@ const DIALOGS: [Dialog; 9] = [
             let opening = Opening {
                 session: bench.session().clone(),
                 path: None,
-                is_recovered: false,
-                is_new: false,
+                origin: Origin::Complete,
             };
             let dialogs = &mut bench.harness.state_mut().state.model.dialogs;
             dialogs.elsewhere = Some((Box::new(opening), "10:49".to_owned()));

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{Align, Button, Label, Layout, RichText, Role, Ui, WidgetInfo, vec2};
+use egui::{Align, Button, Label, Layout, RichText, Ui, vec2};
 use egui_material_icons::icons;
 use tautline_session::{Session, Timestamp};
 
@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::model::command::{CompareCommand, Outbox, ReportCommand, ViewCommand};
 use crate::model::comparison::{Side, Source};
 use crate::theme::{self, GRID};
-use crate::widgets::{heading, icon_button, path_field};
+use crate::widgets::{heading, icon_button, named, path_field};
 use tautline_workflow::report::ReportFormat;
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::wording::{recent_facts, session_facts};

@@ -7,50 +7,50 @@ use super::Bench;
 use crate::theme::GRID;
 use crate::widgets::{checkbox, muted, radio, section};
 
+/// Degrees per radian.
+const DEGREES: f64 = 57.295_779_513_082_32;
+
 /// A threshold of rest.
 struct Threshold {
     name: &'static str,
     unit: &'static str,
     /// Units of the slider per unit of the recipe.
     scale: f64,
-    range: std::ops::RangeInclusive<f64>,
-    is_logarithmic: bool,
+    /// Least and most; logarithmic unless it begins at zero.
+    range: [f64; 2],
     of: fn(&mut Rest) -> &mut f64,
 }
 
+impl Threshold {
+    const fn new(
+        name: &'static str,
+        (unit, scale): (&'static str, f64),
+        range: [f64; 2],
+        of: fn(&mut Rest) -> &mut f64,
+    ) -> Self {
+        Self {
+            name,
+            unit,
+            scale,
+            range,
+            of,
+        }
+    }
+}
+
 const THRESHOLDS: [Threshold; 4] = [
-    Threshold {
-        name: "Shortest rest",
-        unit: "s",
-        scale: 1.0,
-        range: 0.05..=20.0,
-        is_logarithmic: true,
-        of: |rest| &mut rest.minimum_s,
-    },
-    Threshold {
-        name: "Settling time",
-        unit: "s",
-        scale: 1.0,
-        range: 0.0..=5.0,
-        is_logarithmic: false,
-        of: |rest| &mut rest.settle_s,
-    },
-    Threshold {
-        name: "Fastest motion",
-        unit: "mm/s",
-        scale: 1e3,
-        range: 0.05..=50.0,
-        is_logarithmic: true,
-        of: |rest| &mut rest.speed_m_s,
-    },
-    Threshold {
-        name: "Fastest rotation",
-        unit: "°/s",
-        scale: 57.295_779_513_082_32,
-        range: 0.01..=10.0,
-        is_logarithmic: true,
-        of: |rest| &mut rest.turn_rad_s,
-    },
+    Threshold::new("Shortest rest", ("s", 1.0), [0.05, 20.0], |rest| {
+        &mut rest.minimum_s
+    }),
+    Threshold::new("Settling time", ("s", 1.0), [0.0, 5.0], |rest| {
+        &mut rest.settle_s
+    }),
+    Threshold::new("Fastest motion", ("mm/s", 1e3), [0.05, 50.0], |rest| {
+        &mut rest.speed_m_s
+    }),
+    Threshold::new("Fastest rotation", ("°/s", DEGREES), [0.01, 10.0], |rest| {
+        &mut rest.turn_rad_s
+    }),
 ];
 
 pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
@@ -113,8 +113,9 @@ fn thresholds(ui: &mut Ui, bench: &mut Bench<'_>, rest: Rest) {
                 let value = (threshold.of)(&mut changed);
                 let mut shown = *value * threshold.scale;
                 ui.spacing_mut().slider_width = (ui.available_width() - 104.0).clamp(80.0, 200.0);
-                let slider = Slider::new(&mut shown, threshold.range.clone())
-                    .logarithmic(threshold.is_logarithmic)
+                let [least, most] = threshold.range;
+                let slider = Slider::new(&mut shown, least..=most)
+                    .logarithmic(least > 0.0)
                     .clamping(SliderClamping::Never)
                     .custom_formatter(|value, _| format!("{value:.2}"))
                     .suffix(format!(" {}", threshold.unit));

@@ -5,8 +5,7 @@ use egui::Key;
 use super::super::state::State;
 use super::{CONTROL, CONTROL_SHIFT, Item, Menu};
 use crate::model::command::{
-    Command, CompareCommand, FileCommand, RecordCommand, RecordingCommand, ReportCommand,
-    ViewCommand,
+    CompareCommand, FileCommand, RecordCommand, RecordingCommand, ReportCommand, ViewCommand,
 };
 use crate::model::phase::Screen;
 use tautline_workflow::report::ReportFormat;

@@ -4,7 +4,7 @@ use egui::Ui;
 use tautline_core::geometry::Coordinate;
 use tautline_core::robot::{Home, Robot};
 
-use super::field::{Field, change, grid, one, optional, three};
+use super::field::{Field, change, grid, of_part, one, optional, three};
 use crate::screens::bench_panel::Bench;
 use crate::widgets::{checkbox, muted, section};
 
@@ -63,39 +63,24 @@ pub(super) fn home(ui: &mut Ui, bench: &mut Bench<'_>) {
     let Some(home) = home else {
         return;
     };
+    let part: fn(&mut Robot) -> Option<&mut Home> = |robot| robot.home.as_mut();
     grid(ui, "fields of the home pose", |ui| {
-        three(
-            ui,
-            bench,
-            &Field::millimetres("Position", 1),
-            home.position_m,
-            |robot, value| {
-                if let Some(home) = &mut robot.home {
-                    home.position_m = value;
-                }
-            },
-        );
-        let known = Field::millimetres("Position known to", 3);
-        one(ui, bench, &known, home.position_sd_m, |robot, value| {
-            if let Some(home) = &mut robot.home {
-                (home.position_sd_m, home.covariance) = (value, None);
-            }
+        let field = Field::millimetres("Position", 1);
+        let set = of_part(part, |home, value| home.position_m = value);
+        three(ui, bench, &field, home.position_m, set);
+        let field = Field::millimetres("Position known to", 3);
+        let set = of_part(part, |home, value| {
+            (home.position_sd_m, home.covariance) = (value, None);
         });
-        let known = Field {
+        one(ui, bench, &field, home.position_sd_m, set);
+        let field = Field {
             per_si: 1f64.to_degrees(),
             ..Field::new("Orientation known to", "°", 4)
         };
-        one(
-            ui,
-            bench,
-            &known,
-            home.orientation_sd_rad,
-            |robot, value| {
-                if let Some(home) = &mut robot.home {
-                    (home.orientation_sd_rad, home.covariance) = (value, None);
-                }
-            },
-        );
+        let set = of_part(part, |home, value| {
+            (home.orientation_sd_rad, home.covariance) = (value, None);
+        });
+        one(ui, bench, &field, home.orientation_sd_rad, set);
     });
 }
 

@@ -178,3 +178,15 @@ pub fn change(bench: &mut Bench<'_>, what: &str, change: impl FnOnce(&mut Robot)
     change(&mut robot);
     put(bench, robot, what);
 }
+
+/// Changes a part that the robot may lack.
+pub fn of_part<P, T>(
+    part: fn(&mut Robot) -> Option<&mut P>,
+    set: impl Fn(&mut P, T),
+) -> impl Fn(&mut Robot, T) {
+    move |robot, value| {
+        if let Some(part) = part(robot) {
+            set(part, value);
+        }
+    }
+}

@@ -5,7 +5,7 @@ use tautline_core::robot::{
     ForceSensor, Inclinometer, Laser, PerAxis, Robot, TargetPlane, Tracker,
 };
 
-use super::field::{Field, OfEvery, change, grid, one, optional, three};
+use super::field::{Field, OfEvery, change, grid, of_part, one, optional, three};
 use crate::screens::bench_panel::Bench;
 use crate::widgets::{checkbox, section};
 
@@ -91,41 +91,21 @@ fn laser(ui: &mut Ui, bench: &mut Bench<'_>) {
     let Some(laser) = laser else {
         return;
     };
-    let set = |change: fn(&mut Laser, [f64; 3])| {
-        move |robot: &mut Robot, value: [f64; 3]| {
-            if let Some(laser) = &mut robot.laser {
-                change(laser, value);
-            }
-        }
-    };
+    let part: fn(&mut Robot) -> Option<&mut Laser> = |robot| robot.laser.as_mut();
     grid(ui, "fields of the laser", |ui| {
-        three(
-            ui,
-            bench,
-            &Field::millimetres("Origin of the beam", 1),
-            laser.origin_m,
-            set(|laser, value| laser.origin_m = value),
-        );
+        let field = Field::millimetres("Origin of the beam", 1);
+        let set = of_part(part, |laser, value| laser.origin_m = value);
+        three(ui, bench, &field, laser.origin_m, set);
         let field = Field::millimetres("Noise of a distance", 3);
-        one(ui, bench, &field, laser.sd_m, |robot, value| {
-            if let Some(laser) = &mut robot.laser {
-                laser.sd_m = value;
-            }
-        });
+        let set = of_part(part, |laser, value| laser.sd_m = value);
+        one(ui, bench, &field, laser.sd_m, set);
+        let plane = laser.target_plane;
         let field = Field::millimetres("Target plane at", 1);
-        let offset_m = laser.target_plane.offset_m;
-        one(ui, bench, &field, offset_m, |robot, value| {
-            if let Some(laser) = &mut robot.laser {
-                laser.target_plane.offset_m = value;
-            }
-        });
+        let set = of_part(part, |laser, value| laser.target_plane.offset_m = value);
+        one(ui, bench, &field, plane.offset_m, set);
         let field = Field::millimetres("Plane known to", 1);
-        let sd_m = (laser.target_plane.offset_sd_m, true);
-        optional(ui, bench, &field, sd_m, |robot, value| {
-            if let Some(laser) = &mut robot.laser {
-                laser.target_plane.offset_sd_m = value;
-            }
-        });
+        let set = of_part(part, |laser, value| laser.target_plane.offset_sd_m = value);
+        optional(ui, bench, &field, (plane.offset_sd_m, true), set);
     });
 }
 
@@ -193,24 +173,20 @@ fn tracker(ui: &mut Ui, bench: &mut Bench<'_>) {
     let Some(tracker) = tracker else {
         return;
     };
+    let part: fn(&mut Robot) -> Option<&mut Tracker> = |robot| robot.tracker.as_mut();
     grid(ui, "fields of the external instrument", |ui| {
         if let PerAxis::Same(sd_m) = tracker.position_sd_m {
             let field = Field::millimetres("Noise of a position", 3);
-            one(ui, bench, &field, sd_m, |robot, value| {
-                if let Some(tracker) = &mut robot.tracker {
-                    tracker.position_sd_m = PerAxis::Same(value);
-                }
+            let set = of_part(part, |tracker, value| {
+                tracker.position_sd_m = PerAxis::Same(value);
             });
+            one(ui, bench, &field, sd_m, set);
         }
         let field = Field {
             per_si: DEGREES,
             ..Field::new("Noise of an orientation", "°", 4)
         };
-        let sd_rad = (tracker.orientation_sd_rad, true);
-        optional(ui, bench, &field, sd_rad, |robot, value| {
-            if let Some(tracker) = &mut robot.tracker {
-                tracker.orientation_sd_rad = value;
-            }
-        });
+        let set = of_part(part, |tracker, value| tracker.orientation_sd_rad = value);
+        optional(ui, bench, &field, (tracker.orientation_sd_rad, true), set);
     });
 }
