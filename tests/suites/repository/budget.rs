@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7878),
-    ("core", 35592),
-    ("import", 16961),
-    ("link", 10430),
-    ("python", 951),
-    ("session", 7977),
+    ("cli", 7896),
+    ("core", 35858),
+    ("import", 16965),
+    ("link", 10437),
+    ("python", 953),
+    ("session", 7987),
     ("study", 3110),
-    ("workbench", 37518),
-    ("workflow", 18558),
+    ("workbench", 37547),
+    ("workflow", 18690),
 ];
 
 fn is_of_tests(path: &Path) -> bool {

@@ -7,7 +7,7 @@ use super::*;
 use crate::clock::{Clock, ManualClock};
 use crate::guarded::GuardedController;
 use crate::simulated::{Fault, SimulatedRobot};
-use crate::testing::{armed, preset, run_of};
+use crate::testing::{OUTSIDE_LIMITS, armed, preset, run_of};
 
 const ROBOTS: [&str; 3] = ["mini", "suspended", "planar"];
 /// The cable that is at fault, and another one.
@@ -264,9 +264,9 @@ fn faults_are_noticed_and_named_with_their_cable() {
     assert_eq!(unnamed, UNNAMED);
 }
 
-/// Among 9,801 poses of 900 sound robots, whose true geometry differs from the description as its priors say, there were 4
-/// warnings, 0.4 in 1,000 poses: cables of the mini robot that are less tense than its lower limit indeed, at the
-/// border of what can be held. Here are 15 robots of each kind with fixed seeds.
+/// The mini robot has cables that are less tense than its lower limit, at the border of what can be held, in less than 2 of
+/// 1,000 poses of sound robots whose true geometry differs from the description as its priors say; more than two such
+/// warnings in 165 poses have a probability below 0.5 %. Nothing else is suspected. Here are 15 robots of each kind with fixed seeds.
 #[test]
 fn a_sound_robot_is_hardly_ever_suspected() {
     for name in ROBOTS {
@@ -277,6 +277,9 @@ fn a_sound_robot_is_hardly_ever_suspected() {
         let poses: usize = runs.iter().map(|said| said.poses).sum();
         assert!(poses > 155, "{name}: {poses}");
         let texts = runs.iter().flat_map(|said| &said.texts);
-        assert_eq!(texts.collect::<Vec<_>>(), Vec::<&String>::new(), "{name}");
+        let (tensions, suspected): (Vec<_>, Vec<_>) =
+            texts.partition(|text| text.contains(OUTSIDE_LIMITS));
+        assert!(tensions.len() <= 2, "{name}: {tensions:?}");
+        assert_eq!(suspected, Vec::<&String>::new(), "{name}");
     }
 }

@@ -4,6 +4,7 @@ mod faults;
 
 use tautline_core::effect::{EffectRequest, EffectSetting};
 use tautline_core::estimation::{ParameterId, Problem};
+use tautline_core::simulation::TensionRange;
 
 use super::*;
 use crate::clock::Clock;
@@ -334,13 +335,22 @@ fn faults_of_one_cable_are_named() {
         cable: 6,
         factor: 0.1,
     };
-    assert_warns(vec![slack], "cable-7", "too low: 2.00 N, at least 10.0 N");
-    // Beyond the limit by less than three standard deviations.
-    let low = Fault::Tension {
-        cable: 6,
-        reading_n: 14.6,
+    assert_warns(vec![slack], "cable-7", "too low: 2.75 N, at least 10.0 N");
+}
+
+#[test]
+fn a_tension_is_outside_of_the_limits_where_its_noise_does_not_explain_it() {
+    let robot = preset("mini").robot;
+    let sensor = robot.cables[6].force_sensor.expect("a sensor");
+    let range = TensionRange::of(&robot);
+    let fault = |limit_n: f64, sds: f64| {
+        TensionFault::of(&sensor, limit_n + sds * sensor.tension_sd_n, &range)
     };
-    assert_warns(vec![low], "cable-7", "too low: 7.30 N, at least 10.0 N");
+    assert_eq!(fault(range.lower_n, -2.7), Some(TensionFault::Low));
+    assert_eq!(fault(range.lower_n, -2.3), None);
+    assert_eq!(fault(range.upper_n, 2.3), None);
+    assert_eq!(fault(range.upper_n, 2.7), Some(TensionFault::High));
+    assert_eq!(fault(0.0, -2.7), Some(TensionFault::Negative));
 }
 
 #[test]

@@ -115,13 +115,21 @@ fn the_selected_pose_is_shown_with_its_own_tensions() {
     let mut subject = Subject::new(&robot, &data);
     assert_eq!(subject.scene().shown, Shown::Home);
     assert_eq!(subject.scene().cables[0].tension_n, Some(40.0));
-    assert!(!subject.scene().home_beams.is_empty());
     subject.selection = Selection::pose(7);
     let scene = subject.scene();
     assert_eq!((scene.shown, scene.pose), (Shown::Given(7), pose));
-    assert!(scene.home_beams.is_empty(), "its sensors see nothing there");
     assert_eq!(scene.cables[0].tension_n, Some(50.0));
     assert_eq!(scene.cables[7].tension_n, None);
     assert_eq!(scene.measured.len(), 1);
     assert_eq!(scene.measured[0].position, Vec3::new(0.1, 0.0, 0.05));
+}
+
+#[test]
+fn the_sensors_of_the_home_platform_are_drawn_at_home_alone() {
+    let demo = tautline_workflow::samples::demo(3, tautline_workflow::clock::now());
+    let robot = demo.expect("a demonstration").robot;
+    let mut pose = robot.home.expect("a home pose").pose();
+    assert!(!platform::home_beams(&robot, &pose).is_empty());
+    pose.position.x += 0.1;
+    assert!(platform::home_beams(&robot, &pose).is_empty());
 }
