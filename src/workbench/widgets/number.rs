@@ -32,7 +32,20 @@ pub struct Number<'a> {
     pub width: f32,
 }
 
-impl Number<'_> {
+impl<'a> Number<'a> {
+    /// A field that must not be empty, with its least width (points).
+    #[must_use]
+    pub fn of(name: &'a str, value: f64, decimals: usize, unit: &'a str, width: f32) -> Self {
+        Self {
+            name,
+            value: Some(value),
+            decimals,
+            unit,
+            optional: false,
+            width,
+        }
+    }
+
     fn id(&self, ui: &Ui) -> Id {
         ui.make_persistent_id(("number", self.name))
     }

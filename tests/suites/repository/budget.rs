@@ -15,7 +15,7 @@ const BUDGET: [(&str, usize); 9] = [
     ("python", 953),
     ("session", 7987),
     ("study", 3110),
-    ("workbench", 37547),
+    ("workbench", 37518),
     ("workflow", 18690),
 ];
 

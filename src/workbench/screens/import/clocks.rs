@@ -37,14 +37,7 @@ pub fn show(ui: &mut Ui, bench: &mut Bench<'_>) {
             ui.label(&series);
             let drift = clock.map_or(0.0, |clock| clock.drift);
             let name = format!("Offset of {series}");
-            let field = Number {
-                name: &name,
-                value: Some(offset_s),
-                decimals: 4,
-                unit: "s",
-                optional: false,
-                width: 96.0,
-            };
+            let field = Number::of(&name, offset_s, 4, "s", 96.0);
             if let Some(Entered::Value(value)) = number(ui, &field) {
                 bench.change(format!("set clock of {series}"), |recipe| {
                     let known = recipe

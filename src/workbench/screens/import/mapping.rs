@@ -175,14 +175,7 @@ fn meaning(ui: &mut Ui, bench: &mut Bench<'_>, shown: &Shown<'_>, for_all: bool)
 
 /// A field for a number without a unit.
 fn plain(name: &str, value: f64) -> Number<'_> {
-    Number {
-        name,
-        value: Some(value),
-        decimals: 6,
-        unit: "",
-        optional: false,
-        width: 88.0,
-    }
+    Number::of(name, value, 6, "", 88.0)
 }
 
 fn of_channel(entry: &Assignment, channel: &str, cables: usize) -> Assignment {

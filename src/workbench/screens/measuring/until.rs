@@ -174,14 +174,8 @@ const MOST_POSES: f64 = 500.0;
 fn limit(ui: &mut Ui, until: &mut UntilSettings, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         ui.label("At most");
-        let field = Number {
-            name: "Largest number of poses",
-            value: Some(until.at_most as f64),
-            decimals: 0,
-            unit: "poses",
-            optional: false,
-            width: 48.0,
-        };
+        let at_most = until.at_most as f64;
+        let field = Number::of("Largest number of poses", at_most, 0, "poses", 48.0);
         let check = |typed: f64| match typed.fract() == 0.0 && (1.0..=MOST_POSES).contains(&typed) {
             true => Ok(()),
             false => Err(format!(

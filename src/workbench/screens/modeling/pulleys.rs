@@ -90,14 +90,7 @@ fn fields(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
     let pulley = cable.pulley;
     ui.horizontal(|ui| {
         ui.label("Radius");
-        let field = Number {
-            name: "Pulley radius",
-            value: Some(pulley.radius_m * 1e3),
-            decimals: 3,
-            unit: "mm",
-            optional: false,
-            width: 72.0,
-        };
+        let field = Number::of("Pulley radius", pulley.radius_m * 1e3, 3, "mm", 72.0);
         let entered = number(ui, &field);
         let what = format!("change pulley radius of {}", cable.name);
         change(bench, entered, what, |robot, value| {
@@ -118,14 +111,7 @@ fn fields(ui: &mut Ui, bench: &mut Bench<'_>, chosen: usize) {
         );
         for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
             let name = format!("Swivel axis {name}");
-            let field = Number {
-                name: &name,
-                value: Some(pulley.swivel_axis[k]),
-                decimals: 4,
-                unit: "",
-                optional: false,
-                width: 64.0,
-            };
+            let field = Number::of(&name, pulley.swivel_axis[k], 4, "", 64.0);
             let entered = number(ui, &field);
             let what = format!("change swivel axis of {}", cable.name);
             change(bench, entered, what, |robot, value| {

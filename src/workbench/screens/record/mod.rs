@@ -265,14 +265,7 @@ fn tolerance(ui: &mut Ui, known: Tolerance, outbox: &mut Outbox) {
                 },
             }));
         }
-        let field = Number {
-            name: "Tolerance",
-            value: Some(1e3 * known.limit_m()),
-            decimals: 2,
-            unit: "mm",
-            optional: false,
-            width: 64.0,
-        };
+        let field = Number::of("Tolerance", 1e3 * known.limit_m(), 2, "mm", 64.0);
         let check = |typed: f64| match typed > 0.0 {
             true => Ok(()),
             false => Err(format!("found {typed}, expected a positive number")),
