@@ -147,6 +147,7 @@ pub fn table(
         ui.spacing_mut().item_spacing.y = 0.0;
         if needed > ui.available_width() {
             ScrollArea::horizontal()
+                .id_salt(ui.next_auto_id())
                 .max_width(ui.available_width())
                 .show(ui, |ui| {
                     touched = body(ui, columns, &heads, (rows, &galleys), &places, selected);

@@ -20,7 +20,7 @@ fn seemingly_slack() -> Session {
     truth.effects = vec![EffectSetting {
         effect: "force_bias".into(),
         targets: vec!["cable-3".into()],
-        parameters: [("bias".to_owned(), -23.0)].into(),
+        parameters: [("bias".to_owned(), -12.0)].into(),
     }];
     let home = robot.home.expect("a home pose").pose();
     let mut session = Session::new("slack", robot, Timestamp::from_unix_seconds(0));

@@ -39,10 +39,9 @@ pub(super) fn show(
         return;
     };
     let session = open.session();
-    for run in [Stage::Before, Stage::After].map(|stage| adjusting::to_continue(session, stage)) {
-        if let Some(run) = run {
-            verdict(ui, Verdict::Doubtful, &adjusting::stopped_in_words(run));
-        }
+    let stages = [Stage::Before, Stage::After].into_iter();
+    for run in stages.filter_map(|stage| adjusting::to_continue(session, stage)) {
+        verdict(ui, Verdict::Doubtful, &adjusting::stopped_in_words(run));
     }
     if session.verifications().is_empty() {
         return;
