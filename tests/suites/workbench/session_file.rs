@@ -130,6 +130,8 @@ fn the_window_does_not_write_over_what_a_command_wrote() {
     assert_eq!(saved(&bench).name, "as the command wrote it");
     let other = bench.folder.path().join("other.json");
     bench.press("Save as…");
+    bench.wait("the dialog", |state| state.model.tasks.running().is_empty());
+    bench.harness.step();
     bench.harness.get_by_label("Save the session as");
     bench.give(FileCommand::SaveAs(other.clone()));
     bench.settle("saving");

@@ -55,7 +55,7 @@ fn the_palette_has_commands_that_cannot_be_given_now_and_does_not_give_them() {
     give(&mut harness, ViewCommand::Palette(true));
     type_into(&mut harness, Role::TextInput, "Command", "diagnosemodel");
     harness.run_ok();
-    let line = harness.get_by_label("Diagnose model");
+    let line = harness.get_by_label_contains("Diagnose model");
     assert!(line.accesskit_node().is_disabled());
     harness.key_press(Key::Enter);
     settle(&mut harness);
