@@ -198,17 +198,16 @@ fn leaving(ui: &mut Ui, state: &mut State) {
             verdict(ui, Verdict::Bad, why);
         }
         ui.add_space(2.0 * GRID);
-        let answers: &[(&str, Answer)] = match (is_unsaved, &draft.failure) {
-            (true, _) if draft.leaving.keeps_session() => {
+        let answers: &[(&str, Answer)] = match is_unsaved {
+            true if draft.leaving.keeps_session() => {
                 &[("Save", Answer::Save), ("Cancel", Answer::Cancel)]
             }
-            (true, None) => &[
+            true => &[
                 ("Save", Answer::Save),
                 ("Do not save", Answer::Discard),
                 ("Cancel", Answer::Cancel),
             ],
-            (true, Some(_)) => &[("Do not save", Answer::Discard), ("Cancel", Answer::Cancel)],
-            (false, _) => &[("Disconnect", Answer::Discard), ("Cancel", Answer::Cancel)],
+            false => &[("Disconnect", Answer::Discard), ("Cancel", Answer::Cancel)],
         };
         if !is_unsaved || draft.failure.is_none() {
             return choice_of(ui, answers);

@@ -132,17 +132,14 @@ fn alone_it_leads_from_an_error_without_a_name_to_a_pattern() {
     let measured = Measured::unnamed();
     let mut harness = measured.opened();
     let pressed = press_on(&mut harness);
-    assert_eq!(
-        pressed[..4],
-        [
-            "Identify the pulleys",
-            "Diagnose model",
-            "What does it look like?",
-            "Extend the model by the likeliest pattern"
-        ]
-    );
+    let asked = pressed
+        .iter()
+        .position(|title| title == "What does it look like?");
+    let then = asked.and_then(|place| pressed.get(place + 1));
+    let pattern = "Extend the model by the likeliest pattern";
+    assert_eq!(then.map(String::as_str), Some(pattern), "{pressed:?}");
     let effects = &document(&harness).session().settings.identification.effects;
-    assert!(effects[0].effect.starts_with("pattern_"));
+    assert!(effects.iter().any(|one| one.effect.starts_with("pattern_")));
     assert_eq!(primary(&harness), "Go to adjustment", "{pressed:?}");
 }
 
