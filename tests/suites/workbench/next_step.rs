@@ -120,7 +120,8 @@ fn fifteen_clicks_without_scrolling_lead_to_a_verified_robot() {
     moving_s += operator.verify("Next: Measure before", 1);
     operator.click("Next: Write ");
     operator.bench.name_operator("Ada");
-    operator.click("Write");
+    operator.bench.press("Write");
+    operator.clicks += 1;
     operator
         .bench
         .wait("the values", |state| !state.model.link.writing);

@@ -6,8 +6,8 @@ use egui_kittest::kittest::Queryable;
 use tautline_core::diagnosis::Finding;
 use tautline_core::robot::presets;
 use tautline_session::{
-    Adjustment, ForeignWrite, HomePose, Outcome, PlannedPose, Session, Stage, Timestamp,
-    Verification, WinchPair, write_session,
+    Adjustment, ForeignWrite, HomePose, Outcome, PlannedPose, Session, Timestamp, WinchPair,
+    write_session,
 };
 use tautline_validation::support::harness::words;
 use tautline_workbench::model::command::{
@@ -151,15 +151,6 @@ fn wrong_sessions() -> Vec<(&'static str, Session, Phase, &'static str)> {
             session.add_adjustment(written(outcome.clone()));
         })
     };
-    let no_figures = change(measured(), &|session| {
-        session.add_verification(Verification {
-            time: at(3),
-            title: String::new(),
-            stage: Stage::Before,
-            rows: Vec::new(),
-            accepted: None,
-        });
-    });
     vec![
         (
             "no home",
@@ -200,12 +191,6 @@ fn wrong_sessions() -> Vec<(&'static str, Session, Phase, &'static str)> {
         (
             "writing was interrupted",
             attempt(Outcome::Begun),
-            Phase::Adjustment,
-            "Choose controller…",
-        ),
-        (
-            "no figures",
-            no_figures,
             Phase::Adjustment,
             "Choose controller…",
         ),
