@@ -71,7 +71,8 @@ fn a_foreign_log_gives_the_same_identification() {
         assert!((found - expected).abs() < 1e-9, "{found} and {expected}");
     }
     // The recipe is used again, and does not replace poses without being told.
-    let recipe = folder.join("data/recipe.json");
+    let recipe = folder.join("recipe.json");
+    std::fs::copy(folder.join("data/recipe.json"), &recipe).expect("a copy");
     let again = [
         "import",
         &folder.join("log.csv"),
@@ -293,7 +294,9 @@ fn a_dataset_and_its_results_are_exported() {
         values.starts_with("parameter,unit,nominal,value,sd,prior_sd,from_95,to_95\n"),
         "{values}"
     );
-    tautline(&[&one[..], &tables[..]].concat()).refused(&["--table: found 3 tables"]);
+    let other = folder.join("other.csv");
+    let several = [&["export", &made, "-o", &other], &tables[..]].concat();
+    tautline(&several).refused(&["--table: found 3 tables"]);
     tautline(&["export", &made, "-o", &folder.join("a.xlsx")])
         .refused(&["expected a file that ends in .csv, .parquet or .mat"]);
 }

@@ -83,7 +83,8 @@ fn a_report_judges_by_a_tolerance() {
     let text = std::fs::read_to_string(&out).expect("the report");
     assert!(text.contains("All 8 pulleys are within the tolerance of 500 mm"));
     assert!(text.contains("Measured by: name, date, signature"));
-    let wrong = ["report", &data, "--out", &out, "--tolerance", "0"];
+    let other = folder.join("other.html");
+    let wrong = ["report", &data, "--out", &other, "--tolerance", "0"];
     tautline(&wrong).refused(&["--tolerance", "positive"]);
 }
 
@@ -95,17 +96,10 @@ fn a_report_computes_only_what_its_parts_show() {
         "simulate", "--robot", "mini", "--poses", "12", "--out", &data,
     ];
     tautline(&simulate).succeeded();
-    // Without revolutions nothing can be identified.
+    // With two rows nothing can be identified.
     let path = format!("{data}/poses.csv");
     let text = std::fs::read_to_string(&path).expect("a file");
-    let mut lines = text.lines();
-    let head: Vec<&str> = lines.next().expect("a header").split(',').collect();
-    let emptied = lines.map(|line| {
-        let cells = line.split(',').zip(&head);
-        let kept = cells.map(|(cell, name)| if name.starts_with("rev_") { "" } else { cell });
-        kept.collect::<Vec<_>>().join(",")
-    });
-    let lines: Vec<String> = std::iter::once(head.join(",")).chain(emptied).collect();
+    let lines: Vec<&str> = text.lines().take(3).collect();
     std::fs::write(&path, lines.join("\n") + "\n").expect("written");
     let out = folder.join("r.html");
     let whole = tautline(&["report", &data, "--out", &out]);
