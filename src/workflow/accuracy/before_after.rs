@@ -68,7 +68,7 @@ fn named(accuracy: Accuracy) -> Vec<(String, f64)> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use tautline_core::robot::presets;
     use tautline_session::{CheckKind, CheckPose, CheckRow, Timestamp, Verification};
 

@@ -8,6 +8,8 @@ mod verification;
 use tautline_core::accuracy::iso9283::{Target, path_accuracy, pose_accuracy};
 use tautline_session::{CheckKind, CheckRow};
 
+#[cfg(test)]
+pub(crate) use before_after::tests::run as verification_of_one_pose;
 pub use before_after::{Figure, before_and_after};
 pub use document::{Accuracy, Figures, PathAccuracy, PointAccuracy, PoseAccuracy, TargetAccuracy};
 pub use group::{Group, Point, group, word};

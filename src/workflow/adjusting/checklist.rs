@@ -139,35 +139,10 @@ pub fn checklist(session: &Session, differences: &[Difference], is_old: bool) ->
 #[cfg(test)]
 mod tests {
     use tautline_core::robot::presets;
-    use tautline_session::{
-        Adjustment, CheckKind, CheckPose, CheckRow, Outcome, Session, Timestamp, Verification,
-    };
+    use tautline_session::{Adjustment, Outcome, Session, Timestamp};
 
     use super::*;
-
-    /// A verification of one pose, measured twice, off by so much each time.
-    fn run(stage: Stage, seconds: i64, off_m: f64) -> Verification {
-        let pose = |x: f64| CheckPose {
-            position_m: [x, 0.0, 0.0],
-            orientation_wxyz: None,
-        };
-        let row = |cycle: i64| CheckRow {
-            kind: CheckKind::Pose,
-            target: "P1".into(),
-            cycle,
-            sample: 0,
-            time_s: None,
-            commanded: pose(0.1),
-            attained: pose(0.1 + off_m),
-        };
-        Verification {
-            time: Timestamp::from_unix_seconds(seconds),
-            title: String::new(),
-            stage,
-            rows: vec![row(1), row(2)],
-            accepted: None,
-        }
-    }
+    use crate::accuracy::verification_of_one_pose as run;
 
     fn at(seconds: i64) -> Timestamp {
         Timestamp::from_unix_seconds(seconds)

@@ -6,8 +6,8 @@ use egui_kittest::kittest::Queryable;
 use tautline_core::diagnosis::Finding;
 use tautline_core::robot::presets;
 use tautline_session::{
-    Adjustment, ForeignWrite, HomePose, Outcome, PlannedPose, Session, Timestamp, WinchPair,
-    write_session,
+    Adjustment, CheckKind, CheckPose, CheckRow, ForeignWrite, HomePose, Outcome, PlannedPose,
+    Session, Stage, Timestamp, Verification, WinchPair, write_session,
 };
 use tautline_validation::support::harness::words;
 use tautline_workbench::model::command::{
@@ -151,6 +151,28 @@ fn wrong_sessions() -> Vec<(&'static str, Session, Phase, &'static str)> {
             session.add_adjustment(written(outcome.clone()));
         })
     };
+    // One cycle has no repeatability.
+    let no_figures = change(measured(), &|session| {
+        let pose = |x: f64| CheckPose {
+            position_m: [x, 0.0, 0.0],
+            orientation_wxyz: None,
+        };
+        session.add_verification(Verification {
+            time: at(3),
+            title: String::new(),
+            stage: Stage::Before,
+            rows: vec![CheckRow {
+                kind: CheckKind::Pose,
+                target: "P1".into(),
+                cycle: 1,
+                sample: 0,
+                time_s: None,
+                commanded: pose(0.1),
+                attained: pose(0.101),
+            }],
+            accepted: None,
+        });
+    });
     vec![
         (
             "no home",
@@ -191,6 +213,12 @@ fn wrong_sessions() -> Vec<(&'static str, Session, Phase, &'static str)> {
         (
             "writing was interrupted",
             attempt(Outcome::Begun),
+            Phase::Adjustment,
+            "Choose controller…",
+        ),
+        (
+            "no figures",
+            no_figures,
             Phase::Adjustment,
             "Choose controller…",
         ),

@@ -48,6 +48,7 @@ fn poses_are_stepped_through_by_keys_pointer_and_buttons() {
         assert_eq!(pose(&harness), Some(expected), "{key:?}");
         assert_eq!(shown(&harness), Shown::Fitted(expected), "{key:?}");
     }
+    assert!(harness.query_all_by_label("Home").next().is_some());
     let last = egui::pos2(line.max.x - 2.0, line.center().y);
     harness.hover_at(last);
     harness.drag_at(last);

@@ -212,6 +212,10 @@ fn other_clients_and_restarts_end_the_run_with_the_sentence_of_the_commands() {
     // The rest is measured in a session of its own.
     let plan = bench.session().plan.clone();
     bench.go(Phase::Measuring);
+    // The present readings are saved before another series begins.
+    let kept = bench.folder.path().join("kept.json");
+    bench.give(FileCommand::SaveAs(kept));
+    bench.settle("a file");
     bench.press("Begin a new series");
     bench.wait("the series", |state| measured(state) == 0);
     let series = bench.session();

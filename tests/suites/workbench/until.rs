@@ -111,7 +111,7 @@ fn goals_are_chosen_and_the_run_ends_when_they_are_reached() {
     bench.press("Next: Start measuring");
     bench.wait("home and a pose", |state| measured(state) > 1);
     assert!(shows(&bench, "The first 8 poses determine the geometry"));
-    assert!(shows(&bench, "of at most 40 measured"));
+    assert!(shows(&bench, "of at most 40 poses measured"));
     bench.wait("a decision", |state| {
         measured(state) > 8 && chosen(state).is_some()
     });
