@@ -118,9 +118,11 @@ pub(crate) fn measured(
 ) -> Dataset {
     let events = drive(&mut run_of(preset, poses, 11), robot, clock);
     assert_eq!(events.last(), Some(&MeasuringEvent::Finished));
-    let mut others = warnings(&events);
-    others.retain(|text| !text.contains(OUTSIDE_LIMITS));
+    let (tensions, others): (Vec<_>, Vec<_>) = warnings(&events)
+        .into_iter()
+        .partition(|text| text.contains(OUTSIDE_LIMITS));
     assert_eq!(others, Vec::<String>::new());
+    assert!(tensions.len() <= 1, "{tensions:?}");
     let measurements = readings(&events);
     assert_eq!(measurements.len(), poses + 1);
     Dataset {
