@@ -8,6 +8,7 @@ use tautline_session::{
     CheckRow, NamedValue, Outcome, Phase as LogPhase, Stage, StoppedVerification, Verification,
 };
 
+use super::moving::{refuses, watch};
 use crate::model::Model;
 use crate::model::command::WriteDraft;
 use crate::model::link::{Connected, DriverCommand, ValuesToWrite};
@@ -87,15 +88,6 @@ pub(super) fn roll_back(model: &mut Model) {
         model.messages.failure(Cause::Adjustment, &kept);
     }
     give(model, values, Purpose::RollBack);
-}
-
-/// Whether nothing may move or be written because an adjustment is still to be settled; the operator is told so.
-pub(super) fn refuses(model: &mut Model) -> bool {
-    let unsettled = model.unsettled();
-    if let Some(text) = &unsettled {
-        model.messages.failure(Cause::Adjustment, text);
-    }
-    unsettled.is_some()
 }
 
 /// Records the attempt; the values are written once the record is on disk.
@@ -240,7 +232,7 @@ pub(super) fn verify(model: &mut Model, stage: Stage) {
         Vec::new()
     };
     model.link.verify(targets, stage, rows);
-    super::run::watch(model);
+    watch(model);
 }
 
 pub(super) fn verified(

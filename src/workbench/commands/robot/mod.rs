@@ -2,6 +2,7 @@
 
 mod adjust;
 mod files;
+mod moving;
 mod plan;
 mod run;
 mod until;

@@ -3,27 +3,18 @@
 use std::sync::Arc;
 
 use tautline_core::geometry::Pose;
-use tautline_core::robot::Robot;
 use tautline_link::ParameterInfo;
 use tautline_session::{MeasuredPose, MeasuringWarning, Phase as LogPhase};
 
-use super::adjust::{not_recorded, refuses};
+use super::adjust::not_recorded;
+use super::moving::{reference, refuses, watch};
 use super::until;
+use crate::model::Model;
 use crate::model::link::{DriverCommand, DriverEvent, LivePlatform, Pending, RunLog};
-use crate::model::{Model, OpenSession, UiRequest};
 use tautline_workflow::clock;
-use tautline_workflow::controllers::Kind;
 use tautline_workflow::foreign_writes::{ValuesRead, begin_run, end_run};
 use tautline_workflow::planning::poses_in_words;
 use tautline_workflow::sequential::SequentialRun;
-
-/// What readings are compared with: the identified model where it is up to date, else the description.
-pub(super) fn reference(open: &OpenSession) -> Robot {
-    match open.fit().filter(|_| open.fit_is_current()) {
-        Some(fit) => fit.model.clone(),
-        None => open.session().robot.clone(),
-    }
-}
 
 pub(super) fn start(model: &mut Model) {
     if refuses(model) {
@@ -54,17 +45,6 @@ pub(super) fn start(model: &mut Model) {
     let reference = reference(open);
     model.link.measure(plan, measured, reference, None);
     watch(model);
-}
-
-/// Shows the robot and its readings, and keeps in the session that they are simulated, if they are.
-pub(super) fn watch(model: &mut Model) {
-    let connected = model.link.connected.as_ref();
-    let is_simulated = connected.is_some_and(|one| one.rig.kind == Kind::OfDescription);
-    if let Some(open) = model.open.as_mut().filter(|_| is_simulated) {
-        open.record(|session| session.has_simulated_readings = true);
-    }
-    model.playback.follows = true;
-    model.request(UiRequest::ShowScope);
 }
 
 pub(super) fn repeat(model: &mut Model, label: i64) {

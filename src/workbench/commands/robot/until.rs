@@ -5,7 +5,7 @@ use tautline_workflow::planning::missing_labels;
 use tautline_workflow::sequential::{SequentialRun, UntilRequest, goals_in_words, plan_home};
 use tautline_workflow::wording::sentence;
 
-use super::run;
+use super::moving::{reference, watch};
 use crate::model::Model;
 use crate::model::link::DriverCommand;
 use crate::model::messages::Cause;
@@ -46,10 +46,10 @@ pub(super) fn start(model: &mut Model) {
     }
     let is_used = |label: &&i64| **label != 0 && !session.excluded().contains(label);
     let before = measured.iter().filter(is_used).count();
-    let reference = run::reference(open);
+    let reference = reference(open);
     let until = Some((until, before));
     model.link.measure(home, measured, reference, until);
-    run::watch(model);
+    watch(model);
 }
 
 /// Goes to the pose that was decided on, or ends the run.
