@@ -112,7 +112,7 @@ def test_readiness_is_that_of_the_command(tmp_path: Path, program: Path) -> None
     # Random poses determine the geometry, and do not show all faults.
     assert found.table()["outcome"].tolist() == ["pass", "pass", "pass", "notice"]
     assert found.ready and "kinds of fault" in repr(found)
-    answer = subprocess.run([program, "check", tmp_path / "data", "--json", "-"], capture_output=True)
+    answer = subprocess.run([program, "check", tmp_path / "data", "--explain", "--json", "-"], capture_output=True)
     assert answer.returncode == 0
     assert json.loads(answer.stdout)["checks"] == found.document["checks"]
     spoilt = data.copy()
