@@ -217,6 +217,8 @@ fn other_clients_and_restarts_end_the_run_with_the_sentence_of_the_commands() {
     bench.give(FileCommand::SaveAs(kept));
     bench.settle("a file");
     bench.press("Begin a new series");
+    // The controller is armed.
+    bench.give(FileCommand::Answer(Answer::Discard));
     bench.wait("the series", |state| measured(state) == 0);
     let series = bench.session();
     assert_eq!((series.measurements.len(), &series.plan), (0, &plan));

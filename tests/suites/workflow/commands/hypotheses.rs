@@ -147,7 +147,7 @@ fn mistakes_are_named_with_file_line_and_column() {
     tautline(&["plan", "mini", "--hypothesis", &missing]).refused(&[&missing, "not found"]);
     // Two texts with one id.
     let right = folder.join("crosstalk.toml");
-    let other = folder.write("other.toml", &text.replace("0.01]", "0.02]"));
+    let other = folder.write("other.toml", &text.replace("0.03]", "0.02]"));
     let both = [
         "check",
         &data,
@@ -204,7 +204,7 @@ fn hypotheses_in_the_settings_folder_are_found_and_a_broken_one_stops_nothing() 
 
     // What is beside the dataset counts more.
     std::fs::create_dir(folder.path().join("bad/effects")).expect("a folder");
-    let nearer = text.replace("0.01]", "0.02]");
+    let nearer = text.replace("0.03]", "0.02]");
     let nearer = folder.write("bad/effects/crosstalk.toml", &nearer);
     let list = with_settings(&settings, &["effects", &data]).succeeded();
     assert!(

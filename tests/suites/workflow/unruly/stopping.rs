@@ -35,7 +35,7 @@ fn values_are_finished_before_the_program_ends() {
         assert!(
             answer
                 .stdout
-                .contains("The command was interrupted. The identified values were written"),
+                .contains("The command was interrupted. 31 values written and read back."),
             "{}",
             answer.stdout
         );
