@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
-use tautline_session::{AuditKey, Folders, read_session};
+use tautline_session::read_session;
 use tautline_workflow::audit::AuditDocument;
 use tautline_workflow::planning::poses_in_words;
 use tautline_workflow::wording::{count, sentence};
@@ -23,61 +23,29 @@ const SHOWN: usize = 12;
 ]))]
 pub struct Arguments {
     /// Session file
-    #[arg(value_name = "SESSION", required_unless_present = "new_key")]
-    session: Option<PathBuf>,
-    /// Fail unless every entry is signed with this public key
-    #[arg(long, value_name = "KEY")]
-    signed_by: Option<String>,
+    #[arg(value_name = "SESSION")]
+    session: PathBuf,
     /// Fail unless an entry has this hash, such as the one that a report prints
     #[arg(long, value_name = "HASH")]
     contains: Option<String>,
-    /// Make the key with which your programs sign from now on, and print its public key
-    #[arg(long, conflicts_with_all = ["session", "signed_by", "contains", "json"])]
-    new_key: bool,
     #[command(flatten)]
     json: JsonOutput<AuditDocument>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let Some(path) = &arguments.session else {
-        return make_key();
-    };
-    let key = digits("--signed-by", arguments.signed_by.as_deref())?;
-    let hash = digits("--contains", arguments.contains.as_deref())?;
+    let path = &arguments.session;
+    let hash = arguments.contains.as_deref();
+    let is_hash = |text: &str| text.len() == 64 && text.chars().all(|c| c.is_ascii_hexdigit());
+    if let Some(text) = hash.filter(|text| !is_hash(text)) {
+        return Err(BadInput::new(format!(
+            "--contains: found {text:?}, expected 64 hexadecimal digits"
+        )));
+    }
     let read = read_session(path)?;
     read.notices.into_iter().for_each(notice);
-    let document = AuditDocument::of(&read.value, key, hash);
+    let document = AuditDocument::of(&read.value, hash);
     arguments.json.deliver(&document, || print(&document))?;
     result(path, &document)
-}
-
-/// Makes the key of the user.
-fn make_key() -> Result<()> {
-    let path = Folders::of_user()?.audit_key();
-    if path.exists() {
-        return Err(anyhow!(
-            "{}: there is a key already; move it away before you make another one",
-            path.display()
-        ));
-    }
-    let key = AuditKey::create(&path)?;
-    say!(
-        "{}: entries are signed with this key from now on",
-        path.display()
-    );
-    say!("public key: {}", key.public());
-    Ok(())
-}
-
-/// A key or a hash, as it was typed.
-fn digits<'a>(option: &str, text: Option<&'a str>) -> Result<Option<&'a str>> {
-    let is_valid = |text: &&str| text.len() == 64 && text.chars().all(|c| c.is_ascii_hexdigit());
-    match text {
-        Some(text) if !is_valid(&text) => Err(BadInput::new(format!(
-            "{option}: found {text:?}, expected 64 hexadecimal digits"
-        ))),
-        text => Ok(text),
-    }
 }
 
 fn result(path: &Path, document: &AuditDocument) -> Result<()> {
@@ -95,27 +63,20 @@ fn result(path: &Path, document: &AuditDocument) -> Result<()> {
 }
 
 fn print(document: &AuditDocument) {
-    let heads = [
-        "Entry", "time", "operator", "program", "what", "signed", "hash",
-    ];
+    let heads = ["Entry", "time", "operator", "program", "what", "hash"];
     let mut lines = table::texts(&heads);
     for entry in &document.entries {
         let what = match entry.found {
             true => format!("found when the trail began: {}", entry.what),
             false => entry.what.clone(),
         };
-        let short = |text: &str| text.chars().take(SHOWN).collect::<String>();
         let cells = [
             entry.entry.to_string(),
             entry.time.to_string(),
             entry.operator.clone(),
             entry.program.clone(),
             what,
-            entry
-                .signed_by
-                .as_deref()
-                .map_or_else(|| "-".to_owned(), short),
-            short(&entry.hash),
+            entry.hash.chars().take(SHOWN).collect(),
         ];
         table::push(&mut lines, &cells);
     }

@@ -57,12 +57,6 @@ impl Folders {
         self.config.join("effects")
     }
 
-    /// The key that signs audit trails, see [`AuditKey`](crate::AuditKey).
-    #[must_use]
-    pub fn audit_key(&self) -> PathBuf {
-        self.config.join("audit.key")
-    }
-
     /// The certificate for OPC UA with its private key.
     #[must_use]
     pub fn opcua_key(&self) -> PathBuf {

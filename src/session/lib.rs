@@ -5,7 +5,6 @@
 //! atomically.
 
 mod atomic;
-mod audit_key;
 mod damaged;
 mod dataset;
 mod error;
@@ -33,7 +32,6 @@ mod trusted_servers;
 mod user_certificate;
 
 pub use atomic::{ReservedFile, link_target, reserve, write_bytes, write_text};
-pub use audit_key::AuditKey;
 pub use damaged::read_damaged;
 pub use dataset::{
     DatasetFolder, read_calibration_tables, read_check_file, read_dataset, read_table_file,
@@ -74,9 +72,9 @@ pub use session::{
     ResultDocument, ResultRecord, RunValues, Session, Settings, Simulator, Stage,
     StoppedVerification, SymbolCommand, SymbolList, SymbolMapping, SymbolNames, SymbolParameter,
     SymbolPose, SymbolReadings, SymbolRotation, SymbolStatus, SymbolValue, Timestamp, TrailAuthor,
-    TrailEntry, TrailFault, TrailPart, TrailRecord, TrailSignature, UntilSettings,
-    UserCertificateFiles, ValueChange, Verification, is_per_cable, name_of_cable, parse_session,
-    read_session, without_user, write_session,
+    TrailEntry, TrailFault, TrailPart, TrailRecord, UntilSettings, UserCertificateFiles,
+    ValueChange, Verification, is_per_cable, name_of_cable, parse_session, read_session,
+    without_user, write_session,
 };
 pub use symbols_file::{parse_symbols, read_symbols, write_symbols};
 pub use table::{csv_row, escape_formula};

@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_session::{
-    AuditKey, Folders, ReadError, Session, Timestamp, TrailAuthor, TrailEntry, TrailFault,
-    TrailPart, VersionedFile,
+    Session, Timestamp, TrailAuthor, TrailEntry, TrailFault, TrailPart, VersionedFile,
 };
 
 use crate::clock;
@@ -26,19 +25,8 @@ pub fn system_user() -> String {
     found.find(|name| !name.is_empty()).unwrap_or_default()
 }
 
-/// The key with which the user signs, if there is one; a user without folders has none.
-///
-/// # Errors
-/// If there is a key file that cannot be read or is no key.
-pub fn own_key() -> Result<Option<AuditKey>, ReadError> {
-    match Folders::of_user() {
-        Ok(folders) => AuditKey::read(&folders.audit_key()),
-        Err(_) => Ok(None),
-    }
-}
-
 /// Joins what is new in a session to an entry of its trail, by the `operator`, or the user of the system if that is empty.
-pub fn seal(session: &mut Session, operator: &str, key: Option<&AuditKey>) {
+pub fn seal(session: &mut Session, operator: &str) {
     let user = system_user();
     let author = TrailAuthor {
         operator: if operator.trim().is_empty() {
@@ -47,7 +35,6 @@ pub fn seal(session: &mut Session, operator: &str, key: Option<&AuditKey>) {
             operator.trim()
         },
         program: PROGRAM,
-        key,
     };
     session.seal(&author, clock::now());
 }
@@ -128,8 +115,6 @@ pub struct AuditEntry {
     pub what: String,
     /// Its hash.
     pub hash: String,
-    /// Public key of its signature; null if it is not signed.
-    pub signed_by: Option<String>,
 }
 
 /// Something that is wrong in the trail.
@@ -137,8 +122,7 @@ pub struct AuditEntry {
 pub struct AuditFault {
     /// Number of the entry, from 1; null if no entry has that part.
     pub entry: Option<usize>,
-    /// hash, signature, changed, missing, uncovered, key (not signed with the key that was asked for) or lost (no entry has the
-    /// hash that was asked for).
+    /// hash, changed, missing, uncovered, or lost (no entry has the hash that was asked for).
     pub kind: String,
     /// The fault in one sentence.
     pub text: String,
@@ -151,10 +135,9 @@ impl VersionedFile for AuditDocument {
 }
 
 impl AuditDocument {
-    /// Checks the trail of a session. Every entry must be signed with the public key `signed_by`, and one must have the hash
-    /// `contained`, as far as they are given.
+    /// Checks the trail of a session, an entry of which must have the hash `contained`, if one is given.
     #[must_use]
-    pub fn of(session: &Session, signed_by: Option<&str>, contained: Option<&str>) -> Self {
+    pub fn of(session: &Session, contained: Option<&str>) -> Self {
         let trail = session.trail();
         let mut faults: Vec<AuditFault> = match trail.is_empty() {
             true => Vec::new(),
@@ -164,19 +147,6 @@ impl AuditDocument {
                 .map(|fault| found(session, fault))
                 .collect(),
         };
-        let is_of = |entry: &TrailEntry, key: &str| {
-            let signature = entry.signature.as_ref();
-            signature.is_some_and(|signature| signature.key.eq_ignore_ascii_case(key))
-        };
-        for (number, entry) in (1..).zip(trail.entries()) {
-            if let Some(key) = signed_by.filter(|key| !is_of(entry, key)) {
-                faults.push(AuditFault {
-                    entry: Some(number),
-                    kind: "key".to_owned(),
-                    text: format!("entry {number} is not signed with the key {key}"),
-                });
-            }
-        }
         if let Some(hash) = contained {
             let mut hashes = trail.entries().iter().map(|entry| &entry.hash);
             if !hashes.any(|known| known.eq_ignore_ascii_case(hash)) {
@@ -206,7 +176,6 @@ impl AuditDocument {
                     found: entry.found,
                     what: what(session, entry),
                     hash: entry.hash.clone(),
-                    signed_by: entry.signature.as_ref().map(|s| s.key.clone()),
                 })
                 .collect(),
             faults,
@@ -228,7 +197,6 @@ impl AuditDocument {
 fn found(session: &Session, fault: &TrailFault) -> AuditFault {
     let (kind, entry) = match fault {
         TrailFault::Hash(entry) => ("hash", Some(entry)),
-        TrailFault::Signature(entry) => ("signature", Some(entry)),
         TrailFault::Changed(_, entry) => ("changed", Some(entry)),
         TrailFault::Missing(_, entry) => ("missing", Some(entry)),
         TrailFault::Uncovered(_) => ("uncovered", None),
@@ -255,12 +223,6 @@ fn sentence(session: &Session, fault: &TrailFault) -> String {
             "entry {} does not have its hash: its operator, time, program or records were changed, or an entry was removed or inserted before it",
             number + 1
         ),
-        TrailFault::Signature(number) => {
-            format!(
-                "the signature of entry {} is not that of its key",
-                number + 1
-            )
-        }
         TrailFault::Changed(part, number) => {
             format!("{} not as {}", part_is(*part), recorded(*number))
         }

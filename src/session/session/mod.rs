@@ -50,9 +50,7 @@ pub use result_document::ResultDocument;
 pub use settings::{DiagnosisSettings, IdentificationSettings, Method, Settings, UntilSettings};
 pub use simulator::Simulator;
 pub use timestamp::{NotATimestamp, Timestamp};
-pub use trail::{
-    AuditTrail, TrailAuthor, TrailEntry, TrailFault, TrailPart, TrailRecord, TrailSignature,
-};
+pub use trail::{AuditTrail, TrailAuthor, TrailEntry, TrailFault, TrailPart, TrailRecord};
 pub use verification::{Acceptance, Stage, StoppedVerification, Verification};
 
 /// One calibration of one robot.

@@ -3,7 +3,7 @@
 //!
 //! Whatever the session records of it gets a SHA-256 at that moment. Saving joins what is new to an entry, with the operator, the
 //! program and the hash of the entry before, so that nothing in between can be changed, removed or inserted without notice. Who
-//! can write the file can also compute the whole chain anew: against that, an entry may be signed, and reports print the last hash.
+//! can write the file can also compute the whole chain anew: against that, reports print the last hash.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{Adjustment, MeasurementTable, Outcome, Session, Timestamp, Verification};
-use crate::audit_key::{AuditKey, is_signed};
 use crate::fingerprint::sha256;
 use crate::json::value_of;
 
@@ -70,9 +69,6 @@ pub struct TrailEntry {
     pub records: Vec<TrailRecord>,
     /// SHA-256 of the hash of the entry before and of everything above: 64 hexadecimal digits.
     pub hash: String,
-    /// Signature of the hash.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub signature: Option<TrailSignature>,
 }
 
 /// A part of the session with its hash at that time.
@@ -112,15 +108,6 @@ pub enum TrailPart {
     Imported,
 }
 
-/// An Ed25519 signature.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct TrailSignature {
-    /// The public key: 64 hexadecimal digits.
-    pub key: String,
-    /// The signature: 128 hexadecimal digits.
-    pub signature: String,
-}
-
 /// Who saves a session.
 #[derive(Debug, Clone, Copy)]
 pub struct TrailAuthor<'a> {
@@ -128,8 +115,6 @@ pub struct TrailAuthor<'a> {
     pub operator: &'a str,
     /// Name and version of the program.
     pub program: &'a str,
-    /// Signs the entry, if there is one.
-    pub key: Option<&'a AuditKey>,
 }
 
 /// What is wrong in an audit trail. Entries are numbered from 0.
@@ -137,8 +122,6 @@ pub struct TrailAuthor<'a> {
 pub enum TrailFault {
     /// The hash of an entry is not that of its content and of the entry before.
     Hash(usize),
-    /// The signature of an entry is not that of its hash.
-    Signature(usize),
     /// A part is not what this entry recorded.
     Changed(TrailPart, usize),
     /// A part that this entry recorded is gone.
@@ -198,13 +181,8 @@ impl AuditTrail {
             found,
             records,
             hash: String::new(),
-            signature: None,
         };
         entry.hash = entry.computed_hash(self.last_hash().unwrap_or(ORIGIN));
-        entry.signature = by.key.map(|key| TrailSignature {
-            key: key.public(),
-            signature: key.sign(&entry.hash),
-        });
         self.entries.push(entry);
     }
 }
@@ -212,12 +190,11 @@ impl AuditTrail {
 impl TrailEntry {
     /// The hash of its content after an entry with the hash `before`.
     fn computed_hash(&self, before: &str) -> String {
-        let unsigned = Self {
-            hash: before.to_owned(),
-            signature: None,
+        let hash = before.to_owned();
+        sha256(&value_of(&Self {
+            hash,
             ..self.clone()
-        };
-        sha256(&value_of(&unsigned))
+        }))
     }
 }
 
@@ -343,10 +320,6 @@ impl Session {
         for (number, entry) in self.trail.entries.iter().enumerate() {
             if entry.computed_hash(before) != entry.hash {
                 faults.push(TrailFault::Hash(number));
-            }
-            let signature = entry.signature.as_ref();
-            if signature.is_some_and(|by| !is_signed(&entry.hash, &by.key, &by.signature)) {
-                faults.push(TrailFault::Signature(number));
             }
             before = &entry.hash;
         }

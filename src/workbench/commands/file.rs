@@ -6,8 +6,8 @@ use egui::ViewportCommand;
 use tautline_core::effect::EffectSetting;
 use tautline_core::robot::Robot;
 use tautline_session::{
-    AuditKey, Import, Loaded, LogEntry, Phase as LogPhase, RecentSession, Session,
-    find_unsaved_sessions, link_target, write_session,
+    Import, Loaded, LogEntry, Phase as LogPhase, RecentSession, Session, find_unsaved_sessions,
+    link_target, write_session,
 };
 
 use super::file_dialog::pick;
@@ -29,8 +29,9 @@ use tautline_workflow::controllers::Kind;
 use tautline_workflow::history::is_record;
 use tautline_workflow::importing::{Opened, open as open_any};
 use tautline_workflow::planning::missing_labels;
+use tautline_workflow::plot::outline::outline;
 use tautline_workflow::session_file::recover_unsaved;
-use tautline_workflow::wording::sentence;
+use tautline_workflow::wording::{sentence, session_verdict};
 use tautline_workflow::{audit, clock, samples};
 
 const SAVING: &str = "Saving";
@@ -230,14 +231,8 @@ fn seal(model: &mut Model) {
     else {
         return;
     };
-    let key = AuditKey::read(&model.folders.audit_key()).unwrap_or_else(|error| {
-        // Nothing that was measured is lost because of a key.
-        let text = format!("The audit trail is not signed: {error}.");
-        model.messages.warning(text);
-        None
-    });
     let operator = &model.preferences.operator;
-    open.record(|session| audit::seal(session, operator, key.as_ref()));
+    open.record(|session| audit::seal(session, operator));
 }
 
 /// Leaves the open session or its controller, after a question if that loses unsaved changes or disarms a robot.
@@ -500,7 +495,13 @@ fn opened(model: &mut Model, opening: Opening) {
 /// Puts the open session at the top of the recent ones.
 fn remember(model: &mut Model, path: &Path) {
     let open = model.open.as_ref();
-    let recent = open.and_then(|open| RecentSession::of(path, open.session(), clock::now()));
+    let recent = open.and_then(|open| {
+        let session = open.session();
+        let mut recent = RecentSession::of(path, session, clock::now())?;
+        recent.verdict = session_verdict(session);
+        recent.outline = outline(&session.robot);
+        Some(recent)
+    });
     if let Some(recent) = recent {
         model.change_preferences(|preferences| preferences.remember(recent));
     }

@@ -222,11 +222,11 @@ impl ConnectionSetup {
                 "the mapping has no watchdog: the controller does not notice that this program has ended, nor this program that another one is armed",
             ),
         ];
-        let own = Folders::of_user().map(|folders| [folders.opcua_key(), folders.audit_key()]);
+        let own = Folders::of_user().map(|folders| folders.opcua_key());
         let users = self
             .user_certificate()
             .map(|files| files.key.clone().into());
-        let keys = own.into_iter().flatten().chain(users);
+        let keys = own.into_iter().chain(users);
         let exposed = keys.filter_map(|key| exposed_key(&key));
         found.into_iter().flatten().chain(exposed).collect()
     }

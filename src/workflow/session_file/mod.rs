@@ -16,12 +16,12 @@ use std::path::{Path, PathBuf};
 
 use tautline_core::robot::FieldError;
 use tautline_session::{
-    AuditKey, LogEntry, Phase, ReadError, RecoveryWriter, Session, UnsavedSession, WriteError,
+    LogEntry, Phase, ReadError, RecoveryWriter, Session, UnsavedSession, WriteError,
     find_unsaved_sessions, link_target, read_session, remove_discarded, write_session,
 };
 
 use crate::adjusting::open as open_adjustment;
-use crate::audit::{self, own_key};
+use crate::audit;
 use crate::clock;
 use crate::controllers::{beside, is_held_values};
 use crate::wording::{count, sentence};
@@ -104,8 +104,6 @@ pub struct SessionFile {
     /// The session, including unsaved changes.
     pub session: Session,
     lock: FileLock,
-    /// Signs the audit trail.
-    key: Option<AuditKey>,
 }
 
 /// Recovers what a killed command left beside a session file; returns notices about it, also if a command is still
@@ -143,7 +141,6 @@ impl SessionFile {
         // A session that is opened through a link is one file with one lock.
         let path = &link_target(path);
         let folder = unsaved_folder(path);
-        let key = own_key().map_err(SessionFileError::from)?;
         // Errors in a file are reported before anything is written beside it.
         let made = match path.exists() || folder.exists() {
             true => None,
@@ -175,7 +172,6 @@ impl SessionFile {
             path: path.clone(),
             session,
             lock,
-            key,
         };
         if let Some(text) = audit::notice(&file.session) {
             notify(format!("{}: {text}", file.path.display()));
@@ -230,7 +226,7 @@ impl SessionFile {
     /// # Errors
     /// If it cannot be written.
     pub fn save(&mut self) -> Result<(), SessionFileError> {
-        audit::seal(&mut self.session, "", self.key.as_ref());
+        audit::seal(&mut self.session, "");
         Ok(write_session(&self.path, &self.session)?)
     }
 

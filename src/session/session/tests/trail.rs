@@ -1,5 +1,4 @@
 use super::*;
-use crate::AuditKey;
 use tautline_core::measurement::Measurements;
 
 fn time(minute: i64) -> Timestamp {
@@ -10,7 +9,6 @@ fn by(operator: &str) -> TrailAuthor<'_> {
     TrailAuthor {
         operator,
         program: "Tautline 0.1.0",
-        key: None,
     }
 }
 
@@ -384,32 +382,6 @@ fn what_was_concluded_before_a_kill_is_covered_after_it() {
         changed.audit(),
         [TrailFault::Changed(TrailPart::Adjustment(0), 2)]
     );
-}
-
-#[test]
-fn signatures_are_checked() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let key = AuditKey::create(&folder.path().join("audit.key")).expect("a key");
-    let mut session = sealed();
-    log(&mut session, 30, "Signed.");
-    let author = TrailAuthor {
-        key: Some(&key),
-        ..by("Ada")
-    };
-    session.seal(&author, time(30));
-    let json = json_of(&session);
-    assert_eq!(read(json.clone()).audit(), []);
-    let entry = &session.trail().entries()[3];
-    let signature = entry.signature.as_ref().expect("signed");
-    assert_eq!(signature.key, key.public());
-    // Whoever computes the hash anew cannot sign it.
-    let mut forged = json.clone();
-    forged["trail"]["entries"][3]["hash"] = json!("0".repeat(64));
-    let faults = read(forged).audit();
-    assert_eq!(faults, [TrailFault::Hash(3), TrailFault::Signature(3)]);
-    let mut broken = json;
-    broken["trail"]["entries"][3]["signature"]["signature"] = json!("zz");
-    assert_eq!(read(broken).audit(), [TrailFault::Signature(3)]);
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! The audit trail: what moved and what was written is in it, and a change of the file afterwards is said.
 
 use serde_json::{Value, json};
-use tautline_validation::support::program::{command, run};
 
 use super::session;
 use crate::commands::program::{Answer, Folder, assert_valid, tautline};
@@ -213,44 +212,5 @@ fn an_older_copy_is_found_by_a_hash_that_it_lacks() {
         found.stdout.contains("no entry has the hash"),
         "{}",
         found.stdout
-    );
-}
-
-/// Runs the program with a folder of its own for the user's files.
-fn at_home(home: &str, words: &[&str]) -> Answer {
-    run(command(words).env("TAUTLINE_HOME", home))
-}
-
-#[test]
-fn entries_are_signed_with_the_key_of_the_user() {
-    let folder = Folder::new();
-    let home = folder.join("home");
-    let made = at_home(&home, &["audit", "--new-key"]).succeeded().stdout;
-    let key = made
-        .lines()
-        .find_map(|line| line.strip_prefix("public key: "));
-    let key = key.expect("a key");
-    let twice = at_home(&home, &["audit", "--new-key"]);
-    assert_eq!(twice.code, Some(1), "{}", twice.stderr);
-    let file = folder.join("s.json");
-    let sim = ["--controller", "sim", "--arm"];
-    let measure = ["measure", &file, "--robot", "mini", "--poses", "8"];
-    let words = [&measure[..], &sim].concat();
-    at_home(&home, &words);
-    audit(&file, &["--signed-by", key]).succeeded();
-    let other = audit(&file, &["--signed-by", &"1".repeat(64)]);
-    assert_eq!(other.code, Some(1), "{}", other.stderr);
-    assert!(other.stdout.contains("is not signed with the key 1111"));
-    let document = audit(&file, &["--json", "-"]).succeeded().json();
-    let entries = document["entries"].as_array().expect("entries");
-    assert!(entries.iter().all(|entry| entry["signed_by"] == key));
-    // A key that is none is said before anything is moved.
-    folder.write("home/audit.key", "no key");
-    let refused = at_home(&home, &words);
-    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
-    assert!(
-        refused.stderr.contains("audit.key: found 6 bytes"),
-        "{}",
-        refused.stderr
     );
 }
