@@ -40,6 +40,16 @@ pub struct CheckRow {
     pub attained: CheckPose,
 }
 
+impl CheckRow {
+    /// Distance of the attained from the commanded position (m).
+    #[must_use]
+    pub fn distance_m(&self) -> f64 {
+        let [attained, commanded] = [&self.attained, &self.commanded];
+        let pairs = attained.position_m.iter().zip(commanded.position_m);
+        pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    }
+}
+
 /// A pose whose orientation may be unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CheckPose {

@@ -10,7 +10,9 @@ use tautline_session::{CheckKind, CheckRow};
 
 #[cfg(test)]
 pub(crate) use before_after::tests::run as verification_of_one_pose;
-pub use before_after::{Figure, before_and_after};
+pub use before_after::{
+    Figure, LARGEST, before_and_after, plot_of_errors, predicted_m, result_in_words,
+};
 pub use document::{Accuracy, Figures, PathAccuracy, PointAccuracy, PoseAccuracy, TargetAccuracy};
 pub use group::{Group, Point, group, word};
 pub use verification::VerificationDocument;

@@ -87,12 +87,7 @@ pub fn to_continue(session: &Session, stage: Stage) -> Option<&StoppedVerificati
 /// What a stopped verification has.
 #[must_use]
 pub fn stopped_in_words(run: &StoppedVerification) -> String {
-    let distance = |row: &CheckRow| {
-        let [attained, commanded] = [&row.attained, &row.commanded];
-        let pairs = attained.position_m.iter().zip(commanded.position_m);
-        pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
-    };
-    let all: Vec<f64> = run.rows.iter().map(distance).collect();
+    let all: Vec<f64> = run.rows.iter().map(CheckRow::distance_m).collect();
     let mean_mm = 1e3 * all.iter().sum::<f64>() / all.len().max(1) as f64;
     let largest_mm = 1e3 * all.iter().copied().fold(0.0, f64::max);
     format!(

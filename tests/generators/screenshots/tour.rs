@@ -110,7 +110,7 @@ fn adjusted(film: &mut Film) -> Result<()> {
     film.shot(SHORT)?;
     film.stage.confirm_write("Ada");
     verified(film, "Measure after", 2);
-    film.stage.show("Improved: ");
+    film.stage.show("Pose accuracy, mean:");
     film.shot(LONG)
 }
 

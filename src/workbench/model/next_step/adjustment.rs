@@ -7,7 +7,7 @@ use super::{Action, NextStep, Sign, connecting, identification, of_controller, s
 use crate::model::command::{ReportCommand, RobotCommand};
 use crate::model::phase::{Phase, PhaseStatus, Progress};
 use crate::model::{Model, OpenSession};
-use tautline_workflow::accuracy::before_and_after;
+use tautline_workflow::accuracy::{LARGEST, before_and_after};
 use tautline_workflow::adjusting::{self, Check, CheckState, Item};
 use tautline_workflow::controllers::Kind;
 use tautline_workflow::report::ReportFormat;
@@ -109,7 +109,13 @@ pub(super) fn of(model: &Model, open: &OpenSession) -> NextStep {
     };
     if next == Item::Accept {
         let accept = Action::new("Accept the robot", RobotCommand::Accept);
-        return NextStep::new(status, Some(accept), "Then: save the report.");
+        let figures = before_and_after(open.session()).unwrap_or_default();
+        let largest = figures.iter().find(|one| one.name == LARGEST);
+        let then = match largest.and_then(|one| one.after_m) {
+            Some(m) => format!("It is accepted with errors of at most {:.2} mm.", 1e3 * m),
+            None => "Then: save the report.".to_owned(),
+        };
+        return NextStep::new(status, Some(accept), then);
     }
     let session = open.session();
     if let Some((action, then)) = connecting(model, session) {

@@ -26,12 +26,15 @@ use tautline_workflow::wording::sentence;
 
 pub(crate) use table::lines;
 
+/// Accuracy before and after, and the error (m) that the identification predicts; or what is wrong with the rows.
+type Figures = Result<(Vec<Figure>, Option<f64>), String>;
+
 /// State of the panel between frames.
 #[derive(Debug, Default)]
 pub struct PanelState {
     /// Whether parameters that stay as they are are shown as well.
     all: bool,
-    figures: Memo<(u64, u64), Result<Vec<Figure>, String>>,
+    figures: Memo<(u64, u64, bool), Figures>,
     /// The pose that is typed at a target.
     typed: typed::Typed,
 }
@@ -54,6 +57,8 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         false => missing(ui, open),
     }
     let review = model.review();
+    let is_held = adjusting::written(open.session(), &review.lines).is_some();
+    verification::result(ui, open, panel, is_held);
     checks::show(ui, model, &review.lines);
     controller::show(ui, model, outbox);
     if current {
@@ -61,7 +66,7 @@ pub fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Out
         write(ui, model, outbox, &review);
     }
     record::show(ui, model);
-    verification::show(ui, model, panel, outbox, &review.lines);
+    verification::show(ui, model, panel, outbox);
     reveal::show(ui, model, outbox);
 }
 

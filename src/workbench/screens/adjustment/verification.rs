@@ -2,31 +2,28 @@
 
 use egui::Ui;
 use egui_material_icons::icons;
-use tautline_link::adjusting::Difference;
 use tautline_session::Stage;
 
-use super::PanelState;
 use super::typed;
-use crate::model::Model;
+use super::{Figures, PanelState};
 use crate::model::command::Outbox;
 use crate::model::command::{Export, FileCommand, RobotCommand};
 use crate::model::link::Doing;
+use crate::model::{Model, OpenSession};
 use crate::screens::measuring::motion;
-use crate::theme;
+use crate::theme::{self, GRID};
+use crate::views::plots::small;
 use crate::widgets::{Cell, Column, Verdict, icon_button, muted, section, table, verdict};
-use tautline_workflow::accuracy::{Figure, before_and_after};
+use tautline_workflow::accuracy::{
+    Figure, before_and_after, plot_of_errors, predicted_m, result_in_words,
+};
 use tautline_workflow::adjusting;
 use tautline_workflow::controllers::Kind;
+use tautline_workflow::plot::Selection;
 use tautline_workflow::wording::units::fixed;
 
 /// Draws buttons, progress and the table of both runs.
-pub(super) fn show(
-    ui: &mut Ui,
-    model: &Model,
-    panel: &mut PanelState,
-    outbox: &mut Outbox,
-    differences: &[Difference],
-) {
+pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &mut Outbox) {
     section(ui, "Verification");
     muted(
         ui,
@@ -46,12 +43,8 @@ pub(super) fn show(
     if session.verifications().is_empty() {
         return;
     }
-    let key = (open.id(), open.revision());
-    match panel.figures.get(key, || before_and_after(session)) {
-        Ok(figures) => {
-            let is_held = adjusting::written(session, differences).is_some();
-            show_figures(ui, figures, is_held);
-        }
+    match figures(open, panel) {
+        Ok((figures, _)) => show_figures(ui, figures),
         Err(error) => verdict(ui, Verdict::Bad, &format!("{error}.")),
     }
 }
@@ -141,21 +134,39 @@ fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
     });
 }
 
-/// Draws the figures, which are of the values that the controller holds, or of earlier ones.
-fn show_figures(ui: &mut Ui, lines: &[Figure], is_held: bool) {
-    let main = lines.iter().find_map(|line| Some((line, line.gain()?)));
-    if let Some((line, gain)) = main {
-        let percent = 100.0 * gain;
-        let name = line.name.to_lowercase();
-        if gain > 0.0 {
-            let text = format!("Improved: {name} by {percent:.0} %.");
-            verdict(ui, Verdict::Good, &text);
-        } else {
-            let text = format!("Not improved: {name} is worse by {:.0} %.", -percent);
-            let kinds = [Verdict::Doubtful, Verdict::Bad];
-            verdict(ui, kinds[usize::from(is_held)], &text);
-        }
-    }
+/// Draws what the adjustment has changed; a robot that is worse is an error if the controller holds the values.
+pub(super) fn result(ui: &mut Ui, open: &OpenSession, panel: &mut PanelState, is_held: bool) {
+    let Ok((figures, predicted_m)) = figures(open, panel) else {
+        return;
+    };
+    let gain = figures.iter().find_map(Figure::gain);
+    let Some((gain, text)) = gain.zip(result_in_words(figures, *predicted_m)) else {
+        return;
+    };
+    let kind = match (gain > 0.0, is_held) {
+        (true, _) => Verdict::Good,
+        (false, true) => Verdict::Bad,
+        (false, false) => Verdict::Doubtful,
+    };
+    verdict(ui, kind, &text);
+    let plot = plot_of_errors(open.session(), *predicted_m);
+    let name = "Position errors before and after";
+    small::show(ui, name, &plot, 22.0 * GRID, Selection::default());
+}
+
+fn figures<'a>(open: &OpenSession, panel: &'a mut PanelState) -> &'a Figures {
+    let session = open.session();
+    let fit = open.fit().filter(|_| open.fit_is_current());
+    let key = (open.id(), open.revision(), fit.is_some());
+    panel.figures.get(key, || {
+        let runs = session.verifications().iter();
+        let after = runs.rev().find(|run| run.stage == Stage::After);
+        let predicted = fit.zip(after).and_then(|(fit, run)| predicted_m(fit, run));
+        Ok((before_and_after(session)?, predicted))
+    })
+}
+
+fn show_figures(ui: &mut Ui, lines: &[Figure]) {
     let columns = [
         Column::words("Characteristic"),
         Column::number("Before", "mm"),
