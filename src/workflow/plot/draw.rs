@@ -314,6 +314,8 @@ impl Plot<'_> {
             }
         }
         if columns.outline {
+            // The joint of a line at two equal points is drawn as a wedge.
+            outline.dedup();
             canvas.line(&outline, Stroke::new(1.75, colour), false);
         }
     }
