@@ -166,7 +166,7 @@ pub fn conclude(
     if let Some(holds) = holds {
         session.controller = holds;
     }
-    file.log(Phase::Accuracy, written.text.clone());
+    file.log(Phase::Controller, written.text.clone());
     file.save().map_err(|error| {
         anyhow!(
             "{} {} does not record this outcome, only that the adjustment was begun: {error}. Run the same command again once it can be written.",

@@ -12,7 +12,7 @@ use super::{ResultDocument, Timestamp};
 pub enum Phase {
     /// Phase 1: winches, force sensors, home reference platform.
     Instruments,
-    /// Phase 2: elongation of the cables.
+    /// Phase 2: description of the robot, elongation of its cables.
     Cables,
     /// Phase 3: measured poses.
     Poses,
@@ -20,6 +20,8 @@ pub enum Phase {
     Identification,
     /// Between 4 and 5: diagnosis of the model.
     Diagnosis,
+    /// Phase 5: which controller it is, and values written to it.
+    Controller,
     /// Phase 5: accuracy measured by an external instrument.
     Accuracy,
     /// The session itself: opened, renamed, exported.

@@ -8,7 +8,8 @@ use tautline_core::effect::{BoundEffect, EffectSetting, Hypothesis};
 use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 use tautline_session::{
-    Connection, LaserSettings, Method, PhaseData, PlannedPose, Session, Settings, UntilSettings,
+    Connection, LaserSettings, Method, Phase as LogPhase, PhaseData, PlannedPose, Session,
+    Settings, UntilSettings,
 };
 pub use tautline_workflow::identification::same_effect;
 use tautline_workflow::signature::replace_hypothesis;
@@ -74,6 +75,25 @@ impl Edit {
             | Self::SetRobot(_, what)
             | Self::SetPhases(_, what)
             | Self::Import(_, what) => what.clone(),
+        }
+    }
+
+    /// Part of the session's log that tells it; `None` for what its command tells, or what changes no result.
+    pub(super) fn log_phase(&self) -> Option<LogPhase> {
+        match self {
+            Self::AddEffects(..)
+            | Self::AddPattern { .. }
+            | Self::RemoveEffects(..)
+            | Self::SetMethod(_)
+            | Self::Exclude(_)
+            | Self::Include(_) => Some(LogPhase::Identification),
+            Self::SetHypothesis(_) | Self::RemoveHypothesis(_) | Self::SetAlpha(_) => {
+                Some(LogPhase::Diagnosis)
+            }
+            Self::SetPhases(..) => Some(LogPhase::Instruments),
+            Self::SetRobot(..) => Some(LogPhase::Cables),
+            Self::SetConnection(_) => Some(LogPhase::Controller),
+            Self::Rename(_) | Self::SetUntil(_) | Self::SetPlan(..) | Self::Import(..) => None,
         }
     }
 
@@ -198,7 +218,7 @@ impl Editable {
 
 /// A former state, with the name of the edit that changed it.
 #[derive(Debug, Clone)]
-struct Phase {
+struct Step {
     /// Number of the edit, never used twice.
     number: u64,
     name: String,
@@ -221,8 +241,8 @@ pub enum InputRevision {
 /// Edits that can be undone and redone.
 #[derive(Debug, Clone, Default)]
 pub struct History {
-    undo: Vec<Phase>,
-    redo: Vec<Phase>,
+    undo: Vec<Step>,
+    redo: Vec<Step>,
     edits: u64,
 }
 
@@ -238,7 +258,7 @@ impl History {
         inputs: u64,
     ) -> Option<InputRevision> {
         let is_import = matches!(edit, Edit::Import(..));
-        let step = Phase {
+        let step = Step {
             number: self.edits + 1,
             name: edit.name(),
             state: Editable::of(session),
@@ -320,8 +340,8 @@ impl History {
 }
 
 fn step(
-    from: &mut Vec<Phase>,
-    to: &mut Vec<Phase>,
+    from: &mut Vec<Step>,
+    to: &mut Vec<Step>,
     session: &mut Session,
     inputs: u64,
 ) -> Option<(String, InputRevision)> {
@@ -331,7 +351,7 @@ fn step(
     let poses = left
         .poses
         .map(|poses| std::mem::replace(&mut session.measurements, poses));
-    to.push(Phase {
+    to.push(Step {
         number: left.number,
         name: left.name.clone(),
         state,

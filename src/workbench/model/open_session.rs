@@ -22,6 +22,7 @@ use tautline_workflow::identification::{Identification, IdentificationDocument};
 use tautline_workflow::planning::missing_labels;
 use tautline_workflow::precalibration::Calibration;
 use tautline_workflow::readiness::{CheckItem, check_readings};
+use tautline_workflow::wording::sentence;
 
 /// Numbers of inputs, never used twice, so that a result that comes late belongs to no other session. A session is known
 /// by the first of its own.
@@ -253,8 +254,12 @@ impl OpenSession {
         let is_import = matches!(edit, Edit::Import(..));
         let is_of_model = matches!(edit, Edit::AddEffects(..) | Edit::RemoveEffects(..));
         let data = self.data.get(&self.inputs).copied();
+        let told = edit.log_phase().map(|phase| (phase, edit.name()));
         let inputs = self.history.perform(edit, &mut self.session, self.inputs);
         let is_done = inputs.map(|inputs| self.touch(&inputs)).is_some();
+        if let Some((phase, name)) = told.filter(|_| is_done) {
+            self.record_step(phase, format!("{}.", sentence(&name)));
+        }
         if let (true, Some(data)) = (is_of_model, data) {
             self.data.insert(self.inputs, data);
         }
@@ -267,6 +272,7 @@ impl OpenSession {
         self.replaced += u64::from(self.history.is_import(false));
         let (name, inputs) = self.history.undo(&mut self.session, self.inputs)?;
         self.touch(&inputs);
+        self.record_step(LogPhase::Session, format!("Undone: {name}."));
         Some(name)
     }
 
@@ -275,6 +281,7 @@ impl OpenSession {
         self.replaced += u64::from(self.history.is_import(true));
         let (name, inputs) = self.history.redo(&mut self.session, self.inputs)?;
         self.touch(&inputs);
+        self.record_step(LogPhase::Session, format!("Done again: {name}."));
         Some(name)
     }
 
@@ -321,13 +328,18 @@ impl OpenSession {
         result
     }
 
-    /// Adds to the session's log.
-    pub fn log(&mut self, phase: LogPhase, text: impl Into<String>) {
+    /// Adds to the session's log a step that changes nothing beside it: undone, the session is as its file.
+    fn record_step(&mut self, phase: LogPhase, text: String) {
         self.session.record(LogEntry {
             time: clock::now(),
             phase,
-            text: text.into(),
+            text,
         });
+    }
+
+    /// Adds to the session's log.
+    pub fn log(&mut self, phase: LogPhase, text: impl Into<String>) {
+        self.record_step(phase, text.into());
         self.revision += 1;
         self.lasting += 1;
     }

@@ -58,7 +58,7 @@ pub(super) fn confirm_write(model: &mut Model, is_confirmed: bool) {
     if let Some(open) = &mut model.open {
         for doubt in draft.doubts {
             let text = format!("Written all the same: {}.", doubt.sentence);
-            open.log(LogPhase::Accuracy, text);
+            open.log(LogPhase::Controller, text);
         }
     }
     give(model, draft.review.values_to_write(), Purpose::Adjust);
@@ -196,7 +196,7 @@ fn conclude(model: &mut Model, outcome: Outcome, text: &str, read_back: Option<&
                 session.controller = holds;
             }
         });
-        open.log(LogPhase::Accuracy, text);
+        open.log(LogPhase::Controller, text);
     }
 }
 

@@ -52,10 +52,11 @@ pub fn log(session: &Session) -> Option<Section> {
 fn phase(phase: Phase) -> &'static str {
     match phase {
         Phase::Instruments => "Instruments",
-        Phase::Cables => "Cables",
+        Phase::Cables => "Robot",
         Phase::Poses => "Measuring",
         Phase::Identification => "Identification",
         Phase::Diagnosis => "Diagnosis",
+        Phase::Controller => "Controller",
         Phase::Accuracy => "Accuracy",
         Phase::Session => "Session",
     }
