@@ -110,6 +110,12 @@ pub struct RecentSession {
     /// Time of its last measurement, if it had any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured: Option<Timestamp>,
+    /// How it stands, in a few words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<String>,
+    /// Lines of its cables for a small picture: x and y of both ends, from 0 to 1000, y downwards.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outline: Vec<[i16; 4]>,
 }
 
 impl RecentSession {
@@ -122,6 +128,8 @@ impl RecentSession {
             when,
             robot: Some(session.robot.label()),
             measured: session.measured(),
+            verdict: None,
+            outline: Vec::new(),
         })
     }
 

@@ -12,10 +12,11 @@ use crate::model::command::{
 use crate::model::phase::Screen;
 use crate::theme::{self, GRID};
 use crate::widgets::{COLUMN, icon_button, icon_only, muted, page, path_field, primary, section};
+use tautline_workflow::plot::outline::OUTLINE_SIZE;
 use tautline_workflow::samples::{self, Sample};
 use tautline_workflow::templates::Template;
 use tautline_workflow::wording::local_time::date_and_time;
-use tautline_workflow::wording::{count, recent_facts};
+use tautline_workflow::wording::{count, recent_facts, sentence};
 
 /// What the start screen remembers.
 #[derive(Debug, Default)]
@@ -240,7 +241,7 @@ fn recent(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
                 }
                 ui.with_layout(Layout::top_down(Align::Min), |ui| {
                     let hint = folder.display().to_string();
-                    if entry(ui, (&recent.name, &facts), there)
+                    if entry(ui, (&recent.name, &facts), &recent.outline, there)
                         .on_hover_text(hint)
                         .clicked()
                     {
@@ -261,30 +262,59 @@ fn sample_sessions(ui: &mut Ui, panel: &mut PanelState, outbox: &mut Outbox) {
     }
     section(ui, "Sample sessions");
     for sample in found.iter() {
-        if entry(ui, (&sample.title, &sample.shows), true).clicked() {
+        let facts = match sample.facts.as_str() {
+            "" => sample.shows.clone(),
+            facts => format!("{} {}.", sample.shows, sentence(facts)),
+        };
+        if entry(ui, (&sample.title, &facts), &sample.outline, true).clicked() {
             outbox.send(FileCommand::Open(sample.session.clone()));
         }
     }
 }
 
-/// A session by name, and below it what is known of it.
-fn entry(ui: &mut Ui, (name, facts): (&str, &str), enabled: bool) -> Response {
+/// A session by name with a small picture of its robot, and below it what is known of it.
+fn entry(
+    ui: &mut Ui,
+    (name, facts): (&str, &str),
+    outline: &[[i16; 4]],
+    enabled: bool,
+) -> Response {
     let palette = theme::of(ui);
     let colour = if enabled {
         palette.accent
     } else {
         palette.muted
     };
-    let entry = ui.scope(|ui| {
-        ui.spacing_mut().item_spacing.y = 0.0;
-        // Names stand below the heading, without the margin of a button.
-        ui.spacing_mut().button_padding.x = 0.0;
-        let name = RichText::new(name).font(theme::strong(13.0)).color(colour);
-        let button = Button::new(name).frame_when_inactive(false).wrap();
-        let entry = ui.add_enabled(enabled, button);
-        ui.add(Label::new(RichText::new(facts).color(palette.muted)).wrap());
-        ui.add_space(GRID);
-        entry
+    let entry = ui.horizontal_top(|ui| {
+        picture(ui, outline);
+        ui.vertical(|ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            // Names stand below the heading, without the margin of a button.
+            ui.spacing_mut().button_padding.x = 0.0;
+            let name = RichText::new(name).font(theme::strong(13.0)).color(colour);
+            let button = Button::new(name).frame_when_inactive(false).wrap();
+            let entry = ui.add_enabled(enabled, button);
+            ui.add(Label::new(RichText::new(facts).color(palette.muted)).wrap());
+            ui.add_space(GRID);
+            entry
+        })
     });
-    entry.inner
+    entry.inner.inner
+}
+
+/// The lines of a robot's cables.
+fn picture(ui: &mut Ui, outline: &[[i16; 4]]) {
+    let size = 10.0 * GRID;
+    let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(size), egui::Sense::hover());
+    let palette = theme::of(ui);
+    let place = |x: i16, y: i16| {
+        let part = egui::vec2(x.into(), y.into()) / f32::from(OUTLINE_SIZE);
+        rect.min + size * part
+    };
+    for (index, [x1, y1, x2, y2]) in outline.iter().copied().enumerate() {
+        let colour = palette.cables[index % palette.cables.len()];
+        let ends = [place(x1, y1), place(x2, y2)];
+        ui.painter()
+            .line_segment(ends, egui::Stroke::new(1.5, colour));
+    }
 }

@@ -13,6 +13,7 @@ pub mod figure;
 pub mod gaps;
 pub mod heat;
 pub mod histogram;
+pub mod outline;
 pub mod round;
 pub mod scale;
 pub mod table;

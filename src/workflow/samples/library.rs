@@ -3,7 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use tautline_session::read_session;
+
 use crate::history::is_record;
+use crate::plot::outline::outline;
+use crate::wording::session_facts;
 
 /// A sample session.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,6 +20,10 @@ pub struct Sample {
     pub session: PathBuf,
     /// Whether it is the record of a robot.
     pub is_record: bool,
+    /// When it was measured, and its robot.
+    pub facts: String,
+    /// A small picture of its robot, see [`outline`].
+    pub outline: Vec<[i16; 4]>,
 }
 
 /// Sample sessions of the first folder that contains any, sorted by folder name.
@@ -68,11 +76,20 @@ fn samples_of(folder: &Path) -> Vec<Sample> {
         .to_owned();
     let shows = lines.next().unwrap_or_default().to_owned();
     let session = |name: &str| Some(folder.join(name)).filter(|path| path.is_file());
-    let sample = |suffix: &str, session| Sample {
-        title: format!("{title}{suffix}"),
-        shows: shows.clone(),
-        session,
-        is_record: false,
+    let sample = |suffix: &str, session: PathBuf| {
+        let read = read_session(&session).ok().map(|loaded| loaded.value);
+        let facts = read.as_ref().map(|read| {
+            let robot = read.robot.label();
+            session_facts(read.measured(), Some(&robot), None, None)
+        });
+        Sample {
+            title: format!("{title}{suffix}"),
+            shows: shows.clone(),
+            session,
+            is_record: false,
+            facts: facts.unwrap_or_default(),
+            outline: read.map_or_else(Vec::new, |read| outline(&read.robot)),
+        }
     };
     let pair = [
         ("session.json", ""),

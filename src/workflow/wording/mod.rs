@@ -12,7 +12,7 @@ use tautline_core::diagnosis::Quantity;
 
 pub use printable::{is_obeyed, printable};
 pub use recording::{poses_used, sampling_sentence};
-pub use session::{recent_facts, session_facts};
+pub use session::{recent_facts, session_facts, session_verdict};
 
 /// Name and version of the program, as stated in reports and audit trails.
 pub const PROGRAM: &str = concat!("Tautline ", env!("CARGO_PKG_VERSION"));

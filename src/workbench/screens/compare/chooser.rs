@@ -104,7 +104,10 @@ fn chosen(
     };
     let place = match known {
         Some((_, measured, robot)) => {
-            format!("{}, {place}", session_facts(measured, Some(&robot), None))
+            format!(
+                "{}, {place}",
+                session_facts(measured, Some(&robot), None, None)
+            )
         }
         None => place,
     };
@@ -155,7 +158,7 @@ fn known(
     let recent = recent.filter(|recent| recent.exists());
     let open = model.open.iter().map(|open| {
         let (name, measured, robot) = identity(open.session());
-        let facts = session_facts(measured, Some(&robot), open.path());
+        let facts = session_facts(measured, Some(&robot), None, open.path());
         (name.clone(), format!("open, {facts}"), Source::Open)
     });
     let recent = recent.map(|recent| {

@@ -1,0 +1,63 @@
+//! A robot as a few lines: a small picture that tells one from another in a list.
+
+use tautline_core::geometry::Vec3;
+use tautline_core::robot::Robot;
+
+/// Width and height of the square in which the lines lie.
+pub const OUTLINE_SIZE: i16 = 1000;
+
+/// The straight line of each cable from its pulley to the platform at the home pose, in the order of the cables: x and y of both ends, y
+/// downwards. A spatial robot is seen along a diagonal, a planar one from its side.
+#[must_use]
+pub fn outline(robot: &Robot) -> Vec<[i16; 4]> {
+    let Some(home) = robot.home.map(|home| home.pose()) else {
+        return Vec::new();
+    };
+    let is_planar = robot
+        .cables
+        .iter()
+        .all(|c| c.pulley.entry_point_m[2].abs() < 1e-9);
+    let seen = |at: Vec3| match is_planar {
+        true => [at.x, -at.y],
+        false => [0.87 * (at.x - at.y), 0.4 * (at.x + at.y) - at.z],
+    };
+    let lines: Vec<[[f64; 2]; 2]> = robot
+        .cables
+        .iter()
+        .map(|cable| {
+            let anchor = home.transform(&Vec3::from(cable.platform_anchor_m));
+            [Vec3::from(cable.pulley.entry_point_m), anchor].map(seen)
+        })
+        .collect();
+    let ends = || lines.iter().flatten();
+    let least = |axis: usize| ends().map(|end| end[axis]).fold(f64::INFINITY, f64::min);
+    let most = |axis: usize| {
+        ends()
+            .map(|end| end[axis])
+            .fold(f64::NEG_INFINITY, f64::max)
+    };
+    let [left, top] = [0, 1].map(least);
+    let size = (most(0) - left).max(most(1) - top);
+    let place = |value: f64| (f64::from(OUTLINE_SIZE) * value / size) as i16;
+    let line =
+        |[a, b]: &[[f64; 2]; 2]| [a[0] - left, a[1] - top, b[0] - left, b[1] - top].map(place);
+    lines.iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tautline_core::robot::presets;
+
+    #[test]
+    fn every_cable_is_a_line_in_the_square() {
+        for name in ["mini", "planar4"] {
+            let robot = presets::find(name).expect("a preset").robot;
+            let lines = outline(&robot);
+            assert_eq!(lines.len(), robot.cable_count());
+            let values = || lines.iter().flatten();
+            assert!(values().all(|value| (0..=OUTLINE_SIZE).contains(value)));
+            assert!(values().any(|value| *value == OUTLINE_SIZE));
+        }
+    }
+}
