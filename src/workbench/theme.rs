@@ -180,6 +180,7 @@ fn fonts() -> FontDefinitions {
     let files = [
         ("inter", tautline_workflow::fonts::REGULAR),
         ("inter-strong", tautline_workflow::fonts::STRONG),
+        ("hack", epaint_default_fonts::HACK_REGULAR),
     ];
     for (name, bytes) in files {
         fonts
@@ -190,10 +191,12 @@ fn fonts() -> FontDefinitions {
     // As egui_material_icons has it.
     icons.tweak.y_offset_factor = 0.05;
     fonts.font_data.insert("icons".into(), Arc::new(icons));
-    for family in [FontFamily::Proportional, FontFamily::Monospace] {
-        fonts
-            .families
-            .insert(family, vec!["inter".into(), "icons".into()]);
+    for (family, first) in [
+        (FontFamily::Proportional, "inter"),
+        (FontFamily::Monospace, "hack"),
+    ] {
+        let names = [first, "inter", "icons"].map(str::to_owned);
+        fonts.families.insert(family, names.to_vec());
     }
     fonts.families.insert(
         FontFamily::Name(STRONG.into()),
