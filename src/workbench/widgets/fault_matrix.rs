@@ -116,42 +116,21 @@ impl Places {
 
 /// The numbers of the columns.
 fn head(ui: &Ui, table: &IsolabilityTable, places: &Places, palette: &Palette) {
-    let font = FontId::proportional(10.0);
-    let painter = ui.painter();
     let middle = places.rect.top() + 0.5 * CELL[1];
-    let at = Pos2::new(places.shown(0).center().x, middle);
-    painter.text(
-        at,
-        Align2::CENTER_CENTER,
-        "seen",
-        font.clone(),
-        palette.muted,
-    );
+    let at = |cell: Rect| Pos2::new(cell.center().x, middle);
+    small(ui, at(places.shown(0)), "seen", palette.muted);
     for column in 0..table.kinds.len() {
-        let at = Pos2::new(places.cell(0, column).center().x, middle);
         let number = (column + 1).to_string();
-        painter.text(
-            at,
-            Align2::CENTER_CENTER,
-            number,
-            font.clone(),
-            palette.muted,
-        );
+        small(ui, at(places.cell(0, column)), &number, palette.muted);
     }
 }
 
 fn body(ui: &Ui, table: &IsolabilityTable, places: &Places, (row, palette): (usize, &Palette)) {
-    let painter = ui.painter();
     let kind = &table.kinds[row];
     let font = FontId::proportional(12.0);
     let name = format!("{}  {}", row + 1, kind.title);
-    painter.text(
-        places.name(row).left_center(),
-        Align2::LEFT_CENTER,
-        name,
-        font,
-        palette.text,
-    );
+    let (at, align) = (places.name(row).left_center(), Align2::LEFT_CENTER);
+    ui.painter().text(at, align, name, font, palette.text);
     let seen = kind.detection[0];
     let colour = if seen >= SEEN {
         palette.good
@@ -180,15 +159,12 @@ fn filled(ui: &Ui, rect: Rect, (colour, strength): (Color32, f64), palette: &Pal
 /// A probability in percent.
 fn number(ui: &Ui, rect: Rect, value: f64, palette: &Palette) {
     let text = format!("{:.0}", 100.0 * value);
-    let font = FontId::proportional(10.0);
-    let painter = ui.painter();
-    painter.text(
-        rect.center(),
-        Align2::CENTER_CENTER,
-        text,
-        font,
-        palette.text,
-    );
+    small(ui, rect.center(), &text, palette.text);
+}
+
+fn small(ui: &Ui, at: Pos2, text: &str, colour: Color32) {
+    let (align, font) = (Align2::CENTER_CENTER, FontId::proportional(10.0));
+    ui.painter().text(at, align, text, font, colour);
 }
 
 /// Text of the tooltip of a cell.

@@ -3,6 +3,7 @@
 use egui::{RichText, TextEdit, Ui, WidgetInfo};
 use egui_material_icons::icons;
 
+use super::problems::{Field, Problems};
 use crate::theme;
 use crate::widgets::{icon_button, muted};
 
@@ -10,18 +11,18 @@ use crate::widgets::{icon_button, muted};
 const WIDTH: f32 = 240.0;
 
 /// A line of a grid: name, field, and below that what is wrong.
-pub fn line(ui: &mut Ui, names: (&str, &str), text: &mut String, problem: Option<&str>) {
-    edit(ui, names, text, (problem, false), |_| ());
+pub fn line(ui: &mut Ui, problems: &Problems, field: Field, text: &mut String) {
+    edit(ui, field.names(), text, (problems.of(field), false), |_| ());
 }
 
 /// The same for the path of a file, with a button that asks for it; whether that was pressed.
 pub fn file(
     ui: &mut Ui,
-    (names, choose): ((&str, &str), &str),
+    problems: &Problems,
+    (field, choose): (Field, &str),
     text: &mut String,
-    problem: Option<&str>,
 ) -> bool {
-    edit(ui, names, text, (problem, false), |ui| {
+    edit(ui, field.names(), text, (problems.of(field), false), |ui| {
         icon_button(ui, icons::ICON_FOLDER_OPEN, choose, true).clicked()
     })
 }

@@ -185,53 +185,17 @@ impl LaserDraft {
             .spacing([3.0 * GRID, 1.5 * GRID])
             .show(ui, |ui| {
                 if self.from == LaserFrom::Network {
-                    line(
-                        ui,
-                        ("Laser host", "192.168.0.7"),
-                        &mut self.host,
-                        problems.of(Field::LaserHost),
-                    );
-                    line(
-                        ui,
-                        ("Laser port", "4001"),
-                        &mut self.port,
-                        problems.of(Field::LaserPort),
-                    );
+                    line(ui, problems, Field::LaserHost, &mut self.host);
+                    line(ui, problems, Field::LaserPort, &mut self.port);
                 } else {
                     self.device(ui);
-                    line(
-                        ui,
-                        ("Serial port", "/dev/ttyUSB0"),
-                        &mut self.device,
-                        problems.of(Field::Device),
-                    );
-                    line(
-                        ui,
-                        ("Baud rate", "9600"),
-                        &mut self.baud,
-                        problems.of(Field::Baud),
-                    );
+                    line(ui, problems, Field::Device, &mut self.device);
+                    line(ui, problems, Field::Baud, &mut self.baud);
                 }
                 unit(ui, &mut self.base.unit);
-                let hint = "The first number that stands alone";
-                line(
-                    ui,
-                    ("Line pattern", hint),
-                    &mut self.pattern,
-                    problems.of(Field::Pattern),
-                );
-                line(
-                    ui,
-                    ("Text without a return", "None"),
-                    &mut self.no_return,
-                    None,
-                );
-                line(
-                    ui,
-                    ("Request command", "None: it sends by itself"),
-                    &mut self.command,
-                    problems.of(Field::Laser),
-                );
+                line(ui, problems, Field::Pattern, &mut self.pattern);
+                line(ui, problems, Field::NoReturn, &mut self.no_return);
+                line(ui, problems, Field::Laser, &mut self.command);
             });
         self.test(ui, busy);
     }

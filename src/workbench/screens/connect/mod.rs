@@ -182,19 +182,8 @@ fn controller(
                         and nothing can be written to it.";
             wrapped(ui, text);
             grid("recording").show(ui, |ui| {
-                let hint = "Path of the dataset";
-                line(
-                    ui,
-                    ("Folder", hint),
-                    &mut draft.folder,
-                    problems.of(Field::Folder),
-                );
-                line(
-                    ui,
-                    ("Speed", "1"),
-                    &mut draft.speed,
-                    problems.of(Field::Speed),
-                );
+                line(ui, problems, Field::Folder, &mut draft.folder);
+                line(ui, problems, Field::Speed, &mut draft.speed);
             });
             if icon_button(ui, icons::ICON_FOLDER_OPEN, "Browse…", true).clicked() {
                 outbox.send(RobotCommand::Setup(Setup::PickRecording));
@@ -202,20 +191,11 @@ fn controller(
         }
         ControllerKind::Ads => {
             grid("ads").show(ui, |ui| {
-                for (name, hint, text, field) in [
-                    ("Host", "192.168.0.5", &mut draft.host, Field::Host),
-                    ("Port", "48898", &mut draft.port, Field::Port),
-                    (
-                        "AMS Net ID",
-                        "192.168.0.5.1.1",
-                        &mut draft.net_id,
-                        Field::NetId,
-                    ),
-                    ("AMS port", "851", &mut draft.ams_port, Field::AmsPort),
-                    ("Timeout (s)", "1", &mut draft.timeout, Field::Timeout),
-                ] {
-                    line(ui, (name, hint), text, problems.of(field));
-                }
+                line(ui, problems, Field::Host, &mut draft.host);
+                line(ui, problems, Field::Port, &mut draft.port);
+                line(ui, problems, Field::NetId, &mut draft.net_id);
+                line(ui, problems, Field::AmsPort, &mut draft.ams_port);
+                line(ui, problems, Field::Timeout, &mut draft.timeout);
             });
             wrapped(
                 ui,
@@ -234,9 +214,7 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbo
         .num_columns(2)
         .spacing([3.0 * GRID, 1.5 * GRID]);
     rows.show(ui, |ui| {
-        let hint = "opc.tcp://192.168.0.5:4840";
-        let problem = problems.of(Field::Url);
-        line(ui, ("Address", hint), &mut draft.url, problem);
+        line(ui, problems, Field::Url, &mut draft.url);
         chosen(
             ui,
             "Security",
@@ -251,8 +229,7 @@ fn opcua(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbo
             problem,
         );
         user(ui, draft, problems, outbox);
-        let problem = problems.of(Field::UrlTimeout);
-        line(ui, ("Timeout (s)", "1"), &mut draft.url_timeout, problem);
+        line(ui, problems, Field::UrlTimeout, &mut draft.url_timeout);
     });
     if draft.security == Some(OpcUaSecurity::None) {
         let text = "Not encrypted: everybody on the network can read and change the messages.";
@@ -280,25 +257,21 @@ fn user(ui: &mut Ui, draft: &mut Draft, problems: &Problems, outbox: &mut Outbox
     match draft.sign_in {
         SignIn::Anonymous => {}
         SignIn::Name => {
-            let problem = problems.of(Field::User);
-            let hint = "name at the controller";
-            line(ui, ("User", hint), &mut draft.user, problem);
+            line(ui, problems, Field::User, &mut draft.user);
             let hint = format!("{PASSWORD}, or kept");
             secret(ui, ("Password", &hint), draft.password.text_mut());
             keeping(ui, draft, outbox);
         }
         SignIn::Certificate => {
-            let problem = problems.of(Field::UserCertificate);
-            let names = (("User certificate", "DER or PEM"), "Choose certificate…");
-            let mut wanted =
-                file(ui, names, &mut draft.certificate, problem).then_some(UserFile::Certificate);
-            let problem = problems.of(Field::UserKey);
-            let names = (("Private key", "without a password"), "Choose key…");
-            if file(ui, names, &mut draft.key, problem) {
-                wanted = Some(UserFile::Key);
-            }
-            if let Some(which) = wanted {
-                outbox.send(RobotCommand::Setup(Setup::PickUserFile(which)));
+            let certificate = (Field::UserCertificate, "Choose certificate…");
+            let key = (Field::UserKey, "Choose key…");
+            for (names, text, which) in [
+                (certificate, &mut draft.certificate, UserFile::Certificate),
+                (key, &mut draft.key, UserFile::Key),
+            ] {
+                if file(ui, problems, names, text) {
+                    outbox.send(RobotCommand::Setup(Setup::PickUserFile(which)));
+                }
             }
         }
     }

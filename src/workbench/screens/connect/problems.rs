@@ -25,11 +25,38 @@ pub enum Field {
     Device,
     Baud,
     Pattern,
+    NoReturn,
     /// Something else of the laser.
     Laser,
 }
 
 impl Field {
+    /// Its name, and what it shows while it is empty.
+    #[must_use]
+    pub fn names(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Folder => ("Folder", "Path of the dataset"),
+            Self::Speed => ("Speed", "1"),
+            Self::Host => ("Host", "192.168.0.5"),
+            Self::Port => ("Port", "48898"),
+            Self::NetId => ("AMS Net ID", "192.168.0.5.1.1"),
+            Self::AmsPort => ("AMS port", "851"),
+            Self::Timeout | Self::UrlTimeout => ("Timeout (s)", "1"),
+            Self::Url => ("Address", "opc.tcp://192.168.0.5:4840"),
+            Self::User => ("User", "name at the controller"),
+            Self::UserCertificate => ("User certificate", "DER or PEM"),
+            Self::UserKey => ("Private key", "without a password"),
+            Self::LaserHost => ("Laser host", "192.168.0.7"),
+            Self::LaserPort => ("Laser port", "4001"),
+            Self::Device => ("Serial port", "/dev/ttyUSB0"),
+            Self::Baud => ("Baud rate", "9600"),
+            Self::Pattern => ("Line pattern", "The first number that stands alone"),
+            Self::NoReturn => ("Text without a return", "None"),
+            Self::Laser => ("Request command", "None: it sends by itself"),
+            Self::Policy | Self::Symbol(_) | Self::Symbols => ("", ""),
+        }
+    }
+
     #[must_use]
     pub fn part(self) -> Part {
         match self {
@@ -39,6 +66,7 @@ impl Field {
             | Self::Device
             | Self::Baud
             | Self::Pattern
+            | Self::NoReturn
             | Self::Laser => Part::Laser,
             _ => Part::Controller,
         }

@@ -212,47 +212,26 @@ fn enough(ui: &mut Ui, outlook: &PlanSummary, goal_mm: f64, done: usize) {
 }
 
 fn details(ui: &mut Ui, outlook: &PlanSummary) {
-    value(
-        ui,
-        "Travel distance",
-        &format!("{:.1}", outlook.travel_m),
-        "m",
-    );
+    let travel = format!("{:.1}", outlook.travel_m);
+    value(ui, "Travel distance", &travel, "m");
     muted(ui, "These poses / the same number of random poses:");
-    let metres = |of: fn(&DesignCriteria) -> Option<f64>| {
-        [of(&outlook.expected), of(&outlook.random)].map(|value_m| {
-            value_m.map_or_else(|| "undetermined".to_owned(), |v| format!("{:.2}", v * 1e3))
-        })
-    };
-    let [mean, mean_random] = metres(|criteria| criteria.mean_m);
-    value(
-        ui,
-        "A-optimality: mean of the coordinates",
-        &format!("{mean} / {mean_random}"),
-        "mm",
-    );
-    let [worst, worst_random] = metres(|criteria| criteria.worst_m);
-    value(
-        ui,
-        "E-optimality: worst direction",
-        &format!("{worst} / {worst_random}"),
-        "mm",
-    );
-    let [platform, platform_random] = metres(|criteria| criteria.platform_m);
-    value(
-        ui,
-        "I-optimality: platform position after adjustment",
-        &format!("{platform} / {platform_random}"),
-        "mm",
-    );
-    let det = |criteria: &DesignCriteria| format!("{:.1}", criteria.log_det);
-    let numbers = format!("{} / {}", det(&outlook.expected), det(&outlook.random));
-    value(
-        ui,
-        "D-optimality: log determinant of the information",
-        &numbers,
-        "",
-    );
+    let metres: [(&str, fn(&DesignCriteria) -> Option<f64>); 3] = [
+        ("A-optimality: mean of the coordinates", |c| c.mean_m),
+        ("E-optimality: worst direction", |c| c.worst_m),
+        ("I-optimality: platform position after adjustment", |c| {
+            c.platform_m
+        }),
+    ];
+    for (name, of) in metres {
+        let [planned, random] = [&outlook.expected, &outlook.random].map(|criteria| {
+            let undetermined = || "undetermined".to_owned();
+            of(criteria).map_or_else(undetermined, |m| format!("{:.2}", m * 1e3))
+        });
+        value(ui, name, &format!("{planned} / {random}"), "mm");
+    }
+    let [planned, random] = [&outlook.expected, &outlook.random].map(|criteria| criteria.log_det);
+    let name = "D-optimality: log determinant of the information";
+    value(ui, name, &format!("{planned:.1} / {random:.1}"), "");
 }
 
 #[cfg(test)]

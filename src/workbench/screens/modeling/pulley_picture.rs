@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use egui::{Align2, Pos2, Rect, Role, Sense, Shape, Stroke, TextStyle, Ui, Vec2, WidgetInfo};
+use egui::{Pos2, Rect, Role, Sense, Shape, Stroke, TextStyle, Ui, Vec2, WidgetInfo};
 use tautline_core::geometry::Vec3;
 use tautline_core::kinematics::CableState;
 use tautline_core::robot::Robot;
@@ -43,37 +43,26 @@ pub fn show(ui: &mut Ui, robot: &Robot, index: usize, state: &CableState) {
     wheel(ui, &view, wrap);
     cables(ui, &view, rect, wrap, palette.cable(index));
     let font = TextStyle::Small.resolve(ui.style());
-    let text = |place: Pos2, align: Align2, text: String| {
-        let galley = ui
-            .painter()
-            .layout_no_wrap(text, font.clone(), palette.muted);
-        // It can be read where the cable runs behind it, too.
-        let rect = align.anchor_size(place, galley.size());
-        ui.painter().rect_filled(rect, 0.0, palette.ground);
-        ui.painter().galley(rect.min, galley, palette.muted);
-    };
     let corner = rect.left_top() + Vec2::splat(2.0 * GRID);
     let wrapped_mm = radius_mm * state.wrap_rad;
-    text(
-        corner,
-        Align2::LEFT_TOP,
-        format!("radius {radius_mm:.2} mm"),
-    );
-    let line = Vec2::new(0.0, 4.0 * GRID);
-    text(
-        corner + line,
-        Align2::LEFT_TOP,
-        format!(
-            "wrap {:.1}°, {wrapped_mm:.2} mm",
-            state.wrap_rad.to_degrees()
-        ),
-    );
+    let wrap_deg = state.wrap_rad.to_degrees();
     let free_mm = state.free_length_m * 1e3;
-    text(
-        corner + 2.0 * line,
-        Align2::LEFT_TOP,
+    let painter = ui.painter();
+    for (line, text) in [
+        format!("radius {radius_mm:.2} mm"),
+        format!("wrap {wrap_deg:.1}°, {wrapped_mm:.2} mm"),
         format!("then {free_mm:.1} mm to the platform"),
-    );
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let galley = painter.layout_no_wrap(text, font.clone(), palette.muted);
+        // It can be read where the cable runs behind it, too.
+        let place = corner + Vec2::new(0.0, 4.0 * GRID * line as f32);
+        let rect = Rect::from_min_size(place, galley.size());
+        painter.rect_filled(rect, 0.0, palette.ground);
+        painter.galley(rect.min, galley, palette.muted);
+    }
     response.on_hover_text("The pulley in its plane, to scale. Dashed: the swivel axis, along which the cable comes from the drum. Arc: the wrapped cable.");
 }
 

@@ -41,21 +41,16 @@ fn forces(ui: &mut Ui, bench: &mut Bench<'_>) {
         .cables
         .first()
         .and_then(|cable| cable.force_sensor);
-    has(
-        ui,
-        bench,
-        "Force sensors",
-        sensor.is_some(),
-        |robot, is_there| {
-            for cable in &mut robot.cables {
-                cable.force_sensor = is_there.then_some(ForceSensor {
-                    tension_gain: 1.0,
-                    bias_n: 0.0,
-                    tension_sd_n: 1.0,
-                });
-            }
-        },
-    );
+    let now = sensor.is_some();
+    has(ui, bench, "Force sensors", now, |robot, is_there| {
+        for cable in &mut robot.cables {
+            cable.force_sensor = is_there.then_some(ForceSensor {
+                tension_gain: 1.0,
+                bias_n: 0.0,
+                tension_sd_n: 1.0,
+            });
+        }
+    });
     let Some(sensor) = sensor else {
         return;
     };
@@ -134,15 +129,10 @@ fn downward(robot: &Robot) -> Laser {
 
 fn inclinometer(ui: &mut Ui, bench: &mut Bench<'_>) {
     let inclinometer = bench.robot().inclinometer;
-    has(
-        ui,
-        bench,
-        "Inclinometer",
-        inclinometer.is_some(),
-        |robot, is_there| {
-            robot.inclinometer = is_there.then_some(Inclinometer { sd_rad: 1e-3 });
-        },
-    );
+    let now = inclinometer.is_some();
+    has(ui, bench, "Inclinometer", now, |robot, is_there| {
+        robot.inclinometer = is_there.then_some(Inclinometer { sd_rad: 1e-3 });
+    });
     if let Some(inclinometer) = inclinometer {
         grid(ui, "fields of the inclinometer", |ui| {
             let field = Field {
@@ -158,18 +148,13 @@ fn inclinometer(ui: &mut Ui, bench: &mut Bench<'_>) {
 
 fn tracker(ui: &mut Ui, bench: &mut Bench<'_>) {
     let tracker = bench.robot().tracker;
-    has(
-        ui,
-        bench,
-        "External instrument",
-        tracker.is_some(),
-        |robot, is_there| {
-            robot.tracker = is_there.then_some(Tracker {
-                position_sd_m: PerAxis::Same(5e-4),
-                orientation_sd_rad: None,
-            });
-        },
-    );
+    let now = tracker.is_some();
+    has(ui, bench, "External instrument", now, |robot, is_there| {
+        robot.tracker = is_there.then_some(Tracker {
+            position_sd_m: PerAxis::Same(5e-4),
+            orientation_sd_rad: None,
+        });
+    });
     let Some(tracker) = tracker else {
         return;
     };
