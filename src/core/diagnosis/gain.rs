@@ -7,7 +7,7 @@
 
 use std::rc::Rc;
 
-use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -106,39 +106,45 @@ impl Prediction {
         let differences =
             poses.map(|row| position(&self.positions, row) - position(&before.positions, row));
         let differences: Vec<Vector3<f64>> = differences.collect();
-        let distances = |shift: &dyn Fn(usize) -> Vector3<f64>| -> Vec<f64> {
-            let each = differences.iter().enumerate();
-            each.map(|(k, difference)| (difference + shift(k)).norm())
-                .collect()
-        };
-        let rms = |d: &[f64]| (d.iter().map(|d| d * d).sum::<f64>() / d.len().max(1) as f64).sqrt();
-        let all = distances(&|_| Vector3::zeros());
-        // Jackknife: the same with each pose left out of both fits.
-        let maps = (self.position_maps(), before.position_maps());
-        let values: Vec<f64> = (0..self.held_out.len().min(before.held_out.len()))
-            .map(|left| {
-                let (after, before) = (&self.held_out[left].step, &before.held_out[left].step);
-                rms(&distances(&|k| &maps.0[k] * after - &maps.1[k] * before))
+        let count = differences.len().max(1) as f64;
+        let mean_square: f64 = differences.iter().map(Vector3::norm_squared).sum();
+        let value = (mean_square / count).sqrt();
+        let largest_m = differences.iter().map(Vector3::norm).fold(0.0, f64::max);
+        // Jackknife: the same with each pose left out of both fits, which is a column.
+        let mut moved = self.moved_positions() - before.moved_positions();
+        let differences: Vec<f64> = differences.iter().flatten().copied().collect();
+        let differences = DVector::from_vec(differences);
+        let values: Vec<f64> = moved
+            .column_iter_mut()
+            .map(|mut column| {
+                column += &differences;
+                column.norm() / count.sqrt()
             })
             .collect();
         let n = values.len().max(2) as f64;
         let mean = values.iter().sum::<f64>() / n;
         let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
         let half = normal_quantile(0.975) * (squares * (n - 1.0) / n).sqrt();
-        let value = rms(&all);
         PositionChange {
             rms_m: value,
             interval_m: [(value - half).max(0.0), value + half],
-            largest_m: all.iter().copied().fold(0.0, f64::max),
+            largest_m,
         }
     }
 
-    /// Derivative of each fitted position with respect to coordinates in the basis.
-    fn position_maps(&self) -> Vec<Matrix3xX<f64>> {
-        let map = self.projector.map();
-        let of =
-            |block: &crate::estimation::PoseBlock| block.pose_by_parameter.fixed_rows::<3>(0) * map;
-        self.linear.poses.iter().map(of).collect()
+    /// Change of the fitted positions, three rows for each pose, when a pose is left out, one column for each.
+    fn moved_positions(&self) -> DMatrix<f64> {
+        let poses = &self.linear.poses;
+        let mut maps = DMatrix::zeros(3 * poses.len(), self.projector.rank());
+        for (pose, block) in poses.iter().enumerate() {
+            let map = block.pose_by_parameter.fixed_rows::<3>(0) * self.projector.map();
+            maps.rows_mut(3 * pose, 3).copy_from(&map);
+        }
+        let mut steps = DMatrix::zeros(self.projector.rank(), self.held_out.len());
+        for (pose, held_out) in self.held_out.iter().enumerate() {
+            steps.set_column(pose, &held_out.step);
+        }
+        maps * steps
     }
 }
 
