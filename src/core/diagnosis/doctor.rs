@@ -140,13 +140,15 @@ fn examine(
         possible = stated_causes(possible);
     }
     base.adequate &= findings.is_empty();
+    let (invisible, readable) = invisible_effects(problem, &visibility, options);
     Ok(Diagnosis {
         noise,
         base,
         extended,
         discrepancies,
         remaining,
-        invisible: invisible_effects(problem, &visibility, options),
+        invisible,
+        readable,
         findings,
         possible,
         sets,
@@ -196,23 +198,24 @@ fn infer_with_deviations<'a>(
     Ok((problem, inference))
 }
 
-/// Effects that would not be found even at their largest typical size. Effects of instruments that the robot does not
-/// have are left out.
+/// Effects that would not be found even at their largest typical size, and the number of effects considered. Effects of
+/// instruments that the robot does not have are left out.
 fn invisible_effects(
     problem: &Problem<'_>,
     visibility: &[Visibility],
     options: &DiagnosisOptions,
-) -> Vec<Invisible> {
+) -> (Vec<Invisible>, usize) {
     let tail = options.alpha / (2.0 * visibility.len().max(1) as f64);
     let needed = normal_quantile(1.0 - tail) + normal_quantile(POWER);
     let has_forces = problem.dataset.robot.has_force_sensors()
         && !problem.dataset.measurements.force_n.is_empty();
-    let mut found = Vec::new();
+    let (mut found, mut readable) = (Vec::new(), 0);
     for effect in visibility {
         let is_read = effect.is_read && (has_forces || !acts_on_tension(effect, problem));
         let Some(parameter) = size_parameter(effect.cause.effect()).filter(|_| is_read) else {
             continue;
         };
+        readable += 1;
         let smallest = effect.sd.map(|sd| needed * sd);
         if smallest.is_none_or(|size| size > parameter.typical[1]) {
             found.push(Invisible {
@@ -222,7 +225,7 @@ fn invisible_effects(
             });
         }
     }
-    found
+    (found, readable)
 }
 
 /// Whether an effect acts only through tensions that force sensors read.

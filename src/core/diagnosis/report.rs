@@ -481,6 +481,8 @@ pub struct Diagnosis {
     pub noise: Vec<NoiseStatement>,
     /// Effects that these data cannot reveal.
     pub invisible: Vec<Invisible>,
+    /// Number of effects that the instruments could read, those among them.
+    pub readable: usize,
     /// Number of effects of the model whose values are held, because no reading depends on them or there is nothing to
     /// estimate. They come first in `base_solution`.
     pub held: usize,

@@ -5,6 +5,7 @@
 //! rates of those that remain: time derivatives of the readings, from polynomials through the surrounding samples.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::ops::Range;
 
 use super::local_polynomial::{FEWEST, Weights, derivatives};
@@ -107,10 +108,17 @@ pub struct MostRows {
 }
 
 impl Measurements {
-    /// The measurements that a diagnosis uses: independent samples of a recording in motion; else the poses at rest, averaged
-    /// over each standstill, evenly thinned where they are too many. Also returns the largest number of rows merged into one.
+    /// The measurements that a diagnosis uses: independent samples of a recording in motion; else the poses at rest, identical
+    /// rows once, averaged over each standstill, evenly thinned where they are too many. Also returns the largest number of rows
+    /// merged into one.
     #[must_use]
     pub fn independent(&self, robot: &Robot, most: MostRows) -> (Cow<'_, Self>, usize) {
+        let distinct = self.distinct_rows();
+        if distinct.len() < self.len() {
+            let distinct = self.select(&distinct);
+            let (rows, merged) = distinct.independent(robot, most);
+            return (Cow::Owned(rows.into_owned()), merged);
+        }
         if let Some(samples) = self.independent_samples(robot, most.samples) {
             return (Cow::Owned(samples), 1);
         }
@@ -120,6 +128,41 @@ impl Measurements {
             Some(thinned) => (Cow::Owned(thinned), merged),
             None => (poses, merged),
         }
+    }
+
+    /// Rows without those that repeat the time and all readings of an earlier row: a table that was appended twice tells no more
+    /// than once.
+    fn distinct_rows(&self) -> Vec<usize> {
+        let grids = [
+            &self.revolutions,
+            &self.length_m,
+            &self.force_n,
+            &self.swivel_rad,
+        ];
+        let columns = [&self.time_s, &self.laser_m];
+        let triples = [&self.inclination_rad, &self.tracked_position_m];
+        let mut known = HashSet::new();
+        let is_new = |row: &usize| {
+            let cells = grids.iter().filter(|grid| !grid.is_empty());
+            let cells = cells.flat_map(|grid| grid.row(*row).iter().copied());
+            let cells = cells.chain(
+                columns
+                    .iter()
+                    .filter_map(|column| column.get(*row).copied()),
+            );
+            let triples = triples
+                .iter()
+                .filter_map(|column| column.get(*row))
+                .flatten();
+            let turned = self
+                .tracked_orientation_wxyz
+                .get(*row)
+                .into_iter()
+                .flatten();
+            let cells = cells.chain(triples.chain(turned).copied());
+            known.insert(cells.map(f64::to_bits).collect::<Vec<u64>>())
+        };
+        (0..self.len()).filter(is_new).collect()
     }
 
     /// Independent samples of a recording in motion with their rates, at most `most`; the home row stays.

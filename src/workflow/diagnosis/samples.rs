@@ -239,6 +239,7 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         unseen: Vec::new(),
         noise: if is_clean { Vec::new() } else { vec![noise] },
         invisible: invisible(robot),
+        readable: 40,
         tolerances: ToleranceFactor {
             factor: 0.6,
             are_stated: false,

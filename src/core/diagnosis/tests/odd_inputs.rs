@@ -1,5 +1,8 @@
 //! Unusual input: the diagnosis returns a consistent result or an error message, and never panics.
 
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
 use super::super::{Diagnosis, DiagnosisOptions, diagnose};
 use super::{diagnosed, run_of, run_with, setting};
 use crate::effect::EffectSetting;
@@ -9,8 +12,13 @@ use crate::robot::{PerAxis, presets};
 
 /// Checks that a diagnosis is consistent.
 fn check(diagnosis: &Diagnosis) {
-    let is_probability = |p: f64| (0.0..=1.0).contains(&p);
     assert!(!diagnosis.cancelled);
+    check_parts(diagnosis);
+}
+
+/// Checks what holds for an interrupted one, too.
+fn check_parts(diagnosis: &Diagnosis) {
+    let is_probability = |p: f64| (0.0..=1.0).contains(&p);
     for adequacy in [&diagnosis.base, &diagnosis.extended] {
         assert!(adequacy.global.chi2.is_finite());
         assert!(is_probability(adequacy.global.p_value));
@@ -22,6 +30,13 @@ fn check(diagnosis: &Diagnosis) {
     );
     for finding in &diagnosis.findings {
         assert!(is_probability(finding.evidence.p_value));
+        let others = finding.alternatives.iter().map(|other| other.probability);
+        let exclusive: Vec<f64> = others.chain([finding.probability]).collect();
+        assert!(
+            exclusive.iter().all(|p| is_probability(*p)),
+            "{exclusive:?}"
+        );
+        assert!(exclusive.iter().sum::<f64>() < 1.0 + 1e-9, "{exclusive:?}");
         assert!(finding.parameters.iter().all(|p| p.value.is_finite()));
         assert!(!finding.sentence.contains("NaN"), "{}", finding.sentence);
     }
@@ -51,6 +66,8 @@ fn few_poses() {
     for poses in [1, 2, 3, 6] {
         check_clean(&clean("mini", poses));
     }
+    let one = diagnosed(&clean("mini", 1));
+    assert_eq!(one.invisible.len(), one.readable, "no fault would show");
 }
 
 #[test]
@@ -266,4 +283,61 @@ fn the_same_pose_over_and_over() {
         ..dataset
     };
     check(&diagnosed(&repeated));
+}
+
+#[test]
+fn a_table_that_was_appended_twice_tells_no_more_than_once() {
+    let once = run_with("mini", 12, 89, &[on_cable_3(0.02)]).dataset;
+    let rows: Vec<usize> = (0..once.measurements.len()).collect();
+    let mut twice = once.clone();
+    twice.measurements = once.measurements.select(&[rows.clone(), rows].concat());
+    for (row, label) in twice.measurements.labels.iter_mut().enumerate() {
+        *label = row as i64;
+    }
+    let [once, twice] = [once, twice].map(|dataset| diagnosed(&dataset));
+    let test = |diagnosis: &Diagnosis| {
+        let global = &diagnosis.base.global;
+        (global.chi2, global.degrees_of_freedom)
+    };
+    assert_eq!(test(&once), test(&twice));
+}
+
+/// Random faults of machines, cables and tables, on random robots; every third diagnosis is interrupted.
+#[test]
+fn probabilities_lie_between_0_and_1_whatever_was_measured() {
+    let mut rng = ChaCha8Rng::seed_from_u64(88);
+    for case in 0..24 {
+        let name = ["mini", "planar", "suspended", "hall"][case % 4];
+        let poses = rng.random_range(2..14);
+        let scale = rng.random_range(-0.1..0.1);
+        let mut dataset = run_with(name, poses, case as u64, &[on_cable_3(scale)]).dataset;
+        let data = &mut dataset.measurements;
+        let rows = data.len();
+        for _ in 0..rng.random_range(0..3) {
+            let (row, cable) = (rng.random_range(1..rows), rng.random_range(0..3));
+            let turns = &mut data.revolutions;
+            match rng.random_range(0..6) {
+                0 => turns.set(row, cable, f64::NAN),
+                1 => turns.set(row, cable, 1e3 * turns.get(row, cable)),
+                2 => (0..rows).for_each(|row| turns.set(row, cable, -turns.get(row, cable))),
+                3 => (0..rows).for_each(|row| turns.set(row, cable, 0.5)),
+                4 => (0..turns.columns()).for_each(|k| turns.set(row, k, turns.get(1, k))),
+                _ => (row..rows).for_each(|row| turns.set(row, cable, 1.0 + turns.get(row, cable))),
+            }
+        }
+        let mut left = match case % 3 {
+            0 => rng.random_range(1..200),
+            _ => u32::MAX,
+        };
+        let options = DiagnosisOptions::default();
+        let answer = diagnose(&dataset, &options, &mut |_| {
+            left = left.saturating_sub(1);
+            match left {
+                0 => Control::Cancel,
+                _ => Control::Continue,
+            }
+        });
+        // What cannot be fitted at all is an error.
+        answer.iter().for_each(check_parts);
+    }
 }
