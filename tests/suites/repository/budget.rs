@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7896),
-    ("core", 35858),
+    ("cli", 7863),
+    ("core", 35907),
     ("import", 16965),
-    ("link", 10437),
+    ("link", 10439),
     ("python", 953),
-    ("session", 7987),
+    ("session", 7918),
     ("study", 3110),
-    ("workbench", 37518),
-    ("workflow", 18690),
+    ("workbench", 37495),
+    ("workflow", 18870),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
