@@ -125,6 +125,8 @@ fn examine(
     report.stage(Stage::Discrepancy, findings.len());
     let (mut base, discrepancies, _) = assess_fit(first, options.alpha);
     let (extended, remaining, space) = assess_fit(fit, options.alpha);
+    // Nothing is named by a fit that did not converge or is worse than the one without causes.
+    let is_better = fit.solution.converged() && extended.global.chi2 <= base.global.chi2;
     let mut noise = noise_statements(&space, &remaining, options.alpha);
     // The noise of means is smaller than that of single rows by a factor that depends on what the rows share, so less
     // noise than described is not reported for them.
@@ -139,7 +141,12 @@ fn examine(
         findings.extend(remaining_errors.iter().map(|s| s.finding(fit)));
         possible = stated_causes(possible);
     }
+    findings.retain(|finding| is_better || finding.cause().is_none());
     base.adequate &= findings.is_empty();
+    let (extended, fit) = match is_better {
+        true => (extended, fit),
+        false => (base.clone(), first),
+    };
     let (invisible, readable) = invisible_effects(problem, &visibility, options);
     Ok(Diagnosis {
         noise,

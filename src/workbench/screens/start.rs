@@ -90,7 +90,7 @@ fn begin(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
         }
         muted(
             ui,
-            "A simulated robot with a hidden fault: all five phases in five minutes.",
+            "A simulated robot with a hidden fault; takes five minutes.",
         );
     });
 }
@@ -147,7 +147,7 @@ fn compare(ui: &mut Ui, outbox: &mut Outbox) {
         (
             icons::ICON_TIMELINE,
             "Record of a robot",
-            "What moved over many sessions, and when to calibrate again.",
+            "What moved, and when to calibrate again.",
             RecordCommand::Show.into(),
         ),
         (
@@ -304,7 +304,7 @@ fn entry(
 
 /// The lines of a robot's cables.
 fn picture(ui: &mut Ui, outline: &[[i16; 4]]) {
-    let size = 10.0 * GRID;
+    let size = 9.0 * GRID;
     let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(size), egui::Sense::hover());
     let palette = theme::of(ui);
     let place = |x: i16, y: i16| {

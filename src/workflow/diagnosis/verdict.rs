@@ -66,8 +66,8 @@ impl Diagnosed {
             false => "No further fault",
         };
         match diagnosis.findings.is_empty() {
-            true if diagnosis.invisible.len() == diagnosis.readable => {
-                "Not enough readings to say whether there is a fault: at typical size none would show.".to_owned()
+            true if 2 * diagnosis.invisible.len() > diagnosis.readable => {
+                "Not enough readings to say whether there is a fault: most kinds would not show at their usual size.".to_owned()
             }
             true if diagnosis.base.adequate => format!(
                 "{fault}: all parts lie within their tolerances. They scatter by {scatter}."

@@ -29,18 +29,23 @@ pub fn outline(robot: &Robot) -> Vec<[i16; 4]> {
             [Vec3::from(cable.pulley.entry_point_m), anchor].map(seen)
         })
         .collect();
-    let ends = || lines.iter().flatten();
-    let least = |axis: usize| ends().map(|end| end[axis]).fold(f64::INFINITY, f64::min);
-    let most = |axis: usize| {
-        ends()
-            .map(|end| end[axis])
-            .fold(f64::NEG_INFINITY, f64::max)
+    let range = |axis: usize| {
+        let all = || lines.iter().flatten().map(|end| end[axis]);
+        (
+            all().fold(f64::INFINITY, f64::min),
+            all().fold(f64::NEG_INFINITY, f64::max),
+        )
     };
-    let [left, top] = [0, 1].map(least);
-    let size = (most(0) - left).max(most(1) - top);
-    let place = |value: f64| (f64::from(OUTLINE_SIZE) * value / size) as i16;
-    let line =
-        |[a, b]: &[[f64; 2]; 2]| [a[0] - left, a[1] - top, b[0] - left, b[1] - top].map(place);
+    let ranges = [0, 1].map(range);
+    let size = ranges
+        .iter()
+        .map(|(least, most)| most - least)
+        .fold(0.0, f64::max);
+    let place = |end: [f64; 2], axis: usize| {
+        let (least, most) = ranges[axis];
+        (f64::from(OUTLINE_SIZE) * (0.5 + (end[axis] - 0.5 * (least + most)) / size)) as i16
+    };
+    let line = |[a, b]: &[[f64; 2]; 2]| [place(*a, 0), place(*a, 1), place(*b, 0), place(*b, 1)];
     lines.iter().map(line).collect()
 }
 
@@ -51,7 +56,7 @@ mod tests {
 
     #[test]
     fn every_cable_is_a_line_in_the_square() {
-        for name in ["mini", "planar4"] {
+        for name in ["mini", "planar"] {
             let robot = presets::find(name).expect("a preset").robot;
             let lines = outline(&robot);
             assert_eq!(lines.len(), robot.cable_count());

@@ -67,7 +67,7 @@ fn few_poses() {
         check_clean(&clean("mini", poses));
     }
     let one = diagnosed(&clean("mini", 1));
-    assert_eq!(one.invisible.len(), one.readable, "no fault would show");
+    assert!(2 * one.invisible.len() > one.readable, "few would show");
 }
 
 #[test]
