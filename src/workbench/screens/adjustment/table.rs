@@ -96,7 +96,7 @@ fn row(ui: &Ui, line: &Difference, cables: &[Cable]) -> Vec<Cell> {
         line.controller.map_or_else(none, number),
         match line.identified {
             Some(value) if line.in_model => number(value),
-            Some(value) => Cell::new(format!("none: {}", fixed(value * scale, decimals))),
+            Some(value) => Cell::new(format!("none: {}", value * scale)),
             None => Cell::new("none"),
         },
         difference.coloured(if line.is_writable_change() {
