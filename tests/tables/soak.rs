@@ -25,6 +25,8 @@ pub struct Soak {
     measured: usize,
     skipped: usize,
     faults: usize,
+    /// Series after the first one.
+    series: usize,
     /// Number of times that the operator had to decide, or a run had to be begun anew.
     stops: usize,
     /// Memory in use after each hundred poses (MiB).
@@ -75,7 +77,7 @@ pub fn study(poses: usize, seed: u64) -> Result<Soak> {
     let home = preset.robot.home.context("a home pose")?.pose();
     let drawn = std::iter::repeat_with(|| preset.workspace.draw(&preset.robot, &mut rng));
     let held = drawn.filter(|pose| limits.check_pose(pose).is_ok());
-    let plan: Vec<(i64, Pose)> = (0..)
+    let mut plan: Vec<(i64, Pose)> = (0..)
         .zip(std::iter::once(home).chain(held.take(poses)))
         .collect();
     let clock = ManualClock::default();
@@ -91,12 +93,12 @@ pub fn study(poses: usize, seed: u64) -> Result<Soak> {
         Timestamp::from_unix_seconds(0),
     );
     let mut writer = RecoveryWriter::create(folder.path(), None, &session)?;
-    let begin = |session: &Session| {
+    let begin = |plan: &[(i64, Pose)], session: &Session| {
         let options = MeasuringOptions::of(&preset.robot);
-        MeasuringRun::new(plan.clone(), &preset.robot, options)
+        MeasuringRun::new(plan.to_vec(), &preset.robot, options)
             .continuing(&session.measurements.labels)
     };
-    let mut run = begin(&session);
+    let mut run = begin(&plan, &session);
     let mut soak = Soak::default();
     let mut tried = (0, 0);
     loop {
@@ -130,7 +132,16 @@ pub fn study(poses: usize, seed: u64) -> Result<Soak> {
                         (label, 1)
                     };
                     match event {
-                        MeasuringEvent::Failed(_) => run = begin(&session),
+                        // The encoders have lost their zero: the rest is another series, with a home pose of its own.
+                        MeasuringEvent::Failed(_) if tried.1 > PATIENCE => {
+                            let measured = std::mem::take(&mut session.measurements).labels;
+                            plan.retain(|(label, _)| *label == 0 || !measured.contains(label));
+                            writer = RecoveryWriter::create(folder.path(), None, &session)?;
+                            soak.series += 1;
+                            tried = (0, 0);
+                            run = begin(&plan, &session);
+                        }
+                        MeasuringEvent::Failed(_) => run = begin(&plan, &session),
                         _ if tried.1 > PATIENCE => {
                             soak.skipped += 1;
                             run.skip();
@@ -150,11 +161,12 @@ pub fn study(poses: usize, seed: u64) -> Result<Soak> {
 pub fn markdown(soak: &Soak) -> String {
     let memory = soak.memory_mib.iter().map(|mib| format!("{mib:.0}"));
     format!(
-        "{} poses measured, {} left out, {} faults, {} stops; memory after each {STEP} poses, MiB: {}\n",
+        "{} poses measured, {} left out, {} faults, {} stops, {} series; memory after each {STEP} poses, MiB: {}\n",
         soak.measured,
         soak.skipped,
         soak.faults,
         soak.stops,
+        soak.series + 1,
         memory.collect::<Vec<_>>().join(", ")
     )
 }
