@@ -11,6 +11,8 @@ use tautline_core::robot::Robot;
 pub struct Diagnosed {
     /// Robot and measurements, without excluded poses.
     pub dataset: Arc<Dataset>,
+    /// Number of poses that were measured, of which the dataset has those that are used.
+    pub measured: usize,
     /// The result.
     pub diagnosis: Diagnosis,
     /// False-alarm probability of the tests.

@@ -57,6 +57,7 @@ pub fn diagnose_dataset(
         alpha,
         ..DiagnosisOptions::default()
     };
+    let measured = dataset.measurements.len();
     // Plots of the result use the same rows.
     let dataset = match dataset
         .measurements
@@ -86,6 +87,7 @@ pub fn diagnose_dataset(
         seconds: started.elapsed().as_secs_f64(),
         limit_s,
         ended_at_limit,
+        measured,
         dataset,
     })
 }

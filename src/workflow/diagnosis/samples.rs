@@ -251,6 +251,7 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
     };
     Diagnosed {
         dataset: Arc::new(dataset.clone()),
+        measured: dataset.measurements.len(),
         diagnosis,
         alpha: 0.01,
         seconds: 0.1,

@@ -83,7 +83,11 @@ impl Diagnosed {
     #[must_use]
     pub fn judgement(&self, not: &str) -> String {
         let diagnosis = &self.diagnosis;
-        let poses = count(self.dataset.measurements.len(), "pose");
+        let used = self.dataset.measurements.len();
+        let poses = match count(self.measured, "pose") {
+            all if used < self.measured => format!("{used} of {all}"),
+            all => all,
+        };
         let found = match diagnosis.findings.len() {
             1 => "the finding".to_owned(),
             several => format!("the {several} findings"),

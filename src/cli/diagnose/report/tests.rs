@@ -32,6 +32,15 @@ fn clean_data_need_no_finding() {
 }
 
 #[test]
+fn poses_that_are_not_used_are_counted() {
+    let mut of_many = diagnosed(&dataset(), &[]);
+    of_many.measured = 10_001;
+    let text = text(&of_many, false);
+    let first = "planar: the model explains the readings of 13 of 10001 poses.\n";
+    assert!(text.starts_with(first), "{text}");
+}
+
+#[test]
 fn a_named_finding_is_clear() {
     let text = report(&[Verdict::Named], false);
     let parts = [
