@@ -211,11 +211,14 @@ fn enough(ui: &mut Ui, outlook: &PlanSummary, goal_mm: f64, done: usize) {
     }
 }
 
+/// A standard deviation (m) of a plan.
+type Criterion = fn(&DesignCriteria) -> Option<f64>;
+
 fn details(ui: &mut Ui, outlook: &PlanSummary) {
     let travel = format!("{:.1}", outlook.travel_m);
     value(ui, "Travel distance", &travel, "m");
     muted(ui, "These poses / the same number of random poses:");
-    let metres: [(&str, fn(&DesignCriteria) -> Option<f64>); 3] = [
+    let metres: [(&str, Criterion); 3] = [
         ("A-optimality: mean of the coordinates", |c| c.mean_m),
         ("E-optimality: worst direction", |c| c.worst_m),
         ("I-optimality: platform position after adjustment", |c| {
