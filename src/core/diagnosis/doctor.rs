@@ -23,7 +23,7 @@ use super::noise::noise_statements;
 use super::priors::FACTORS;
 use super::progress::Reporter;
 use super::report::{Diagnosis, Finding, Invisible, ToleranceFactor, UnseenFault};
-use super::unmodelled_errors::WeighedError;
+use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
 use super::unseen::unseen_faults;
 use super::{DiagnosisOptions, Observer, Stage};
 use crate::effect::{CablePorts, Dual, measurements_as_modelled};
@@ -95,7 +95,11 @@ fn examine(
     };
     let problem = &problem;
     let confirmed = confirm_causes(problem, inference, posteriors, possible)?;
-    let (confirmed, unmodelled) = reject_replaceable_causes(problem, confirmed)?;
+    let (confirmed, unmodelled) = match report.cancelled && confirmed.posteriors.is_empty() {
+        // There is nothing to reject, and errors without a cause are not told then.
+        true => (confirmed, UnmodelledErrors::default()),
+        false => reject_replaceable_causes(problem, confirmed)?,
+    };
     let ConfirmedCauses {
         inference,
         posteriors,

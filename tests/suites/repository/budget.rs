@@ -9,14 +9,14 @@ use crate::layout::{root, rust_files};
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
     ("cli", 7863),
-    ("core", 35907),
+    ("core", 35916),
     ("import", 16965),
     ("link", 10439),
     ("python", 953),
     ("session", 7918),
     ("study", 3110),
-    ("workbench", 37495),
-    ("workflow", 18870),
+    ("workbench", 37496),
+    ("workflow", 18883),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
