@@ -71,7 +71,7 @@ pub fn result_in_words(figures: &[Figure], predicted_m: Option<f64>) -> Option<S
 /// `None` where they are not determined.
 #[must_use]
 pub fn predicted_m(fit: &Identification, run: &Verification) -> Option<f64> {
-    let is_new = |row: &&CheckRow| row.kind == CheckKind::Pose && row.cycle == run.rows[0].cycle;
+    let is_first = |row: &&CheckRow| row.kind == CheckKind::Pose && row.cycle == run.rows[0].cycle;
     let pose = |row: &CheckRow| {
         let upright = [1.0, 0.0, 0.0, 0.0];
         let CheckPose {
@@ -80,7 +80,7 @@ pub fn predicted_m(fit: &Identification, run: &Verification) -> Option<f64> {
         } = row.commanded;
         Pose::from_parts(position_m, orientation_wxyz.unwrap_or(upright))
     };
-    let targets: Vec<Pose> = run.rows.iter().filter(is_new).map(pose).collect();
+    let targets: Vec<Pose> = run.rows.iter().filter(is_first).map(pose).collect();
     let solution = &fit.solution;
     let errors = position_jacobians(&fit.model, &targets, &solution.parameters)?;
     let covariance = solution.covariance.as_ref()?;
@@ -91,23 +91,24 @@ pub fn predicted_m(fit: &Identification, run: &Verification) -> Option<f64> {
     (mean > 0.0).then(|| mean.sqrt())
 }
 
-/// Position errors at the poses of the last run of each stage, with the predicted one.
-#[must_use]
-pub fn plot_of_errors(session: &Session, predicted_m: Option<f64>) -> figure::Figure {
-    let stages = [
-        (Stage::Before, "before", Ink::Warning, Marker::Circle),
-        (Stage::After, "after", Ink::Accent, Marker::Square),
-    ];
-    let series = |(stage, name, ink, marker)| {
-        let run = session
-            .verifications()
-            .iter()
-            .rfind(|run| run.stage == stage)?;
-        let errors = (1_u32..).zip(errors_m(&run.rows));
-        let points = errors.map(|(number, error)| Point::new(number.into(), 1e3 * error));
+/// Pose accuracies of the last run of each stage, in the order of the run, with the predicted error.
+///
+/// # Errors
+/// One sentence if the rows of a run do not make them.
+pub fn plot_of_errors(
+    session: &Session,
+    predicted_m: Option<f64>,
+) -> Result<figure::Figure, String> {
+    let runs = VerificationDocument::of(session, Stage::After)?;
+    let series = |name, ink, marker, run: Option<Accuracy>| {
+        let targets = (1_u32..).zip(run?.poses?.targets);
+        let points = targets
+            .map(|(number, target)| Point::new(number.into(), 1e3 * target.figures.accuracy_m));
         Some(Series::new(name, ink, marker, points.collect()))
     };
-    let series: Vec<Series> = stages.into_iter().filter_map(series).collect();
+    let before = series("before", Ink::Warning, Marker::Circle, runs.before);
+    let after = series("after", Ink::Accent, Marker::Square, runs.after);
+    let series: Vec<Series> = before.into_iter().chain(after).collect();
     let most = series.iter().map(|one| one.points().len()).max();
     let ends = [1.0, most.unwrap_or(1) as f64];
     let predicted = predicted_m.map(|metres| Curve {
@@ -118,26 +119,13 @@ pub fn plot_of_errors(session: &Session, predicted_m: Option<f64>) -> figure::Fi
             ends.map(|x| [x, 1e3 * metres]).to_vec(),
         )
     });
-    figure::Figure {
+    Ok(figure::Figure {
         x: Axis::whole("Test pose"),
         y: Axis::new("Position error", "mm"),
         series,
         curves: predicted.into_iter().collect(),
         ..figure::Figure::default()
-    }
-}
-
-/// Mean distance from each commanded pose (m), in the order of the run.
-fn errors_m(rows: &[CheckRow]) -> Vec<f64> {
-    let mut targets: Vec<(&str, Vec<f64>)> = Vec::new();
-    for row in rows.iter().filter(|row| row.kind == CheckKind::Pose) {
-        match targets.iter_mut().find(|(name, _)| *name == row.target) {
-            Some((_, all)) => all.push(row.distance_m()),
-            None => targets.push((&row.target, vec![row.distance_m()])),
-        }
-    }
-    let mean = |(_, all): (&str, Vec<f64>)| all.iter().sum::<f64>() / all.len() as f64;
-    targets.into_iter().map(mean).collect()
+    })
 }
 
 fn named(accuracy: Accuracy) -> Vec<(String, f64)> {
@@ -207,7 +195,7 @@ pub(super) mod tests {
             text,
             "Pose accuracy, mean: 2.00 mm before, 0.50 mm after; predicted 0.66 mm."
         );
-        let plot = plot_of_errors(&session, None);
+        let plot = plot_of_errors(&session, None).expect("a plot");
         let errors = plot.series.iter().map(|one| one.points()[0].y);
         let errors: Vec<String> = errors.map(|mm| format!("{mm:.3}")).collect();
         assert_eq!(errors, ["2.000", "0.500"]);

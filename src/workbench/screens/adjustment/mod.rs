@@ -22,12 +22,13 @@ use crate::widgets::{Verdict, heading, icon_button, muted, section, verdict};
 use tautline_workflow::accuracy::Figure;
 use tautline_workflow::adjusting::{self, Review};
 use tautline_workflow::controllers::Kind;
+use tautline_workflow::plot::figure;
 use tautline_workflow::wording::sentence;
 
 pub(crate) use table::lines;
 
-/// Accuracy before and after, and the error (m) that the identification predicts; or what is wrong with the rows.
-type Figures = Result<(Vec<Figure>, Option<f64>), String>;
+/// Accuracy before and after, the error (m) that the identification predicts, and their plot; or what is wrong with the rows.
+type Figures = Result<(Vec<Figure>, Option<f64>, figure::Figure), String>;
 
 /// State of the panel between frames.
 #[derive(Debug, Default)]

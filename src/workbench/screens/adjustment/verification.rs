@@ -6,8 +6,7 @@ use tautline_session::Stage;
 
 use super::typed;
 use super::{Figures, PanelState};
-use crate::model::command::Outbox;
-use crate::model::command::{Export, FileCommand, RobotCommand};
+use crate::model::command::{Export, FileCommand, Outbox, RobotCommand};
 use crate::model::link::Doing;
 use crate::model::{Model, OpenSession};
 use crate::screens::measuring::motion;
@@ -44,7 +43,7 @@ pub(super) fn show(ui: &mut Ui, model: &Model, panel: &mut PanelState, outbox: &
         return;
     }
     match figures(open, panel) {
-        Ok((figures, _)) => show_figures(ui, figures),
+        Ok((figures, ..)) => show_figures(ui, figures),
         Err(error) => verdict(ui, Verdict::Bad, &format!("{error}.")),
     }
 }
@@ -136,7 +135,7 @@ fn imported(ui: &mut Ui, model: &Model, outbox: &mut Outbox) {
 
 /// Draws what the adjustment has changed; a robot that is worse is an error if the controller holds the values.
 pub(super) fn result(ui: &mut Ui, open: &OpenSession, panel: &mut PanelState, is_held: bool) {
-    let Ok((figures, predicted_m)) = figures(open, panel) else {
+    let Ok((figures, predicted_m, plot)) = figures(open, panel) else {
         return;
     };
     let gain = figures.iter().find_map(Figure::gain);
@@ -149,9 +148,8 @@ pub(super) fn result(ui: &mut Ui, open: &OpenSession, panel: &mut PanelState, is
         (false, false) => Verdict::Doubtful,
     };
     verdict(ui, kind, &text);
-    let plot = plot_of_errors(open.session(), *predicted_m);
     let name = "Position errors before and after";
-    small::show(ui, name, &plot, 22.0 * GRID, Selection::default());
+    small::show(ui, name, plot, 40.0 * GRID, Selection::default());
 }
 
 fn figures<'a>(open: &OpenSession, panel: &'a mut PanelState) -> &'a Figures {
@@ -162,7 +160,8 @@ fn figures<'a>(open: &OpenSession, panel: &'a mut PanelState) -> &'a Figures {
         let runs = session.verifications().iter();
         let after = runs.rev().find(|run| run.stage == Stage::After);
         let predicted = fit.zip(after).and_then(|(fit, run)| predicted_m(fit, run));
-        Ok((before_and_after(session)?, predicted))
+        let plot = plot_of_errors(session, predicted)?;
+        Ok((before_and_after(session)?, predicted, plot))
     })
 }
 
