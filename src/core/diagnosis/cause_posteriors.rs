@@ -23,6 +23,15 @@ impl CausePosterior {
         self.with_replacements >= NAMING_PROBABILITY
     }
 
+    /// The cause and its alternatives as possible causes.
+    pub fn as_possible(&self, cause: &Cause) -> impl Iterator<Item = PossibleCause> {
+        let own = PossibleCause {
+            cause: cause.clone(),
+            probability: self.probability,
+        };
+        std::iter::once(own).chain(self.alternatives.iter().cloned())
+    }
+
     pub fn is_named(&self) -> bool {
         self.probability * stated_share(self.with_replacements) >= NAMING_PROBABILITY
     }
@@ -33,8 +42,10 @@ pub(super) fn stated_share(computed: f64) -> f64 {
     stated_probability(computed.min(1.0)) / computed.max(f64::MIN_POSITIVE)
 }
 
-/// States the probabilities of possible causes that did not become findings, without those that are too small.
-pub(super) fn stated_causes(possible: Vec<PossibleCause>) -> Vec<PossibleCause> {
+/// States the probabilities of possible causes that did not become findings, the most probable first, without those that are
+/// too small.
+pub(super) fn stated_causes(mut possible: Vec<PossibleCause>) -> Vec<PossibleCause> {
+    possible.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     let stated = |other: PossibleCause| PossibleCause {
         probability: stated_probability(other.probability.min(1.0)),
         ..other

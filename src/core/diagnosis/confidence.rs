@@ -1,5 +1,6 @@
 //! Decides which inferred causes are confirmed and with which probability they are stated.
 
+use super::Stage;
 use super::adequacy::adequacy;
 use super::budget::{MAX_ALTERNATIVES, MIN_POSSIBLE_PROBABILITY};
 use super::calibration::{NAMING_PROBABILITY, share_of_atypical_size};
@@ -10,6 +11,7 @@ use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
 use super::heavy_tails::odds_of_heavy_tails;
 use super::inference::{Inference, inference_at_fit};
+use super::progress::Reporter;
 use super::report::{
     Adequacy, Alternative, Cause, Discrepancy, Finding, FoundParameter, PossibleCause, Subject,
     UnmodelledError, Verdict,
@@ -19,26 +21,29 @@ use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
 use super::variables::Variables;
 use crate::estimation::{EstimationError, Problem};
 
-/// Confirmed causes with their posteriors, and other possible causes.
+/// Confirmed causes with their posteriors.
 pub(super) struct ConfirmedCauses<'a> {
     pub inference: Inference<'a>,
     pub posteriors: Vec<CausePosterior>,
-    pub possible: Vec<PossibleCause>,
 }
 
-/// Rejects causes that an unmodelled error almost certainly replaces, refitting until none is left.
+/// Rejects causes that an unmodelled error almost certainly replaces, refitting until none is left; `None` if interrupted.
 pub(super) fn reject_replaceable_causes<'a>(
     problem: &Problem<'a>,
     confirmed: ConfirmedCauses<'a>,
-) -> Result<(ConfirmedCauses<'a>, UnmodelledErrors), EstimationError> {
+    possible: &mut Vec<PossibleCause>,
+    report: &mut Reporter<'_, '_>,
+) -> Result<Option<(ConfirmedCauses<'a>, UnmodelledErrors)>, EstimationError> {
     let ConfirmedCauses {
         mut inference,
         mut posteriors,
-        mut possible,
     } = confirmed;
     let mut replacements: Vec<WeighedError> = Vec::new();
     loop {
-        let mut unmodelled = UnmodelledErrors::new(&inference);
+        let mut go_on = || report.stage(Stage::Discrepancy, posteriors.len());
+        let Some(mut unmodelled) = UnmodelledErrors::new(&inference, &mut go_on) else {
+            return Ok(None);
+        };
         let mut causes = Vec::new();
         let mut accepted = Vec::new();
         let all = inference.fit.causes.iter().zip(posteriors);
@@ -74,9 +79,8 @@ pub(super) fn reject_replaceable_causes<'a>(
             let confirmed = ConfirmedCauses {
                 inference,
                 posteriors,
-                possible,
             };
-            return Ok((confirmed, unmodelled));
+            return Ok(Some((confirmed, unmodelled)));
         }
         let fit = fit_of_possible(problem, causes, &mut posteriors)?;
         let fit = fit.with_deviation_columns(&inference.fit.deviation_columns());
@@ -106,7 +110,7 @@ pub(super) fn confirm_causes<'a>(
     problem: &Problem<'a>,
     inference: Inference<'a>,
     posteriors: Vec<CausePosterior>,
-    mut possible: Vec<PossibleCause>,
+    possible: &mut Vec<PossibleCause>,
 ) -> Result<ConfirmedCauses<'a>, EstimationError> {
     let mut confirmed: Vec<(f64, Cause, CausePosterior)> = Vec::new();
     for (index, (cause, posterior)) in inference.fit.causes.iter().zip(posteriors).enumerate() {
@@ -117,13 +121,8 @@ pub(super) fn confirm_causes<'a>(
             confirmed.push((without.solution.chi2, cause.clone(), posterior));
             continue;
         }
-        possible.push(PossibleCause {
-            cause: cause.clone(),
-            probability: posterior.probability,
-        });
-        possible.extend(posterior.alternatives.iter().cloned());
+        possible.extend(posterior.as_possible(cause));
     }
-    possible.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     let is_complete = confirmed.len() == inference.fit.causes.len();
     let is_ordered = confirmed.windows(2).all(|pair| pair[0].0 >= pair[1].0);
     // The cause that explains most comes first.
@@ -142,7 +141,6 @@ pub(super) fn confirm_causes<'a>(
     Ok(ConfirmedCauses {
         inference,
         posteriors,
-        possible,
     })
 }
 

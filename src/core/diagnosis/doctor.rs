@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::budget::MOST_DIAGNOSED_ROWS;
 use super::calibration::POWER;
 use super::candidates::size_parameter;
-use super::cause_posteriors::{cause_posteriors, stated_causes};
+use super::cause_posteriors::{CausePosterior, cause_posteriors, stated_causes};
 use super::cause_sets::set_probabilities;
 use super::confidence::{
     ConfirmedCauses, allow_for_errors, assess_fit, confirm_causes, reject_replaceable_causes,
@@ -22,7 +22,10 @@ use super::linear_fit::LinearFit;
 use super::noise::noise_statements;
 use super::priors::FACTORS;
 use super::progress::Reporter;
-use super::report::{Diagnosis, Finding, Invisible, ToleranceFactor, UnseenFault};
+use super::report::{
+    Diagnosis, Discrepancy, Finding, Invisible, PossibleCause, ToleranceFactor, UnseenFault,
+};
+use super::residual_space::ResidualSpace;
 use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
 use super::unseen::unseen_faults;
 use super::{DiagnosisOptions, Observer, Stage};
@@ -73,106 +76,142 @@ pub fn diagnose(
 }
 
 /// Examines a problem. `first` is the fit of the model as supplied, `rows` the largest number of averaged rows of a
-/// standstill.
+/// standstill. An interrupted examination names nothing and lists what the search has found so far.
 fn examine(
     problem: &Problem<'_>,
     (first, rows): (&Fit<'_>, usize),
-    mut findings: Vec<Finding>,
+    exchanged: Vec<Finding>,
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
 ) -> Result<Diagnosis, EstimationError> {
-    let (problem, inference, visibility) = infer(problem.clone(), options, report)?;
-    let (posteriors, possible) = cause_posteriors(&inference.ranking);
+    let (_, inference, visibility) = infer(problem.clone(), options, report)?;
+    let (posteriors, mut possible) = cause_posteriors(&inference.ranking);
     let sets = set_probabilities(&inference.ranking);
     let factor = FACTORS[inference.hyper.factor];
     let first = match factor > 0.0 {
         true => &Fit::new(&with_deviations(first, factor), &[])?,
         false => first,
     };
+    let mut all_possible = possible.clone();
+    for (cause, posterior) in inference.fit.causes.iter().zip(&posteriors) {
+        all_possible.extend(posterior.as_possible(cause));
+    }
+    let found = match report.stage(Stage::Refits, exchanged.len()) {
+        true => confirmed_findings(
+            (inference, posteriors, &mut possible),
+            (exchanged.clone(), visibility.len()),
+            report,
+        )?,
+        false => None,
+    };
+    let (base, discrepancies, base_space) = assess_fit(first, options.alpha);
+    let (invisible, readable) = invisible_effects(problem, &visibility, options);
+    // The noise of means is smaller than that of single rows by a factor that depends on what the rows share, so less
+    // noise than described is not reported for them.
+    let noise_of = |space: &ResidualSpace, dependences: &[Discrepancy]| {
+        let mut noise = noise_statements(space, dependences, options.alpha);
+        noise.retain(|statement| rows == 1 || statement.ratio > 1.0);
+        noise
+    };
+    let mut diagnosis = Diagnosis {
+        noise: Vec::new(),
+        extended: base.clone(),
+        base,
+        remaining: discrepancies.clone(),
+        discrepancies,
+        invisible,
+        readable,
+        findings: exchanged,
+        possible: all_possible,
+        sets,
+        unseen: Vec::new(),
+        tolerances: ToleranceFactor {
+            factor,
+            are_stated: false,
+        },
+        held: first.problem.held_effects.len(),
+        base_solution: first.solution.clone(),
+        extended_solution: first.solution.clone(),
+        cancelled: found.is_none(),
+    };
+    if let Some((mut findings, confirmed, unmodelled)) = found {
+        let inference = &confirmed.inference;
+        let fit = &inference.fit;
+        let (extended, remaining, space) = assess_fit(fit, options.alpha);
+        let mut remaining_errors = unmodelled.remaining;
+        if remaining_errors.is_empty() {
+            remaining_errors.extend(remaining.first().map(WeighedError::from_discrepancy));
+        }
+        let of_errors = allow_for_errors(&mut findings, inference, &unmodelled.rivals, &space);
+        state_probabilities(&mut findings, inference, &confirmed.posteriors, &of_errors);
+        findings.extend(remaining_errors.iter().map(|s| s.finding(fit)));
+        // Nothing is named by a fit that did not converge or is worse than the one without causes.
+        let is_better =
+            fit.solution.converged() && extended.global.chi2 <= diagnosis.base.global.chi2;
+        findings.retain(|finding| is_better || finding.cause().is_none());
+        diagnosis.noise = noise_of(&space, &remaining);
+        diagnosis.unseen = unseen_beside(inference);
+        diagnosis.tolerances.factor = inference.tolerance_factor();
+        diagnosis.possible = possible;
+        diagnosis.findings = findings;
+        diagnosis.remaining = remaining;
+        if is_better {
+            diagnosis.extended = extended;
+            diagnosis.extended_solution = fit.solution.clone();
+        }
+    } else {
+        diagnosis.noise = noise_of(&base_space, &diagnosis.discrepancies);
+    }
+    diagnosis.possible = stated_causes(diagnosis.possible);
+    diagnosis.base.adequate &= diagnosis.findings.is_empty();
+    Ok(diagnosis)
+}
+
+/// The findings of the causes that are confirmed, after those of exchanged channels, with their fit and the errors that no
+/// cause explains; `None` if interrupted. Other causes go to the possible ones; `questions` is the number of causes tested.
+fn confirmed_findings<'a>(
+    (inference, posteriors, possible): (
+        Inference<'a>,
+        Vec<CausePosterior>,
+        &mut Vec<PossibleCause>,
+    ),
+    (mut findings, questions): (Vec<Finding>, usize),
+    report: &mut Reporter<'_, '_>,
+) -> Result<Option<(Vec<Finding>, ConfirmedCauses<'a>, UnmodelledErrors)>, EstimationError> {
+    let factor = FACTORS[inference.hyper.factor];
     let (problem, inference) = match factor > 0.0 {
         true => infer_with_deviations(factor, inference)?,
-        false => (problem, inference),
+        false => (inference.fit.base().clone(), inference),
     };
-    let problem = &problem;
-    let confirmed = confirm_causes(problem, inference, posteriors, possible)?;
-    let (confirmed, unmodelled) = match report.cancelled && confirmed.posteriors.is_empty() {
-        // There is nothing to reject, and errors without a cause are not told then.
-        true => (confirmed, UnmodelledErrors::default()),
-        false => reject_replaceable_causes(problem, confirmed)?,
+    let confirmed = confirm_causes(&problem, inference, posteriors, possible)?;
+    let rejected = reject_replaceable_causes(&problem, confirmed, possible, report)?;
+    let Some((confirmed, unmodelled)) = rejected else {
+        return Ok(None);
     };
-    let ConfirmedCauses {
-        inference,
-        posteriors,
-        mut possible,
-        ..
-    } = confirmed;
-    report.stage(Stage::HeldOut, findings.len());
-    let fit = &inference.fit;
-    let unseen = unseen_beside(&inference);
-    let sd_ratios = inference.sd_ratios();
-    let mut before = Prediction::new(&Fit::new(problem, &[])?);
-    for (index, posterior) in posteriors.iter().enumerate() {
-        let after = Prediction::new(&Fit::new(problem, &fit.causes[..=index])?);
+    let fit = &confirmed.inference.fit;
+    let sd_ratios = confirmed.inference.sd_ratios();
+    let mut before = Prediction::new(&Fit::new(&problem, &[])?);
+    for (index, posterior) in confirmed.posteriors.iter().enumerate() {
+        if !report.stage(Stage::HeldOut, findings.len()) {
+            return Ok(None);
+        }
+        let after = Prediction::new(&Fit::new(&problem, &fit.causes[..=index])?);
         let gain = after.gain_over(&before);
         before = after;
-        report.stage(Stage::Separation, findings.len());
+        if !report.stage(Stage::Separation, findings.len()) {
+            return Ok(None);
+        }
         let found = FindingBuilder {
             fit,
             index,
             posterior,
             gain,
-            questions: visibility.len(),
+            questions,
             sd_ratios: &sd_ratios[index],
         };
         findings.push(found.build()?);
     }
-    report.stage(Stage::Discrepancy, findings.len());
-    let (mut base, discrepancies, _) = assess_fit(first, options.alpha);
-    let (extended, remaining, space) = assess_fit(fit, options.alpha);
-    // Nothing is named by a fit that did not converge or is worse than the one without causes.
-    let is_better = fit.solution.converged() && extended.global.chi2 <= base.global.chi2;
-    let mut noise = noise_statements(&space, &remaining, options.alpha);
-    // The noise of means is smaller than that of single rows by a factor that depends on what the rows share, so less
-    // noise than described is not reported for them.
-    noise.retain(|statement| rows == 1 || statement.ratio > 1.0);
-    if !report.cancelled {
-        let mut remaining_errors = unmodelled.remaining;
-        if remaining_errors.is_empty() {
-            remaining_errors.extend(remaining.first().map(WeighedError::from_discrepancy));
-        }
-        let of_errors = allow_for_errors(&mut findings, &inference, &unmodelled.rivals, &space);
-        state_probabilities(&mut findings, &inference, &posteriors, &of_errors);
-        findings.extend(remaining_errors.iter().map(|s| s.finding(fit)));
-        possible = stated_causes(possible);
-    }
-    findings.retain(|finding| is_better || finding.cause().is_none());
-    base.adequate &= findings.is_empty();
-    let (extended, fit) = match is_better {
-        true => (extended, fit),
-        false => (base.clone(), first),
-    };
-    let (invisible, readable) = invisible_effects(problem, &visibility, options);
-    Ok(Diagnosis {
-        noise,
-        base,
-        extended,
-        discrepancies,
-        remaining,
-        invisible,
-        readable,
-        findings,
-        possible,
-        sets,
-        unseen,
-        tolerances: ToleranceFactor {
-            factor: inference.tolerance_factor(),
-            are_stated: false,
-        },
-        held: first.problem.held_effects.len(),
-        base_solution: first.solution.clone(),
-        extended_solution: fit.solution.clone(),
-        cancelled: report.cancelled,
-    })
+    Ok(Some((findings, confirmed, unmodelled)))
 }
 
 /// Faults that the readings do not exclude beside the causes of an inference.

@@ -102,16 +102,17 @@ pub(super) fn explore<'l>(
         }
         let findings = at.present.len();
         search.run(MAX_EXTENDED, &mut || report.stage(Stage::Scores, findings));
-        if hyper.is_noisy()
-            || is_first && points.is_empty() && search.best().is_some_and(|b| b.members.len() > 2)
-        {
+        let has_several = search.best().is_some_and(|best| best.members.len() > 2);
+        if !report.cancelled && (hyper.is_noisy() || is_first && points.is_empty() && has_several) {
             search.prune_from_all();
             search.run(MAX_EXTENDED, &mut || report.stage(Stage::Scores, findings));
         }
-        search.explore_around(&at.present);
-        search.exchange(&at.present);
-        if let Some(top) = search.best().map(|best| best.members.clone()) {
-            search.exchange(&top);
+        if !report.cancelled {
+            search.explore_around(&at.present);
+            search.exchange(&at.present);
+            if let Some(top) = search.best().map(|best| best.members.clone()) {
+                search.exchange(&top);
+            }
         }
         let evaluated = search.evaluated;
         points.push(HyperparameterPoint {

@@ -235,7 +235,7 @@ pub(super) fn infer<'a>(
         let mut gram = exploration.gram;
         let mut best: Option<(f64, Fit<'a>)> = None;
         while let Some(place) = compared.next() {
-            if !report.stage(Stage::Refits, at.present.len()) && best.is_some() {
+            if !report.stage(Stage::Refits, at.present.len()) {
                 break;
             }
             let start = at.causes_of(&mut gram, compared.members(place));
@@ -266,7 +266,7 @@ pub(super) fn infer<'a>(
         }
         let ranking = compared.ranking();
         let is_new = |next: &Fit<'_>| !tried.iter().any(|t| is_same_set(t, &next.causes));
-        let may_go_on = round < MAX_LINEARISATIONS && (!report.cancelled || fit.causes.is_empty());
+        let may_go_on = round < MAX_LINEARISATIONS && !report.cancelled;
         match best {
             Some((_, next)) if may_go_on && is_new(&next) => {
                 tried.push(next.causes.clone());
@@ -274,7 +274,7 @@ pub(super) fn infer<'a>(
             }
             best => {
                 let (own, last) = best.unwrap_or((own, fit));
-                let merged = merge_common_values(&last).filter(|_| round < MAX_LINEARISATIONS);
+                let merged = merge_common_values(&last).filter(|_| may_go_on);
                 let merged = merged.map(|causes| Fit::new(&base, &causes)).transpose()?;
                 let merged = merged.map(|fit| fit.with_deviation_columns(&columns));
                 let better = merged.filter(|fit| {

@@ -34,7 +34,11 @@ pub(super) struct UnmodelledErrors {
 }
 
 impl UnmodelledErrors {
-    pub fn new(inference: &Inference<'_>) -> Self {
+    /// Compares errors with the causes of a fit; `None` if `go_on`, which is asked before each comparison, says no.
+    pub fn new(inference: &Inference<'_>, go_on: &mut dyn FnMut() -> bool) -> Option<Self> {
+        if !go_on() {
+            return None;
+        }
         let fit = &inference.fit;
         let linear = &inference.linear;
         let linearisation = fit.linearisation();
@@ -43,6 +47,9 @@ impl UnmodelledErrors {
         let mut remaining: Vec<StructuredError> = Vec::new();
         let mut columns = inference.columns.clone();
         while remaining.len() < MAX_REPORTED_ERRORS {
+            if !go_on() {
+                return None;
+            }
             let Some(found) = search.find_beside(&columns, REPORTED_LOG_ODDS) else {
                 break;
             };
@@ -51,6 +58,9 @@ impl UnmodelledErrors {
         }
         let mut rivals = vec![None; fit.causes.len()];
         for set in replaceable_sets(&fit.causes) {
+            if !go_on() {
+                return None;
+            }
             let Some(rival) = best_rival(inference, &search, &remaining, &set) else {
                 continue;
             };
@@ -72,10 +82,10 @@ impl UnmodelledErrors {
                 reported.push(structure.into());
             }
         }
-        Self {
+        Some(Self {
             remaining: reported,
             rivals,
-        }
+        })
     }
 }
 

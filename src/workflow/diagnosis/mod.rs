@@ -39,9 +39,8 @@ pub use verdict::{adequacy, residual_ratio};
 /// Default time limit of a diagnosis (s), after which it ends with the best answer so far.
 pub const TIME_LIMIT_S: f64 = 60.0;
 
-/// Time that the end of a diagnosis takes, in multiples of its longest step so far: the causes that it has found are confirmed and
-/// fitted once more.
-const END_STEPS: f64 = 4.0;
+/// Time that the end of an interrupted diagnosis takes, in multiples of its longest step so far: the model is tested without a cause.
+const END_STEPS: f64 = 2.0;
 
 /// Diagnoses the model of a dataset with its raw measurements, after averaging the rows of each standstill
 /// and thinning recordings in motion, at a false-alarm probability and within a time limit (s).

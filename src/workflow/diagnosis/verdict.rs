@@ -96,6 +96,9 @@ impl Diagnosed {
             _ if diagnosis.base.adequate => {
                 return format!("the model explains the readings of {poses}.");
             }
+            0 if diagnosis.cancelled => {
+                "The diagnosis ended before it could name a cause.".to_owned()
+            }
             0 if diagnosis.noise.is_empty() => "No cause was found.".to_owned(),
             0 => "No cause was found, but the noise is not what robot.json states.".to_owned(),
             _ if diagnosis.extended.adequate => format!("With {found} below it does."),
@@ -128,15 +131,14 @@ impl Diagnosed {
                 ratio(after)
             ));
         }
-        lines.push(self.tolerances_line());
-        if self.ended_at_limit {
-            lines.push(format!(
-                "The diagnosis ended at its time limit of {} s: this is the best answer so far.",
+        lines.push(match diagnosis.cancelled {
+            true if self.ended_at_limit => format!(
+                "The diagnosis ended at its time limit of {} s: causes are possible ones only, and faults may be missing.",
                 significant(self.limit_s, 3)
-            ));
-        } else if diagnosis.cancelled {
-            lines.push("The diagnosis was cancelled before it was complete.".to_owned());
-        }
+            ),
+            true => "The diagnosis was cancelled: causes are possible ones only, and faults may be missing.".to_owned(),
+            false => self.tolerances_line(),
+        });
         lines
     }
 

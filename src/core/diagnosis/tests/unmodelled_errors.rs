@@ -102,7 +102,8 @@ fn clean_data_have_no_unmodelled_error() {
     let problem = problem_at_fitted_poses(&dataset);
     let fit = Fit::new(&problem, &[]).unwrap();
     let inference = inference_at_fit(fit, Vec::new(), None);
-    assert!(UnmodelledErrors::new(&inference).remaining.is_empty());
+    let found = UnmodelledErrors::new(&inference, &mut || true).unwrap();
+    assert!(found.remaining.is_empty());
     assert!(
         inference
             .linear

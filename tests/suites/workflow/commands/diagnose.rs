@@ -205,8 +205,7 @@ fn a_diagnosis_ends_at_its_time_limit_and_says_so() {
     let hidden = ["--effect", "winch_scale:cable-3:scale=0.02"];
     let dataset = simulate(&folder, 25, &hidden);
     let text = diagnose(&dataset, &["--time-limit", "0.001"]).stdout;
-    let expected =
-        "The diagnosis ended at its time limit of 0.001 s: this is the best answer so far.";
+    let expected = "The diagnosis ended at its time limit of 0.001 s: causes are possible ones only, and faults may be missing.";
     assert!(text.contains(expected), "{text}");
     let diagnosis = diagnose(&dataset, &["--time-limit=0.001", "--json", "-"]).json();
     assert_eq!(diagnosis["complete"], false);
