@@ -88,7 +88,8 @@ impl DeviationColumns {
     }
 }
 
-/// A linearisation of a fit's problem with all deviations, and their columns in units of the tolerances.
+/// A linearisation of a fit's problem with all deviations, at the values that it has estimated, and their columns in units of the
+/// tolerances.
 pub(super) fn linearised(
     problem: &Problem<'_>,
     solution: &Solution,
@@ -96,8 +97,12 @@ pub(super) fn linearised(
 ) -> (Linearisation, DMatrix<f64>) {
     let mut problem = problem.clone();
     let mut solution = solution.clone();
-    let neutral = deviations.iter().map(|deviation| deviation.bound.clone());
-    solution.globals.deviations = neutral.collect();
+    let found = &solution.globals.deviations;
+    let present = deviations.iter().map(|deviation| {
+        let found = found.iter().find(|found| deviation.is_covered_by(found));
+        found.unwrap_or(&deviation.bound).clone()
+    });
+    solution.globals.deviations = present.collect();
     problem.held_deviations.clear();
     problem.deviations = deviations.to_vec();
     solution.parameters = problem.parameters();

@@ -84,12 +84,12 @@ fn examine(
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
 ) -> Result<Diagnosis, EstimationError> {
-    let (_, inference, visibility) = infer(problem.clone(), options, report)?;
+    let (inference, visibility) = infer(problem, options, report)?;
     let (posteriors, mut possible) = cause_posteriors(&inference.ranking);
     let sets = set_probabilities(&inference.ranking);
     let factor = FACTORS[inference.hyper.factor];
     let first = match factor > 0.0 {
-        true => &Fit::new(&with_deviations(first, factor), &[])?,
+        true => &Fit::new(&first.problem_with_deviations(factor), &[])?,
         false => first,
     };
     let mut all_possible = possible.clone();
@@ -179,9 +179,10 @@ fn confirmed_findings<'a>(
     report: &mut Reporter<'_, '_>,
 ) -> Result<Option<(Vec<Finding>, ConfirmedCauses<'a>, UnmodelledErrors)>, EstimationError> {
     let factor = FACTORS[inference.hyper.factor];
-    let (problem, inference) = match factor > 0.0 {
+    let problem = inference.fit.base().clone();
+    let (problem, inference) = match factor > 0.0 || !problem.deviations.is_empty() {
         true => infer_with_deviations(factor, inference)?,
-        false => (inference.fit.base().clone(), inference),
+        false => (problem, inference),
     };
     let confirmed = confirm_causes(&problem, inference, posteriors, possible)?;
     let rejected = reject_replaceable_causes(&problem, confirmed, possible, report)?;
@@ -222,23 +223,13 @@ fn unseen_beside(inference: &Inference<'_>) -> Vec<UnseenFault> {
     unseen_faults(&gram, &present)
 }
 
-/// The problem of a fit without causes, with the deviations of the parts estimated, whose priors are the tolerances times a factor.
-fn with_deviations<'a>(fit: &Fit<'a>, factor: f64) -> Problem<'a> {
-    let columns = fit.deviation_columns();
-    let visible = columns
-        .visible
-        .iter()
-        .map(|deviation| deviation.scaled(factor));
-    fit.base().clone().with_deviations(visible.collect())
-}
-
 /// The inference with the deviations of `problem` in the nonlinear fit, too, so that the sizes of the causes and all that is
 /// reported allow for them. The sets are compared without them, because they are small enough for a linear problem.
 fn infer_with_deviations<'a>(
     factor: f64,
     inference: Inference<'a>,
 ) -> Result<(Problem<'a>, Inference<'a>), EstimationError> {
-    let mut problem = with_deviations(&inference.fit, factor);
+    let mut problem = inference.fit.problem_with_deviations(factor);
     let fit = Fit::new(&problem, &inference.fit.causes)?;
     let columns = inference.fit.deviation_columns();
     let fit = fit.with_deviation_columns(&columns);

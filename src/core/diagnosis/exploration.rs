@@ -75,7 +75,7 @@ pub(super) fn explore<'l>(
     let described = at.linear.described(own.factor);
     let mut own_gram = Some(gram);
     let mut pending = vec![own.clone()];
-    let left = at.fit.solution.chi2 / at.fit.solution.degrees_of_freedom;
+    let left = at.fit.chi2_per_freedom();
     // With the described noise far too small, every candidate would seem to be a cause.
     if own.is_far_from(&described) && left < UNEXPLAINED_CHI2 {
         pending.push(described);

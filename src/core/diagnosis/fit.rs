@@ -4,8 +4,9 @@ use std::cell::OnceCell;
 use std::ops::Range;
 use std::rc::Rc;
 
-use super::budget::{MAX_STEPS_WITH_CAUSES, PATIENCE};
+use super::budget::{FAR_FROM_NOISE, MAX_STEPS_WITH_CAUSES, MORE_THAN_NOISE, PATIENCE};
 use super::deviation_columns::DeviationColumns;
+use super::priors::{AS_STATED, FACTORS, LARGEST_DEVIATION};
 use super::report::Cause;
 use crate::estimation::{
     Control, EstimationError, Linearisation, Options, ParameterId, Problem, Progress, Solution,
@@ -92,6 +93,49 @@ impl<'a> Fit<'a> {
     /// The problem without causes.
     pub fn base(&self) -> &Problem<'a> {
         &self.base
+    }
+
+    /// The problem without causes, with the deviations of the parts estimated, whose priors are the tolerances times a factor.
+    pub fn problem_with_deviations(&self, factor: f64) -> Problem<'a> {
+        let columns = self.deviation_columns();
+        let visible = columns.visible.iter().filter(|_| factor > 0.0);
+        let scaled = visible.map(|deviation| deviation.scaled(factor));
+        self.base.clone().with_deviations(scaled.collect())
+    }
+
+    /// The fit with the deviations of the parts, if the one without leaves more than noise and all parts are within their tolerances
+    /// in this one. Sets are compared there: around exact parts, causes are fitted in full, but small deviations only linearly.
+    pub fn within_tolerances(&self) -> Result<Option<Self>, EstimationError> {
+        if !self.problem.deviations.is_empty() || self.chi2_per_freedom() < MORE_THAN_NOISE {
+            return Ok(None);
+        }
+        let fit = Self::new(
+            &self.problem_with_deviations(FACTORS[AS_STATED]),
+            &self.causes,
+        )?;
+        let explains = fit.chi2_per_freedom() < FAR_FROM_NOISE;
+        if !explains || !fit.has_deviations_within(LARGEST_DEVIATION) {
+            return Ok(None);
+        }
+        let base = fit.base.clone().at_poses_of(&fit.solution);
+        Self::new(&base, &fit.causes).map(Some)
+    }
+
+    /// Whether the estimated deviations of all parts are within so many standard deviations of their priors.
+    fn has_deviations_within(&self, most: f64) -> bool {
+        let held = self.problem.held_deviations.len();
+        let found = &self.solution.globals.deviations[held..];
+        let pairs = self.problem.deviations.iter().zip(found);
+        let mut values = pairs.flat_map(|(part, found)| {
+            let values = found.values.iter().zip(&part.bound.values);
+            values.zip(&part.prior_sd)
+        });
+        values.all(|((value, neutral), sd)| (value - neutral).abs() <= most * sd)
+    }
+
+    /// Chi-square per degree of freedom.
+    pub fn chi2_per_freedom(&self) -> f64 {
+        self.solution.chi2 / self.solution.degrees_of_freedom
     }
 
     /// The columns of the deviations at this fit.

@@ -187,14 +187,15 @@ impl Inference<'_> {
     }
 }
 
-/// Infers the causes of a problem. Effects are evaluated at the poses of each fit, which a large cause moves, so the
-/// problem is returned with the poses of the last one.
+/// Infers the causes of a problem. Effects are evaluated at the poses of each fit, which a large cause moves.
 pub(super) fn infer<'a>(
-    mut base: Problem<'a>,
+    problem: &Problem<'a>,
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
-) -> Result<(Problem<'a>, Inference<'a>, Vec<Visibility>), EstimationError> {
-    let none = Fit::new(&base, &[])?;
+) -> Result<(Inference<'a>, Vec<Visibility>), EstimationError> {
+    let none = Fit::new(problem, &[])?;
+    let none = none.within_tolerances()?.unwrap_or(none);
+    let mut base = none.base().clone();
     let mut seen: Option<Vec<Visibility>> = None;
     let mut fit = initial_fit(none, &mut seen, options, report)?;
     let mut tried: Vec<Vec<Cause>> = vec![fit.causes.clone()];
@@ -211,6 +212,12 @@ pub(super) fn infer<'a>(
             if (moved.solution.chi2 - fit.solution.chi2).abs() > MOVED_CHI2 {
                 (base, fit) = (nearer, moved);
                 has_moved = true;
+            }
+            if let Some(nearer) = fit.within_tolerances()? {
+                (base, fit) = (nearer.base().clone(), nearer);
+                has_moved = true;
+            }
+            if has_moved {
                 fitted.clear();
             }
         }
@@ -287,7 +294,7 @@ pub(super) fn infer<'a>(
                     None => {
                         let start = smallest_variances.as_deref();
                         let inference = inference_at_fit(last, ranking, start);
-                        return Ok((base, inference, std::mem::take(visible)));
+                        return Ok((inference, std::mem::take(visible)));
                     }
                 }
             }

@@ -72,7 +72,7 @@ pub(super) fn initial_fit<'a>(
     let no_deviations = Rc::new(DeviationColumns::none());
     let mut fit = from.with_deviation_columns(&no_deviations);
     for _ in 0..options.most_findings {
-        let left = chi2_per_freedom(&fit);
+        let left = fit.chi2_per_freedom();
         if left < FAR_FROM_NOISE
             || !left.is_finite()
             || !report.stage(Stage::Refits, fit.causes.len())
@@ -107,7 +107,7 @@ pub(super) fn initial_fit<'a>(
                 continue;
             }
             let found = best.as_ref().map_or(&fit, |(_, better)| better);
-            if found.causes.len() < members.len() && chi2_per_freedom(found) < FAR_FROM_NOISE {
+            if found.causes.len() < members.len() && found.chi2_per_freedom() < FAR_FROM_NOISE {
                 break;
             }
             let causes = at.causes_of(&mut gram, &members);
@@ -130,10 +130,6 @@ pub(super) fn initial_fit<'a>(
         }
     }
     Ok(fit)
-}
-
-fn chi2_per_freedom(fit: &Fit<'_>) -> f64 {
-    fit.solution.chi2 / fit.solution.degrees_of_freedom
 }
 
 fn same_members(one: &[Member], other: &[Member]) -> bool {

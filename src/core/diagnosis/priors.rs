@@ -52,6 +52,8 @@ pub(super) const FACTORS: [f64; 5] = [0.0, 0.3, 0.6, 1.0, 2.0];
 pub(super) const FIRST_FACTOR: usize = 2;
 /// Index of the factor of parts that scatter as stated.
 pub(super) const AS_STATED: usize = 3;
+/// Deviation from which a part is outside its tolerance: a normal variable exceeds so many standard deviations once in 16,000 times.
+pub(super) const LARGEST_DEVIATION: f64 = 4.0;
 
 // Noise.
 /// Weight of the prior of a kind's variance around the described one, in numbers of readings.
