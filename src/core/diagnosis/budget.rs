@@ -50,6 +50,8 @@ pub(super) const MAX_STEPS_WITH_CAUSES: usize = 40;
 pub(super) const FAR_FROM_NOISE: f64 = 5.0;
 /// Chi-square per degree of freedom above which a fit of exact parts is compared with one of parts within their tolerances.
 pub(super) const MORE_THAN_NOISE: f64 = 1.2;
+/// Share of what is more than noise up to which the fit with the deviations may leave it for them to explain it.
+pub(super) const MOST_LEFT: f64 = 0.5;
 /// Number of steps after which a fit is abandoned if it is still worse than the best one found. Readings far from the
 /// model need more steps than others.
 pub(super) const PATIENCE_FAR_FROM_NOISE: usize = 25;

@@ -99,7 +99,7 @@ pub(super) fn linearised(
     let mut solution = solution.clone();
     let found = &solution.globals.deviations;
     let present = deviations.iter().map(|deviation| {
-        let found = found.iter().find(|found| deviation.is_covered_by(found));
+        let found = found.iter().find(|found| deviation.is_estimated_by(found));
         found.unwrap_or(&deviation.bound).clone()
     });
     solution.globals.deviations = present.collect();

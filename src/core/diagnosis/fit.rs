@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::ops::Range;
 use std::rc::Rc;
 
-use super::budget::{FAR_FROM_NOISE, MAX_STEPS_WITH_CAUSES, MORE_THAN_NOISE, PATIENCE};
+use super::budget::{MAX_STEPS_WITH_CAUSES, MORE_THAN_NOISE, MOST_LEFT, PATIENCE};
 use super::deviation_columns::DeviationColumns;
 use super::priors::{AS_STATED, FACTORS, LARGEST_DEVIATION};
 use super::report::Cause;
@@ -103,8 +103,8 @@ impl<'a> Fit<'a> {
         self.base.clone().with_deviations(scaled.collect())
     }
 
-    /// The fit with the deviations of the parts, if the one without leaves more than noise and all parts are within their tolerances
-    /// in this one. Sets are compared there: around exact parts, causes are fitted in full, but small deviations only linearly.
+    /// The fit with the deviations of the parts, if the one without leaves more than noise, which they explain, and all are within
+    /// their tolerances. Sets are compared there: around exact parts, causes are fitted in full, but small deviations only linearly.
     pub fn within_tolerances(&self) -> Result<Option<Self>, EstimationError> {
         if !self.problem.deviations.is_empty() || self.chi2_per_freedom() < MORE_THAN_NOISE {
             return Ok(None);
@@ -113,8 +113,8 @@ impl<'a> Fit<'a> {
             &self.problem_with_deviations(FACTORS[AS_STATED]),
             &self.causes,
         )?;
-        let explains = fit.chi2_per_freedom() < FAR_FROM_NOISE;
-        if !explains || !fit.has_deviations_within(LARGEST_DEVIATION) {
+        let left = (fit.chi2_per_freedom() - 1.0) / (self.chi2_per_freedom() - 1.0);
+        if left > MOST_LEFT || !fit.has_deviations_within(LARGEST_DEVIATION) {
             return Ok(None);
         }
         let base = fit.base.clone().at_poses_of(&fit.solution);

@@ -24,6 +24,14 @@ impl PartDeviation {
         self.bound.has_target_of(effect)
     }
 
+    /// Whether an effect is an estimate of this deviation: of the same part, with the same phase, which is held.
+    #[must_use]
+    pub fn is_estimated_by(&self, found: &BoundEffect) -> bool {
+        let values = found.values.iter().zip(&self.bound.values);
+        let mut values = values.zip(&self.prior_sd);
+        self.is_covered_by(found) && values.all(|((a, b), sd)| *sd > 0.0 || a == b)
+    }
+
     /// The same with the standard deviations multiplied by a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
