@@ -13,8 +13,9 @@ use super::document::{
     ErrorFormDocument, EvidenceDocument, ExtendedDocument, FindingDocument, GainDocument,
     GlobalTestDocument, GroupTestDocument, InvisibleDocument, ModelDocument, NoiseDocument,
     ParameterDocument, PointDocument, PoseDocument, PositionChangeDocument, ReadingGainDocument,
-    RivalDocument, RunnerUpDocument, SubjectDocument,
+    RemainderDocument, RemainingReadingDocument, RivalDocument, RunnerUpDocument, SubjectDocument,
 };
+use super::verdict::residual_ratio;
 
 /// What stands in place of an effect where none explains an error.
 const UNKNOWN: &str = "unknown";
@@ -60,6 +61,14 @@ impl Diagnosed {
                 global_test: global_test(&diagnosis.extended.global),
                 groups: self.groups(&diagnosis.extended),
             },
+            remainder: Some(RemainderDocument {
+                rms_over_sd: residual_ratio(&diagnosis.extended.global),
+                readings: diagnosis
+                    .remaining
+                    .iter()
+                    .map(|d| self.remaining(d))
+                    .collect(),
+            }),
             remaining_discrepancy: discrepancies(&diagnosis.remaining),
             tolerances: Some(diagnosis.tolerances),
             noise: diagnosis.noise.iter().map(|n| self.noise(n)).collect(),
@@ -144,6 +153,15 @@ impl Diagnosed {
             p_value: finite(group.p_value),
         };
         adequacy.groups.iter().map(group).collect()
+    }
+
+    fn remaining(&self, left: &Discrepancy) -> RemainingReadingDocument {
+        RemainingReadingDocument {
+            reading: left.quantity.name().to_owned(),
+            target: self.cable(left.cable),
+            rms_over_sd: finite(left.rms_over_sd),
+            depends_on: left.variable.name().to_owned(),
+        }
     }
 
     fn discrepancy(&self, discrepancy: &Discrepancy) -> DiscrepancyDocument {
@@ -315,6 +333,15 @@ mod tests {
         assert_eq!(value["adequate"], true);
         assert_eq!(value["findings"], json!([]));
         assert_eq!(value["model"], json!({"effects": []}));
+    }
+
+    #[test]
+    fn the_remainder_is_as_the_contract_says() {
+        let value = machine_form(&[Verdict::Named]);
+        let left = &value["remainder"];
+        assert_eq!(left["rms_over_sd"], 1.0);
+        let readings = json!([{"reading": "length", "target": "cable-3", "rms_over_sd": 2.1, "depends_on": "cable length"}]);
+        assert_eq!(left["readings"], readings);
     }
 
     #[test]

@@ -31,6 +31,9 @@ pub struct DiagnosisDocument {
     pub groups: Vec<GroupTestDocument>,
     /// Tests of the extended model; it equals the original one if there are no findings.
     pub extended: ExtendedDocument,
+    /// What is left beside the causes; absent in old files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remainder: Option<RemainderDocument>,
     /// Dependences that remain with the extended model.
     pub remaining_discrepancy: Vec<DiscrepancyDocument>,
     /// By what the parts scatter; absent in old files, in which all parts counted as exact.
@@ -77,6 +80,28 @@ pub struct ExtendedDocument {
     pub global_test: GlobalTestDocument,
     /// Tests per kind of reading, then per cable.
     pub groups: Vec<GroupTestDocument>,
+}
+
+/// What is left beside the causes: no finding of its own.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RemainderDocument {
+    /// Root mean square of all residuals of the extended model over what noise alone gives; null without redundancy.
+    pub rms_over_sd: Option<f64>,
+    /// Where it is, the strongest first.
+    pub readings: Vec<RemainingReadingDocument>,
+}
+
+/// Readings in which something is left.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RemainingReadingDocument {
+    /// Kind of reading.
+    pub reading: String,
+    /// Cable; null if the reading does not belong to a cable.
+    pub target: Option<String>,
+    /// Root mean square of these residuals over what noise alone gives.
+    pub rms_over_sd: Option<f64>,
+    /// Variable on which they depend.
+    pub depends_on: String,
 }
 
 /// A residual that depends on a variable.

@@ -88,22 +88,28 @@ impl Diagnosed {
             all if used < self.measured => format!("{used} of {all}"),
             all => all,
         };
-        let found = match diagnosis.findings.len() {
-            1 => "the finding".to_owned(),
-            several => format!("the {several} findings"),
+        let causes = diagnosis.findings.iter().filter(|f| f.cause().is_some());
+        let found = match causes.count() {
+            0 => None,
+            1 => Some("the cause".to_owned()),
+            several => Some(format!("the {several} causes")),
         };
-        let end = match diagnosis.findings.len() {
+        let end = match found {
             _ if diagnosis.base.adequate => {
                 return format!("the model explains the readings of {poses}.");
             }
-            0 if diagnosis.cancelled => {
+            Some(found) if diagnosis.extended.adequate => format!("With {found} below it does."),
+            Some(found) if self.comes_closer() => {
+                format!("With {found} below it comes closer; what remains is below, too.")
+            }
+            None if diagnosis.cancelled => {
                 "The diagnosis ended before it could name a cause.".to_owned()
             }
-            0 if diagnosis.noise.is_empty() => "No cause was found.".to_owned(),
-            0 => "No cause was found, but the noise is not what robot.json states.".to_owned(),
-            _ if diagnosis.extended.adequate => format!("With {found} below it does."),
-            _ if self.comes_closer() => {
-                format!("With {found} below it comes closer, but still does not.")
+            None if diagnosis.findings.is_empty() && diagnosis.noise.is_empty() => {
+                "No cause was found.".to_owned()
+            }
+            None if diagnosis.findings.is_empty() => {
+                "No cause was found, but the noise is not what robot.json states.".to_owned()
             }
             _ => "No cause of the catalogue explains them.".to_owned(),
         };

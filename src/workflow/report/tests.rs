@@ -224,7 +224,7 @@ fn the_words_say_how_sure_they_are() {
         "3 to 2",
         "Possible, but not established: Build-up of layers on the drum (cable-2), 12 %.",
         "Measure far from cable-3.",
-        "3. Unexplained error in the length readings of cable-3",
+        "What remains: unexplained error in the length readings of cable-3",
         "no effect in the catalogue explains",
         "12 mm before the adjustment, 0.6 mm after it, 95 % better",
         "all values were written and read back",

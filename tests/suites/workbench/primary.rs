@@ -349,7 +349,7 @@ fn an_unknown_cause_is_neither_certain_nor_added() {
     replace_findings(&mut harness, |findings| {
         findings[0] = without_cause(&findings[0], LENGTH);
     });
-    harness.get_by_label_contains("1. Unexplained error in the length readings of cable-3");
+    harness.get_by_label_contains("Unexplained error in the length readings of cable-3");
     for text in [
         "almost certainly",
         "Add to model",
@@ -382,7 +382,7 @@ fn an_error_without_a_name_has_one_card_with_its_own_readings() {
             .count(),
         1
     );
-    harness.get_by_label_contains("2. Unexplained error in the length readings of cable-3");
+    harness.get_by_label_contains("Unexplained error in the length readings of cable-3");
     harness.get_by_label_contains("Evidence of finding 2: The length readings of cable-3 against");
     let symptom = "Evidence of finding 1: ";
     assert!(harness.query_by_label_contains(symptom).is_none());

@@ -12,7 +12,12 @@ const INDENT: &str = "   ";
 /// Length of a bar in characters.
 const BAR: usize = 20;
 
-/// Heading and body of a finding.
+/// An error beside the causes, and what to do about it.
+pub fn remaining(finding: &Finding) -> [String; 2] {
+    [&finding.sentence, &finding.advice].map(|line| format!("{INDENT}{line}"))
+}
+
+/// Heading and body of a cause.
 pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<String> {
     let mut body = vec![finding.sentence.clone()];
     if finding.verdict() == Verdict::Ambiguous {
@@ -23,9 +28,7 @@ pub fn lines(diagnosed: &Diagnosed, number: usize, finding: &Finding) -> Vec<Str
     }
     let size = diagnosed.size(&finding.parameters);
     body.extend(size.map(|size| format!("Size: {size}")));
-    if finding.verdict() != Verdict::Unknown {
-        body.push(format!("Improvement: {}", gain(&finding.gain)));
-    }
+    body.push(format!("Improvement: {}", gain(&finding.gain)));
     if !finding.advice.is_empty() {
         body.push(format!("What to do: {}", finding.advice));
     }

@@ -18,10 +18,19 @@ pub fn text(diagnosed: &Diagnosed, explain: bool) -> String {
     let mut lines = vec![diagnosed.headline()];
     lines.extend(sampling_sentence(&diagnosed.dataset.measurements));
     lines.extend(diagnosed.fit());
-    for (index, finding) in diagnosis.findings.iter().enumerate() {
+    let (causes, left): (Vec<_>, Vec<_>) = diagnosis
+        .findings
+        .iter()
+        .partition(|finding| finding.cause().is_some());
+    for (index, finding) in causes.into_iter().enumerate() {
         lines.push(String::new());
         lines.extend(finding::lines(diagnosed, index + 1, finding));
     }
+    let mut left = left.into_iter().peekable();
+    if left.peek().is_some() {
+        lines.extend([String::new(), "What remains:".to_owned()]);
+    }
+    lines.extend(left.flat_map(finding::remaining));
     lines.extend(section(
         diagnosis.noise.iter().map(|n| diagnosed.noise_line(n)),
     ));

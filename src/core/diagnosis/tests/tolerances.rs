@@ -7,8 +7,8 @@ use crate::diagnosis::linear_fit::LinearFit;
 use crate::diagnosis::priors::FACTORS;
 use crate::diagnosis::{DeviationSensitivity, deviation_sensitivities};
 use crate::estimation::{Linearisation, ObservationKind, RowKind};
-use crate::robot::{Robot, presets};
-use crate::simulation::run_of_machine;
+use crate::robot::{PartTolerances, Robot, presets};
+use crate::simulation::{SimulationOptions, run_of_machine, simulate};
 
 const POSES: usize = 30;
 
@@ -27,6 +27,34 @@ fn sound_machines_have_no_fault() {
         let factor = diagnosis.tolerances.factor;
         assert!((0.3..2.0).contains(&factor), "{name}: {factor}");
         assert!(diagnosis.tolerances.are_stated);
+    }
+}
+
+/// On soft cables the deviations of sound parts move the platform so far that they are not linear around exact parts, where three of
+/// these six machines had a finding. A false one has a probability of about 1 % in each.
+#[test]
+fn sound_machines_on_soft_cables_have_no_fault() {
+    let preset = presets::find("suspended").unwrap();
+    let mut robot = preset.robot;
+    robot.tolerances = Some(PartTolerances::typical());
+    for cable in &mut robot.cables {
+        let stiffness = &mut cable.cable.axial_stiffness_n;
+        *stiffness = stiffness.map(|axial| 0.02 * axial);
+        let sensor = cable.force_sensor.as_mut().unwrap();
+        sensor.tension_sd_n *= 0.3;
+    }
+    for seed in 1..=6 {
+        let options = SimulationOptions {
+            workspace: Some(preset.workspace),
+            tension: Some(preset.tension),
+            ..SimulationOptions::new(POSES, seed)
+        };
+        let diagnosis = diagnosed(&simulate(&robot, &options).unwrap().dataset);
+        assert!(
+            diagnosis.findings.is_empty(),
+            "{seed}: {:?}",
+            found(&diagnosis)
+        );
     }
 }
 

@@ -142,8 +142,7 @@ fn unknown(
     finding: &Finding,
     number: usize,
 ) {
-    let heading = diagnosed.heading(finding);
-    title(ui, &format!("{}. {heading}", number + 1));
+    title(ui, &diagnosed.heading(finding));
     paragraph(ui, &finding.sentence);
     verdict(
         ui,

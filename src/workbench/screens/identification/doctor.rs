@@ -92,11 +92,17 @@ fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     } else {
         judgement(ui, diagnosed);
     }
-    if !diagnosis.findings.is_empty() {
-        section(ui, "Causes");
-    }
-    for number in 0..diagnosis.findings.len() {
-        card::show(ui, panel, diagnosed, number);
+    for (heading, is_cause) in [("Causes", true), ("What remains", false)] {
+        let findings = diagnosis.findings.iter().enumerate();
+        let mut shown = findings
+            .filter(|(_, f)| f.cause().is_some() == is_cause)
+            .peekable();
+        if shown.peek().is_some() {
+            section(ui, heading);
+        }
+        for (number, _) in shown {
+            card::show(ui, panel, diagnosed, number);
+        }
     }
     rest(ui, panel, diagnosed);
     discrepancy::show(ui, panel, diagnosed);

@@ -11,7 +11,7 @@ use crate::report::input::ReportInput;
 use crate::report::plots;
 use crate::wording::probability::{certainty, odds_between, percent};
 use crate::wording::units::{self, significant, unit_of};
-use crate::wording::{count, list, odds, ratio, readings, sentence};
+use crate::wording::{count, first_lower, list, odds, ratio, readings, sentence};
 
 pub fn section(input: &ReportInput<'_>, diagnosed: &Diagnosed) -> Section {
     let diagnosis = &diagnosed.diagnosis;
@@ -62,7 +62,10 @@ pub fn section(input: &ReportInput<'_>, diagnosed: &Diagnosed) -> Section {
 }
 
 fn finding(diagnosed: &Diagnosed, number: usize, finding: &Finding, section: &mut Section) {
-    section.heading(format!("{number}. {}", diagnosed.heading(finding)));
+    section.heading(match finding.verdict() {
+        Verdict::Unknown => format!("What remains: {}", first_lower(&diagnosed.heading(finding))),
+        Verdict::Named | Verdict::Ambiguous => format!("{number}. {}", diagnosed.heading(finding)),
+    });
     section.paragraph(finding.sentence.clone());
     match finding.verdict() {
         Verdict::Named => {}
