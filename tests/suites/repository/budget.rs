@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7863),
-    ("core", 35916),
+    ("cli", 7873),
+    ("core", 36015),
     ("import", 16965),
     ("link", 10439),
     ("python", 953),
     ("session", 7918),
     ("study", 3110),
-    ("workbench", 37496),
-    ("workflow", 18870),
+    ("workbench", 37501),
+    ("workflow", 18912),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
