@@ -73,6 +73,7 @@ impl Diagnosed {
                 "{fault}: all parts lie within their tolerances. They scatter by {scatter}."
             ),
             true => format!("The parts scatter by {scatter}."),
+            false if self.cause_count() == 0 => format!("The parts scatter by {scatter}."),
             false => format!(
                 "A finding is a part outside its tolerance. All other parts scatter by {scatter}."
             ),
@@ -88,8 +89,7 @@ impl Diagnosed {
             all if used < self.measured => format!("{used} of {all}"),
             all => all,
         };
-        let causes = diagnosis.findings.iter().filter(|f| f.cause().is_some());
-        let found = match causes.count() {
+        let found = match self.cause_count() {
             0 => None,
             1 => Some("the cause".to_owned()),
             several => Some(format!("the {several} causes")),
@@ -114,6 +114,12 @@ impl Diagnosed {
             _ => "No cause of the catalogue explains them.".to_owned(),
         };
         format!("the model does {not} explain the readings of {poses}. {end}")
+    }
+
+    /// Number of findings that are causes.
+    fn cause_count(&self) -> usize {
+        let findings = self.diagnosis.findings.iter();
+        findings.filter(|finding| finding.cause().is_some()).count()
     }
 
     /// Whether the findings make the residuals smaller, after rounding.

@@ -79,7 +79,13 @@ fn what_cannot_be_told_apart_is_said_with_poses_that_could() {
 #[test]
 fn structure_without_a_name_is_not_given_a_size() {
     let text = report(&[Verdict::Unknown], false);
-    assert_parts(&text, &["\nWhat remains:\n   ", "no known cause"]);
+    assert_parts(
+        &text,
+        &[
+            "No cause of the catalogue explains them.",
+            "\nWhat remains:\n   Winch 3",
+        ],
+    );
     assert!(!text.contains("1. "), "{text}");
     assert!(
         !text.contains("Size:") && !text.contains("Improvement"),
