@@ -224,7 +224,7 @@ fn unseen_beside(inference: &Inference<'_>) -> Vec<UnseenFault> {
 }
 
 /// The inference with the deviations of `problem` in the nonlinear fit, too, so that the sizes of the causes and all that is
-/// reported allow for them. The sets are compared without them, because they are small enough for a linear problem.
+/// reported allow for them. While sets are compared, their changes count linearly.
 fn infer_with_deviations<'a>(
     factor: f64,
     inference: Inference<'a>,

@@ -72,9 +72,8 @@ impl Diagnosed {
             true if diagnosis.base.adequate => format!(
                 "{fault}: all parts lie within their tolerances. They scatter by {scatter}."
             ),
-            true => format!("The parts scatter by {scatter}."),
-            false if self.cause_count() == 0 => format!("The parts scatter by {scatter}."),
-            false => format!(
+            _ if self.cause_count() == 0 => format!("The parts scatter by {scatter}."),
+            _ => format!(
                 "A finding is a part outside its tolerance. All other parts scatter by {scatter}."
             ),
         }
