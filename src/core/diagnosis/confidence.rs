@@ -3,13 +3,12 @@
 use super::Stage;
 use super::adequacy::adequacy;
 use super::budget::{MAX_ALTERNATIVES, MIN_POSSIBLE_PROBABILITY};
-use super::calibration::{NAMING_PROBABILITY, share_of_atypical_size};
+use super::calibration::share_of_atypical_size;
 use super::candidates::{log_rarity, size_parameter};
 use super::cause_posteriors::{CausePosterior, stated_share};
 use super::cause_sets::has_possible_values;
 use super::discrepancy::{dependence_tests, discrepancies};
 use super::fit::Fit;
-use super::heavy_tails::odds_of_heavy_tails;
 use super::inference::{Inference, inference_at_fit};
 use super::progress::Reporter;
 use super::report::{
@@ -27,7 +26,8 @@ pub(super) struct ConfirmedCauses<'a> {
     pub posteriors: Vec<CausePosterior>,
 }
 
-/// Rejects causes that an unmodelled error almost certainly replaces, refitting until none is left; `None` if interrupted.
+/// Rejects causes than which an unmodelled error in their place is likelier, refitting until none is left; `None` if
+/// interrupted. What is rejected stays possible.
 pub(super) fn reject_replaceable_causes<'a>(
     problem: &Problem<'a>,
     confirmed: ConfirmedCauses<'a>,
@@ -48,22 +48,17 @@ pub(super) fn reject_replaceable_causes<'a>(
         let mut accepted = Vec::new();
         let all = inference.fit.causes.iter().zip(posteriors);
         for ((cause, posterior), rival) in all.zip(&unmodelled.rivals) {
-            match rival
-                .as_ref()
-                .filter(|rival| rival.probability() >= NAMING_PROBABILITY)
-            {
-                Some(rival) => {
-                    possible.push(PossibleCause {
-                        cause: cause.clone(),
-                        probability: posterior.probability * (1.0 - rival.probability()),
-                    });
-                    replacements.push(rival.clone());
-                }
-                None => {
-                    causes.push(cause.clone());
-                    accepted.push(posterior);
-                }
-            }
+            let Some(rival) = rival.as_ref().filter(|rival| rival.log_odds > 0.0) else {
+                causes.push(cause.clone());
+                accepted.push(posterior);
+                continue;
+            };
+            let left = |other: PossibleCause| PossibleCause {
+                probability: other.probability * (1.0 - rival.probability()),
+                ..other
+            };
+            possible.extend(posterior.as_possible(cause).map(left));
+            replacements.push(rival.clone());
         }
         posteriors = accepted;
         if causes.len() == inference.fit.causes.len() {
@@ -144,40 +139,23 @@ pub(super) fn confirm_causes<'a>(
     })
 }
 
-/// Shares the probability of each cause with errors that the evidence prefers: a function that replaces the cause, and heavy
-/// tails of the noise. Returns what each cause lost to them. `rivals` are those of the last findings.
+/// Shares the probability of each cause with the error that may stand in its place. Returns what each cause lost to it.
+/// `rivals` are those of the last findings: exchanged channels come first and have none.
 pub(super) fn allow_for_errors(
     findings: &mut [Finding],
-    inference: &Inference<'_>,
     rivals: &[Option<WeighedError>],
-    space: &ResidualSpace,
 ) -> Vec<f64> {
-    // Exchanged channels come first in the findings and have no rivals.
     let first = findings.len() - rivals.len();
-    let tails = odds_of_heavy_tails(findings, first, inference, space);
     let lost = |(index, finding): (usize, &mut Finding)| {
-        let Some(own) = index.checked_sub(first) else {
-            return 0.0;
-        };
-        let rival = rivals[own].as_ref();
-        let replaced = rival.map_or(0.0, |rival| rival.log_odds.exp());
-        // Odds may be infinite.
-        let probability = finding.probability / (1.0 + (replaced + tails[index]).recip());
-        finding.probability -= probability;
-        let error = match rival {
-            Some(rival) if replaced >= tails[index] => Some(rival.error.clone()),
-            _ => scatter_like(inference, own),
-        };
-        add_error(finding, error, probability);
-        probability
+        let rival = index
+            .checked_sub(first)
+            .and_then(|own| rivals[own].as_ref());
+        let lost = rival.map_or(0.0, |rival| finding.probability * rival.probability());
+        finding.probability -= lost;
+        add_error(finding, rival.map(|rival| rival.error.clone()), lost);
+        lost
     };
     findings.iter_mut().enumerate().map(lost).collect()
-}
-
-/// Excess scatter of the readings that a cause affects most.
-fn scatter_like(inference: &Inference<'_>, cause: usize) -> Option<UnmodelledError> {
-    let readings = inference.most_affected_class(cause);
-    readings.map(UnmodelledError::scatter)
 }
 
 /// Adds an error to the alternatives of a finding, unless its probability is too small to be said.
@@ -220,7 +198,7 @@ pub(super) fn state_probabilities(
         }
         let atypical = finding.probability * (1.0 - share_of_atypical_size(log_rarity_of(finding)));
         finding.probability -= atypical;
-        let scatter = own.and_then(|own| scatter_like(inference, own));
+        let scatter = own.and_then(|own| inference.scatter_like(own));
         add_error(finding, scatter, atypical);
         if finding.verdict() == Verdict::Named {
             finding.alternatives.clear();

@@ -142,7 +142,7 @@ fn examine(
         if remaining_errors.is_empty() {
             remaining_errors.extend(remaining.first().map(WeighedError::from_discrepancy));
         }
-        let of_errors = allow_for_errors(&mut findings, inference, &unmodelled.rivals, &space);
+        let of_errors = allow_for_errors(&mut findings, &unmodelled.rivals);
         state_probabilities(&mut findings, inference, &confirmed.posteriors, &of_errors);
         findings.extend(remaining_errors.iter().map(|s| s.finding(fit)));
         // Nothing is named by a fit that did not converge or is worse than the one without causes.
@@ -190,7 +190,7 @@ fn confirmed_findings<'a>(
         return Ok(None);
     };
     let fit = &confirmed.inference.fit;
-    let sd_ratios = confirmed.inference.sd_ratios();
+    let sds = confirmed.inference.sds();
     let mut before = Prediction::new(&Fit::new(&problem, &[])?);
     for (index, posterior) in confirmed.posteriors.iter().enumerate() {
         if !report.stage(Stage::HeldOut, findings.len()) {
@@ -208,7 +208,7 @@ fn confirmed_findings<'a>(
             posterior,
             gain,
             questions,
-            sd_ratios: &sd_ratios[index],
+            sds: &sds[index],
         };
         findings.push(found.build()?);
     }

@@ -23,8 +23,8 @@ pub(super) struct FindingBuilder<'f, 'a> {
     pub gain: Gain,
     /// Number of causes that were tested.
     pub questions: usize,
-    /// Standard deviations of its parameters, relative to those with the noise as described.
-    pub sd_ratios: &'f [f64],
+    /// Standard deviations of its estimated parameters.
+    pub sds: &'f [Option<f64>],
 }
 
 impl FindingBuilder<'_, '_> {
@@ -95,22 +95,20 @@ impl FindingBuilder<'_, '_> {
         let cause = &fit.causes[self.index];
         let several = cause.instances.len() > 1;
         let mut found = Vec::new();
-        let mut sd_ratios = self.sd_ratios.iter();
+        let mut sds = self.sds.iter();
         for (effect, bound) in effects.zip(&cause.instances) {
             for (number, parameter) in bound.effect.parameters().iter().enumerate() {
                 let id = ParameterId::Effect {
                     effect,
                     parameter: number,
                 };
-                let column = fit.solution.parameters.iter().position(|p| p.id == id);
-                let sd = column.and_then(|k| fit.solution.standard_deviation(k));
-                let factor = column.map_or(1.0, |_| sd_ratios.next().copied().unwrap_or(1.0));
+                let is_estimated = fit.solution.parameters.iter().any(|p| p.id == id);
                 found.push(FoundParameter {
                     name: parameter.name,
                     cable: bound.cables.first().copied().filter(|_| several),
                     value: bound.values[number],
                     unit: parameter.unit,
-                    sd: sd.map(|sd| sd * factor),
+                    sd: is_estimated.then(|| *sds.next()?).flatten(),
                 });
             }
         }

@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 use super::budget::MIN_REDUNDANCY_OF_TAILS;
 use super::inference::Inference;
 use super::priors::{HEAVY_TAILS, TAIL_FREEDOMS, TAIL_SCALES};
-use super::report::{Finding, Quantity};
+use super::report::Quantity;
 use super::residual_space::ResidualSpace;
 use crate::effect::Search;
 use crate::statistics::log_sum;
@@ -25,19 +25,16 @@ struct WrongReading {
     log_prior: f64,
 }
 
-/// For each finding the odds that heavy tails explain it; 0 for findings other than single wrong readings. The findings
-/// from index `first` on are the causes of the inference.
-pub(super) fn odds_of_heavy_tails(
-    findings: &[Finding],
-    first: usize,
-    inference: &Inference<'_>,
-    space: &ResidualSpace,
-) -> Vec<f64> {
-    let wrong: Vec<Option<WrongReading>> = findings
-        .iter()
-        .enumerate()
-        .map(|(index, finding)| wrong_reading(finding, index.checked_sub(first)?, inference))
+/// For each cause of an inference the odds that heavy tails explain it; 0 for causes other than single wrong readings.
+pub(super) fn odds_of_heavy_tails(inference: &Inference<'_>) -> Vec<f64> {
+    let sds = inference.sds().into_iter().enumerate();
+    let wrong: Vec<Option<WrongReading>> = sds
+        .map(|(cause, sds)| wrong_reading(inference, cause, &sds))
         .collect();
+    if wrong.iter().all(Option::is_none) {
+        return vec![0.0; wrong.len()];
+    }
+    let space = ResidualSpace::new(&inference.fit.linearisation());
     let odds = |own: &Option<WrongReading>| {
         let Some(own) = own else {
             return 0.0;
@@ -46,31 +43,27 @@ pub(super) fn odds_of_heavy_tails(
         let alike = wrong.iter().flatten();
         let alike = alike.filter(|w| w.quantity == own.quantity && w.size <= own.size);
         let alike: Vec<WrongReading> = alike.copied().collect();
-        let others = other_residuals(space, own.quantity, &alike);
+        let others = other_residuals(&space, own.quantity, &alike);
         log_odds(&alike, &others).exp()
     };
     wrong.iter().map(odds).collect()
 }
 
 fn wrong_reading(
-    finding: &Finding,
-    cause: usize,
     inference: &Inference<'_>,
+    cause: usize,
+    sds: &[Option<f64>],
 ) -> Option<WrongReading> {
-    let Search::AtPose(pose) = finding.cause()?.effect().search() else {
+    let bound = &inference.fit.causes[cause].instances[0];
+    let Search::AtPose(pose) = bound.effect.search() else {
         return None;
     };
-    let error = finding
-        .parameters
-        .iter()
-        .enumerate()
-        .find(|(k, _)| *k != pose)?
-        .1;
-    let sd = error.sd?;
+    let error = (0..bound.values.len()).find(|k| *k != pose)?;
+    let sd = (*sds.first()?)?;
     Some(WrongReading {
         quantity: inference.most_affected_class(cause)?.quantity,
-        size: (error.value / sd).abs(),
-        log_prior: inference.log_prior_density(cause, error.value) + sd.ln(),
+        size: (bound.values[error] / sd).abs(),
+        log_prior: inference.log_prior_density(cause, bound.values[error]) + sd.ln(),
     })
 }
 

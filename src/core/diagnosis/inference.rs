@@ -27,7 +27,7 @@ use super::priors::{AMPLITUDES, FACTORS};
 use super::progress::Reporter;
 use super::reading_id::ReadingId;
 use super::relations::is_same_set;
-use super::report::Cause;
+use super::report::{Cause, UnmodelledError};
 use super::search::collinear_members;
 use super::set_comparison::SetComparison;
 use super::{DiagnosisOptions, Stage};
@@ -100,6 +100,23 @@ impl Inference<'_> {
         causes.iter().map(of).sum()
     }
 
+    /// Standard deviations of the parameters of each cause with the actual noise and background; `None` where the data do not
+    /// determine one.
+    pub fn sds(&self) -> Vec<Vec<Option<f64>>> {
+        let of_cause = |(cause, ratios): (usize, Vec<f64>)| {
+            let parameters = self.fit.parameters_of(cause).into_iter();
+            let ratios = ratios.into_iter().chain(std::iter::repeat(1.0));
+            let sd =
+                |(k, ratio): (usize, f64)| Some(self.fit.solution.standard_deviation(k)? * ratio);
+            parameters.zip(ratios).map(sd).collect()
+        };
+        self.sd_ratios()
+            .into_iter()
+            .enumerate()
+            .map(of_cause)
+            .collect()
+    }
+
     /// Log prior odds of a cause with one parameter, times the prior density of a value of it (in SI units).
     pub fn log_prior_density(&self, cause: usize, value: f64) -> f64 {
         let (index, _) = self.present[cause];
@@ -109,6 +126,12 @@ impl Inference<'_> {
             log_weight - 0.5 * ((value / sd).powi(2) + std::f64::consts::TAU.ln()) - sd.ln()
         };
         candidate.log_odds + log_sum(candidate.scales.iter().map(density))
+    }
+
+    /// Excess scatter of the readings that a cause affects most.
+    pub fn scatter_like(&self, cause: usize) -> Option<UnmodelledError> {
+        self.most_affected_class(cause)
+            .map(UnmodelledError::scatter)
     }
 
     /// The class of readings on which a cause has the largest effect.

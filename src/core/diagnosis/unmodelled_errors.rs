@@ -7,6 +7,7 @@ use super::calibration::{NEARLY_ALL, NEGLIGIBLE_LOG_ODDS, REPORTED_LOG_ODDS};
 use super::conditions::concatenate_columns;
 use super::fit::Fit;
 use super::gain::Prediction;
+use super::heavy_tails::odds_of_heavy_tails;
 use super::inference::Inference;
 use super::reading_id::ReadingId;
 use super::report::{
@@ -29,7 +30,7 @@ pub(super) struct WeighedError {
 pub(super) struct UnmodelledErrors {
     /// Errors beside the causes, the most significant first.
     pub remaining: Vec<WeighedError>,
-    /// For each cause the error that could replace it, with its log odds over the cause.
+    /// For each cause the errors that could replace it: the likeliest, with the log odds of all over the cause.
     pub rivals: Vec<Option<WeighedError>>,
 }
 
@@ -69,6 +70,23 @@ impl UnmodelledErrors {
                 if known.as_ref().is_none_or(|k| rival.log_odds > k.log_odds) {
                     *known = Some(rival.clone());
                 }
+            }
+        }
+        for (index, odds) in odds_of_heavy_tails(inference).into_iter().enumerate() {
+            let replaced = rivals[index]
+                .as_ref()
+                .map_or(0.0, |rival| rival.log_odds.exp());
+            if let Some(error) = inference.scatter_like(index).filter(|_| odds > 0.0) {
+                let scatter = WeighedError {
+                    error,
+                    log_odds: odds.ln(),
+                };
+                let mut rival = rivals[index]
+                    .take()
+                    .filter(|_| replaced >= odds)
+                    .unwrap_or(scatter);
+                rival.log_odds = (replaced + odds).ln();
+                rivals[index] = Some(rival);
             }
         }
         // A second error in the same readings is often the rest of the first one, whose period falls between two that
@@ -230,6 +248,9 @@ impl WeighedError {
 /// What to do about an error that no effect explains.
 const ADVICE: &str = "Measure more poses between those where this error is large and small.";
 
+/// Names of the components of a reading.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
 impl UnmodelledError {
     /// Excess scatter of some readings without a recognisable pattern.
     pub(super) fn scatter(readings: ReadingId) -> Self {
@@ -246,6 +267,16 @@ impl UnmodelledError {
             Some(cable) => format!("{name} readings of {}", robot.cables[cable].name),
             None => format!("{name} readings"),
         };
+        let along = self
+            .readings
+            .component
+            .and_then(|k| match self.readings.quantity {
+                Quantity::TrackerPosition => Some(format!(" along {}", AXES[k])),
+                Quantity::TrackerOrientation | Quantity::Inclination => {
+                    Some(format!(" about {}", AXES[k]))
+                }
+                Quantity::Length | Quantity::Laser | Quantity::Tension | Quantity::Swivel => None,
+            });
         let in_words = match self.readings.quantity {
             Quantity::Length | Quantity::Laser | Quantity::TrackerPosition => millimetres,
             Quantity::Tension => newtons,
@@ -253,7 +284,8 @@ impl UnmodelledError {
         };
         let rms = self.rms.map(|rms| format!(" of {} (rms)", in_words(rms)));
         format!(
-            "The {what} have an error{} that {}; no known cause explains it.",
+            "The {what}{} have an error{} that {}; no known cause explains it.",
+            along.unwrap_or_default(),
             rms.unwrap_or_default(),
             self.form.description(robot)
         )
