@@ -71,7 +71,8 @@ impl Diagnosed {
         }
         let mut different: Vec<String> = Vec::new();
         for text in advice {
-            if !different.contains(&text) {
+            // What separates two causes may already quote the checks of both.
+            if !different.iter().any(|known| known.contains(&text)) {
                 different.push(text);
             }
         }

@@ -8,13 +8,21 @@ use tautline_workflow::diagnosis::gain;
 use tautline_workflow::wording::probability::percent;
 
 /// Indentation of the lines below a heading.
-const INDENT: &str = "   ";
+pub const INDENT: &str = "   ";
 /// Length of a bar in characters.
 const BAR: usize = 20;
 
-/// An error beside the causes, and what to do about it.
-pub fn remaining(finding: &Finding) -> [String; 2] {
-    [&finding.sentence, &finding.advice].map(|line| format!("{INDENT}{line}"))
+/// The errors beside the causes, and what to do about them.
+pub fn remaining(errors: &[&Finding]) -> Vec<String> {
+    let sentences = errors.iter().map(|error| &error.sentence);
+    let mut lines: Vec<String> = Vec::new();
+    for line in sentences.chain(errors.iter().map(|error| &error.advice)) {
+        let line = format!("{INDENT}{line}");
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
+    lines
 }
 
 /// Heading and body of a cause.
