@@ -539,7 +539,9 @@ fn target_shares(effect: &Effect, cables: usize) -> TargetShares {
         several_alike,
     } = TARGET_WEIGHTS;
     let all_alike = if_possible(effect.scope() == Scope::CableOrAll, all_alike);
-    let each_own = if_possible(is_direct && cables > 1, each_own);
+    // What happens to all winches at once, such as zeroing them again, leaves each with a step of its own.
+    let is_step = matches!(effect.search(), Search::FromPose(_)) && effect.estimable().count() == 1;
+    let each_own = if_possible((is_direct || is_step) && cables > 1, each_own);
     let several_own = if_possible(cables > 2, several_own);
     let several_alike = if_possible(is_direct && cables > 2, several_alike);
     let total = one + all_alike + each_own + several_own + several_alike;

@@ -7,9 +7,7 @@ use super::report::{
     Alternative, Cause, Evidence, Finding, FoundParameter, Gain, PossibleCause, Rival, Subject,
 };
 use super::separation::separation;
-use crate::effect::BoundEffect;
 use crate::estimation::{EstimationError, ParameterId};
-use crate::robot::Robot;
 use crate::statistics::chi_square_survival;
 
 /// What a finding needs to know of one cause of a fit.
@@ -31,7 +29,6 @@ impl FindingBuilder<'_, '_> {
     pub fn build(&self) -> Result<Finding, EstimationError> {
         let fit = self.fit;
         let cause = &fit.causes[self.index];
-        let robot = &fit.problem.dataset.robot;
         let mut others = fit.causes.clone();
         others.remove(self.index);
         let without = Fit::new(fit.base(), &others)?;
@@ -42,13 +39,14 @@ impl FindingBuilder<'_, '_> {
             separation(&own, rival)
         });
         let ranking = ranking(&without, fit, self.index, &rivals);
+        let [sentence, advice] = cause.in_words(&fit.problem.dataset.robot);
         let delta_chi2 = without.solution.chi2 - fit.solution.chi2;
         let parameters = fit.parameters_of(self.index).len();
         let p_value = chi_square_survival(delta_chi2, parameters as f64).unwrap_or(1.0);
         Ok(Finding {
             probability: self.posterior.probability,
-            sentence: distinct_texts(cause, robot, BoundEffect::cause),
-            advice: distinct_texts(cause, robot, BoundEffect::workshop),
+            sentence,
+            advice,
             alternatives: self.alternatives(&rivals),
             parameters: self.parameters(),
             evidence: Evidence {
@@ -128,22 +126,6 @@ fn at_start_values(cause: &Cause) -> Cause {
         }
     }
     cause
-}
-
-/// The texts of all instances, without repetitions.
-fn distinct_texts(
-    cause: &Cause,
-    robot: &Robot,
-    text: impl Fn(&BoundEffect, &Robot) -> String,
-) -> String {
-    let mut sentences: Vec<String> = Vec::new();
-    for bound in &cause.instances {
-        let sentence = text(bound, robot);
-        if !sentences.contains(&sentence) {
-            sentences.push(sentence);
-        }
-    }
-    sentences.join(" ")
 }
 
 /// Compares the cause with its fitted alternatives; the cause comes first.

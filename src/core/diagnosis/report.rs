@@ -6,10 +6,11 @@ use serde::{Deserialize, Serialize};
 use super::calibration::NAMING_PROBABILITY;
 use super::reading_id::ReadingId;
 use super::size_posterior::SizePosterior;
-use crate::effect::{BoundEffect, Effect};
+use crate::effect::{BoundEffect, Effect, OnEachCable};
 use crate::estimation::Solution;
 use crate::geometry::Pose;
 use crate::measurement::Variable;
+use crate::robot::Robot;
 
 /// Kind of reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -148,6 +149,30 @@ impl Cause {
     pub fn cables(&self) -> Vec<usize> {
         let targeted = self.instances.iter().filter(|bound| bound.targeted);
         targeted.flat_map(|bound| bound.cables.clone()).collect()
+    }
+
+    /// The texts for an effect that all cables of the robot have at once, where those are other ones.
+    #[must_use]
+    pub fn on_each_cable(&self, robot: &Robot) -> Option<OnEachCable> {
+        let is_each = self.instances.len() > 1 && self.instances.len() == robot.cable_count();
+        self.effect().on_each_cable().filter(|_| is_each)
+    }
+
+    /// What is wrong, and what to do about it in the workshop.
+    pub(super) fn in_words(&self, robot: &Robot) -> [String; 2] {
+        if let Some(texts) = self.on_each_cable(robot) {
+            return [texts.cause, texts.workshop].map(|text| self.instances[0].say(robot, text));
+        }
+        [BoundEffect::cause, BoundEffect::workshop].map(|text| {
+            let mut sentences: Vec<String> = Vec::new();
+            for bound in &self.instances {
+                let sentence = text(bound, robot);
+                if !sentences.contains(&sentence) {
+                    sentences.push(sentence);
+                }
+            }
+            sentences.join(" ")
+        })
     }
 }
 

@@ -2,7 +2,9 @@
 //! Assumes that the cable slipped once. Typical 1 to 20 mm.
 
 use super::words;
-use super::{AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, Scope, Search};
+use super::{
+    AsText, CableContext, CablePorts, Dual, Effect, EffectParameter, OnEachCable, Scope, Search,
+};
 use crate::measurement::Variable;
 
 pub(super) static EFFECT: Effect = Effect {
@@ -19,6 +21,11 @@ pub(super) static EFFECT: Effect = Effect {
     workshop: |found| {
         found.say("Check how {cable} {is|are} fastened to the drum, and the coupling and the set screws of {winch}.{revolutions: Then zero the encoders at home again.|}")
     },
+    on_each_cable: Some(OnEachCable {
+        title: "New zeros of all winches",
+        cause: "From {1:pose} on, the winches count from other zeros than before.",
+        workshop: "Find out what happened before {1:pose}: were the winches zeroed again, did the controller restart, or was something at all cables moved? Measure the run again without it, or treat the poses before and after it as two runs.",
+    }),
     check: Some(words::GO_BACK),
     source: "Geometry: one step in the cable paid out",
     search: Search::FromPose(1),

@@ -7,8 +7,9 @@ use super::{
     heading_offset, inclinometer_tilt, laser_beam_tilt, laser_bias, laser_cyclic, laser_drift,
     laser_latency, laser_outliers, laser_scale, payload_com, payload_mass, platform_anchor,
     pulley_axis_tilt, pulley_drag, pulley_friction, pulley_radius, swivel_offset, target_tilt,
-    tracker_clock, tracker_frame, tracker_latency, tracker_target, tracker_tilt, winch_backlash,
-    winch_offset, winch_scale, winch_scale_common,
+    tracker_axes, tracker_clock, tracker_frame, tracker_latency, tracker_moved, tracker_outlier,
+    tracker_scale, tracker_target, tracker_tilt, winch_backlash, winch_offset, winch_scale,
+    winch_scale_common,
 };
 
 /// All effects that poses at rest can reveal, in the order in which reports list them.
@@ -67,6 +68,10 @@ pub static OF_EXTERNAL_POSES: &[&Effect] = &[
     &tracker_frame::EFFECT,
     &tracker_target::EFFECT,
     &tracker_tilt::EFFECT,
+    &tracker_scale::EFFECT,
+    &tracker_axes::EFFECT,
+    &tracker_moved::EFFECT,
+    &tracker_outlier::EFFECT,
 ];
 
 /// All named effects.

@@ -190,7 +190,8 @@ impl PoseContexts {
                 laser_direction: nominal.laser_direction.map(|d| d.value),
                 target_normal: nominal.target_normal.map(|d| d.value),
                 inclination_rad: inclination(data, row, &poses[row]),
-                tracked_m: data.tracked_position_at(row).map_or([0.0; 3], Into::into),
+                tracked_m: (data.tracked_position_m.get(row))
+                    .map_or([0.0; 3], |read| read.map(|value| or_zero(Some(value)))),
                 tracked_rotation: tracked_rotation(data, row, &poses[row]),
                 position_m: poses[row].position.into(),
                 rotation_rad: poses[row].orientation.scaled_axis().into(),

@@ -284,4 +284,9 @@ impl BoundEffect {
     pub fn workshop(&self, robot: &Robot) -> String {
         (self.effect.workshop)(&FoundEffect::new(robot, self))
     }
+
+    /// A sentence about it with its fields filled in.
+    pub(crate) fn say(&self, robot: &Robot, text: &str) -> String {
+        FoundEffect::new(robot, self).say(text)
+    }
 }

@@ -56,9 +56,13 @@ mod swivel_offset;
 mod target_tilt;
 mod text_physics;
 mod tolerance;
+mod tracker_axes;
 mod tracker_clock;
 mod tracker_frame;
 mod tracker_latency;
+mod tracker_moved;
+mod tracker_outlier;
+mod tracker_scale;
 mod tracker_target;
 mod tracker_tilt;
 mod typical_size;
@@ -272,6 +276,17 @@ pub struct Delays {
     pub tracker: f64,
 }
 
+/// Texts for an effect that all cables have at once, each with values of its own, where it is something else than on one cable.
+#[derive(Debug, Clone, Copy)]
+pub struct OnEachCable {
+    /// Plain title.
+    pub title: &'static str,
+    /// What is wrong; fields as in [`FoundEffect::say`].
+    pub cause: &'static str,
+    /// What to do about it in the workshop.
+    pub workshop: &'static str,
+}
+
 /// A physical effect, of the catalogue or of the user: its identity and parameters, its contribution to the prediction, and its texts for a
 /// technician.
 #[derive(Debug, Clone, Copy)]
@@ -288,6 +303,8 @@ pub struct Effect {
     pub(crate) cause: fn(&FoundEffect<'_>) -> String,
     /// What to do about it in the workshop, in one or two sentences.
     pub(crate) workshop: fn(&FoundEffect<'_>) -> String,
+    /// Other texts where all cables have it at once.
+    pub(crate) on_each_cable: Option<OnEachCable>,
     /// An independent check in the workshop that confirms or rules it out, in one sentence, if there is one.
     pub(crate) check: Option<&'static str>,
     /// Where the model comes from.
@@ -327,6 +344,7 @@ impl Effect {
         parameters: &[],
         cause: |_| String::new(),
         workshop: |_| String::new(),
+        on_each_cable: None,
         check: None,
         source: "",
         stage: Stage::Addition,
@@ -352,6 +370,12 @@ impl Effect {
     #[must_use]
     pub fn title(&self) -> &'static str {
         self.title
+    }
+
+    /// Other texts where all cables have it at once, if there are any.
+    #[must_use]
+    pub fn on_each_cable(&self) -> Option<OnEachCable> {
+        self.on_each_cable
     }
 
     /// What it can be attached to.

@@ -43,7 +43,11 @@ fn cause(found: &FoundEffect<'_>) -> String {
     )
 }
 
-fn change_platform(parameters: &[Dual], at: &PlatformContext, ports: &mut PlatformPorts) {
+pub(super) fn change_platform(
+    parameters: &[Dual],
+    at: &PlatformContext,
+    ports: &mut PlatformPorts,
+) {
     let turn = [parameters[3], parameters[4], parameters[5]];
     let shifted: [Dual; 3] = std::array::from_fn(|k| -parameters[k] + at.tracked_m[k]);
     let in_robot = rotated(shifted, turn.map(|angle| -angle));

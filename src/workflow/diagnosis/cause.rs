@@ -44,9 +44,14 @@ pub fn cause_title(robot: &Robot, cause: &Cause) -> String {
     let targets: Vec<String> = cables
         .map(|index| robot.cables[index].name.clone())
         .collect();
-    let cables = cables_in_words(robot, cause, &targets);
+    let (title, cables) = match cause.on_each_cable(robot) {
+        Some(texts) => (texts.title, None),
+        None => (
+            cause.effect().title(),
+            cables_in_words(robot, cause, &targets),
+        ),
+    };
     let words: Vec<_> = cables.into_iter().chain(event(cause)).collect();
-    let title = cause.effect().title();
     if words.is_empty() {
         return title.to_owned();
     }

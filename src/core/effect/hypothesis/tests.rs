@@ -191,6 +191,8 @@ fn every_effect_is_text_or_says_why_not() {
             "inclinometer_tilt",
             "tracker_frame",
             "tracker_tilt",
+            "tracker_axes",
+            "tracker_moved",
             "tracker_latency",
             "tracker_clock",
             "encoder_latency",
