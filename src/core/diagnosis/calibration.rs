@@ -15,6 +15,8 @@ pub(super) const EXCESS_LEVEL: f64 = 0.01;
 pub(super) const HUGE_CHI2: f64 = 4.0;
 /// Share of the excess chi-square that may remain after an exchange of channels, for example that of a second one.
 pub(super) const MAX_REMAINING_EXCESS: f64 = 0.25;
+/// Share of the excess chi-square that an exchange must remove for another one to be looked for beside it.
+pub(super) const PART_OF_EXCESS: f64 = 0.2;
 /// Difference of chi-square that separates one exchange from another.
 pub(super) const DISTINGUISHING_CHI2: f64 = 9.0;
 

@@ -64,9 +64,9 @@ pub fn diagnose(
     let mut found = match &channels {
         Channels::Exchanged(exchange) => {
             let mut after = problem_at_fitted_poses(&exchange.dataset)?;
-            after.held_effects.push(exchange.bound.clone());
+            after.held_effects.extend(exchange.bounds.iter().cloned());
             let second = Fit::new(&after, &[])?;
-            let exchanged = vec![exchange.finding(&first, &second)];
+            let exchanged = exchange.findings(&first, &second);
             examine(&after, (&first, rows), exchanged, options, &mut report)?
         }
         _ => examine(&problem, (&first, rows), Vec::new(), options, &mut report)?,

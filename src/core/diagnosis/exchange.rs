@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::Stage;
 use super::budget::PATIENCE_WITH_EXCHANGE;
 use super::calibration::{
-    DISTINGUISHING_CHI2, HUGE_CHI2, MAX_REMAINING_EXCESS, NAMING_PROBABILITY,
+    DISTINGUISHING_CHI2, HUGE_CHI2, MAX_REMAINING_EXCESS, NAMING_PROBABILITY, PART_OF_EXCESS,
 };
 use super::fit::Fit;
 use super::gain::Prediction;
@@ -20,12 +20,12 @@ use crate::effect::{BoundEffect, CATALOGUE, Search};
 use crate::estimation::{EstimationError, Problem, Solution};
 use crate::measurement::Dataset;
 
-/// An exchange that explains the readings.
+/// Exchanges that explain the readings together.
 pub(super) struct Exchange {
-    pub bound: BoundEffect,
-    /// The measurements with the exchange undone.
+    pub bounds: Vec<BoundEffect>,
+    /// The measurements with the exchanges undone.
     pub dataset: Dataset,
-    /// All exchanges that were tried, with their chi-square.
+    /// All exchanges that were tried in place of the last one, with their chi-square.
     tried: Vec<(BoundEffect, f64)>,
 }
 
@@ -33,13 +33,14 @@ pub(super) struct Exchange {
 pub(super) enum Channels {
     /// They are as described.
     AsDescribed,
-    /// Two are exchanged.
+    /// Some are exchanged.
     Exchanged(Box<Exchange>),
     /// The pulleys of two cables are at each other's places, which explains the readings as well.
     PulleysExchanged(Box<Solution>),
 }
 
-/// Finds the exchange that explains the readings, if there is one.
+/// Finds the exchange that explains the readings, if there is one, or several of different cables: the next one is looked for if
+/// the best so far explains much, but not enough.
 pub(super) fn find_exchange(
     fit: &Fit<'_>,
     report: &mut Reporter<'_, '_>,
@@ -52,72 +53,95 @@ pub(super) fn find_exchange(
     if solution.chi2 < HUGE_CHI2 * solution.degrees_of_freedom {
         return Ok(Channels::AsDescribed);
     }
-    let dataset = fit.problem.dataset;
+    let mut dataset = fit.problem.dataset.clone();
     let allowed = solution.degrees_of_freedom
         + MAX_REMAINING_EXCESS * (solution.chi2 - solution.degrees_of_freedom);
-    let kinds: &[f64] = if dataset.measurements.force_n.is_empty() {
-        &[1.0]
-    } else {
-        &[1.0, 2.0, 3.0]
+    let kinds: &[f64] = match dataset.measurements.force_n.is_empty() {
+        true => &[1.0],
+        false => &[1.0, 2.0, 3.0],
     };
     let cables = dataset.robot.cable_count();
-    let pairs = (0..cables).flat_map(|one| (one + 1..cables).map(move |k| (one, k)));
-    let mut tried: Vec<(BoundEffect, f64)> = Vec::new();
-    let mut best: Option<Solution> = None;
-    for ((one, other), kind) in pairs.flat_map(|pair| kinds.iter().map(move |k| (pair, *k))) {
-        if !report.stage(Stage::Refits, 0) {
+    let pairs: Vec<[usize; 2]> = (0..cables)
+        .flat_map(|one| (one + 1..cables).map(move |other| [one, other]))
+        .collect();
+    let mut bounds: Vec<BoundEffect> = Vec::new();
+    let mut questions = 0;
+    let mut before = solution.chi2;
+    let (tried, best) = loop {
+        let is_free = |pair: &&[usize; 2]| {
+            let mut taken = bounds.iter().flat_map(|bound| &bound.cables);
+            taken.all(|cable| !pair.contains(cable))
+        };
+        let mut tried: Vec<(BoundEffect, f64)> = Vec::new();
+        let mut best: Option<Solution> = None;
+        for pair in pairs.iter().filter(is_free) {
+            for kind in kinds {
+                if !report.stage(Stage::Refits, 0) {
+                    return Ok(Channels::AsDescribed);
+                }
+                let bound = BoundEffect {
+                    effect,
+                    cables: pair.to_vec(),
+                    targeted: true,
+                    values: vec![*kind],
+                };
+                let exchanged = undo_exchange(&dataset, &bound);
+                let mut problem = Problem::new(&exchanged)?;
+                problem.held_effects.clone_from(&fit.problem.held_effects);
+                problem.free_effects.clone_from(&fit.problem.free_effects);
+                let stop = (allowed, PATIENCE_WITH_EXCHANGE);
+                let solution = Fit::with_early_stop(stop, &problem, &[])?.solution;
+                tried.push((bound, solution.chi2));
+                if (best.as_ref()).is_none_or(|best| solution.chi2 < best.chi2) {
+                    best = Some(solution);
+                }
+            }
+        }
+        tried.sort_by(|a, b| a.1.total_cmp(&b.1));
+        questions += tried.len();
+        let Some(((bound, chi2), best)) = tried.first().cloned().zip(best) else {
+            return Ok(Channels::AsDescribed);
+        };
+        if chi2 > before - PART_OF_EXCESS * (before - solution.degrees_of_freedom) {
             return Ok(Channels::AsDescribed);
         }
-        let bound = BoundEffect {
-            effect,
-            cables: vec![one, other],
-            targeted: true,
-            values: vec![kind],
-        };
-        let exchanged = undo_exchange(dataset, &bound);
-        let fit = {
-            let mut problem = Problem::new(&exchanged)?;
-            problem.held_effects.clone_from(&fit.problem.held_effects);
-            problem.free_effects.clone_from(&fit.problem.free_effects);
-            Fit::with_early_stop((allowed, PATIENCE_WITH_EXCHANGE), &problem, &[])?
-        };
-        tried.push((bound, fit.solution.chi2));
-        if (best.as_ref()).is_none_or(|best| fit.solution.chi2 < best.chi2) {
-            best = Some(fit.solution);
+        dataset = undo_exchange(&dataset, &bound);
+        bounds.push(bound);
+        before = chi2;
+        if chi2 < allowed {
+            break (tried, best);
         }
-    }
-    tried.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let found = tried.first().filter(|(_, chi2)| *chi2 < allowed);
-    let Some(((bound, chi2), best)) = found.zip(best) else {
-        return Ok(Channels::AsDescribed);
     };
-    let prior_odds = EXPECTED_CAUSES / (CATALOGUE.len() * tried.len()) as f64;
+    let chi2 = best.chi2;
+    let prior_odds = EXPECTED_CAUSES / (CATALOGUE.len() * questions) as f64;
     let named_odds = NAMING_PROBABILITY / (1.0 - NAMING_PROBABILITY);
     let needed = 2.0 * (named_odds / prior_odds).ln();
     if solution.chi2 - chi2 < needed {
         return Ok(Channels::AsDescribed);
     }
-    let mirrored = with_pulleys_exchanged(fit, bound, best)?;
+    let mirrored = with_pulleys_exchanged(fit, &bounds, best)?;
     if mirrored.solution.chi2 - chi2 < needed {
         return Ok(Channels::PulleysExchanged(Box::new(mirrored.solution)));
     }
     Ok(Channels::Exchanged(Box::new(Exchange {
-        bound: bound.clone(),
-        dataset: undo_exchange(dataset, bound),
-        tried: tried.clone(),
+        bounds,
+        dataset,
+        tried,
     })))
 }
 
-/// The fit of the readings as they are that starts at the solution for exchanged ones, with the pulleys of the two cables at
-/// each other's places.
+/// The fit of the readings as they are that starts at the solution for exchanged ones, with the pulleys of the cables of each
+/// pair at each other's places.
 fn with_pulleys_exchanged<'a>(
     fit: &Fit<'a>,
-    bound: &BoundEffect,
+    bounds: &[BoundEffect],
     mut exchanged: Solution,
 ) -> Result<Fit<'a>, EstimationError> {
-    let (one, other) = (bound.cables[0], bound.cables[1]);
-    exchanged.globals.entry_points.swap(one, other);
-    exchanged.globals.home_tension_error_n.swap(one, other);
+    for bound in bounds {
+        let (one, other) = (bound.cables[0], bound.cables[1]);
+        exchanged.globals.entry_points.swap(one, other);
+        exchanged.globals.home_tension_error_n.swap(one, other);
+    }
     let mut problem = fit.base().clone();
     problem.known = Some(Arc::new(exchanged));
     Fit::new(&problem, &[])
@@ -130,8 +154,8 @@ fn undo_exchange(dataset: &Dataset, bound: &BoundEffect) -> Dataset {
 }
 
 impl Exchange {
-    /// The finding; `first` and `second` are the fits before and after undoing the exchange.
-    pub fn finding(&self, first: &Fit<'_>, second: &Fit<'_>) -> Finding {
+    /// The findings; `first` and `second` are the fits before and after undoing the exchanges.
+    pub fn findings(&self, first: &Fit<'_>, second: &Fit<'_>) -> Vec<Finding> {
         let robot = &self.dataset.robot;
         let (before, after) = (Prediction::new(first), Prediction::new(second));
         let best = first.solution.chi2 - second.solution.chi2;
@@ -141,34 +165,41 @@ impl Exchange {
             parameters: 0,
             holdout: f64::NAN,
         };
-        let ranking: Vec<Rival> = self.tried.iter().take(3).map(rival).collect();
-        let weight = |rival: &Rival| (0.5 * (rival.delta_chi2 - ranking[0].delta_chi2)).exp();
-        let weights: f64 = ranking.iter().map(weight).sum();
-        let alternatives: Vec<Alternative> = ranking[1..]
-            .iter()
-            .filter(|rival| ranking[0].delta_chi2 - rival.delta_chi2 < DISTINGUISHING_CHI2)
-            .map(|rival| Alternative {
-                subject: Subject::Cause(rival.cause.clone()),
-                probability: weight(rival) / weights,
-            })
-            .collect();
-        Finding {
-            subject: Subject::Cause(cause(&self.bound)),
-            probability: weights.recip(),
-            sentence: self.bound.cause(robot),
-            advice: self.bound.workshop(robot),
-            alternatives,
-            parameters: Vec::new(),
-            evidence: Evidence {
-                delta_chi2: best,
-                parameters: 0,
-                p_value: (self.tried.len() as f64 * (-best / 2.0).exp()).min(1.0),
-                questions: self.tried.len(),
-                ranking,
-            },
-            gain: after.gain_over(&before),
-            separation: None,
-        }
+        let finding = |(index, bound): (usize, &BoundEffect)| {
+            // The others were found beside fewer exchanges, so that theirs cannot be compared.
+            let is_last = index + 1 == self.bounds.len();
+            let shown = if is_last { 3 } else { 0 };
+            let ranking: Vec<Rival> = self.tried.iter().take(shown).map(rival).collect();
+            let behind = |rival: &Rival| ranking[0].delta_chi2 - rival.delta_chi2;
+            let weight = |rival: &Rival| (-0.5 * behind(rival)).exp();
+            let weights: f64 = ranking.iter().map(weight).sum();
+            let others = ranking.iter().skip(1);
+            let alternatives: Vec<Alternative> = others
+                .filter(|rival| behind(rival) < DISTINGUISHING_CHI2)
+                .map(|rival| Alternative {
+                    subject: Subject::Cause(rival.cause.clone()),
+                    probability: weight(rival) / weights,
+                })
+                .collect();
+            Finding {
+                subject: Subject::Cause(cause(bound)),
+                probability: if is_last { weights.recip() } else { 1.0 },
+                sentence: bound.cause(robot),
+                advice: bound.workshop(robot),
+                alternatives,
+                parameters: Vec::new(),
+                evidence: Evidence {
+                    delta_chi2: best,
+                    parameters: 0,
+                    p_value: (self.tried.len() as f64 * (-best / 2.0).exp()).min(1.0),
+                    questions: self.tried.len(),
+                    ranking,
+                },
+                gain: after.gain_over(&before),
+                separation: None,
+            }
+        };
+        self.bounds.iter().enumerate().map(finding).collect()
     }
 }
 
