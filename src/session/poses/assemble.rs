@@ -114,7 +114,16 @@ fn grid(columns: &mut Columns, quantity: PerCable, cables: usize) -> Grid {
 
 /// Poses of a group; `None` for a row without numbers.
 fn poses(columns: &mut Columns, of: Group, robot: &Robot) -> Result<Vec<Option<Pose>>, Fault> {
-    let positions = group::<3>(columns, of, 0);
+    let mut positions = group::<3>(columns, of, 0);
+    let held = held_position(robot);
+    for position in positions
+        .iter_mut()
+        .filter(|position| measured(*position) > 0)
+    {
+        for (value, held) in position.iter_mut().zip(held) {
+            *value = held.filter(|_| value.is_nan()).unwrap_or(*value);
+        }
+    }
     let mut quaternions = group::<4>(columns, of, 3);
     if quaternions.is_empty() {
         // A platform that does not rotate keeps its orientation at home.
@@ -135,6 +144,22 @@ fn poses(columns: &mut Columns, of: Group, robot: &Robot) -> Result<Vec<Option<P
     let rows = positions.iter().zip(&quaternions).enumerate();
     rows.map(|(row, (position, quaternion))| pose(row, position, quaternion, of))
         .collect()
+}
+
+/// The coordinates of a position in which the platform cannot move: those at home, else those of the plane of the pulleys.
+fn held_position(robot: &Robot) -> [Option<f64>; 3] {
+    let of_pulleys = |k: usize| {
+        let all = robot
+            .cables
+            .iter()
+            .map(|cable| cable.pulley.entry_point_m[k]);
+        all.sum::<f64>() / robot.cable_count() as f64
+    };
+    std::array::from_fn(|k| {
+        let is_free = robot.platform.free.iter().any(|c| c.index() == k);
+        let at_home = robot.home.map(|home| home.position_m[k]);
+        (!is_free).then(|| at_home.unwrap_or_else(|| of_pulleys(k)))
+    })
 }
 
 /// Number of cells that are not empty.

@@ -133,12 +133,14 @@ impl Columns {
         Err(Fault::new(None, column, message))
     }
 
-    /// Checks that commanded and true poses have all their columns; a platform that does not rotate needs no
-    /// quaternion.
+    /// Checks that commanded and true poses have all their columns; a platform needs none of a coordinate in which it cannot move.
     fn check_complete_poses(&self, robot: &Robot) -> Result<(), Fault> {
         let rotates = robot.platform.free.iter().any(|c| c.index() >= 3);
         for group in [Group::Commanded, Group::TruePose, Group::Tracked] {
-            let missing = |k: &usize| self.get(Column::Component(group, *k)).is_none();
+            let is_free = |k: usize| robot.platform.free.iter().any(|c| c.index() == k);
+            let missing = |k: &usize| {
+                self.get(Column::Component(group, *k)).is_none() && (*k >= 3 || is_free(*k))
+            };
             let position_is_partial = group != Group::Tracked && (0..3).any(|k| missing(&k));
             let no_quaternion = (3..7).all(|k| missing(&k));
             let needs_quaternion = rotates && group != Group::Tracked;
