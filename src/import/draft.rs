@@ -299,7 +299,7 @@ mod tests {
             steps: vec![crate::recipe::Step {
                 quantity: "rev_1".into(),
                 from_pose: 3,
-                add: 1.0,
+                add: Some(1.0),
             }],
             ..Recipe::default()
         };

@@ -406,11 +406,12 @@ fn apply_steps(poses: &mut [CutPose], labels: &[i64], recipe: &Recipe) {
         ) else {
             continue;
         };
-        for reading in poses[from..]
-            .iter_mut()
-            .filter_map(|pose| pose.readings.get_mut(&quantity))
-        {
-            reading.mean += step.add;
+        for pose in &mut poses[from..] {
+            match (step.add, pose.readings.get_mut(&quantity)) {
+                (Some(add), Some(reading)) => reading.mean += add,
+                (None, _) => drop(pose.readings.remove(&quantity)),
+                (Some(_), None) => {}
+            }
         }
     }
 }

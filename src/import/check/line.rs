@@ -25,6 +25,8 @@ pub(super) struct Step {
 /// Minimum number of readings for a line, and on either side of a step.
 const FEWEST: usize = 6;
 const BESIDE: usize = 3;
+/// Largest part of a turn by which readings may be off besides whole ones.
+const LARGEST_PART: f64 = 0.3;
 /// Maximum number of rows at which a step is tried.
 const PLACES: usize = 200;
 
@@ -99,6 +101,36 @@ pub(super) fn best_step(expected: &[f64], readings: &[f64]) -> Option<Step> {
         size,
         slope,
     })
+}
+
+/// Rows at which readings in turns jump by whole ones, each with the jump, where nothing else is wrong with them: they are off by
+/// less than a third of a turn besides, and the jumps are few.
+pub(super) fn whole_turns(expected: &[f64], readings: &[f64]) -> Vec<(usize, f64)> {
+    let mut jumps: Vec<(usize, f64)> = Vec::new();
+    let mut turns = 0.0;
+    let mut since = 0;
+    for (row, off) in readings
+        .iter()
+        .zip(expected)
+        .map(|(y, x)| y - x)
+        .enumerate()
+    {
+        if !off.is_finite() {
+            continue;
+        }
+        if (off - off.round()).abs() > LARGEST_PART {
+            return Vec::new();
+        }
+        if off.round() != turns {
+            if since < BESIDE {
+                return Vec::new();
+            }
+            jumps.push((row, off.round() - turns));
+            (turns, since) = (off.round(), 0);
+        }
+        since += 1;
+    }
+    if since < BESIDE { Vec::new() } else { jumps }
 }
 
 /// Intercept and slope.

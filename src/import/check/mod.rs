@@ -19,11 +19,12 @@ use tautline_core::measurement::{Grid, Measurements};
 use tautline_core::robot::Robot;
 
 use crate::external::other_frame;
+use crate::median::median;
 use crate::recipe::{Kind, Quantity};
 use expected::Expected;
 pub use line::Line;
-use line::best_step;
 pub(crate) use line::fit;
+use line::{best_step, whole_turns};
 pub use suggestion::{Change, Mistake, Suggestion};
 
 /// Minimum number of poses for a check.
@@ -32,6 +33,9 @@ const FEWEST: usize = 6;
 const FITS: f64 = 0.25;
 /// A channel does not fit above this fraction.
 const MISFITS: f64 = 0.4;
+/// An offset of a cable above this share of the frame is a piece of cable, if it is this many times the usual one.
+const EXTENSION: f64 = 0.05;
+const EXTENSIONS_APART: f64 = 10.0;
 /// A slope is a known factor within this share of it. Drums and pulleys are known far better.
 const FACTOR: f64 = 0.12;
 
@@ -88,15 +92,18 @@ impl Readings {
         }
     }
 
-    /// Measured positions (m) with the poses of these rows, where both are known.
+    /// Measured positions (m) with the poses of these rows, where both are known. A coordinate that is not measured, such as the
+    /// height of a plotter, is that of the pose.
     fn measured_with(&self, poses: &[Option<Pose>]) -> Option<Vec<(Vec3, Pose)>> {
         let kind = Kind::Tracked;
         let column = |index: usize| self.columns.get(&Quantity { kind, index });
         let (x, y, z) = (column(0)?, column(1)?, column(2)?);
         let at = |(row, pose): (usize, &Option<Pose>)| {
-            let position = Vec3::new(x[row], y[row], z[row]);
-            let is_there = position.iter().all(|v| v.is_finite());
-            pose.filter(|_| is_there).map(|pose| (position, pose))
+            let read = Vec3::new(x[row], y[row], z[row]);
+            let is_there = read.iter().filter(|v| v.is_finite()).count() > 1;
+            let or_pose = |read: f64, of_pose: f64| if read.is_finite() { read } else { of_pose };
+            let pose = pose.filter(|_| is_there)?;
+            Some((read.zip_map(&pose.position, or_pose), pose))
         };
         Some(poses.iter().enumerate().filter_map(at).collect())
     }
@@ -220,32 +227,63 @@ fn factors(kind: Kind) -> &'static [(f64, &'static str)] {
     }
 }
 
+/// Factors by which a channel differs whose drive counts otherwise.
+const COUNTS: [(f64, &str); 4] = [
+    (2.0, COUNTED),
+    (4.0, COUNTED),
+    (8.0, COUNTED),
+    (16.0, COUNTED),
+];
+const COUNTED: &str = "micro-steps or counts per revolution are other ones than stated";
+
 /// Finds channels that are constant while others of their kind vary.
 fn dead_channels(readings: &Readings, found: &mut Vec<Suggestion>) {
     for kind in [Kind::Revolutions, Kind::Length, Kind::Force, Kind::Swivel] {
         let columns = readings.of(kind);
-        let is_constant = |values: &[f64]| {
-            let there: Vec<f64> = values
-                .iter()
-                .copied()
-                .filter(|value| !value.is_nan())
-                .collect();
-            there.len() >= FEWEST && there.iter().all(|value| *value == there[0])
-        };
-        let constant = columns
+        let dead: Vec<(String, usize)> = columns
             .iter()
-            .filter(|(_, values)| is_constant(values))
-            .count();
-        if constant * 2 >= columns.len() {
+            .filter_map(|(quantity, values)| Some((quantity.column(), constant_from(values)?)))
+            .collect();
+        if dead.len() * 2 >= columns.len() {
             continue;
         }
-        for (quantity, _) in columns.iter().filter(|(_, values)| is_constant(values)) {
-            let column = quantity.column();
+        for (column, first) in dead {
+            let whole = first == readings.labels.len();
+            let since = (!whole).then(|| readings.labels[first]);
+            let when = match since {
+                None => "over all poses".to_owned(),
+                Some(label) => format!("from pose {label} on"),
+            };
             let sentence = format!(
-                "{column} is constant over all poses while the other cables change: a dead channel; leave it empty"
+                "{column} is constant {when} while the other cables change: a dead channel; leave it empty{}",
+                if whole { "" } else { " there" }
             );
-            found.push(Suggestion::new(sentence, Change::LeaveEmpty { column }));
+            let change = Change::LeaveEmpty {
+                column,
+                from_pose: since,
+            };
+            found.push(Suggestion::new(sentence, change));
         }
+    }
+}
+
+/// The first of the rows, up to the last, at which the readings no longer change; the number of rows if they never do, `None` if
+/// they do at the end.
+fn constant_from(values: &[f64]) -> Option<usize> {
+    let there: Vec<usize> = (0..values.len())
+        .filter(|row| !values[*row].is_nan())
+        .collect();
+    let last = values[*there.last()?];
+    let same = there
+        .iter()
+        .rev()
+        .take_while(|row| values[**row] == last)
+        .count();
+    match (same >= FEWEST, same == there.len()) {
+        (true, true) => Some(values.len()),
+        // The first of equal readings is the last one that was read.
+        (true, false) => Some(there[there.len() - same + 1]),
+        (false, _) => None,
     }
 }
 
@@ -359,7 +397,7 @@ fn compare(
         for j in 0..i {
             let fits = |value: usize, expected: usize| {
                 fit(columns[expected].expected, &values[value])
-                    .is_some_and(|line| line.scatter < FITS)
+                    .is_some_and(|line| line.scatter < FITS && line.slope > 0.0)
             };
             if misfits(i)
                 && misfits(j)
@@ -384,6 +422,9 @@ fn compare(
         .collect();
     signs(columns, &fitting, found);
     units(columns, &fitting, found);
+    if let Some(first) = readings.labels.first().filter(|_| !expected.from_lengths) {
+        extensions(columns, &fitting, robot, found, *first);
+    }
 }
 
 /// Finds encoder steps and removes them from the values.
@@ -401,6 +442,27 @@ fn steps(
         Kind::Length => 1.0,
         _ => return,
     };
+    if column.quantity.kind == Kind::Revolutions {
+        for (row, turns) in whole_turns(column.expected, values) {
+            let from_pose = readings.labels[row];
+            let name = column.quantity.column();
+            let many = if turns.abs() == 1.0 { "turn" } else { "turns" };
+            let sentence = format!(
+                "{name} jumps by {turns:+} whole {many} at pose {from_pose} and keeps the offset: the encoder lost its count of turns"
+            );
+            values[row..].iter_mut().for_each(|value| *value -= turns);
+            let (column, add) = (name, -turns);
+            let change = Change::TakeBack {
+                column,
+                from_pose,
+                add,
+            };
+            found.push(Suggestion {
+                mistake: Mistake::LostTurns,
+                ..Suggestion::new(sentence, change)
+            });
+        }
+    }
     let Some(step) = best_step(column.expected, values) else {
         return;
     };
@@ -429,10 +491,56 @@ fn steps(
     ));
 }
 
+/// Finds a cable that is longer by the same large amount at all poses, as by a piece that robot.json does not state.
+fn extensions(
+    columns: &[Column<'_>],
+    fitting: &[(usize, Line)],
+    robot: &Robot,
+    found: &mut Vec<Suggestion>,
+    first_pose: i64,
+) {
+    let Some(frame_m) = robot.frame_size_m() else {
+        return;
+    };
+    let is_right = |line: &Line| (line.slope - 1.0).abs() < FACTOR;
+    let of_length = |k: &usize| columns[*k].quantity.kind == Kind::Length;
+    let offsets: Vec<(usize, f64)> = fitting
+        .iter()
+        .filter(|(k, line)| of_length(k) && is_right(line))
+        .filter_map(|(k, _)| {
+            let pairs = columns[*k].values.iter().zip(columns[*k].expected);
+            let off = pairs.map(|(read, expected)| read - expected);
+            Some((*k, median(off.filter(|v| v.is_finite()))?))
+        })
+        .collect();
+    let usual = median(offsets.iter().map(|(_, off)| off.abs())).unwrap_or(f64::INFINITY);
+    for (k, off) in offsets {
+        if off.abs() > EXTENSION * frame_m && off.abs() > EXTENSIONS_APART * usual {
+            let column = columns[k].quantity.column();
+            let sentence = format!(
+                "{column} is {:.3} m {} at all poses than these require: a piece of cable that robot.json does not state, or another zero",
+                off.abs(),
+                if off > 0.0 { "longer" } else { "shorter" }
+            );
+            let (from_pose, add) = (first_pose, -off);
+            let change = Change::TakeBack {
+                column,
+                from_pose,
+                add,
+            };
+            found.push(Suggestion {
+                mistake: Mistake::Extension,
+                ..Suggestion::new(sentence, change)
+            });
+        }
+    }
+}
+
 fn signs(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
+    // Distances and lengths have no sign that could be reversed.
     if columns
         .first()
-        .is_none_or(|column| column.quantity.kind == Kind::Laser)
+        .is_none_or(|column| matches!(column.quantity.kind, Kind::Laser | Kind::Length))
     {
         return;
     }
@@ -465,7 +573,11 @@ fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
     let Some(kind) = columns.first().map(|column| column.quantity.kind) else {
         return;
     };
-    for (factor, unit) in factors(kind) {
+    let counts = match kind {
+        Kind::Revolutions | Kind::Length => &COUNTS[..],
+        _ => &[],
+    };
+    for (factor, unit) in factors(kind).iter().chain(counts) {
         for (inverse, factor) in [(false, *factor), (true, 1.0 / factor)] {
             let is_factor = |line: &Line| (line.slope.abs() / factor - 1.0).abs() < FACTOR;
             let columns: Vec<String> = fitting
@@ -478,10 +590,10 @@ fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
             }
             let times = if inverse { 1.0 / factor } else { factor };
             let how = if inverse { "too small" } else { "too large" };
-            let why = if inverse {
-                "a unit was converted twice".to_owned()
-            } else {
-                format!("{unit}, not the unit of the column")
+            let why = match (*unit, inverse) {
+                (COUNTED, _) => COUNTED.to_owned(),
+                (_, true) => "a unit was converted twice".to_owned(),
+                (_, false) => format!("{unit}, not the unit of the column"),
             };
             let sentence =
                 |names: &str| format!("{names}: {times:.4} times {how} for these poses: {why}");

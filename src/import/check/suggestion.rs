@@ -3,6 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use tautline_core::measurement::Measurements;
+
+use crate::external::align_measured;
 use crate::recipe::{Assignment, Clock, Kind, Quantity, Recipe, Step};
 
 /// Kind of a mistake in the data.
@@ -17,6 +20,10 @@ pub enum Mistake {
     Exchanged,
     /// An encoder that lost or gained counts.
     EncoderStep,
+    /// An encoder that lost or gained whole turns.
+    LostTurns,
+    /// A piece of cable that the description of the robot does not have.
+    Extension,
     /// A clock that was adjusted during the recording.
     ClockJump,
     /// A channel with a constant reading.
@@ -85,6 +92,9 @@ pub enum Change {
     LeaveEmpty {
         /// Column of poses.csv.
         column: String,
+        /// Label of the first pose at which it is empty, if it is not empty everywhere.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        from_pose: Option<i64>,
     },
     /// Transforms measured poses into the robot's frame.
     AlignInstrument,
@@ -103,7 +113,7 @@ impl Suggestion {
             Change::Reverse { columns } => (Mistake::ReversedSign, columns.clone()),
             Change::Exchange { a, b } => (Mistake::Exchanged, vec![a.clone(), b.clone()]),
             Change::TakeBack { column, .. } => (Mistake::EncoderStep, vec![column.clone()]),
-            Change::LeaveEmpty { column } => (Mistake::DeadChannel, vec![column.clone()]),
+            Change::LeaveEmpty { column, .. } => (Mistake::DeadChannel, vec![column.clone()]),
             Change::AlignInstrument => (
                 Mistake::OtherFrame,
                 ["meas_x_m", "meas_y_m", "meas_z_m"]
@@ -140,6 +150,49 @@ impl Suggestion {
             .any(|column| Quantity::parse(column).is_some_and(|quantity| quantity.kind == kind))
     }
 
+    /// Corrects the readings of a table of poses. Returns whether that is possible: the clock of a recording is not in its table.
+    pub fn correct(&self, data: &mut Measurements) -> bool {
+        let labels = data.labels.clone();
+        let from = |label: Option<i64>| {
+            let first = label.and_then(|label| labels.iter().position(|other| *other == label));
+            move |row: usize| first.is_none_or(|first| row >= first)
+        };
+        match &self.change {
+            Change::Multiply { columns, factor } => {
+                change(data, columns, |_, value| value * factor)
+            }
+            Change::Reverse { columns } => change(data, columns, |_, value| -value),
+            Change::Exchange { a, b } => {
+                let mut values = [Vec::new(), Vec::new()];
+                for (column, values) in [a, b].into_iter().zip(&mut values) {
+                    change(data, std::slice::from_ref(column), |_, value| {
+                        values.push(value);
+                        value
+                    });
+                }
+                let [of_a, of_b] = values;
+                change(data, std::slice::from_ref(a), |row, _| of_b[row])
+                    && change(data, std::slice::from_ref(b), |row, _| of_a[row])
+            }
+            Change::TakeBack {
+                column,
+                from_pose,
+                add,
+            } => {
+                let is_after = from(Some(*from_pose));
+                let taken_back = |row, value| if is_after(row) { value + add } else { value };
+                change(data, std::slice::from_ref(column), taken_back)
+            }
+            Change::LeaveEmpty { column, from_pose } => {
+                let is_after = from(*from_pose);
+                let left = |row, value| if is_after(row) { f64::NAN } else { value };
+                change(data, std::slice::from_ref(column), left)
+            }
+            Change::AlignInstrument => align_measured(data),
+            Change::CloseJumps { .. } => false,
+        }
+    }
+
     /// Applies the correction to a recipe.
     pub fn apply(&self, recipe: &mut Recipe) {
         match &self.change {
@@ -167,10 +220,17 @@ impl Suggestion {
                 recipe.steps.push(Step {
                     quantity: column.clone(),
                     from_pose: *from_pose,
-                    add: *add,
+                    add: Some(*add),
                 });
             }
-            Change::LeaveEmpty { column } => recipe.left_empty.push(column.clone()),
+            Change::LeaveEmpty { column, from_pose } => match from_pose {
+                None => recipe.left_empty.push(column.clone()),
+                Some(label) => recipe.steps.push(Step {
+                    quantity: column.clone(),
+                    from_pose: *label,
+                    add: None,
+                }),
+            },
             Change::AlignInstrument => recipe.instrument = Some(Box::default()),
             Change::CloseJumps { series } => match recipe
                 .clocks
@@ -186,6 +246,48 @@ impl Suggestion {
             },
         }
     }
+}
+
+/// Changes the values of columns, given the row; whether all of them are there.
+fn change(
+    data: &mut Measurements,
+    columns: &[String],
+    mut change: impl FnMut(usize, f64) -> f64,
+) -> bool {
+    let mut are_there = true;
+    for Quantity { kind, index } in columns.iter().filter_map(|column| Quantity::parse(column)) {
+        let grid = match kind {
+            Kind::Revolutions => Some(&mut data.revolutions),
+            Kind::Length => Some(&mut data.length_m),
+            Kind::Force => Some(&mut data.force_n),
+            Kind::Swivel => Some(&mut data.swivel_rad),
+            _ => None,
+        };
+        if let Some(grid) = grid {
+            for row in 0..grid.rows() {
+                grid.set(row, index, change(row, grid.get(row, index)));
+            }
+            continue;
+        }
+        let vectors = match kind {
+            Kind::Inclination => &mut data.inclination_rad,
+            Kind::Tracked if index < 3 => &mut data.tracked_position_m,
+            Kind::Laser => {
+                for (row, value) in data.laser_m.iter_mut().enumerate() {
+                    *value = change(row, *value);
+                }
+                continue;
+            }
+            _ => {
+                are_there = false;
+                continue;
+            }
+        };
+        for (row, vector) in vectors.iter_mut().enumerate() {
+            vector[index] = change(row, vector[index]);
+        }
+    }
+    are_there
 }
 
 /// Changes the entries of columns. A pattern is changed itself if all of its columns are affected; otherwise entries for

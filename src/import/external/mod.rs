@@ -12,6 +12,7 @@ mod rigid_body;
 use std::collections::BTreeMap;
 
 use tautline_core::geometry::{Pose, Vec3};
+use tautline_core::measurement::Measurements;
 use tautline_core::robot::Robot;
 
 use crate::cutting::{Averaged, CutPose};
@@ -25,6 +26,8 @@ use rigid_body::{MarkerPositions, RigidBody};
 const MOST_POSES: usize = 2000;
 /// Measured poses are in another frame if an alignment brings them closer by this factor.
 const CLOSER: f64 = 4.0;
+/// Distance relative to the size of the robot that an alignment to its frame may leave; more is another mistake.
+const ALIGNED: f64 = 0.01;
 /// Distance relative to the size of the robot below which measured poses are in its frame: the difference is then an error
 /// to be estimated, such as that of the home pose.
 const CLOSE: f64 = 0.05;
@@ -83,7 +86,9 @@ pub(crate) fn other_frame(positions: &[(Vec3, Pose)], robot_m: f64) -> Option<St
         .map(|p| (p.measured_m - p.platform.position).norm_squared());
     let rms_m = (apart.sum::<f64>() / pairs.len().max(1) as f64).sqrt();
     let alignment = align(&thinned(&pairs), (None, None)).ok()?;
-    let is_other = rms_m > CLOSE * robot_m && alignment.rms_m * CLOSER < rms_m;
+    let is_other = rms_m > CLOSE * robot_m
+        && alignment.rms_m * CLOSER < rms_m
+        && alignment.rms_m < ALIGNED * robot_m;
     is_other.then(|| {
         format!(
             "the measured poses are in another frame, or are those of another point: they are off by {} mm, and by {} mm when aligned to the \
@@ -92,6 +97,58 @@ pub(crate) fn other_frame(positions: &[(Vec3, Pose)], robot_m: f64) -> Option<St
             millimetres(alignment.rms_m)
         )
     })
+}
+
+/// Transforms the measured positions of a table into the robot's frame by the commanded poses; whether these determine it. A
+/// coordinate that is not measured stays so.
+pub(crate) fn align_measured(data: &mut Measurements) -> bool {
+    let rows = data.commanded.iter().zip(&data.tracked_position_m);
+    let pairs: Vec<Option<Pair>> = rows
+        .enumerate()
+        .map(|(row, (commanded, read))| {
+            let platform = (*commanded)?;
+            let place = platform.position;
+            let or_commanded = |k: usize| {
+                if read[k].is_finite() {
+                    read[k]
+                } else {
+                    place[k]
+                }
+            };
+            let is_read = read.iter().filter(|v| v.is_finite()).count() > 1;
+            is_read.then(|| Pair {
+                measured_m: Vec3::new(or_commanded(0), or_commanded(1), or_commanded(2)),
+                turned: data.tracked_orientation_at(row),
+                platform,
+            })
+        })
+        .collect();
+    let known: Vec<Pair> = pairs.iter().flatten().copied().collect();
+    let Ok(alignment) = align(&thinned(&known), (None, None)) else {
+        return false;
+    };
+    for (row, pair) in pairs.into_iter().enumerate() {
+        let Some(pair) = pair else { continue };
+        let frame = &alignment.frame;
+        let turned = pair
+            .turned
+            .map(|q| frame.orientation * q * alignment.body.orientation.inverse());
+        let platform = turned.unwrap_or(pair.platform.orientation);
+        let position = frame.transform(&pair.measured_m) - platform * alignment.body.position;
+        for (read, found) in data.tracked_position_m[row].iter_mut().zip(&position) {
+            if read.is_finite() {
+                *read = *found;
+            }
+        }
+        if let Some(orientation) = turned {
+            let pose = Pose {
+                position,
+                orientation,
+            };
+            data.tracked_orientation_wxyz[row] = pose.orientation_wxyz();
+        }
+    }
+    true
 }
 
 fn millimetres(length_m: f64) -> String {

@@ -139,7 +139,7 @@ fn followed(sources: &[Source], recipe: &Recipe, robot: &Robot) -> Imported {
 }
 
 /// Largest distance and largest angle of measured poses from the true ones (m, rad).
-fn errors(measured: &tautline_core::measurement::Measurements, poses: &[Pose]) -> [f64; 2] {
+fn errors(measured: &Measurements, poses: &[Pose]) -> [f64; 2] {
     let mut largest = [0.0_f64; 2];
     for (row, pose) in poses.iter().enumerate() {
         let position = measured.tracked_position_at(row).expect("a position");

@@ -156,15 +156,16 @@ pub struct Clock {
     pub close_jumps: bool,
 }
 
-/// A step of an encoder, which lost or gained counts.
+/// A step of an encoder, which lost or gained counts, or the end of a channel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Step {
     /// Column of `poses.csv`.
     pub quantity: String,
     /// Label of the first pose after the step.
     pub from_pose: i64,
-    /// Value added from there on, in the unit of the quantity.
-    pub add: f64,
+    /// Value added from there on, in the unit of the quantity; absent: readings from there on are left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub add: Option<f64>,
 }
 
 fn one() -> f64 {

@@ -151,7 +151,10 @@ impl OpenImport {
         let cut = self.cut.iter().filter(|_| self.is_current());
         let all = cut.flat_map(|cut| cut.suggestions());
         let is_new = |suggestion: &&Suggestion| match &suggestion.change {
-            Change::LeaveEmpty { column } => !self.draft.recipe().left_empty.contains(column),
+            Change::LeaveEmpty {
+                column,
+                from_pose: None,
+            } => !self.draft.recipe().left_empty.contains(column),
             _ => true,
         };
         all.filter(is_new).cloned().collect()

@@ -1,0 +1,60 @@
+//! Mistakes in the readings that a check finds, undone before a diagnosis: no linear comparison of causes finds what is wrong by
+//! a factor of two or by a whole turn.
+
+use tautline_core::effect::EffectSetting;
+use tautline_core::measurement::Dataset;
+use tautline_import::{Mistake, Suggestion, check_table};
+
+/// Largest number of rounds: some mistakes show only when others are undone.
+const ROUNDS: usize = 5;
+/// Effect of a model that states exchanged channels.
+const EXCHANGED: &str = "cable_swap";
+/// Effect that estimates what is left of another frame of the instrument.
+const FRAME: &str = "tracker_frame";
+
+/// A dataset with the mistakes undone, and these; `None` if there are none.
+pub(super) fn without_mistakes(dataset: &Dataset) -> Option<(Dataset, Vec<Suggestion>)> {
+    let mut corrected = dataset.clone();
+    let mut undone: Vec<Suggestion> = Vec::new();
+    // A model that states exchanged channels has readings on other channels than the check compares.
+    if dataset
+        .robot
+        .effects
+        .iter()
+        .any(|one| one.effect == EXCHANGED)
+    {
+        return None;
+    }
+    for _ in 0..ROUNDS {
+        let found = check_table(&corrected.measurements, &corrected.robot).suggestions;
+        let is_known = |one: &Suggestion| undone.iter().any(|known| known.change == one.change);
+        let new = found
+            .into_iter()
+            .filter(|one| is_undone(one) && !is_known(one));
+        let new: Vec<Suggestion> = new
+            .filter(|one| one.correct(&mut corrected.measurements))
+            .collect();
+        if new.is_empty() {
+            break;
+        }
+        undone.extend(new);
+    }
+    if undone.iter().any(|one| one.mistake == Mistake::OtherFrame) {
+        corrected.robot.effects.push(EffectSetting {
+            effect: FRAME.to_owned(),
+            targets: Vec::new(),
+            parameters: [
+                "shift_x", "shift_y", "shift_z", "turn_x", "turn_y", "turn_z",
+            ]
+            .map(|name| (name.to_owned(), 0.0))
+            .into(),
+        });
+    }
+    (!undone.is_empty()).then_some((corrected, undone))
+}
+
+/// Whether a diagnosis undoes a mistake. Steps of a few millimetres are causes that it finds itself, with their uncertainty; what
+/// follows from the mass of the platform only may be a wrong mass.
+fn is_undone(one: &Suggestion) -> bool {
+    !one.by_mass && !matches!(one.mistake, Mistake::EncoderStep | Mistake::ClockJump)
+}
