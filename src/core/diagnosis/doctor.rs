@@ -11,6 +11,7 @@ use super::confidence::{
     ConfirmedCauses, allow_for_errors, assess_fit, confirm_causes, reject_replaceable_causes,
     state_probabilities,
 };
+use super::drawing::{with_wider_places, wrong_drawing};
 use super::exchange::{Channels, find_exchange};
 use super::exploration::Visibility;
 use super::finding::FindingBuilder;
@@ -46,6 +47,52 @@ pub fn diagnose(
     observer: &mut Observer<'_>,
 ) -> Result<Diagnosis, EstimationError> {
     let mut report = Reporter::new(observer);
+    let level = options.alpha / 2.0;
+    let mut found = diagnose_as_drawn(dataset, options, &mut report)?;
+    let mut is_wrong = false;
+    if !found.extended.adequate
+        && !found.cancelled
+        && let Some((robot, price)) = with_wider_places(&dataset.robot)
+    {
+        let wider = Dataset {
+            robot,
+            measurements: dataset.measurements.clone(),
+        };
+        let chi2 = |diagnosis: &Diagnosis| diagnosis.extended.global.chi2;
+        if chi2_of_model(&wider)? + price < chi2(&found) {
+            let other = diagnose_as_drawn(&wider, options, &mut report)?;
+            is_wrong = other.extended.adequate && chi2(&other) + price < chi2(&found);
+            if is_wrong {
+                found = other;
+            }
+        }
+    }
+    if found.extended.adequate {
+        let solution = &found.extended_solution;
+        found.drawing = wrong_drawing(&dataset.robot, solution, level, is_wrong);
+    }
+    found.base.adequate &= !is_wrong;
+    Ok(found)
+}
+
+/// Chi-square of the model of a dataset without a cause.
+fn chi2_of_model(dataset: &Dataset) -> Result<f64, EstimationError> {
+    let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
+    let (averaged, _) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
+    let dataset = Dataset {
+        robot: with_assumed_tolerances(&dataset.robot),
+        measurements: averaged.into_owned(),
+    };
+    let problem = problem_at_fitted_poses(&dataset)?;
+    Ok(Fit::new(&problem, &[])?.solution.chi2)
+}
+
+/// The diagnosis with the places of the pulleys as the description states them.
+fn diagnose_as_drawn(
+    dataset: &Dataset,
+    options: &DiagnosisOptions,
+    report: &mut Reporter<'_, '_>,
+) -> Result<Diagnosis, EstimationError> {
     report.stage(Stage::BaseFit, 0);
     let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
     let (averaged, rows) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
@@ -56,7 +103,7 @@ pub fn diagnose(
     };
     let mut problem = problem_at_fitted_poses(&dataset)?;
     let mut first = Fit::new(&problem, &[])?;
-    let channels = find_exchange(&first, &mut report)?;
+    let channels = find_exchange(&first, report)?;
     if let Channels::PulleysExchanged(solution) = &channels {
         problem = problem.at_poses_of(solution);
         first = Fit::new(&problem, &[])?;
@@ -67,9 +114,9 @@ pub fn diagnose(
             after.held_effects.extend(exchange.bounds.iter().cloned());
             let second = Fit::new(&after, &[])?;
             let exchanged = exchange.findings(&first, &second);
-            examine(&after, (&first, rows), exchanged, options, &mut report)?
+            examine(&after, (&first, rows), exchanged, options, report)?
         }
-        _ => examine(&problem, (&first, rows), Vec::new(), options, &mut report)?,
+        _ => examine(&problem, (&first, rows), Vec::new(), options, report)?,
     };
     found.tolerances.are_stated = are_stated;
     Ok(found)
@@ -117,6 +164,7 @@ fn examine(
         noise: Vec::new(),
         extended: base.clone(),
         base,
+        drawing: None,
         remaining: discrepancies.clone(),
         discrepancies,
         invisible,

@@ -22,6 +22,7 @@ mod deviation_columns;
 mod deviation_sensitivity;
 mod discrepancy;
 mod doctor;
+mod drawing;
 mod error_functions;
 mod evidence;
 mod exchange;
@@ -64,6 +65,7 @@ pub use calibration::{NAMING_PROBABILITY, stated_probability};
 pub use deviation_sensitivity::{DeviationSensitivity, deviation_sensitivities};
 pub use discrepancy::smooth_functions;
 pub use doctor::diagnose;
+pub use drawing::{DrawingPattern, WrongDrawing};
 pub use isolability::{
     ExpectedFault, ExpectedPair, Isolability, ShownFault, is_confused, is_seen, isolability,
     log_odds, shown_faults,

@@ -55,6 +55,13 @@ pub(super) const AS_STATED: usize = 3;
 /// Deviation from which a part is outside its tolerance: a normal variable exceeds so many standard deviations once in 16,000 times.
 pub(super) const LARGEST_DEVIATION: f64 = 4.0;
 
+// The drawing.
+/// Prior probability that the places of the pulleys are not those that the description states.
+pub(super) const WRONG_DRAWING: f64 = 0.05;
+/// Factor of the stated standard deviations of the places if the drawing is wrong: typing and measuring errors of decimetres where
+/// millimetres are stated.
+pub(super) const PLACES_WIDER: f64 = 30.0;
+
 // Noise.
 /// Weight of the prior of a kind's variance around the described one, in numbers of readings.
 pub(super) const KIND_VARIANCE_WEIGHT: f64 = 1.0;

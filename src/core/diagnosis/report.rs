@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::calibration::NAMING_PROBABILITY;
+use super::drawing::WrongDrawing;
 use super::reading_id::ReadingId;
 use super::size_posterior::SizePosterior;
 use crate::effect::{BoundEffect, Effect, OnEachCable};
@@ -492,6 +493,8 @@ pub struct Diagnosis {
     pub discrepancies: Vec<Discrepancy>,
     /// Dependences that remain with the extended model.
     pub remaining: Vec<Discrepancy>,
+    /// How the pulleys are placed otherwise than the description states, if they are.
+    pub drawing: Option<WrongDrawing>,
     /// Findings in the order in which they extend the model.
     pub findings: Vec<Finding>,
     /// Causes that are possible but too improbable for a finding, most probable first.

@@ -1,0 +1,229 @@
+//! The drawing as a hypothesis: pulleys that are farther from where the description states them than it says.
+//!
+//! Every fit estimates the places, so that a wrong drawing needs no extension of the model, but it is a finding. With the stated
+//! covariance `S` and that of the estimate `C`, the estimated displacement `d` of a right drawing has the covariance `S - C`. Some
+//! patterns are tested: the distance of the pulleys along an axis, a turn of all about an axis, and one pulley alone. If the
+//! readings contradict the stated places so much that no cause explains them, the places are taken as known [`PLACES_WIDER`]
+//! times less well, at the price `n ln k` of log evidence for `n` coordinates.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::priors::{PLACES_WIDER, WRONG_DRAWING};
+use crate::estimation::{ParameterId, Solution};
+use crate::kinematics::{ForwardKinematics, inverse_kinematics};
+use crate::robot::{PerAxis, Robot};
+use crate::statistics::{chi_square_survival, normal_two_sided};
+
+/// Largest share of the stated variance that readings may leave for a displacement to be tested.
+const LEAST_KNOWN: f64 = 1e-6;
+
+/// How the places of the pulleys differ from the drawing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DrawingPattern {
+    /// The pulleys are farther apart along an axis (0, 1, 2 for x, y, z); the size is that of the change of their extent (m).
+    Extent(usize),
+    /// All are turned about an axis (rad).
+    Turn(usize),
+    /// One pulley is elsewhere (m).
+    Pulley(usize),
+}
+
+/// A drawing that is wrong.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WrongDrawing {
+    /// The pattern that stands out most.
+    pub pattern: DrawingPattern,
+    /// Its size, and its standard deviations as estimated and as stated (m or rad).
+    pub size: f64,
+    /// See `size`.
+    pub sd: f64,
+    /// See `size`.
+    pub stated_sd: f64,
+    /// Displacement of each pulley from the drawing (m).
+    pub displacements_m: Vec<Vector3<f64>>,
+    /// Root mean square distance of the platform from where it would be by the drawing, at the poses of the data (m); `None` where
+    /// lengths alone do not determine its pose.
+    pub worth_m: Option<f64>,
+}
+
+/// The robot with places of the pulleys that are known less well, and the price of that in units of chi-square; `None` if no place
+/// is stated with an uncertainty.
+pub(super) fn with_wider_places(robot: &Robot) -> Option<(Robot, f64)> {
+    let mut wider = robot.clone();
+    let mut coordinates = 0;
+    for cable in &mut wider.cables {
+        let mut sds = cable.pulley.entry_point_sd_m.each();
+        for sd in sds.iter_mut().flatten().filter(|sd| **sd > 0.0) {
+            *sd *= PLACES_WIDER;
+            coordinates += 1;
+        }
+        cable.pulley.entry_point_sd_m = PerAxis::Each(sds);
+    }
+    let prior = (WRONG_DRAWING / (1.0 - WRONG_DRAWING)).ln();
+    let price = 2.0 * (f64::from(coordinates) * PLACES_WIDER.ln() - prior);
+    (coordinates > 0).then_some((wider, price))
+}
+
+/// Displacements of the coordinates whose places are stated with an uncertainty, in order of cable and axis.
+struct Displacements {
+    /// Cable and axis of each.
+    places: Vec<(usize, usize)>,
+    values: DVector<f64>,
+    stated: DVector<f64>,
+    estimated: DMatrix<f64>,
+}
+
+impl Displacements {
+    fn of(robot: &Robot, solution: &Solution) -> Option<Self> {
+        let covariance = solution.covariance.as_ref()?;
+        let mut places = Vec::new();
+        let mut columns = Vec::new();
+        let (mut values, mut stated) = (Vec::new(), Vec::new());
+        for (column, parameter) in solution.parameters.iter().enumerate() {
+            let ParameterId::EntryPoint { cable, axis } = parameter.id else {
+                continue;
+            };
+            let pulley = &robot.cables[cable].pulley;
+            if let Some(sd) = pulley.entry_point_sd_m.each()[axis].filter(|sd| *sd > 0.0) {
+                places.push((cable, axis));
+                columns.push(column);
+                let found = solution.globals.entry_points[cable][axis];
+                values.push(found - pulley.entry_point_m[axis]);
+                stated.push(sd * sd);
+            }
+        }
+        Some(Self {
+            places,
+            values: DVector::from_vec(values),
+            stated: DVector::from_vec(stated),
+            estimated: covariance.select_rows(&columns).select_columns(&columns),
+        })
+    }
+
+    /// Size of a linear pattern with its stated variance and that of the estimate.
+    fn along(&self, weights: &DVector<f64>) -> [f64; 3] {
+        let stated = weights.component_mul(weights).dot(&self.stated);
+        let estimated = weights.dot(&(&self.estimated * weights));
+        [weights.dot(&self.values), stated, estimated]
+    }
+
+    /// Probability of a pattern at least as large if the drawing is right; `None` if the readings say nothing of it.
+    fn survival(&self, weights: &DVector<f64>) -> Option<f64> {
+        let [size, stated, estimated] = self.along(weights);
+        let variance = stated - estimated;
+        (variance > LEAST_KNOWN * stated).then(|| normal_two_sided(size / variance.sqrt()))
+    }
+
+    /// The same for the displacement of one pulley, with its size and standard deviations in the direction of it.
+    fn of_pulley(&self, cable: usize) -> Option<(f64, [f64; 3])> {
+        let own: Vec<usize> = (0..self.places.len())
+            .filter(|k| self.places[*k].0 == cable)
+            .collect();
+        let value = self.values.select_rows(&own);
+        let estimated = self.estimated.select_rows(&own).select_columns(&own);
+        let spread = DMatrix::from_diagonal(&self.stated.select_rows(&own)) - estimated;
+        let chi2 = value.dot(&spread.cholesky()?.solve(&value));
+        let mut weights = DVector::zeros(self.places.len());
+        let norm = value.norm().max(f64::MIN_POSITIVE);
+        for (k, component) in own.iter().zip(&value) {
+            weights[*k] = component / norm;
+        }
+        Some((
+            chi_square_survival(chi2, own.len() as f64)?,
+            self.along(&weights),
+        ))
+    }
+
+    /// Weights of the change of the extent along an axis, and of a turn about one; `None` where the pulleys have no extent.
+    fn weights(&self, robot: &Robot, pattern: DrawingPattern) -> Option<DVector<f64>> {
+        let at = |cable: usize| Vector3::from(robot.cables[cable].pulley.entry_point_m);
+        let all = (0..robot.cable_count()).map(at);
+        let centre = all.clone().sum::<Vector3<f64>>() / robot.cable_count() as f64;
+        let lever = |(cable, axis): (usize, usize)| match pattern {
+            DrawingPattern::Extent(along) if axis == along => at(cable)[axis] - centre[axis],
+            DrawingPattern::Turn(about) => {
+                let mut unit = Vector3::zeros();
+                unit[about] = 1.0;
+                unit.cross(&(at(cable) - centre))[axis]
+            }
+            DrawingPattern::Extent(_) | DrawingPattern::Pulley(_) => 0.0,
+        };
+        let levers = self.places.iter().map(|place| lever(*place));
+        let levers = DVector::from_iterator(self.places.len(), levers);
+        let square = levers.norm_squared();
+        let extent = match pattern {
+            DrawingPattern::Extent(axis) => {
+                let [low, high] = [f64::min, f64::max].map(|of| {
+                    all.clone()
+                        .map(|place| place[axis])
+                        .reduce(of)
+                        .unwrap_or(0.0)
+                });
+                high - low
+            }
+            DrawingPattern::Turn(_) | DrawingPattern::Pulley(_) => 1.0,
+        };
+        (square > 0.0 && levers.iter().filter(|v| **v != 0.0).count() > 1)
+            .then(|| levers * (extent / square))
+    }
+}
+
+/// The pattern in the places of the pulleys that stands out most, if there is one at a significance level, or if the drawing is
+/// known to be wrong.
+pub(super) fn wrong_drawing(
+    robot: &Robot,
+    solution: &Solution,
+    level: f64,
+    is_known: bool,
+) -> Option<WrongDrawing> {
+    let found = Displacements::of(robot, solution)?;
+    let axes = (0..3).flat_map(|k| [DrawingPattern::Extent(k), DrawingPattern::Turn(k)]);
+    let mut tested: Vec<(f64, DrawingPattern, [f64; 3])> = axes
+        .filter_map(|pattern| {
+            let weights = found.weights(robot, pattern)?;
+            Some((found.survival(&weights)?, pattern, found.along(&weights)))
+        })
+        .collect();
+    tested.extend((0..robot.cable_count()).filter_map(|cable| {
+        let (survival, sizes) = found.of_pulley(cable)?;
+        Some((survival, DrawingPattern::Pulley(cable), sizes))
+    }));
+    let count = tested.len() as f64;
+    let (survival, pattern, [size, stated, estimated]) =
+        tested.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (is_known || survival * count < level).then(|| WrongDrawing {
+        pattern,
+        size,
+        sd: estimated.max(0.0).sqrt(),
+        stated_sd: stated.sqrt(),
+        displacements_m: displacements(robot, solution),
+        worth_m: worth_of_places(robot, solution),
+    })
+}
+
+fn displacements(robot: &Robot, solution: &Solution) -> Vec<Vector3<f64>> {
+    let pairs = robot.cables.iter().zip(&solution.globals.entry_points);
+    pairs
+        .map(|(cable, found)| Vector3::from(*found) - Vector3::from(cable.pulley.entry_point_m))
+        .collect()
+}
+
+/// By how far the platform is from where it would be by the drawing, for the lengths that it has at the poses of the data.
+fn worth_of_places(robot: &Robot, solution: &Solution) -> Option<f64> {
+    let identified = solution.globals.model(robot);
+    let mut drawn = identified.clone();
+    for (cable, stated) in drawn.cables.iter_mut().zip(&robot.cables) {
+        cable.pulley.entry_point_m = stated.pulley.entry_point_m;
+    }
+    let solver = ForwardKinematics::new(&drawn).ok()?;
+    let squares = solution.poses.iter().filter_map(|(_, pose)| {
+        let states = inverse_kinematics(&identified, pose).ok()?;
+        let lengths: Vec<f64> = states.iter().map(|state| state.length_m).collect();
+        let found = solver.solve(&lengths, pose);
+        found
+            .converged
+            .then(|| (found.pose.position - pose.position).norm_squared())
+    });
+    let squares: Vec<f64> = squares.collect();
+    (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+}
