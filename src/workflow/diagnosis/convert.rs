@@ -1,19 +1,20 @@
 //! Conversion of a diagnosis to its JSON document.
 
 use tautline_core::diagnosis::{
-    Adequacy, Alternative, Cause, Discrepancy, ErrorForm, Evidence, Finding, FoundParameter, Gain,
-    GlobalTest, GroupTest, Invisible, NoiseStatement, PositionChange, PossibleCause, Rival,
-    Subject, UnmodelledError, Variable,
+    Adequacy, Alternative, Cause, Discrepancy, DrawingPattern, ErrorForm, Evidence, Finding,
+    FoundParameter, Gain, GlobalTest, GroupTest, Invisible, NoiseStatement, PositionChange,
+    PossibleCause, Rival, Subject, UnmodelledError, Variable, WrongDrawing,
 };
 use tautline_core::geometry::Pose;
 
 use super::Diagnosed;
 use super::document::{
-    AlternativeDocument, CauseDocument, DiagnosisDocument, DiscrepancyDocument, ErrorDocument,
-    ErrorFormDocument, EvidenceDocument, ExtendedDocument, FindingDocument, GainDocument,
-    GlobalTestDocument, GroupTestDocument, InvisibleDocument, ModelDocument, NoiseDocument,
-    ParameterDocument, PointDocument, PoseDocument, PositionChangeDocument, ReadingGainDocument,
-    RemainderDocument, RemainingReadingDocument, RivalDocument, RunnerUpDocument, SubjectDocument,
+    AlternativeDocument, CauseDocument, DiagnosisDocument, DiscrepancyDocument, DrawingDocument,
+    ErrorDocument, ErrorFormDocument, EvidenceDocument, ExtendedDocument, FindingDocument,
+    GainDocument, GlobalTestDocument, GroupTestDocument, InvisibleDocument, ModelDocument,
+    NoiseDocument, ParameterDocument, PointDocument, PoseDocument, PositionChangeDocument,
+    ReadingGainDocument, RemainderDocument, RemainingReadingDocument, RivalDocument,
+    RunnerUpDocument, SubjectDocument,
 };
 use super::verdict::residual_ratio;
 
@@ -40,7 +41,9 @@ impl Diagnosed {
         };
         let effects = diagnosis.extended_solution.globals.effects.iter();
         DiagnosisDocument {
-            adequate: diagnosis.base.adequate,
+            adequate: diagnosis.base.adequate && self.mistakes.is_empty(),
+            mistakes: self.mistakes.clone(),
+            drawing: diagnosis.drawing.as_ref().map(|found| self.drawing(found)),
             global_test: global_test(&diagnosis.base.global),
             discrepancy: discrepancies(&diagnosis.discrepancies),
             findings: diagnosis.findings.iter().map(|f| self.finding(f)).collect(),
@@ -73,6 +76,29 @@ impl Diagnosed {
             tolerances: Some(diagnosis.tolerances),
             noise: diagnosis.noise.iter().map(|n| self.noise(n)).collect(),
             not_visible: diagnosis.invisible.iter().map(|i| self.hidden(i)).collect(),
+        }
+    }
+
+    fn drawing(&self, found: &WrongDrawing) -> DrawingDocument {
+        let on_axis = |k: usize| Some(["x", "y", "z"][k].to_owned());
+        let (pattern, axis, target) = match found.pattern {
+            DrawingPattern::Extent(k) => ("extent", on_axis(k), None),
+            DrawingPattern::Turn(k) => ("turn", on_axis(k), None),
+            DrawingPattern::Pulley(cable) => ("pulley", None, self.cable(Some(cable))),
+        };
+        DrawingDocument {
+            pattern: pattern.to_owned(),
+            axis,
+            target,
+            size: found.size,
+            sd: finite(found.sd),
+            stated_sd: found.stated_sd,
+            displacements_m: found
+                .displacements_m
+                .iter()
+                .map(|by| (*by).into())
+                .collect(),
+            worth_m: found.worth_m.and_then(finite),
         }
     }
 

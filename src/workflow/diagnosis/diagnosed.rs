@@ -5,6 +5,7 @@ use std::sync::Arc;
 use tautline_core::diagnosis::{Cause, Diagnosis};
 use tautline_core::measurement::Dataset;
 use tautline_core::robot::Robot;
+use tautline_import::Suggestion;
 
 /// A diagnosis with its subject and settings.
 #[derive(Debug)]
@@ -13,6 +14,8 @@ pub struct Diagnosed {
     pub dataset: Arc<Dataset>,
     /// Number of poses that were measured, of which the dataset has those that are used.
     pub measured: usize,
+    /// Mistakes in the readings, which the dataset has no more.
+    pub mistakes: Vec<Suggestion>,
     /// The result.
     pub diagnosis: Diagnosis,
     /// False-alarm probability of the tests.

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use tautline_core::diagnosis::{ToleranceFactor, Verdict};
 use tautline_core::effect::EffectSetting;
+use tautline_import::Suggestion;
 use tautline_session::VersionedFile;
 
 /// Machine-readable form of a diagnosis.
@@ -11,6 +12,12 @@ use tautline_session::VersionedFile;
 pub struct DiagnosisDocument {
     /// Whether the original model explains the data; then there are no findings.
     pub adequate: bool,
+    /// Mistakes in the readings, each with the change of a recipe that corrects it; they are undone for all that follows.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mistakes: Vec<Suggestion>,
+    /// How the pulleys are placed otherwise than robot.json states, if they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drawing: Option<DrawingDocument>,
     /// Test of the original model, all readings together.
     pub global_test: GlobalTestDocument,
     /// Dependences of the residuals of the original model, the strongest first.
@@ -43,6 +50,27 @@ pub struct DiagnosisDocument {
     pub noise: Vec<NoiseDocument>,
     /// Effects that these data cannot reveal at their typical size.
     pub not_visible: Vec<InvisibleDocument>,
+}
+
+/// A drawing that is wrong.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DrawingDocument {
+    /// `extent` along an axis, `turn` about an axis, or `pulley`.
+    pub pattern: String,
+    /// Axis; null for a pulley.
+    pub axis: Option<String>,
+    /// Cable of the pulley; null otherwise.
+    pub target: Option<String>,
+    /// Size (m or rad).
+    pub size: f64,
+    /// Its standard deviation.
+    pub sd: Option<f64>,
+    /// Its standard deviation according to robot.json.
+    pub stated_sd: f64,
+    /// Displacement of each pulley (m).
+    pub displacements_m: Vec<[f64; 3]>,
+    /// By how far the platform is off with the places of robot.json (m, root mean square); null where it is not determined.
+    pub worth_m: Option<f64>,
 }
 
 /// Chi-square test of a whole solution.

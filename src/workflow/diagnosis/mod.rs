@@ -7,7 +7,9 @@ mod diagnosed;
 mod document;
 pub mod evidence;
 mod finding;
+mod gross;
 mod invisible;
+mod mistakes;
 mod proposal;
 #[cfg(any(test, feature = "test-samples"))]
 pub mod samples;
@@ -31,6 +33,8 @@ pub use cause::cause_title;
 pub use diagnosed::Diagnosed;
 pub use document::{DiagnosisDocument, FindingDocument, GainDocument, ParameterDocument};
 pub use finding::{gain, is_improvement};
+use mistakes::without_mistakes;
+
 pub use invisible::{HIDDEN, Undetectable};
 pub use proposal::{Proposal, proposal};
 pub use stage::stage;
@@ -42,7 +46,7 @@ pub const TIME_LIMIT_S: f64 = 60.0;
 /// Time that the end of an interrupted diagnosis takes, in multiples of its longest step so far: the model is tested without a cause.
 const END_STEPS: f64 = 2.0;
 
-/// Diagnoses the model of a dataset with its raw measurements, after averaging the rows of each standstill
+/// Diagnoses the model of a dataset with its raw measurements, after undoing mistakes that the check finds, averaging the rows of each standstill
 /// and thinning recordings in motion, at a false-alarm probability and within a time limit (s).
 ///
 /// # Errors
@@ -69,6 +73,10 @@ pub fn diagnose_dataset(
         (Cow::Borrowed(_), _) => Arc::clone(&dataset),
     };
     let started = Instant::now();
+    let (dataset, mistakes) = match without_mistakes(&dataset) {
+        Some((corrected, mistakes)) => (Arc::new(corrected), mistakes),
+        None => (dataset, Vec::new()),
+    };
     let (mut before_s, mut longest_s, mut ended_at_limit) = (0.0, 0.0_f64, false);
     let diagnosis = diagnose(&dataset, &options, &mut |progress| {
         let now_s = started.elapsed().as_secs_f64();
@@ -82,6 +90,7 @@ pub fn diagnose_dataset(
     })?;
     Ok(Diagnosed {
         diagnosis,
+        mistakes,
         alpha,
         seconds: started.elapsed().as_secs_f64(),
         limit_s,

@@ -225,6 +225,7 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         p_value: 1e-6,
     };
     let diagnosis = Diagnosis {
+        drawing: None,
         base: adequacy(is_clean, if is_clean { 100.0 } else { 256.0 }),
         extended: adequacy(true, 100.0),
         discrepancies: structure.clone(),
@@ -250,6 +251,7 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
         cancelled: false,
     };
     Diagnosed {
+        mistakes: Vec::new(),
         dataset: Arc::new(dataset.clone()),
         measured: dataset.measurements.len(),
         diagnosis,

@@ -46,7 +46,23 @@ impl Diagnosed {
             true => "",
             false => "the fit did NOT converge, do not rely on these results; ",
         };
-        format!("{}: {doubt}{}", self.robot().name, self.judgement("NOT"))
+        let mistakes = self
+            .mistakes_in_words()
+            .map_or_else(String::new, |found| format!("{found}; then "));
+        format!(
+            "{}: {mistakes}{doubt}{}",
+            self.robot().name,
+            self.judgement("NOT")
+        )
+    }
+
+    /// How many mistakes in the readings are undone; `None` if there are none.
+    fn mistakes_in_words(&self) -> Option<String> {
+        match self.mistakes.len() {
+            0 => None,
+            1 => Some("a mistake in the readings is undone".to_owned()),
+            several => Some(format!("{several} mistakes in the readings are undone")),
+        }
     }
 
     /// Whether the parts lie within their tolerances, and by what they scatter.
@@ -69,6 +85,9 @@ impl Diagnosed {
             true if 2 * diagnosis.invisible.len() > diagnosis.readable => {
                 "Not enough readings to say whether there is a fault: most kinds would not show at their usual size.".to_owned()
             }
+            true if diagnosis.extended.adequate && diagnosis.drawing.is_some() => format!(
+                "No part is outside its tolerance, but the drawing is wrong. The parts scatter by {scatter}."
+            ),
             true if diagnosis.base.adequate => format!(
                 "{fault}: all parts lie within their tolerances. They scatter by {scatter}."
             ),
@@ -96,6 +115,9 @@ impl Diagnosed {
         let end = match found {
             _ if diagnosis.base.adequate => {
                 return format!("the model explains the readings of {poses}.");
+            }
+            None if diagnosis.drawing.is_some() && diagnosis.extended.adequate => {
+                "With other places of the pulleys it does.".to_owned()
             }
             Some(found) if diagnosis.extended.adequate => format!("With {found} below it does."),
             Some(found) if self.comes_closer() => {
@@ -183,7 +205,13 @@ impl Diagnosed {
         groups
             .map(|group| {
                 let first = &left[group[0]];
-                let names: Vec<&str> = group.iter().map(|&k| left[k].variable.name()).collect();
+                // Components of a reading may depend on the same variable.
+                let mut names: Vec<&str> = Vec::new();
+                for name in group.iter().map(|&k| left[k].variable.name()) {
+                    if !names.contains(&name) {
+                        names.push(name);
+                    }
+                }
                 format!(
                     "Unexplained: residuals of {} are {:.2} times the expected noise and depend on {}.",
                     readings(first.quantity, self.cable(first.cable).as_deref()),

@@ -156,6 +156,7 @@ fn diagnosed(session: &mut Session) -> Result<Diagnosed> {
     let dataset = session.dataset();
     let diagnosis = diagnose(&dataset, &options, &mut |_| Control::Continue)?;
     let diagnosed = Diagnosed {
+        mistakes: Vec::new(),
         measured: dataset.measurements.len(),
         dataset: dataset.into(),
         diagnosis,

@@ -235,6 +235,7 @@ fn replace_findings(harness: &mut Harness<'_, App>, change: impl FnOnce(&mut Vec
         [known.alpha, known.seconds, known.limit_s],
     );
     let changed = Diagnosed {
+        mistakes: Vec::new(),
         measured: dataset.measurements.len(),
         dataset,
         diagnosis,

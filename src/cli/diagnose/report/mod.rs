@@ -18,6 +18,13 @@ pub fn text(diagnosed: &Diagnosed, explain: bool) -> String {
     let mut lines = vec![diagnosed.headline()];
     lines.extend(sampling_sentence(&diagnosed.dataset.measurements));
     lines.extend(diagnosed.fit());
+    for (heading, sentences) in diagnosed.gross() {
+        lines.extend([String::new(), format!("{heading}:")]);
+        let indented = sentences
+            .iter()
+            .map(|line| format!("{}{line}", finding::INDENT));
+        lines.extend(indented);
+    }
     let (causes, left): (Vec<_>, Vec<_>) = diagnosis
         .findings
         .iter()
@@ -26,11 +33,10 @@ pub fn text(diagnosed: &Diagnosed, explain: bool) -> String {
         lines.push(String::new());
         lines.extend(finding::lines(diagnosed, index + 1, finding));
     }
-    let mut left = left.into_iter().peekable();
-    if left.peek().is_some() {
+    if !left.is_empty() {
         lines.extend([String::new(), "What remains:".to_owned()]);
     }
-    lines.extend(left.flat_map(finding::remaining));
+    lines.extend(finding::remaining(&left));
     lines.extend(section(
         diagnosis.noise.iter().map(|n| diagnosed.noise_line(n)),
     ));

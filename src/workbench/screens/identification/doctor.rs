@@ -92,6 +92,12 @@ fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     } else {
         judgement(ui, diagnosed);
     }
+    for (heading, sentences) in diagnosed.gross() {
+        section(ui, heading);
+        for line in sentences {
+            verdict(ui, Verdict::Bad, &line);
+        }
+    }
     for (heading, is_cause) in [("Causes", true), ("What remains", false)] {
         let findings = diagnosis.findings.iter().enumerate();
         let mut shown = findings
@@ -112,7 +118,7 @@ fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
 fn judgement(ui: &mut Ui, diagnosed: &Diagnosed) {
     let diagnosis = &diagnosed.diagnosis;
     let kind = match findings::explain(diagnosed) {
-        true if diagnosis.base.adequate => Verdict::Good,
+        true if diagnosis.base.adequate && diagnosed.gross().is_empty() => Verdict::Good,
         true => Verdict::Doubtful,
         false => Verdict::Bad,
     };

@@ -24,6 +24,10 @@ pub fn section(input: &ReportInput<'_>, diagnosed: &Diagnosed) -> Section {
     for line in diagnosed.fit() {
         section.paragraph(line);
     }
+    for (heading, sentences) in diagnosed.gross() {
+        section.paragraph(format!("{heading}:"));
+        section.list(sentences);
+    }
     if diagnosis.findings.is_empty() {
         let is_extended = !input.diagnosis_outdated && !input.added_effects().is_empty();
         section.paragraph(match is_extended {
