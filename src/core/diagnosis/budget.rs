@@ -69,6 +69,11 @@ pub const MOST_DIAGNOSED_ROWS: MostRows = MostRows {
     poses: 1000,
 };
 
+/// Largest share of the poses at which a cable is slack: with more, nothing says which poses are the others.
+pub(super) const LARGEST_SHARE_OF_SLACK: f64 = 0.4;
+/// Smallest decrease of chi-square for which a pose counts as one at which a cable may be slack.
+pub(super) const MIN_RELIEF: f64 = 6.0;
+
 // Columns and functions.
 /// Maximum number of columns in one linearisation.
 pub(super) const COLUMNS_AT_ONCE: usize = 64;

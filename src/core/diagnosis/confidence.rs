@@ -208,7 +208,7 @@ pub(super) fn state_probabilities(
 
 /// Log prior rarity of the size of a cause, relative to the largest typical size, at the lower end of its confidence
 /// interval.
-fn log_rarity_of(finding: &Finding) -> f64 {
+pub(super) fn log_rarity_of(finding: &Finding) -> f64 {
     let Some(effect) = finding.cause().map(Cause::effect) else {
         return 0.0;
     };

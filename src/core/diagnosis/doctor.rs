@@ -8,8 +8,8 @@ use super::candidates::size_parameter;
 use super::cause_posteriors::{CausePosterior, cause_posteriors, stated_causes};
 use super::cause_sets::set_probabilities;
 use super::confidence::{
-    ConfirmedCauses, allow_for_errors, assess_fit, confirm_causes, reject_replaceable_causes,
-    state_probabilities,
+    ConfirmedCauses, allow_for_errors, assess_fit, confirm_causes, log_rarity_of,
+    reject_replaceable_causes, state_probabilities,
 };
 use super::drawing::{with_wider_places, wrong_drawing};
 use super::exchange::{Channels, find_exchange};
@@ -19,18 +19,20 @@ use super::fit::Fit;
 use super::fitted_problem::{problem_at_fitted_poses, with_assumed_tolerances};
 use super::gain::Prediction;
 use super::inference::{Inference, infer, inference_at_fit};
+use super::isolability::log_naming_odds;
 use super::linear_fit::LinearFit;
 use super::noise::noise_statements;
-use super::priors::FACTORS;
+use super::priors::{EXPECTED_CAUSES, FACTORS, RELATIVE_SD};
 use super::progress::Reporter;
 use super::report::{
     Diagnosis, Discrepancy, Finding, Invisible, PossibleCause, ToleranceFactor, UnseenFault,
 };
 use super::residual_space::ResidualSpace;
+use super::slack::find_slack;
 use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
 use super::unseen::unseen_faults;
 use super::{DiagnosisOptions, Observer, Stage};
-use crate::effect::{CablePorts, Dual, measurements_as_modelled};
+use crate::effect::{CATALOGUE, CablePorts, Dual, Scope, measurements_as_modelled};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 use crate::statistics::normal_quantile;
@@ -49,6 +51,9 @@ pub fn diagnose(
     let mut report = Reporter::new(observer);
     let level = options.alpha / 2.0;
     let mut found = diagnose_as_drawn(dataset, options, &mut report)?;
+    if !found.base.adequate && !found.cancelled {
+        allow_for_slack(dataset, &mut found, options, &mut report)?;
+    }
     let mut is_wrong = false;
     if !found.extended.adequate
         && !found.cancelled
@@ -73,6 +78,76 @@ pub fn diagnose(
     }
     found.base.adequate &= !is_wrong;
     Ok(found)
+}
+
+/// Diagnoses without the readings of a slack cable, if that is likelier than what was found with them, else says that it may be.
+fn allow_for_slack(
+    dataset: &Dataset,
+    found: &mut Diagnosis,
+    options: &DiagnosisOptions,
+    report: &mut Reporter<'_, '_>,
+) -> Result<(), EstimationError> {
+    let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
+    let (averaged, _) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
+    let tolerant = Dataset {
+        robot: with_assumed_tolerances(&dataset.robot),
+        measurements: averaged.into_owned(),
+    };
+    let Some(without) = find_slack(&tolerant)? else {
+        return Ok(());
+    };
+    let mut slack = without.slack;
+    slack.log_odds = without.log_evidence - log_evidence(found);
+    if slack.log_odds < 0.0 {
+        let may_be = slack.log_odds > -log_naming_odds();
+        found.slack = Some(slack).filter(|_| may_be);
+        return Ok(());
+    }
+    let left = Dataset {
+        robot: dataset.robot.clone(),
+        measurements: without.dataset.measurements,
+    };
+    let mut other = diagnose_as_drawn(&left, options, report)?;
+    if other.extended.adequate || !found.extended.adequate {
+        other.slack = Some(slack);
+        other.base.adequate = false;
+        *found = other;
+    }
+    Ok(())
+}
+
+/// Approximate log evidence of the extended model of a diagnosis: half of chi-square, and for each finding its prior probability and
+/// what the estimation of its parameters costs (Laplace), the more the less usual its size.
+fn log_evidence(found: &Diagnosis) -> f64 {
+    let of_finding = |finding: &Finding| {
+        let Some(cause) = finding.cause() else {
+            return 0.0;
+        };
+        let cables = if cause.effect().scope() == Scope::Robot {
+            1
+        } else {
+            found.extended_solution.globals.entry_points.len()
+        };
+        let places = if cause.effect().pose_parameter().is_some() {
+            found.extended_solution.poses.len()
+        } else {
+            1
+        };
+        let share = EXPECTED_CAUSES / (CATALOGUE.len() * cables * places) as f64;
+        let parameters = cause
+            .effect()
+            .parameters()
+            .iter()
+            .cycle()
+            .zip(&finding.parameters);
+        let cost = parameters.filter_map(|(parameter, found)| {
+            let [_, largest] = parameter.typical_sizes();
+            Some((RELATIVE_SD * largest / found.sd?).ln().max(0.0))
+        });
+        share.ln() - cost.sum::<f64>() - log_rarity_of(finding)
+    };
+    let findings = found.findings.iter().map(of_finding);
+    findings.sum::<f64>() - 0.5 * found.extended.global.chi2
 }
 
 /// Chi-square of the model of a dataset without a cause.
@@ -165,6 +240,7 @@ fn examine(
         extended: base.clone(),
         base,
         drawing: None,
+        slack: None,
         remaining: discrepancies.clone(),
         discrepancies,
         invisible,

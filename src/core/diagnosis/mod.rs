@@ -55,6 +55,7 @@ mod separation;
 mod set_comparison;
 mod single_cause;
 mod size_posterior;
+mod slack;
 mod structured_errors;
 mod unmodelled_errors;
 mod unseen;
@@ -81,6 +82,7 @@ pub use report::{
 
 pub use separation::expected_separation;
 pub use single_cause::{SingleCause, single_causes};
+pub use slack::SlackCable;
 pub use variables::Variables;
 
 use crate::estimation::Control;

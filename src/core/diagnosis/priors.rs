@@ -55,6 +55,14 @@ pub(super) const AS_STATED: usize = 3;
 /// Deviation from which a part is outside its tolerance: a normal variable exceeds so many standard deviations once in 16,000 times.
 pub(super) const LARGEST_DEVIATION: f64 = 4.0;
 
+// Slack cables.
+/// Prior probability that a cable is slack at some pose.
+pub(super) const SLACK_CABLE: f64 = 0.05;
+/// Largest length by which a slack cable is longer than the distance that it spans (m).
+pub(super) const LARGEST_SLACK_M: f64 = 0.05;
+/// Force that a slack cable's sensor reads at most, in its standard deviations.
+pub(super) const SLACK_FORCE: f64 = 4.0;
+
 // The drawing.
 /// Prior probability that the places of the pulleys are not those that the description states.
 pub(super) const WRONG_DRAWING: f64 = 0.05;

@@ -7,6 +7,7 @@ use super::calibration::NAMING_PROBABILITY;
 use super::drawing::WrongDrawing;
 use super::reading_id::ReadingId;
 use super::size_posterior::SizePosterior;
+use super::slack::SlackCable;
 use crate::effect::{BoundEffect, Effect, OnEachCable};
 use crate::estimation::Solution;
 use crate::geometry::Pose;
@@ -495,6 +496,8 @@ pub struct Diagnosis {
     pub remaining: Vec<Discrepancy>,
     /// How the pulleys are placed otherwise than the description states, if they are.
     pub drawing: Option<WrongDrawing>,
+    /// A cable that was slack at some poses, or may have been; if that is likelier than not, its readings are left out there.
+    pub slack: Option<SlackCable>,
     /// Findings in the order in which they extend the model.
     pub findings: Vec<Finding>,
     /// Causes that are possible but too improbable for a finding, most probable first.

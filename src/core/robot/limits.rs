@@ -41,6 +41,11 @@ pub struct TensionLimits {
     pub upper_n: f64,
 }
 
+/// Tensions that statics alone determine lie within these multiples of the weight: cables at an angle of up to a few degrees to the
+/// horizontal.
+const LIGHTEST: f64 = 0.001;
+const HEAVIEST: f64 = 10.0;
+
 impl TensionLimits {
     /// Standard deviation of a tension of which only the limits are known (N): that of the uniform distribution
     /// between them.
@@ -51,12 +56,28 @@ impl TensionLimits {
 }
 
 impl Robot {
-    /// Limits of tensions that no sensor reads. `None` unless the description states them and
-    /// the platform's mass, as tensions are not modelled otherwise.
+    /// Limits of tensions that no sensor reads: those that the description states, else such wide ones that the weight of the
+    /// platform alone determines them. `None` without its mass or where statics leave the tensions undetermined, as they are not
+    /// modelled then.
     #[must_use]
     pub fn unread_tension(&self) -> Option<TensionLimits> {
-        self.platform.mass_kg?;
-        self.limits?.tension
+        let mass_kg = self.platform.mass_kg?;
+        let stated = self.limits.and_then(|limits| limits.tension);
+        stated.or_else(|| self.tension_of_weight(mass_kg))
+    }
+
+    /// Limits of the tensions of a platform that hangs in as many cables as it has free coordinates.
+    fn tension_of_weight(&self, mass_kg: f64) -> Option<TensionLimits> {
+        let free = &self.platform.free;
+        let hangs = (0..3).any(|k| {
+            self.gravity_m_s2[k] != 0.0 && free.iter().any(|coordinate| coordinate.index() == k)
+        });
+        let weight_n = mass_kg * self.gravity_m_s2.iter().map(|g| g * g).sum::<f64>().sqrt();
+        (hangs && self.cable_count() == free.len()).then(|| TensionLimits {
+            lower_n: LIGHTEST * weight_n,
+            reference_n: weight_n / self.cable_count() as f64,
+            upper_n: HEAVIEST * weight_n,
+        })
     }
 
     /// Why it cannot be checked before a motion that tensions within their limits hold the platform, in one sentence; `None` if
@@ -85,6 +106,6 @@ impl Robot {
     #[must_use]
     pub fn has_tensions(&self) -> bool {
         self.platform.mass_kg.is_some()
-            && (self.has_force_sensors() || self.unread_tension().is_some())
+            && (self.has_force_sensors() || self.limits.is_some_and(|l| l.tension.is_some()))
     }
 }

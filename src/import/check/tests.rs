@@ -82,11 +82,11 @@ const PLANTED: [Planted; 15] = [
         "rev_2",
     ),
     (
-        "an encoder lost one turn",
+        "an encoder lost part of a turn",
         |r| {
             column(r, Kind::Revolutions, 5)[14..]
                 .iter_mut()
-                .for_each(|v| *v += 1.0);
+                .for_each(|v| *v += 0.45);
         },
         Mistake::EncoderStep,
         "rev_6",
@@ -151,6 +151,40 @@ const PLANTED: [Planted; 15] = [
     ),
 ];
 
+/// Mistakes that show only where poses are known.
+const PLANTED_AT_POSES: [Planted; 3] = [
+    (
+        "an encoder lost one turn",
+        |r| {
+            column(r, Kind::Revolutions, 5)[14..]
+                .iter_mut()
+                .for_each(|v| *v += 1.0);
+        },
+        Mistake::LostTurns,
+        "rev_6",
+    ),
+    (
+        "half of the micro-steps",
+        |r| {
+            column(r, Kind::Revolutions, 2)
+                .iter_mut()
+                .for_each(|v| *v *= 0.5);
+        },
+        Mistake::WrongUnit,
+        "rev_3",
+    ),
+    (
+        "an encoder that stops",
+        |r| {
+            let values = column(r, Kind::Revolutions, 3);
+            let last = values[15];
+            values[16..].fill(last);
+        },
+        Mistake::DeadChannel,
+        "rev_4",
+    ),
+];
+
 /// Measured positions as an instrument reads them that stands elsewhere and is turned.
 fn in_another_frame(readings: &mut Readings) {
     let turned = nalgebra::Rotation3::from_euler_angles(0.7, -0.3, 1.1);
@@ -169,7 +203,7 @@ fn planted_mistakes_are_found_and_rightly_named() {
     let mut tries = 0;
     for seed in SEEDS {
         let (clean, robot) = readings("mini", seed);
-        for (what, plant, mistake, first) in &PLANTED {
+        for (what, plant, mistake, first) in PLANTED.iter().chain(&PLANTED_AT_POSES) {
             let mut readings = clean.clone();
             plant(&mut readings);
             let found = check(&readings, &robot);
@@ -227,6 +261,105 @@ fn mistakes_of_winches_are_found_without_any_poses() {
         "{} of {tries} missed\n{}",
         missed.len(),
         missed.join("\n")
+    );
+}
+
+/// The table of a simulated robot with lengths in place of revolutions.
+fn with_lengths(seed: u64) -> (Measurements, Robot) {
+    let robot = presets::find("mini").expect("a preset").robot;
+    let run = simulate(&robot, &SimulationOptions::new(30, seed)).expect("simulated");
+    let mut data = run.dataset.measurements;
+    let home = tautline_core::kinematics::inverse_kinematics(&robot, &robot.home.unwrap().pose());
+    let home = home.expect("lengths at home");
+    let mut lengths = Grid::missing(data.len(), robot.cable_count());
+    for row in 0..data.len() {
+        for (cable, described) in robot.cables.iter().enumerate() {
+            let change =
+                data.revolutions.get(row, cable) * described.winch.cable_per_revolution_m();
+            lengths.set(row, cable, home[cable].length_m + change);
+        }
+    }
+    data.length_m = lengths;
+    data.revolutions = Grid::default();
+    (data, robot)
+}
+
+#[test]
+fn a_piece_of_cable_is_found_and_a_sound_table_of_lengths_has_none() {
+    for seed in SEEDS {
+        let (mut data, robot) = with_lengths(seed);
+        assert!(check_table(&data, &robot).suggestions.is_empty());
+        for row in 0..data.len() {
+            data.length_m.set(row, 4, data.length_m.get(row, 4) + 1.0);
+        }
+        let found = check_table(&data, &robot).suggestions;
+        let [one] = &found[..] else {
+            panic!("{found:?}");
+        };
+        assert_eq!(one.mistake, Mistake::Extension, "{one:?}");
+        assert_eq!(one.columns, ["length_5_m"]);
+        assert!(one.correct(&mut data));
+        let left = check_table(&data, &robot).suggestions;
+        assert!(left.is_empty(), "{left:?}");
+    }
+}
+
+/// What is suggested for a table, applied to it, gives back the table without the mistake.
+#[test]
+fn a_correction_undoes_the_mistake_in_the_table() {
+    let robot = presets::find("mini").expect("a preset").robot;
+    let run = simulate(&robot, &SimulationOptions::new(30, 5)).expect("simulated");
+    let clean = run.dataset.measurements;
+    let cells = |data: &Measurements| -> Vec<f64> {
+        let rows = (0..data.len()).flat_map(|row| data.revolutions.row(row).to_vec());
+        rows.collect()
+    };
+    let per_cable = |change: &dyn Fn(usize, usize, f64) -> f64| {
+        let mut data = clean.clone();
+        for row in 0..data.len() {
+            for cable in 0..robot.cable_count() {
+                let value = change(row, cable, clean.revolutions.get(row, cable));
+                data.revolutions.set(row, cable, value);
+            }
+        }
+        data
+    };
+    let exchanged = |row: usize, cable: usize, value: f64| match cable {
+        1 => clean.revolutions.get(row, 4),
+        4 => clean.revolutions.get(row, 1),
+        _ => value,
+    };
+    let tables = [
+        per_cable(&exchanged),
+        per_cable(&|_, cable, value| if cable == 2 { -value } else { value }),
+        per_cable(&|_, cable, value| if cable == 2 { 0.5 * value } else { value }),
+        per_cable(&|row, cable, value| {
+            if cable == 5 && row > 12 {
+                value - 2.0
+            } else {
+                value
+            }
+        }),
+        per_cable(&|_, _, value| 360.0 * value),
+    ];
+    for mut data in tables {
+        let found = check_table(&data, &robot).suggestions;
+        assert!(!found.is_empty());
+        assert!(found.iter().all(|one| one.correct(&mut data)));
+        let off = cells(&data).into_iter().zip(cells(&clean));
+        let off = off.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(off < 1e-9, "{off}, {found:?}");
+    }
+    let mut data = per_cable(&|row, cable, value| match (cable, row > 14) {
+        (3, true) => clean.revolutions.get(14, 3),
+        _ => value,
+    });
+    let found = check_table(&data, &robot).suggestions;
+    assert!(found[0].correct(&mut data));
+    let is_left = |row: usize| !data.revolutions.get(row, 3).is_nan();
+    assert!(
+        (0..15).all(is_left) && !(15..data.len()).any(is_left),
+        "{found:?}"
     );
 }
 

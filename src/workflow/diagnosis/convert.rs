@@ -14,7 +14,7 @@ use super::document::{
     GainDocument, GlobalTestDocument, GroupTestDocument, InvisibleDocument, ModelDocument,
     NoiseDocument, ParameterDocument, PointDocument, PoseDocument, PositionChangeDocument,
     ReadingGainDocument, RemainderDocument, RemainingReadingDocument, RivalDocument,
-    RunnerUpDocument, SubjectDocument,
+    RunnerUpDocument, SlackDocument, SubjectDocument,
 };
 use super::verdict::residual_ratio;
 
@@ -43,6 +43,12 @@ impl Diagnosed {
         DiagnosisDocument {
             adequate: diagnosis.base.adequate && self.mistakes.is_empty(),
             mistakes: self.mistakes.clone(),
+            slack: diagnosis.slack.as_ref().map(|found| SlackDocument {
+                target: self.robot().cables[found.cable].name.clone(),
+                poses: found.poses.clone(),
+                excess_m: found.excess_m,
+                log_odds: found.log_odds,
+            }),
             drawing: diagnosis.drawing.as_ref().map(|found| self.drawing(found)),
             global_test: global_test(&diagnosis.base.global),
             discrepancy: discrepancies(&diagnosis.discrepancies),

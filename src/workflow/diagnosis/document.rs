@@ -15,6 +15,9 @@ pub struct DiagnosisDocument {
     /// Mistakes in the readings, each with the change of a recipe that corrects it; they are undone for all that follows.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mistakes: Vec<Suggestion>,
+    /// A cable that was slack at some poses, or may have been.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slack: Option<SlackDocument>,
     /// How the pulleys are placed otherwise than robot.json states, if they are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drawing: Option<DrawingDocument>,
@@ -50,6 +53,19 @@ pub struct DiagnosisDocument {
     pub noise: Vec<NoiseDocument>,
     /// Effects that these data cannot reveal at their typical size.
     pub not_visible: Vec<InvisibleDocument>,
+}
+
+/// A cable that was slack.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SlackDocument {
+    /// The cable.
+    pub target: String,
+    /// Labels of the poses.
+    pub poses: Vec<i64>,
+    /// By how much the readings were too long there, at least and at most (m); null where a force sensor tells the poses.
+    pub excess_m: Option<[f64; 2]>,
+    /// Log odds over other causes; below 0 its readings are not left out.
+    pub log_odds: f64,
 }
 
 /// A drawing that is wrong.

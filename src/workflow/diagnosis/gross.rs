@@ -1,11 +1,13 @@
 //! What is wrong besides causes of the catalogue, in words: the readings, and the drawing.
 
-use tautline_core::diagnosis::{DrawingPattern, WrongDrawing};
+use tautline_core::diagnosis::{DrawingPattern, SlackCable, WrongDrawing};
 
 use super::Diagnosed;
-use crate::wording::sentence;
 use crate::wording::units::{mm, significant, with_sd};
+use crate::wording::{list, sentence};
 
+/// Odds from which nothing else is said to be possible: those of a name.
+const CERTAIN_ODDS: f64 = 19.0;
 /// Names of the axes.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -22,9 +24,45 @@ impl Diagnosed {
             mistakes.push("Correct the recording, or import it with `tautline import FOLDER --apply-suggestions -o NEW_FOLDER`.".to_owned());
             found.push(("Mistakes in the readings, undone here", mistakes));
         }
+        let slack = self.diagnosis.slack.as_ref();
+        found.extend(slack.map(|slack| ("Slack cable", self.slack_lines(slack))));
         let drawing = self.diagnosis.drawing.as_ref();
         found.extend(drawing.map(|drawing| ("Drawing", self.drawing_lines(drawing))));
         found
+    }
+
+    fn slack_lines(&self, slack: &SlackCable) -> Vec<String> {
+        let cable = &self.robot().cables[slack.cable].name;
+        let labels: Vec<String> = slack.poses.iter().map(i64::to_string).collect();
+        let poses = if labels.len() == 1 { "pose" } else { "poses" };
+        let when = format!("{poses} {}", list(&labels));
+        let excess = match slack.excess_m {
+            Some([least, most]) => {
+                let [least, most] = [least, most].map(|by_m| significant(1e3 * by_m, 2));
+                format!("its readings there are {least} to {most} mm too long")
+            }
+            None => "its force sensor reads nothing there".to_owned(),
+        };
+        let (yes, no) = (slack.log_odds.exp(), (-slack.log_odds).exp());
+        if slack.log_odds < 0.0 {
+            return vec![format!(
+                "{} may instead be slack at {when}: {excess}. The odds are {} to 1 against it.",
+                sentence(cable),
+                significant(no, 2)
+            )];
+        }
+        let mut lines = vec![format!(
+            "{} is slack at {when}: {excess}. These readings are left out, and no part is broken by it.",
+            sentence(cable)
+        )];
+        if yes < CERTAIN_ODDS {
+            lines.push(format!(
+                "Another cause is possible, at odds of {} to 1 against it: watch the cable at these poses.",
+                significant(yes, 2)
+            ));
+        }
+        lines.push(format!("Raise the lower limit of tension, or plan poses at which {cable} stays taut, and check that its winch follows."));
+        lines
     }
 
     fn drawing_lines(&self, drawing: &WrongDrawing) -> Vec<String> {

@@ -226,6 +226,7 @@ pub fn diagnosed(dataset: &Dataset, verdicts: &[Verdict]) -> Diagnosed {
     };
     let diagnosis = Diagnosis {
         drawing: None,
+        slack: None,
         base: adequacy(is_clean, if is_clean { 100.0 } else { 256.0 }),
         extended: adequacy(true, 100.0),
         discrepancies: structure.clone(),

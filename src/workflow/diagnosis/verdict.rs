@@ -88,6 +88,9 @@ impl Diagnosed {
             true if diagnosis.extended.adequate && diagnosis.drawing.is_some() => format!(
                 "No part is outside its tolerance, but the drawing is wrong. The parts scatter by {scatter}."
             ),
+            true if diagnosis.extended.adequate && self.is_slack() => format!(
+                "All parts lie within their tolerances. They scatter by {scatter}."
+            ),
             true if diagnosis.base.adequate => format!(
                 "{fault}: all parts lie within their tolerances. They scatter by {scatter}."
             ),
@@ -116,6 +119,9 @@ impl Diagnosed {
             _ if diagnosis.base.adequate => {
                 return format!("the model explains the readings of {poses}.");
             }
+            None if self.is_slack() && diagnosis.extended.adequate => {
+                "Without those of a slack cable it does.".to_owned()
+            }
             None if diagnosis.drawing.is_some() && diagnosis.extended.adequate => {
                 "With other places of the pulleys it does.".to_owned()
             }
@@ -135,6 +141,12 @@ impl Diagnosed {
             _ => "No cause of the catalogue explains them.".to_owned(),
         };
         format!("the model does {not} explain the readings of {poses}. {end}")
+    }
+
+    /// Whether readings of a slack cable are left out.
+    fn is_slack(&self) -> bool {
+        let slack = self.diagnosis.slack.as_ref();
+        slack.is_some_and(|slack| slack.log_odds > 0.0)
     }
 
     /// Number of findings that are causes.

@@ -1,8 +1,9 @@
 //! Checks that readings are complete and plausible, without a fit.
 
 use tautline_core::measurement::{Dataset, Grid};
+use tautline_core::robot::Cable;
 use tautline_core::simulation::TensionRange;
-use tautline_import::{Kind, Line, Mistake, Quantity, TableCheck};
+use tautline_import::{Kind, Line, Mistake, Quantity, Suggestion, TableCheck};
 use tautline_link::measuring::TensionFault;
 
 use super::faults::{self, ReadingFault};
@@ -16,6 +17,8 @@ const MISSING: f64 = 0.5;
 const SCATTERED: f64 = 0.6;
 /// Plausible ratio of read to expected changes of length.
 const RATIOS: std::ops::Range<f64> = 0.7..1.4;
+/// Tension within the noise of nothing, in standard deviations of its sensor.
+const NOTHING: f64 = 4.0;
 /// Plausible difference between read and expected laser distance (m).
 const LASER_OFF_M: f64 = 0.3;
 
@@ -123,6 +126,7 @@ pub(super) fn plausible(
     problems.extend(implausible_lengths(dataset, found));
     problems.extend(faults::turned_at_home(dataset).iter().map(said));
     problems.extend(faults::pushing_cables(dataset).iter().map(said));
+    problems.extend(slack_cables(dataset));
     problems.extend(implausible_distances(dataset));
     if !problems.is_empty() {
         return item(CheckOutcome::Fail, problems.join(" ")).with(
@@ -148,6 +152,33 @@ pub(super) fn plausible(
             "Record the commanded poses (columns x_m, y_m, z_m, qw, qx, qy, qz of poses.csv).",
         ),
     }
+}
+
+/// Cables that hardly pull at some poses, in one sentence for each: a slack cable is longer than the distance that it spans.
+fn slack_cables(dataset: &Dataset) -> Vec<String> {
+    let data = &dataset.measurements;
+    if data.force_n.is_empty() {
+        return Vec::new();
+    }
+    let slack = |(cable, described): (usize, &Cable)| {
+        let sensor = described.force_sensor?;
+        let tension_n = |row: usize| sensor.tension_n(data.force_n.get(row, cable));
+        let mut rows =
+            (0..data.len()).filter(|row| tension_n(*row).abs() < NOTHING * sensor.tension_sd_n);
+        let first = rows.next()?;
+        let more = match rows.count() {
+            0 => String::new(),
+            more => format!(" (and at {more} more)"),
+        };
+        Some(format!(
+            "{} pulls with {:.1} N at pose {}{more}, which is within the noise of nothing: it is slack there, and its length too long.",
+            sentence(&described.name),
+            tension_n(first),
+            data.labels[first]
+        ))
+    };
+    let cables = dataset.robot.cables.iter().enumerate();
+    cables.filter_map(slack).collect()
 }
 
 /// Tensions outside the limits that the description states, in one sentence with the first of each cable.
@@ -186,8 +217,14 @@ fn implausible_lengths(dataset: &Dataset, found: &TableCheck) -> Vec<String> {
     let cables = &dataset.robot.cables;
     let mut problems = Vec::new();
     let mut named = vec![false; cables.len()];
-    let suggestions = found.suggestions.iter();
-    for suggestion in suggestions.filter(|one| one.mistake.is_of_channel()) {
+    let is_wrong = |one: &&Suggestion| {
+        one.mistake.is_of_channel()
+            || matches!(
+                one.mistake,
+                Mistake::DeadChannel | Mistake::LostTurns | Mistake::Extension
+            )
+    };
+    for suggestion in found.suggestions.iter().filter(is_wrong) {
         let columns = suggestion.columns.iter();
         let of_length = columns.filter_map(|column| {
             Quantity::parse(column).filter(|q| matches!(q.kind, Kind::Revolutions | Kind::Length))
@@ -209,7 +246,10 @@ fn implausible_lengths(dataset: &Dataset, found: &TableCheck) -> Vec<String> {
                     cables[*a].name, cables[*b].name
                 ));
             }
-            _ => {}
+            (_, cables) => {
+                cables.iter().for_each(|cable| named[*cable] = true);
+                problems.push(format!("{}.", sentence(&suggestion.sentence)));
+            }
         }
     }
     let follows = |line: &Line| line.scatter <= SCATTERED;
@@ -228,7 +268,7 @@ fn implausible_lengths(dataset: &Dataset, found: &TableCheck) -> Vec<String> {
             Some(line) if !follows(line) && !named[cable] => {
                 format!("The length of {name} does not follow the poses.")
             }
-            Some(line) if follows(line) && !RATIOS.contains(&line.slope.abs()) => {
+            Some(line) if follows(line) && !RATIOS.contains(&line.slope.abs()) && !named[cable] => {
                 format!(
                     "The length of {name} changes {:.3} times as much as the poses require: unit, drum or gear may be wrong.",
                     line.slope.abs()

@@ -9,5 +9,6 @@ mod motion;
 mod nist;
 mod published;
 mod real_machines;
+mod stories;
 mod table1;
 mod truth;

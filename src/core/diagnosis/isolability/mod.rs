@@ -381,7 +381,7 @@ impl ExpectedScores {
 }
 
 /// Log odds at which a cause is named or listed.
-fn log_naming_odds() -> f64 {
+pub(super) fn log_naming_odds() -> f64 {
     (NAMING_PROBABILITY / (1.0 - NAMING_PROBABILITY)).ln()
 }
 

@@ -1,0 +1,206 @@
+//! A slack cable as a regime: at some poses one cable is longer than the distance that it spans by amounts that nothing determines.
+//!
+//! A force sensor of the cable reads nothing there, to within its noise, so that the poses are known. Without a sensor they are found
+//! one by one, each the one that relieves the fit most, as long as readings are too long. The length, and the force, are left out at
+//! these poses. With `k` of `m` poses the log evidence is, beside `-chi^2/2` of the fit without these readings,
+//!
+//! ```text
+//! log(p/n) + log P(k of m) - sum over poses of log(A / (sqrt(2 pi) s))
+//! ```
+//!
+//! for the probability `p` that one of `n` cables gets slack, and amounts that are as probable up to `A`, while their readings have the
+//! standard deviation `s`. Where a sensor tells the poses, the second term is missing.
+
+use std::f64::consts::TAU;
+
+use statrs::function::factorial::ln_binomial;
+
+use super::Quantity;
+use super::budget::{LARGEST_SHARE_OF_SLACK, MIN_REDUNDANCY_OF_TAILS, MIN_RELIEF};
+use super::fit::Fit;
+use super::fitted_problem::problem_at_fitted_poses;
+use super::priors::{LARGEST_SLACK_M, SLACK_CABLE, SLACK_FORCE};
+use super::residual_space::ResidualSpace;
+use crate::estimation::EstimationError;
+use crate::measurement::Dataset;
+use crate::statistics::log_sum;
+
+/// A cable that was slack.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SlackCable {
+    /// Index of the cable.
+    pub cable: usize,
+    /// Labels of the poses.
+    pub poses: Vec<i64>,
+    /// By how much the cable was longer there than the distance that it spans, at least and at most (m); `None` where its force
+    /// sensor tells the poses.
+    pub excess_m: Option<[f64; 2]>,
+    /// Log odds over the causes that explain the readings otherwise.
+    pub log_odds: f64,
+}
+
+/// A slack cable with what is left when its readings are left out.
+pub(super) struct WithoutSlack {
+    pub slack: SlackCable,
+    pub dataset: Dataset,
+    /// Log evidence relative to readings without misfit.
+    pub log_evidence: f64,
+}
+
+/// A length reading that is too long.
+struct TooLong {
+    row: usize,
+    excess_m: f64,
+    sd_m: f64,
+    relief: f64,
+}
+
+/// The slack cable that explains most of the misfit of a dataset, which has tolerances; `None` if none explains anything.
+pub(super) fn find_slack(dataset: &Dataset) -> Result<Option<WithoutSlack>, EstimationError> {
+    let mut best: Option<WithoutSlack> = None;
+    for cable in 0..dataset.robot.cable_count() {
+        let found = slack_of(dataset, cable)?;
+        if let Some(found) = found
+            && best
+                .as_ref()
+                .is_none_or(|best| found.log_evidence > best.log_evidence)
+        {
+            best = Some(found);
+        }
+    }
+    Ok(best)
+}
+
+fn slack_of(dataset: &Dataset, cable: usize) -> Result<Option<WithoutSlack>, EstimationError> {
+    let data = &dataset.measurements;
+    let most = (LARGEST_SHARE_OF_SLACK * data.len() as f64) as usize;
+    let possible: Vec<usize> = (0..data.len())
+        .filter(|row| may_be_slack(dataset, *row, cable))
+        .collect();
+    let is_read = !data.force_n.is_empty() && dataset.robot.cables[cable].force_sensor.is_some();
+    let log_prior = (SLACK_CABLE / dataset.robot.cable_count() as f64).ln();
+    let without = |left: Dataset, rows: &[usize], excess_m, log_evidence| {
+        let mut poses: Vec<i64> = rows.iter().map(|row| data.labels[*row]).collect();
+        poses.sort_unstable();
+        WithoutSlack {
+            slack: SlackCable {
+                cable,
+                poses,
+                excess_m,
+                log_odds: 0.0,
+            },
+            dataset: left,
+            log_evidence,
+        }
+    };
+    let price = |sd_m: f64| (LARGEST_SLACK_M / (TAU.sqrt() * sd_m)).ln().max(0.0);
+    let mut left = dataset.clone();
+    if is_read {
+        if possible.is_empty() || possible.len() > most {
+            return Ok(None);
+        }
+        for row in &possible {
+            leave_out(&mut left, *row, cable);
+        }
+        let sd_m = dataset.robot.cables[cable].winch.length_sd_m;
+        let chi2 = chi2_of(&left)?;
+        let log_evidence = log_prior - possible.len() as f64 * price(sd_m) - 0.5 * chi2;
+        return Ok(Some(without(left, &possible, None, log_evidence)));
+    }
+    let mut rows: Vec<usize> = Vec::new();
+    let mut excess_m = [f64::INFINITY, 0.0];
+    let mut cost = 0.0;
+    let mut best: Option<WithoutSlack> = None;
+    while rows.len() <= most {
+        let problem = problem_at_fitted_poses(&left)?;
+        let fit = Fit::new(&problem, &[])?;
+        let log_evidence =
+            log_prior + log_share_of(&rows, &possible) - cost - 0.5 * fit.solution.chi2;
+        let is_better = (best.as_ref()).is_none_or(|best| log_evidence > best.log_evidence);
+        if !rows.is_empty() && is_better {
+            best = Some(without(left.clone(), &rows, Some(excess_m), log_evidence));
+        }
+        let Some(next) = longest(&fit, &left, cable) else {
+            break;
+        };
+        rows.push(next.row);
+        excess_m = [
+            excess_m[0].min(next.excess_m),
+            excess_m[1].max(next.excess_m),
+        ];
+        cost += price(next.sd_m);
+        leave_out(&mut left, next.row, cable);
+    }
+    Ok(best)
+}
+
+/// Log probability of a set of slack poses among those possible: with equal odds an unknown share of poses, whichever, or an unknown
+/// number of runs of successive poses, which lie close together as the region of low tension does.
+fn log_share_of(rows: &[usize], possible: &[usize]) -> f64 {
+    let all = possible.len() as u64;
+    let is_slack = |row: &usize| rows.contains(row);
+    let starts = (0..possible.len())
+        .filter(|k| is_slack(&possible[*k]) && (*k == 0 || !is_slack(&possible[*k - 1])));
+    let whichever = -((all + 1) as f64).ln() - ln_binomial(all, rows.len() as u64);
+    let in_runs = -((all / 2 + 1) as f64).ln() - ln_binomial(all + 1, 2 * starts.count() as u64);
+    log_sum([whichever, in_runs].into_iter()) - std::f64::consts::LN_2
+}
+
+fn chi2_of(dataset: &Dataset) -> Result<f64, EstimationError> {
+    let problem = problem_at_fitted_poses(dataset)?;
+    Ok(Fit::new(&problem, &[])?.solution.chi2)
+}
+
+/// Whether a cable may be slack at a row: its sensor, if it has one, reads no force.
+fn may_be_slack(dataset: &Dataset, row: usize, cable: usize) -> bool {
+    let data = &dataset.measurements;
+    if dataset.robot.home.is_some() && Some(row) == data.home_row() {
+        return false;
+    }
+    let sensor = dataset.robot.cables[cable].force_sensor;
+    let Some(sensor) = sensor.filter(|_| !data.force_n.is_empty()) else {
+        return true;
+    };
+    let tension_n = sensor.tension_n(data.force_n.get(row, cable));
+    tension_n.is_nan() || tension_n.abs() < SLACK_FORCE * sensor.tension_sd_n
+}
+
+/// The reading of a cable whose leaving out relieves the fit most, if it is too long.
+fn longest(fit: &Fit<'_>, dataset: &Dataset, cable: usize) -> Option<TooLong> {
+    let linear = fit.linearisation();
+    let space = ResidualSpace::new(&linear);
+    let redundancy = space.redundancy();
+    let too_long = (0..space.rows()).filter_map(|k| {
+        let id = space.readings[k]?;
+        let row = space.measured[k]?;
+        let is_length = id.quantity == Quantity::Length && id.cable == Some(cable);
+        if !is_length
+            || redundancy[k] < MIN_REDUNDANCY_OF_TAILS
+            || !may_be_slack(dataset, row, cable)
+        {
+            return None;
+        }
+        // Residuals are predictions minus readings.
+        let error = -space.residual[k] / redundancy[k];
+        let sd_m = linear.rows[k].sd;
+        Some(TooLong {
+            row,
+            excess_m: error * sd_m,
+            sd_m: sd_m / redundancy[k].sqrt(),
+            relief: space.residual[k].powi(2) / redundancy[k],
+        })
+    });
+    let is_relief =
+        |one: &TooLong| (0.0..LARGEST_SLACK_M).contains(&one.excess_m) && one.relief > MIN_RELIEF;
+    let order = |a: &TooLong, b: &TooLong| a.relief.total_cmp(&b.relief);
+    too_long.filter(is_relief).max_by(order)
+}
+
+fn leave_out(dataset: &mut Dataset, row: usize, cable: usize) {
+    let data = &mut dataset.measurements;
+    for grid in [&mut data.revolutions, &mut data.length_m, &mut data.force_n] {
+        if !grid.is_empty() {
+            grid.set(row, cable, f64::NAN);
+        }
+    }
+}
