@@ -71,6 +71,12 @@ pub const MOST_DIAGNOSED_ROWS: MostRows = MostRows {
 
 /// Largest share of the poses at which a cable is slack: with more, nothing says which poses are the others.
 pub(super) const LARGEST_SHARE_OF_SLACK: f64 = 0.4;
+/// Maximum number of cables without force sensors that are tried as slack.
+pub(super) const MAX_SLACK_CABLES: usize = 2;
+/// Maximum number of poses at which one is slack without its force sensor saying so.
+pub(super) const MAX_SLACK_POSES: usize = 40;
+/// Redundancy below which a length says nothing about whether its cable is slack.
+pub(super) const MIN_REDUNDANCY_OF_SLACK: f64 = 0.01;
 /// Smallest decrease of chi-square for which a pose counts as one at which a cable may be slack.
 pub(super) const MIN_RELIEF: f64 = 6.0;
 

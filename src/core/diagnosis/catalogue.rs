@@ -11,7 +11,8 @@ use super::candidates::{
 use super::conditions::Conditions;
 use super::fit::Fit;
 use super::priors::{
-    EXPECTED_CAUSES, EXPECTED_HYPOTHESES, FAMILY_CORRELATION, TARGET_WEIGHTS, TargetShares,
+    EXPECTED_CAUSES, EXPECTED_HYPOTHESES, FAMILY_CORRELATION, STEP_OF_EACH, TARGET_WEIGHTS,
+    TargetShares,
 };
 use super::relations::{is_same_effect_and_targets, is_same_place, place_of};
 use super::report::Cause;
@@ -541,7 +542,11 @@ fn target_shares(effect: &Effect, cables: usize) -> TargetShares {
     let all_alike = if_possible(effect.scope() == Scope::CableOrAll, all_alike);
     // What happens to all winches at once, such as zeroing them again, leaves each with a step of its own.
     let is_step = matches!(effect.search(), Search::FromPose(_)) && effect.estimable().count() == 1;
-    let each_own = if_possible((is_direct || is_step) && cables > 1, each_own);
+    let each_own = match is_step {
+        true => STEP_OF_EACH,
+        false => if_possible(is_direct, each_own),
+    };
+    let each_own = if_possible(cables > 1, each_own);
     let several_own = if_possible(cables > 2, several_own);
     let several_alike = if_possible(is_direct && cables > 2, several_alike);
     let total = one + all_alike + each_own + several_own + several_alike;

@@ -11,7 +11,7 @@ use super::confidence::{
     ConfirmedCauses, allow_for_errors, assess_fit, confirm_causes, log_rarity_of,
     reject_replaceable_causes, state_probabilities,
 };
-use super::drawing::{with_wider_places, wrong_drawing};
+use super::drawing::{log_odds_of_patterns, with_wider_places, wrong_drawing};
 use super::exchange::{Channels, find_exchange};
 use super::exploration::Visibility;
 use super::finding::FindingBuilder;
@@ -28,7 +28,7 @@ use super::report::{
     Diagnosis, Discrepancy, Finding, Invisible, PossibleCause, ToleranceFactor, UnseenFault,
 };
 use super::residual_space::ResidualSpace;
-use super::slack::find_slack;
+use super::slack::{Rival, find_slack};
 use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
 use super::unseen::unseen_faults;
 use super::{DiagnosisOptions, Observer, Stage};
@@ -55,22 +55,12 @@ pub fn diagnose(
         allow_for_slack(dataset, &mut found, options, &mut report)?;
     }
     let mut is_wrong = false;
-    if !found.extended.adequate
-        && !found.cancelled
-        && let Some((robot, price)) = with_wider_places(&dataset.robot)
-    {
-        let wider = Dataset {
-            robot,
-            measurements: dataset.measurements.clone(),
-        };
-        let chi2 = |diagnosis: &Diagnosis| diagnosis.extended.global.chi2;
-        if chi2_of_model(&wider)? + price < chi2(&found) {
-            let other = diagnose_as_drawn(&wider, options, &mut report)?;
-            is_wrong = other.extended.adequate && chi2(&other) + price < chi2(&found);
-            if is_wrong {
-                found = other;
-            }
-        }
+    let is_slack = found
+        .slack
+        .as_ref()
+        .is_some_and(|slack| slack.log_odds > 0.0);
+    if !found.base.adequate && !found.cancelled && !is_slack {
+        is_wrong = allow_for_wrong_drawing(dataset, &mut found, options, &mut report)?;
     }
     if found.extended.adequate {
         let solution = &found.extended_solution;
@@ -78,6 +68,37 @@ pub fn diagnose(
     }
     found.base.adequate &= !is_wrong;
     Ok(found)
+}
+
+/// Diagnoses with places of the pulleys that are known less well, if that is likelier than what was found; whether it is.
+fn allow_for_wrong_drawing(
+    dataset: &Dataset,
+    found: &mut Diagnosis,
+    options: &DiagnosisOptions,
+    report: &mut Reporter<'_, '_>,
+) -> Result<bool, EstimationError> {
+    let Some((robot, price)) = with_wider_places(&dataset.robot) else {
+        return Ok(false);
+    };
+    let wider = Dataset {
+        robot,
+        measurements: dataset.measurements.clone(),
+    };
+    // Either the places are anywhere, or they differ in one pattern.
+    let anywhere = -0.5 * (chi2_of_model(&wider)? + price);
+    let patterns = log_odds_of_patterns(&dataset.robot, &found.base_solution);
+    let in_pattern = patterns.map_or(f64::NEG_INFINITY, |odds| {
+        odds - 0.5 * found.base.global.chi2
+    });
+    if anywhere.max(in_pattern) < log_evidence(found) {
+        return Ok(false);
+    }
+    let other = diagnose_as_drawn(&wider, options, report)?;
+    let is_wrong = other.extended.adequate && other.findings.len() <= found.findings.len();
+    if is_wrong {
+        *found = other;
+    }
+    Ok(is_wrong)
 }
 
 /// Diagnoses without the readings of a slack cable, if that is likelier than what was found with them, else says that it may be.
@@ -93,14 +114,23 @@ fn allow_for_slack(
         robot: with_assumed_tolerances(&dataset.robot),
         measurements: averaged.into_owned(),
     };
-    let Some(without) = find_slack(&tolerant)? else {
+    let known = log_evidence(found);
+    let rival = Rival {
+        least: known - log_naming_odds(),
+        chi2: if found.extended.adequate {
+            found.extended.global.chi2
+        } else {
+            0.0
+        },
+    };
+    let mut go_on = || report.stage(Stage::Refits, found.findings.len());
+    let Some(without) = find_slack(&tolerant, &rival, &mut go_on)? else {
         return Ok(());
     };
     let mut slack = without.slack;
-    slack.log_odds = without.log_evidence - log_evidence(found);
+    slack.log_odds = without.log_evidence - known;
     if slack.log_odds < 0.0 {
-        let may_be = slack.log_odds > -log_naming_odds();
-        found.slack = Some(slack).filter(|_| may_be);
+        found.slack = Some(slack);
         return Ok(());
     }
     let left = Dataset {
@@ -108,7 +138,7 @@ fn allow_for_slack(
         measurements: without.dataset.measurements,
     };
     let mut other = diagnose_as_drawn(&left, options, report)?;
-    if other.extended.adequate || !found.extended.adequate {
+    if other.extended.adequate {
         other.slack = Some(slack);
         other.base.adequate = false;
         *found = other;

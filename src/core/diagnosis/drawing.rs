@@ -12,7 +12,7 @@ use super::priors::{PLACES_WIDER, WRONG_DRAWING};
 use crate::estimation::{ParameterId, Solution};
 use crate::kinematics::{ForwardKinematics, inverse_kinematics};
 use crate::robot::{PerAxis, Robot};
-use crate::statistics::{chi_square_survival, normal_two_sided};
+use crate::statistics::chi_square_survival;
 
 /// Largest share of the stated variance that readings may leave for a displacement to be tested.
 const LEAST_KNOWN: f64 = 1e-6;
@@ -73,6 +73,17 @@ struct Displacements {
     estimated: DMatrix<f64>,
 }
 
+/// A pattern with the test of it.
+struct TestedPattern {
+    pattern: DrawingPattern,
+    /// Size with its stated variance and that of the estimate.
+    sizes: [f64; 3],
+    /// Square of the displacement in units of its covariance if the drawing is right.
+    chi2: f64,
+    /// Number of its coordinates.
+    numbers: usize,
+}
+
 impl Displacements {
     fn of(robot: &Robot, solution: &Solution) -> Option<Self> {
         let covariance = solution.covariance.as_ref()?;
@@ -107,15 +118,26 @@ impl Displacements {
         [weights.dot(&self.values), stated, estimated]
     }
 
-    /// Probability of a pattern at least as large if the drawing is right; `None` if the readings say nothing of it.
-    fn survival(&self, weights: &DVector<f64>) -> Option<f64> {
-        let [size, stated, estimated] = self.along(weights);
-        let variance = stated - estimated;
-        (variance > LEAST_KNOWN * stated).then(|| normal_two_sided(size / variance.sqrt()))
+    /// All patterns of which the readings say something.
+    fn tested(&self, robot: &Robot) -> Vec<TestedPattern> {
+        let axes = (0..3).flat_map(|k| [DrawingPattern::Extent(k), DrawingPattern::Turn(k)]);
+        let on_axes = axes.filter_map(|pattern| {
+            let sizes = self.along(&self.weights(robot, pattern)?);
+            let [size, stated, estimated] = sizes;
+            let variance = stated - estimated;
+            (variance > LEAST_KNOWN * stated).then(|| TestedPattern {
+                pattern,
+                sizes,
+                chi2: size * size / variance,
+                numbers: 1,
+            })
+        });
+        let of_pulleys = (0..robot.cable_count()).filter_map(|cable| self.of_pulley(cable));
+        on_axes.chain(of_pulleys).collect()
     }
 
-    /// The same for the displacement of one pulley, with its size and standard deviations in the direction of it.
-    fn of_pulley(&self, cable: usize) -> Option<(f64, [f64; 3])> {
+    /// The displacement of one pulley, with its size and variances in the direction of it.
+    fn of_pulley(&self, cable: usize) -> Option<TestedPattern> {
         let own: Vec<usize> = (0..self.places.len())
             .filter(|k| self.places[*k].0 == cable)
             .collect();
@@ -128,10 +150,12 @@ impl Displacements {
         for (k, component) in own.iter().zip(&value) {
             weights[*k] = component / norm;
         }
-        Some((
-            chi_square_survival(chi2, own.len() as f64)?,
-            self.along(&weights),
-        ))
+        Some(TestedPattern {
+            pattern: DrawingPattern::Pulley(cable),
+            sizes: self.along(&weights),
+            chi2,
+            numbers: own.len(),
+        })
     }
 
     /// Weights of the change of the extent along an axis, and of a turn about one; `None` where the pulleys have no extent.
@@ -168,6 +192,18 @@ impl Displacements {
     }
 }
 
+/// Log odds of a drawing that is wrong in one of the patterns over a right one, at the fit of a model: widening the prior of a pattern of
+/// `k` numbers by the factor of [`with_wider_places`] changes the log evidence by `chi^2/2 - k ln(factor)`.
+pub(super) fn log_odds_of_patterns(robot: &Robot, solution: &Solution) -> Option<f64> {
+    let found = Displacements::of(robot, solution)?;
+    let tested = found.tested(robot);
+    let prior = (WRONG_DRAWING / (1.0 - WRONG_DRAWING) / tested.len().max(1) as f64).ln();
+    let odds = tested
+        .iter()
+        .map(|one| 0.5 * one.chi2 - one.numbers as f64 * PLACES_WIDER.ln());
+    odds.max_by(f64::total_cmp).map(|best| best + prior)
+}
+
 /// The pattern in the places of the pulleys that stands out most, if there is one at a significance level, or if the drawing is
 /// known to be wrong.
 pub(super) fn wrong_drawing(
@@ -177,20 +213,15 @@ pub(super) fn wrong_drawing(
     is_known: bool,
 ) -> Option<WrongDrawing> {
     let found = Displacements::of(robot, solution)?;
-    let axes = (0..3).flat_map(|k| [DrawingPattern::Extent(k), DrawingPattern::Turn(k)]);
-    let mut tested: Vec<(f64, DrawingPattern, [f64; 3])> = axes
-        .filter_map(|pattern| {
-            let weights = found.weights(robot, pattern)?;
-            Some((found.survival(&weights)?, pattern, found.along(&weights)))
-        })
-        .collect();
-    tested.extend((0..robot.cable_count()).filter_map(|cable| {
-        let (survival, sizes) = found.of_pulley(cable)?;
-        Some((survival, DrawingPattern::Pulley(cable), sizes))
-    }));
+    let tested = found.tested(robot);
     let count = tested.len() as f64;
-    let (survival, pattern, [size, stated, estimated]) =
-        tested.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let with_survival = tested.into_iter().filter_map(|one| {
+        let survival = chi_square_survival(one.chi2, one.numbers as f64)?;
+        Some((survival, one))
+    });
+    let (survival, TestedPattern { pattern, sizes, .. }) =
+        with_survival.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let [size, stated, estimated] = sizes;
     (is_known || survival * count < level).then(|| WrongDrawing {
         pattern,
         size,
@@ -215,7 +246,10 @@ fn worth_of_places(robot: &Robot, solution: &Solution) -> Option<f64> {
     for (cable, stated) in drawn.cables.iter_mut().zip(&robot.cables) {
         cable.pulley.entry_point_m = stated.pulley.entry_point_m;
     }
-    let solver = ForwardKinematics::new(&drawn).ok()?;
+    // Wrong places contradict the lengths; the pose that fits them best is what a controller would take.
+    let solver = ForwardKinematics::new(&drawn)
+        .ok()?
+        .with_residual_limit(f64::INFINITY);
     let squares = solution.poses.iter().filter_map(|(_, pose)| {
         let states = inverse_kinematics(&identified, pose).ok()?;
         let lengths: Vec<f64> = states.iter().map(|state| state.length_m).collect();

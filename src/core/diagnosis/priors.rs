@@ -31,6 +31,8 @@ pub(super) const TARGET_WEIGHTS: TargetShares = TargetShares {
     several_own: 0.1,
     several_alike: 0.05,
 };
+/// The weight of a step of each cable at one pose, as after zeroing all winches again: rarer than a slip of one.
+pub(super) const STEP_OF_EACH: f64 = 0.02;
 /// Prior correlation between the values of different cables.
 pub(super) const FAMILY_CORRELATION: f64 = 0.3;
 

@@ -16,7 +16,9 @@ use std::f64::consts::TAU;
 use statrs::function::factorial::ln_binomial;
 
 use super::Quantity;
-use super::budget::{LARGEST_SHARE_OF_SLACK, MIN_REDUNDANCY_OF_TAILS, MIN_RELIEF};
+use super::budget::{
+    LARGEST_SHARE_OF_SLACK, MAX_SLACK_CABLES, MAX_SLACK_POSES, MIN_REDUNDANCY_OF_SLACK, MIN_RELIEF,
+};
 use super::fit::Fit;
 use super::fitted_problem::problem_at_fitted_poses;
 use super::priors::{LARGEST_SLACK_M, SLACK_CABLE, SLACK_FORCE};
@@ -55,25 +57,53 @@ struct TooLong {
     relief: f64,
 }
 
-/// The slack cable that explains most of the misfit of a dataset, which has tolerances; `None` if none explains anything.
-pub(super) fn find_slack(dataset: &Dataset) -> Result<Option<WithoutSlack>, EstimationError> {
+/// What a slack cable has to be better than.
+pub(super) struct Rival {
+    /// Log evidence below which nothing is said.
+    pub least: f64,
+    /// Chi-square that readings without misfit leave, as far as it is known.
+    pub chi2: f64,
+}
+
+/// The slack cable that explains most of the misfit of a dataset, which has tolerances; `None` if none is as good as a rival, or
+/// `go_on` says no. Without force sensors, only the cables whose readings are too long by most are tried.
+pub(super) fn find_slack(
+    dataset: &Dataset,
+    rival: &Rival,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Option<WithoutSlack>, EstimationError> {
+    let problem = problem_at_fitted_poses(dataset)?;
+    let fit = Fit::new(&problem, &[])?;
+    let is_read = |cable: &usize| {
+        let sensor = dataset.robot.cables[*cable].force_sensor;
+        !dataset.measurements.force_n.is_empty() && sensor.is_some()
+    };
+    let all = 0..dataset.robot.cable_count();
+    let (read, mut unread): (Vec<usize>, Vec<usize>) = all.partition(is_read);
+    let relief = |cable: &usize| -> f64 {
+        let found = too_long(&fit, dataset, *cable);
+        found.iter().map(|one| one.relief).sum()
+    };
+    unread.sort_by(|a, b| relief(b).total_cmp(&relief(a)));
+    unread.truncate(MAX_SLACK_CABLES);
     let mut best: Option<WithoutSlack> = None;
-    for cable in 0..dataset.robot.cable_count() {
-        let found = slack_of(dataset, cable)?;
-        if let Some(found) = found
-            && best
-                .as_ref()
-                .is_none_or(|best| found.log_evidence > best.log_evidence)
-        {
-            best = Some(found);
-        }
+    for cable in read.into_iter().chain(unread) {
+        let found = slack_of(dataset, cable, rival, go_on)?;
+        let least = best.as_ref().map_or(rival.least, |best| best.log_evidence);
+        best = found.filter(|found| found.log_evidence > least).or(best);
     }
     Ok(best)
 }
 
-fn slack_of(dataset: &Dataset, cable: usize) -> Result<Option<WithoutSlack>, EstimationError> {
+fn slack_of(
+    dataset: &Dataset,
+    cable: usize,
+    rival: &Rival,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Option<WithoutSlack>, EstimationError> {
     let data = &dataset.measurements;
     let most = (LARGEST_SHARE_OF_SLACK * data.len() as f64) as usize;
+    let most = most.min(MAX_SLACK_POSES);
     let possible: Vec<usize> = (0..data.len())
         .filter(|row| may_be_slack(dataset, *row, cable))
         .collect();
@@ -111,7 +141,11 @@ fn slack_of(dataset: &Dataset, cable: usize) -> Result<Option<WithoutSlack>, Est
     let mut excess_m = [f64::INFINITY, 0.0];
     let mut cost = 0.0;
     let mut best: Option<WithoutSlack> = None;
-    while rows.len() <= most {
+    // Leaving out a reading without misfit takes away about one of chi-square.
+    let may_win = |cost: f64, count: usize| {
+        log_prior - cost - 0.5 * (rival.chi2 - count as f64) > rival.least
+    };
+    while rows.len() <= most && may_win(cost, rows.len()) && go_on() {
         let problem = problem_at_fitted_poses(&left)?;
         let fit = Fit::new(&problem, &[])?;
         let log_evidence =
@@ -120,7 +154,8 @@ fn slack_of(dataset: &Dataset, cable: usize) -> Result<Option<WithoutSlack>, Est
         if !rows.is_empty() && is_better {
             best = Some(without(left.clone(), &rows, Some(excess_m), log_evidence));
         }
-        let Some(next) = longest(&fit, &left, cable) else {
+        let order = |a: &TooLong, b: &TooLong| a.relief.total_cmp(&b.relief);
+        let Some(next) = too_long(&fit, &left, cable).into_iter().max_by(order) else {
             break;
         };
         rows.push(next.row);
@@ -165,17 +200,17 @@ fn may_be_slack(dataset: &Dataset, row: usize, cable: usize) -> bool {
     tension_n.is_nan() || tension_n.abs() < SLACK_FORCE * sensor.tension_sd_n
 }
 
-/// The reading of a cable whose leaving out relieves the fit most, if it is too long.
-fn longest(fit: &Fit<'_>, dataset: &Dataset, cable: usize) -> Option<TooLong> {
+/// The readings of a cable that are too long.
+fn too_long(fit: &Fit<'_>, dataset: &Dataset, cable: usize) -> Vec<TooLong> {
     let linear = fit.linearisation();
     let space = ResidualSpace::new(&linear);
     let redundancy = space.redundancy();
-    let too_long = (0..space.rows()).filter_map(|k| {
+    let of_cable = (0..space.rows()).filter_map(|k| {
         let id = space.readings[k]?;
         let row = space.measured[k]?;
         let is_length = id.quantity == Quantity::Length && id.cable == Some(cable);
         if !is_length
-            || redundancy[k] < MIN_REDUNDANCY_OF_TAILS
+            || redundancy[k] < MIN_REDUNDANCY_OF_SLACK
             || !may_be_slack(dataset, row, cable)
         {
             return None;
@@ -192,8 +227,7 @@ fn longest(fit: &Fit<'_>, dataset: &Dataset, cable: usize) -> Option<TooLong> {
     });
     let is_relief =
         |one: &TooLong| (0.0..LARGEST_SLACK_M).contains(&one.excess_m) && one.relief > MIN_RELIEF;
-    let order = |a: &TooLong, b: &TooLong| a.relief.total_cmp(&b.relief);
-    too_long.filter(is_relief).max_by(order)
+    of_cable.filter(is_relief).collect()
 }
 
 fn leave_out(dataset: &mut Dataset, row: usize, cable: usize) {

@@ -4,6 +4,7 @@
 mod algebra;
 mod cancelling;
 mod clean;
+mod field;
 mod held_out;
 mod hypotheses;
 mod model_effects;
