@@ -244,7 +244,7 @@ fn dead_channels(readings: &Readings, found: &mut Vec<Suggestion>) {
             .iter()
             .filter_map(|(quantity, values)| Some((quantity.column(), constant_from(values)?)))
             .collect();
-        if dead.len() * 2 >= columns.len() {
+        if dead.len() * 2 > columns.len() {
             continue;
         }
         for (column, first) in dead {
@@ -513,14 +513,15 @@ fn extensions(
             Some((*k, median(off.filter(|v| v.is_finite()))?))
         })
         .collect();
-    let usual = median(offsets.iter().map(|(_, off)| off.abs())).unwrap_or(f64::INFINITY);
-    for (k, off) in offsets {
+    for (k, off) in &offsets {
+        let others = offsets.iter().filter(|(other, _)| other != k);
+        let usual = median(others.map(|(_, off)| off.abs())).unwrap_or(f64::INFINITY);
         if off.abs() > EXTENSION * frame_m && off.abs() > EXTENSIONS_APART * usual {
-            let column = columns[k].quantity.column();
+            let column = columns[*k].quantity.column();
             let sentence = format!(
                 "{column} is {:.3} m {} at all poses than these require: a piece of cable that robot.json does not state, or another zero",
                 off.abs(),
-                if off > 0.0 { "longer" } else { "shorter" }
+                if *off > 0.0 { "longer" } else { "shorter" }
             );
             let (from_pose, add) = (first_pose, -off);
             let change = Change::TakeBack {
