@@ -58,3 +58,58 @@ pub(super) fn without_mistakes(dataset: &Dataset) -> Option<(Dataset, Vec<Sugges
 fn is_undone(one: &Suggestion) -> bool {
     !one.by_mass && !matches!(one.mistake, Mistake::EncoderStep | Mistake::ClockJump)
 }
+
+#[cfg(test)]
+mod tests {
+    use tautline_core::estimation::Control;
+    use tautline_core::robot::presets;
+    use tautline_core::simulation::{SimulationOptions, simulate};
+
+    use super::super::{TIME_LIMIT_S, diagnose_dataset};
+    use super::*;
+
+    fn dataset() -> Dataset {
+        let robot = presets::find("mini").expect("a preset").robot;
+        let run = simulate(&robot, &SimulationOptions::new(30, 3)).expect("simulated");
+        run.dataset
+    }
+
+    #[test]
+    fn sound_readings_have_no_mistakes() {
+        assert!(without_mistakes(&dataset()).is_none());
+    }
+
+    #[test]
+    fn a_diagnosis_goes_on_without_the_mistakes() {
+        let mut wrong = dataset();
+        let data = &mut wrong.measurements;
+        for row in 0..data.len() {
+            let value = data.revolutions.get(row, 3);
+            data.revolutions.set(row, 3, -value);
+            let [a, b] = [1, 4].map(|cable| data.revolutions.get(row, cable));
+            data.revolutions.set(row, 1, b);
+            data.revolutions.set(row, 4, a);
+        }
+        let options = (0.01, TIME_LIMIT_S);
+        let told = diagnose_dataset(wrong.into(), options, &mut |_| Control::Continue);
+        let told = told.expect("a diagnosis");
+        let mistakes: Vec<Mistake> = told.mistakes.iter().map(|one| one.mistake).collect();
+        assert_eq!(mistakes, [Mistake::Exchanged, Mistake::ReversedSign]);
+        assert!(told.diagnosis.base.adequate && told.diagnosis.findings.is_empty());
+        assert!(
+            told.headline()
+                .contains("2 mistakes in the readings are undone; then the model explains")
+        );
+        let document = told.document();
+        assert!(!document.adequate);
+        assert_eq!(document.mistakes, told.mistakes);
+        let [(heading, lines)] = &told.gross()[..] else {
+            panic!("{:?}", told.gross());
+        };
+        assert_eq!(*heading, "Mistakes in the readings, undone here");
+        assert!(
+            lines[0].starts_with("Rev_2 follows the expected values of rev_5"),
+            "{lines:?}"
+        );
+    }
+}

@@ -18,7 +18,7 @@ const SCATTERED: f64 = 0.6;
 /// Plausible ratio of read to expected changes of length.
 const RATIOS: std::ops::Range<f64> = 0.7..1.4;
 /// Tension within the noise of nothing, in standard deviations of its sensor.
-const NOTHING: f64 = 4.0;
+const NOTHING: f64 = 2.0;
 /// Plausible difference between read and expected laser distance (m).
 const LASER_OFF_M: f64 = 0.3;
 

@@ -106,7 +106,7 @@ fn wrong_signs_units_and_channels_are_named() {
         let grid = &mut d.measurements.revolutions;
         (0..grid.rows()).for_each(|row| grid.set(row, 2, 360.0 * grid.get(row, 2)));
     });
-    assert!(unit.contains("cable-3 changes 3"), "{unit}");
+    assert!(unit.contains("Rev_3: 360.0000 times too large"), "{unit}");
     let exchanged = change(|d| {
         let grid = &mut d.measurements.revolutions;
         for row in 0..grid.rows() {
