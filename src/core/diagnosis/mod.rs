@@ -76,13 +76,12 @@ pub use reading_id::ReadingId;
 pub use report::{
     Adequacy, Alternative, Cause, CauseSet, Diagnosis, Discrepancy, ErrorForm, Evidence, Finding,
     FoundParameter, Gain, GlobalTest, GroupTest, Invisible, KindGain, NoiseStatement,
-    PositionChange, PossibleCause, Quantity, Rival, Separation, Subject, ToleranceFactor,
-    UnmodelledError, UnseenFault, Verdict,
+    PositionChange, PossibleCause, Quantity, Rival, Separation, SlackCable, Subject,
+    ToleranceFactor, UnmodelledError, UnseenFault, Verdict,
 };
 
 pub use separation::expected_separation;
 pub use single_cause::{SingleCause, single_causes};
-pub use slack::SlackCable;
 pub use variables::Variables;
 
 use crate::estimation::Control;

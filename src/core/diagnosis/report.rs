@@ -7,7 +7,6 @@ use super::calibration::NAMING_PROBABILITY;
 use super::drawing::WrongDrawing;
 use super::reading_id::ReadingId;
 use super::size_posterior::SizePosterior;
-use super::slack::SlackCable;
 use crate::effect::{BoundEffect, Effect, OnEachCable};
 use crate::estimation::Solution;
 use crate::geometry::Pose;
@@ -431,6 +430,20 @@ impl Finding {
     pub fn is_list(&self) -> bool {
         self.verdict() == Verdict::Ambiguous && !self.alternatives.is_empty()
     }
+}
+
+/// A cable that was slack.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SlackCable {
+    /// Index of the cable.
+    pub cable: usize,
+    /// Labels of the poses.
+    pub poses: Vec<i64>,
+    /// By how much the cable was longer there than the distance that it spans, at least and at most (m); `None` where its force
+    /// sensor tells the poses.
+    pub excess_m: Option<[f64; 2]>,
+    /// Log odds over the causes that explain the readings otherwise.
+    pub log_odds: f64,
 }
 
 /// An effect that the data cannot reveal at its typical size.

@@ -22,24 +22,11 @@ use super::budget::{
 use super::fit::Fit;
 use super::fitted_problem::problem_at_fitted_poses;
 use super::priors::{LARGEST_SLACK_M, SLACK_CABLE, SLACK_FORCE};
+use super::report::SlackCable;
 use super::residual_space::ResidualSpace;
 use crate::estimation::EstimationError;
 use crate::measurement::Dataset;
 use crate::statistics::log_sum;
-
-/// A cable that was slack.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SlackCable {
-    /// Index of the cable.
-    pub cable: usize,
-    /// Labels of the poses.
-    pub poses: Vec<i64>,
-    /// By how much the cable was longer there than the distance that it spans, at least and at most (m); `None` where its force
-    /// sensor tells the poses.
-    pub excess_m: Option<[f64; 2]>,
-    /// Log odds over the causes that explain the readings otherwise.
-    pub log_odds: f64,
-}
 
 /// A slack cable with what is left when its readings are left out.
 pub(super) struct WithoutSlack {

@@ -281,7 +281,7 @@ pub struct Delays {
 pub struct OnEachCable {
     /// Plain title.
     pub title: &'static str,
-    /// What is wrong; fields as in [`FoundEffect::say`].
+    /// What is wrong; fields as in `FoundEffect::say`.
     pub cause: &'static str,
     /// What to do about it in the workshop.
     pub workshop: &'static str,
