@@ -66,7 +66,6 @@ pub fn diagnose(
         let solution = &found.extended_solution;
         found.drawing = wrong_drawing(&dataset.robot, solution, level, is_wrong);
     }
-    found.base.adequate &= !is_wrong;
     Ok(found)
 }
 
@@ -140,7 +139,6 @@ fn allow_for_slack(
     let mut other = diagnose_as_drawn(&left, options, report)?;
     if other.extended.adequate {
         other.slack = Some(slack);
-        other.base.adequate = false;
         *found = other;
     }
     Ok(())

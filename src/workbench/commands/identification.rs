@@ -423,12 +423,16 @@ fn take_fit(
 fn take_diagnosis(open: &mut OpenSession, inputs: u64, examined: DiagnosisResult) -> String {
     let findings = examined.result.diagnosed.diagnosis.findings.len();
     let (is_clean, found) = (findings == 0, count(findings, "finding"));
+    let is_gross = !examined.result.diagnosed.gross().is_empty();
     open.set_diagnosis(examined.result, (inputs, examined.effects));
     if let Some(record) = examined.record {
         open.add_result(record);
         open.log(LogPhase::Diagnosis, format!("Diagnosed: {found}."));
     }
     match is_clean {
+        true if is_gross => {
+            "Diagnosis finished: no part is at fault, but see what is said of the readings or the drawing.".to_owned()
+        }
         true => "Diagnosis finished: nothing was found.".to_owned(),
         false => format!("Diagnosis finished with {found}."),
     }

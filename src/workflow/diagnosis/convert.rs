@@ -41,7 +41,7 @@ impl Diagnosed {
         };
         let effects = diagnosis.extended_solution.globals.effects.iter();
         DiagnosisDocument {
-            adequate: diagnosis.base.adequate && self.mistakes.is_empty(),
+            adequate: diagnosis.base.adequate && self.gross().is_empty(),
             mistakes: self.mistakes.clone(),
             slack: diagnosis.slack.as_ref().map(|found| SlackDocument {
                 target: self.robot().cables[found.cable].name.clone(),

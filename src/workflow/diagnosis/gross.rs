@@ -12,7 +12,7 @@ const CERTAIN_ODDS: f64 = 19.0;
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Diagnosed {
-    /// What is wrong besides causes of the catalogue: for each kind a heading, and sentences.
+    /// What is wrong besides causes of the catalogue: for each kind a heading, and sentences, the last of which says what to do.
     #[must_use]
     pub fn gross(&self) -> Vec<(&'static str, Vec<String>)> {
         let mut found = Vec::new();
@@ -45,11 +45,14 @@ impl Diagnosed {
         };
         let (yes, no) = (slack.log_odds.exp(), (-slack.log_odds).exp());
         if slack.log_odds < 0.0 {
-            return vec![format!(
-                "{} may instead be slack at {when}: {excess}. The odds are {} to 1 against it.",
-                sentence(cable),
-                significant(no, 2)
-            )];
+            return vec![
+                format!(
+                    "{} may instead be slack at {when}: {excess}. The odds are {} to 1 against it.",
+                    sentence(cable),
+                    significant(no, 2)
+                ),
+                "Watch the cable at these poses.".to_owned(),
+            ];
         }
         let mut lines = vec![format!(
             "{} is slack at {when}: {excess}. These readings are left out, and no part is broken by it.",
@@ -110,12 +113,13 @@ impl Diagnosed {
             "The pulleys are displaced by: {}.",
             places.collect::<Vec<_>>().join("; ")
         ));
-        if let Some(worth_m) = drawing.worth_m {
-            lines.push(format!(
+        lines.push(match drawing.worth_m {
+            Some(worth_m) => format!(
                 "Enter the identified places: with those of robot.json the platform is {} mm off at these poses.",
                 significant(1e3 * worth_m, 2)
-            ));
-        }
+            ),
+            None => "Enter the identified places.".to_owned(),
+        });
         lines
     }
 }

@@ -117,13 +117,12 @@ impl Diagnosed {
         };
         let end = match found {
             _ if diagnosis.base.adequate => {
-                return format!("the model explains the readings of {poses}.");
-            }
-            None if self.is_slack() && diagnosis.extended.adequate => {
-                "Without those of a slack cable it does.".to_owned()
-            }
-            None if diagnosis.drawing.is_some() && diagnosis.extended.adequate => {
-                "With other places of the pulleys it does.".to_owned()
+                let with = match (self.is_slack(), &diagnosis.drawing) {
+                    (true, _) => " without those of a slack cable",
+                    (false, Some(_)) => " with other places of the pulleys than stated",
+                    (false, None) => "",
+                };
+                return format!("the model explains the readings of {poses}{with}.");
             }
             Some(found) if diagnosis.extended.adequate => format!("With {found} below it does."),
             Some(found) if self.comes_closer() => {

@@ -171,7 +171,7 @@ fn slack_cables(dataset: &Dataset) -> Vec<String> {
             more => format!(" (and at {more} more)"),
         };
         Some(format!(
-            "{} pulls with {:.1} N at pose {}{more}, which is within the noise of nothing: it is slack there, and its length too long.",
+            "{} pulls with {:.1} N at pose {}{more}, which is within the noise of zero: it is slack there, and its length is too long.",
             sentence(&described.name),
             tension_n(first),
             data.labels[first]

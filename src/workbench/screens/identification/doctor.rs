@@ -94,9 +94,14 @@ fn found(ui: &mut Ui, panel: &mut Panel<'_>, diagnosed: &Diagnosed) {
     }
     for (heading, sentences) in diagnosed.gross() {
         section(ui, heading);
-        for line in sentences {
-            verdict(ui, Verdict::Bad, &line);
+        // The last sentence says what to do.
+        let [found @ .., advice] = &sentences[..] else {
+            continue;
+        };
+        for line in found {
+            verdict(ui, Verdict::Bad, line);
         }
+        muted(ui, advice);
     }
     for (heading, is_cause) in [("Causes", true), ("What remains", false)] {
         let findings = diagnosis.findings.iter().enumerate();
