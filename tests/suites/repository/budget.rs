@@ -9,14 +9,14 @@ use crate::layout::{root, rust_files};
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
     ("cli", 7887),
-    ("core", 36881),
+    ("core", 36878),
     ("import", 17244),
     ("link", 10439),
     ("python", 953),
     ("session", 7944),
     ("study", 3110),
-    ("workbench", 37510),
-    ("workflow", 19223),
+    ("workbench", 37518),
+    ("workflow", 19226),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
