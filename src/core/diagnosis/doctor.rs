@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::budget::MOST_DIAGNOSED_ROWS;
-use super::calibration::{HUGE_CHI2, POWER};
+use super::calibration::POWER;
 use super::candidates::size_parameter;
 use super::cause_posteriors::{CausePosterior, cause_posteriors, stated_causes};
 use super::cause_sets::set_probabilities;
@@ -25,8 +25,7 @@ use super::noise::noise_statements;
 use super::priors::{EXPECTED_CAUSES, FACTORS, RELATIVE_SD};
 use super::progress::Reporter;
 use super::report::{
-    Diagnosis, Discrepancy, Finding, GlobalTest, Invisible, PossibleCause, ToleranceFactor,
-    UnseenFault,
+    Diagnosis, Discrepancy, Finding, Invisible, PossibleCause, ToleranceFactor, UnseenFault,
 };
 use super::residual_space::ResidualSpace;
 use super::slack::{Rival, find_slack};
@@ -63,7 +62,7 @@ pub fn diagnose(
     if !found.base.adequate && !found.cancelled && !is_slack {
         is_wrong = allow_for_wrong_drawing(dataset, &mut found, options, &mut report)?;
     }
-    if found.extended.adequate || is_wrong {
+    if found.extended.adequate {
         let solution = &found.extended_solution;
         found.drawing = wrong_drawing(&dataset.robot, solution, level, is_wrong);
     }
@@ -85,17 +84,16 @@ fn allow_for_wrong_drawing(
         measurements: dataset.measurements.clone(),
     };
     // Either the places are anywhere, or they differ in one pattern.
-    let variance = variance_left(&found.extended.global);
-    let anywhere = -0.5 * (chi2_of_model(&wider)? / variance + price);
-    let patterns = log_odds_of_patterns(&dataset.robot, &found.base_solution, variance);
+    let anywhere = -0.5 * (chi2_of_model(&wider)? + price);
+    let patterns = log_odds_of_patterns(&dataset.robot, &found.base_solution);
     let in_pattern = patterns.map_or(f64::NEG_INFINITY, |odds| {
-        odds - 0.5 * found.base.global.chi2 / variance
+        odds - 0.5 * found.base.global.chi2
     });
-    if anywhere.max(in_pattern) < log_evidence(found, variance) {
+    if anywhere.max(in_pattern) < log_evidence(found) {
         return Ok(false);
     }
     let other = diagnose_as_drawn(&wider, options, report)?;
-    let is_wrong = is_nearly_explained(&other) && other.findings.len() <= found.findings.len();
+    let is_wrong = other.extended.adequate && other.findings.len() <= found.findings.len();
     if is_wrong {
         *found = other;
     }
@@ -115,10 +113,8 @@ fn allow_for_slack(
         robot: with_assumed_tolerances(&dataset.robot),
         measurements: averaged.into_owned(),
     };
-    let variance = variance_left(&found.extended.global);
-    let known = log_evidence(found, variance);
+    let known = log_evidence(found);
     let rival = Rival {
-        variance,
         least: known - log_naming_odds(),
         chi2: if found.extended.adequate {
             found.extended.global.chi2
@@ -141,26 +137,16 @@ fn allow_for_slack(
         measurements: without.dataset.measurements,
     };
     let mut other = diagnose_as_drawn(&left, options, report)?;
-    if is_nearly_explained(&other) {
+    if other.extended.adequate {
         other.slack = Some(slack);
         *found = other;
     }
     Ok(())
 }
 
-/// Variance of the noise, at least as described, that a model leaves: what is mildly wrong besides counts as noise.
-fn variance_left(test: &GlobalTest) -> f64 {
-    (test.chi2 / test.degrees_of_freedom).max(1.0)
-}
-
-/// Whether no more is left than mild model error.
-fn is_nearly_explained(diagnosis: &Diagnosis) -> bool {
-    diagnosis.extended.adequate || variance_left(&diagnosis.extended.global) < HUGE_CHI2
-}
-
-/// Approximate log evidence of the extended model of a diagnosis for a variance of the noise: half of chi-square, and for each finding its prior probability and
+/// Approximate log evidence of the extended model of a diagnosis: half of chi-square, and for each finding its prior probability and
 /// what the estimation of its parameters costs (Laplace), the more the less usual its size.
-fn log_evidence(found: &Diagnosis, variance: f64) -> f64 {
+fn log_evidence(found: &Diagnosis) -> f64 {
     let of_finding = |finding: &Finding| {
         let Some(cause) = finding.cause() else {
             return 0.0;
@@ -189,7 +175,7 @@ fn log_evidence(found: &Diagnosis, variance: f64) -> f64 {
         share.ln() - cost.sum::<f64>() - log_rarity_of(finding)
     };
     let findings = found.findings.iter().map(of_finding);
-    findings.sum::<f64>() - 0.5 * found.extended.global.chi2 / variance
+    findings.sum::<f64>() - 0.5 * found.extended.global.chi2
 }
 
 /// Chi-square of the model of a dataset without a cause.

@@ -193,19 +193,14 @@ impl Displacements {
 }
 
 /// Log odds of a drawing that is wrong in one of the patterns over a right one, at the fit of a model: widening the prior of a pattern of
-/// `k` numbers by the factor of [`with_wider_places`] changes the log evidence by `chi^2/2 - k ln(factor)`, with chi-square in units of
-/// the variance of the noise.
-pub(super) fn log_odds_of_patterns(
-    robot: &Robot,
-    solution: &Solution,
-    variance: f64,
-) -> Option<f64> {
+/// `k` numbers by the factor of [`with_wider_places`] changes the log evidence by `chi^2/2 - k ln(factor)`.
+pub(super) fn log_odds_of_patterns(robot: &Robot, solution: &Solution) -> Option<f64> {
     let found = Displacements::of(robot, solution)?;
     let tested = found.tested(robot);
     let prior = (WRONG_DRAWING / (1.0 - WRONG_DRAWING) / tested.len().max(1) as f64).ln();
     let odds = tested
         .iter()
-        .map(|one| 0.5 * one.chi2 / variance - one.numbers as f64 * PLACES_WIDER.ln());
+        .map(|one| 0.5 * one.chi2 - one.numbers as f64 * PLACES_WIDER.ln());
     odds.max_by(f64::total_cmp).map(|best| best + prior)
 }
 

@@ -46,8 +46,6 @@ struct TooLong {
 
 /// What a slack cable has to be better than.
 pub(super) struct Rival {
-    /// Variance of the noise over the described one.
-    pub variance: f64,
     /// Log evidence below which nothing is said.
     pub least: f64,
     /// Chi-square that readings without misfit leave, as far as it is known.
@@ -123,8 +121,7 @@ fn slack_of(
         }
         let sd_m = dataset.robot.cables[cable].winch.length_sd_m;
         let chi2 = chi2_of(&left)?;
-        let log_evidence =
-            log_prior - possible.len() as f64 * price(sd_m) - 0.5 * chi2 / rival.variance;
+        let log_evidence = log_prior - possible.len() as f64 * price(sd_m) - 0.5 * chi2;
         return Ok(Some(without(left, &possible, None, log_evidence)));
     }
     let mut rows: Vec<usize> = Vec::new();
@@ -133,14 +130,13 @@ fn slack_of(
     let mut best: Option<WithoutSlack> = None;
     // Leaving out a reading without misfit takes away about one of chi-square.
     let may_win = |cost: f64, count: usize| {
-        log_prior - cost - 0.5 * (rival.chi2 / rival.variance - count as f64) > rival.least
+        log_prior - cost - 0.5 * (rival.chi2 - count as f64) > rival.least
     };
     while rows.len() <= most && may_win(cost, rows.len()) && go_on() {
         let problem = problem_at_fitted_poses(&left)?;
         let fit = Fit::new(&problem, &[])?;
-        let log_evidence = log_prior + log_share_of(&rows, &possible)
-            - cost
-            - 0.5 * fit.solution.chi2 / rival.variance;
+        let log_evidence =
+            log_prior + log_share_of(&rows, &possible) - cost - 0.5 * fit.solution.chi2;
         let is_better = (best.as_ref()).is_none_or(|best| log_evidence > best.log_evidence);
         if !rows.is_empty() && is_better {
             best = Some(without(left.clone(), &rows, Some(excess_m), log_evidence));
