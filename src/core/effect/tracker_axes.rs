@@ -1,6 +1,6 @@
 //! Axes of the external instrument that have scales of their own and are not at right angles: it reads `A x` for the point `x` of the
 //! base frame, with `A = [1 + scale_x, skew_xy, skew_xz; 0, 1 + scale_y, skew_yz; 0, 0, 1 + scale_z]`, as a camera that looks at
-//! its printed grid at an angle, or a grid pasted together. Typical 0.05 to 0.3 %.
+//! its printed grid at an angle, or a grid pasted together. Typical 0.05 to 0.5 %; more than 1 % would be seen at once.
 
 use super::Dual;
 use super::words::{degrees, list, percent};
@@ -14,12 +14,12 @@ pub(super) static EFFECT: Effect = Effect {
     title: "Axes of the external instrument",
     scope: Scope::Robot,
     parameters: &[
-        EffectParameter::new("scale_x", "1", 0.02, [0.0005, 0.003]),
-        EffectParameter::new("scale_y", "1", 0.02, [0.0005, 0.003]),
-        EffectParameter::new("scale_z", "1", 0.02, [0.0005, 0.003]),
-        EffectParameter::new("skew_xy", "1", 0.02, [0.0005, 0.003]),
-        EffectParameter::new("skew_xz", "1", 0.02, [0.0005, 0.003]),
-        EffectParameter::new("skew_yz", "1", 0.02, [0.0005, 0.003]),
+        EffectParameter::new("scale_x", "1", 0.02, [0.0005, 0.005]).within(-0.01, 0.01),
+        EffectParameter::new("scale_y", "1", 0.02, [0.0005, 0.005]).within(-0.01, 0.01),
+        EffectParameter::new("scale_z", "1", 0.02, [0.0005, 0.005]).within(-0.01, 0.01),
+        EffectParameter::new("skew_xy", "1", 0.02, [0.0005, 0.005]).within(-0.01, 0.01),
+        EffectParameter::new("skew_xz", "1", 0.02, [0.0005, 0.005]).within(-0.01, 0.01),
+        EffectParameter::new("skew_yz", "1", 0.02, [0.0005, 0.005]).within(-0.01, 0.01),
     ],
     cause,
     workshop: |found| {

@@ -1,5 +1,5 @@
 //! Scale of the external instrument: it reads `(1 + scale) x` for the point `x` of the base frame, as a camera does whose printed
-//! grid has another size than stated. The scale is removed from the reading, as in [`super::tracker_frame`]. Typical 0.05 to 0.3 %.
+//! grid has another size than stated. The scale is removed from the reading, as in [`super::tracker_frame`]. Typical 0.05 to 0.5 %; more than 1 % would be seen at once.
 
 use super::{AsText, Effect, EffectParameter, Scope};
 
@@ -7,7 +7,7 @@ pub(super) static EFFECT: Effect = Effect {
     id: "tracker_scale",
     title: "Scale of the external instrument",
     scope: Scope::Robot,
-    parameters: &[EffectParameter::new("scale", "1", 0.02, [0.0005, 0.003])],
+    parameters: &[EffectParameter::new("scale", "1", 0.02, [0.0005, 0.005]).within(-0.01, 0.01)],
     cause: |found| {
         found.say("The external instrument reads all distances {0:%} too {0:long|short}.")
     },

@@ -91,7 +91,7 @@ fn a_missing_reading_changes_neither_fit_nor_diagnosis_by_much() {
 /// analysis found that elasticity gains nothing. Series 2 asks for a build-up of each winch (chi-square 112 with one
 /// scale for all winches) rather than a scale of each (140), as many parameters both; series 1, measured on another day, is
 /// predicted to 3.04 and 2.68 mm with exact parts. Either says that drums are larger than described and that their build-up
-/// matters. With typical tolerances, of which the parts take all (factor 1.0), the prediction is 3.24 mm.
+/// matters. With typical tolerances, of which the parts take all (factor 1.0), the prediction is 3.14 mm, without the measured position of pose 17, which may be wrong.
 #[test]
 fn diagnosis_names_drum_radii_and_build_up() {
     let Some(folder) = folder() else {
@@ -113,5 +113,5 @@ fn diagnosis_names_drum_radii_and_build_up() {
     assert!((-1.9e-4..=-0.9e-4).contains(&growth), "{growth}");
     // Worse than the 2.68 mm of the other grouping with exact parts: known, and kept in view here.
     let predicted = opinion.other_rms_m * 1e3;
-    assert!((predicted / 3.24 - 1.0).abs() < 0.02, "{opinion:?}");
+    assert!((predicted / 3.14 - 1.0).abs() < 0.02, "{opinion:?}");
 }

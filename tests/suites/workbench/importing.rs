@@ -233,7 +233,7 @@ fn a_wrong_unit_is_sent_back_to_import_and_corrected() {
     let radians = scaled(&example("log.csv"), ',', &winches, std::f64::consts::TAU);
     is_sent_back(
         &radians,
-        "times as much as the poses require",
+        "6.2832 times too large for these poses: radians",
         &format!("correct {}", names.join(", ")),
     );
     // Metres that were taken for millimetres and divided again.
