@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::budget::MOST_DIAGNOSED_ROWS;
 use super::calibration::POWER;
 use super::candidates::size_parameter;
 use super::cause_posteriors::{CausePosterior, cause_posteriors, stated_causes};
@@ -16,7 +15,7 @@ use super::exchange::{Channels, find_exchange};
 use super::exploration::Visibility;
 use super::finding::FindingBuilder;
 use super::fit::Fit;
-use super::fitted_problem::{problem_at_fitted_poses, with_assumed_tolerances};
+use super::fitted_problem::{chi2_without_causes, independent_dataset, problem_at_fitted_poses};
 use super::gain::Prediction;
 use super::inference::{Inference, infer, inference_at_fit};
 use super::isolability::log_naming_odds;
@@ -25,14 +24,15 @@ use super::noise::noise_statements;
 use super::priors::{EXPECTED_CAUSES, FACTORS, RELATIVE_SD};
 use super::progress::Reporter;
 use super::report::{
-    Diagnosis, Discrepancy, Finding, Invisible, PossibleCause, ToleranceFactor, UnseenFault,
+    Diagnosis, Discrepancy, Finding, Invisible, PossibleCause, SlackCable, ToleranceFactor,
+    UnseenFault,
 };
 use super::residual_space::ResidualSpace;
 use super::slack::{Rival, find_slack};
 use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
 use super::unseen::unseen_faults;
 use super::{DiagnosisOptions, Observer, Stage};
-use crate::effect::{CATALOGUE, CablePorts, Dual, Scope, measurements_as_modelled};
+use crate::effect::{CATALOGUE, CablePorts, Dual, Scope};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 use crate::statistics::normal_quantile;
@@ -49,29 +49,29 @@ pub fn diagnose(
     observer: &mut Observer<'_>,
 ) -> Result<Diagnosis, EstimationError> {
     let mut report = Reporter::new(observer);
-    let level = options.alpha / 2.0;
-    let mut found = diagnose_as_drawn(dataset, options, &mut report)?;
+    report.stage(Stage::BaseFit, 0);
+    let (independent, rows) = independent_dataset(dataset)?;
+    let data = (&independent, rows);
+    let mut found = diagnose_independent(data, options, &mut report)?;
     if !found.base.adequate && !found.cancelled {
-        allow_for_slack(dataset, &mut found, options, &mut report)?;
+        allow_for_slack(data, &mut found, options, &mut report)?;
     }
-    let mut is_wrong = false;
-    let is_slack = found
-        .slack
-        .as_ref()
-        .is_some_and(|slack| slack.log_odds > 0.0);
-    if !found.base.adequate && !found.cancelled && !is_slack {
-        is_wrong = allow_for_wrong_drawing(dataset, &mut found, options, &mut report)?;
-    }
+    let is_slack = found.slack.as_ref().is_some_and(SlackCable::is_left_out);
+    let is_wrong = !found.base.adequate
+        && !found.cancelled
+        && !is_slack
+        && allow_for_wrong_drawing(data, &mut found, options, &mut report)?;
     if found.extended.adequate {
         let solution = &found.extended_solution;
-        found.drawing = wrong_drawing(&dataset.robot, solution, level, is_wrong);
+        found.drawing = wrong_drawing(&dataset.robot, solution, options.alpha / 2.0, is_wrong);
     }
+    found.tolerances.are_stated = dataset.robot.tolerances.is_some();
     Ok(found)
 }
 
 /// Diagnoses with places of the pulleys that are known less well, if that is likelier than what was found; whether it is.
 fn allow_for_wrong_drawing(
-    dataset: &Dataset,
+    (dataset, rows): (&Dataset, usize),
     found: &mut Diagnosis,
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
@@ -84,7 +84,7 @@ fn allow_for_wrong_drawing(
         measurements: dataset.measurements.clone(),
     };
     // Either the places are anywhere, or they differ in one pattern.
-    let anywhere = -0.5 * (chi2_of_model(&wider)? + price);
+    let anywhere = -0.5 * (chi2_without_causes(&wider)? + price);
     let patterns = log_odds_of_patterns(&dataset.robot, &found.base_solution);
     let in_pattern = patterns.map_or(f64::NEG_INFINITY, |odds| {
         odds - 0.5 * found.base.global.chi2
@@ -92,7 +92,7 @@ fn allow_for_wrong_drawing(
     if anywhere.max(in_pattern) < log_evidence(found) {
         return Ok(false);
     }
-    let other = diagnose_as_drawn(&wider, options, report)?;
+    let other = diagnose_independent((&wider, rows), options, report)?;
     let is_wrong = other.extended.adequate && other.findings.len() <= found.findings.len();
     if is_wrong {
         *found = other;
@@ -102,17 +102,11 @@ fn allow_for_wrong_drawing(
 
 /// Diagnoses without the readings of a slack cable, if that is likelier than what was found with them, else says that it may be.
 fn allow_for_slack(
-    dataset: &Dataset,
+    (dataset, rows): (&Dataset, usize),
     found: &mut Diagnosis,
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
 ) -> Result<(), EstimationError> {
-    let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
-    let (averaged, _) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
-    let tolerant = Dataset {
-        robot: with_assumed_tolerances(&dataset.robot),
-        measurements: averaged.into_owned(),
-    };
     let known = log_evidence(found);
     let rival = Rival {
         least: known - log_naming_odds(),
@@ -123,20 +117,16 @@ fn allow_for_slack(
         },
     };
     let mut go_on = || report.stage(Stage::Refits, found.findings.len());
-    let Some(without) = find_slack(&tolerant, &rival, &mut go_on)? else {
+    let Some(without) = find_slack(dataset, &rival, &mut go_on)? else {
         return Ok(());
     };
     let mut slack = without.slack;
     slack.log_odds = without.log_evidence - known;
-    if slack.log_odds < 0.0 {
+    if !slack.is_left_out() {
         found.slack = Some(slack);
         return Ok(());
     }
-    let left = Dataset {
-        robot: dataset.robot.clone(),
-        measurements: without.dataset.measurements,
-    };
-    let mut other = diagnose_as_drawn(&left, options, report)?;
+    let mut other = diagnose_independent((&without.dataset, rows), options, report)?;
     if other.extended.adequate {
         other.slack = Some(slack);
         *found = other;
@@ -178,51 +168,30 @@ fn log_evidence(found: &Diagnosis) -> f64 {
     findings.sum::<f64>() - 0.5 * found.extended.global.chi2
 }
 
-/// Chi-square of the model of a dataset without a cause.
-fn chi2_of_model(dataset: &Dataset) -> Result<f64, EstimationError> {
-    let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
-    let (averaged, _) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
-    let dataset = Dataset {
-        robot: with_assumed_tolerances(&dataset.robot),
-        measurements: averaged.into_owned(),
-    };
-    let problem = problem_at_fitted_poses(&dataset)?;
-    Ok(Fit::new(&problem, &[])?.solution.chi2)
-}
-
-/// The diagnosis with the places of the pulleys as the description states them.
-fn diagnose_as_drawn(
-    dataset: &Dataset,
+/// Diagnoses independent rows; `rows` is the largest number that was averaged.
+fn diagnose_independent(
+    (dataset, rows): (&Dataset, usize),
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
 ) -> Result<Diagnosis, EstimationError> {
     report.stage(Stage::BaseFit, 0);
-    let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
-    let (averaged, rows) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
-    let are_stated = dataset.robot.tolerances.is_some();
-    let dataset = Dataset {
-        robot: with_assumed_tolerances(&dataset.robot),
-        measurements: averaged.into_owned(),
-    };
-    let mut problem = problem_at_fitted_poses(&dataset)?;
+    let mut problem = problem_at_fitted_poses(dataset)?;
     let mut first = Fit::new(&problem, &[])?;
     let channels = find_exchange(&first, report)?;
     if let Channels::PulleysExchanged(solution) = &channels {
         problem = problem.at_poses_of(solution);
         first = Fit::new(&problem, &[])?;
     }
-    let mut found = match &channels {
+    match &channels {
         Channels::Exchanged(exchange) => {
             let mut after = problem_at_fitted_poses(&exchange.dataset)?;
             after.held_effects.extend(exchange.bounds.iter().cloned());
             let second = Fit::new(&after, &[])?;
             let exchanged = exchange.findings(&first, &second);
-            examine(&after, (&first, rows), exchanged, options, report)?
+            examine(&after, (&first, rows), exchanged, options, report)
         }
-        _ => examine(&problem, (&first, rows), Vec::new(), options, report)?,
-    };
-    found.tolerances.are_stated = are_stated;
-    Ok(found)
+        _ => examine(&problem, (&first, rows), Vec::new(), options, report),
+    }
 }
 
 /// Examines a problem. `first` is the fit of the model as supplied, `rows` the largest number of averaged rows of a

@@ -8,14 +8,12 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
+use super::budget::MIN_KNOWN_SHARE;
 use super::priors::{PLACES_WIDER, WRONG_DRAWING};
 use crate::estimation::{ParameterId, Solution};
 use crate::kinematics::{ForwardKinematics, inverse_kinematics};
 use crate::robot::{PerAxis, Robot};
 use crate::statistics::chi_square_survival;
-
-/// Largest share of the stated variance that readings may leave for a displacement to be tested.
-const LEAST_KNOWN: f64 = 1e-6;
 
 /// How the places of the pulleys differ from the drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,7 +123,7 @@ impl Displacements {
             let sizes = self.along(&self.weights(robot, pattern)?);
             let [size, stated, estimated] = sizes;
             let variance = stated - estimated;
-            (variance > LEAST_KNOWN * stated).then(|| TestedPattern {
+            (variance > MIN_KNOWN_SHARE * stated).then(|| TestedPattern {
                 pattern,
                 sizes,
                 chi2: size * size / variance,

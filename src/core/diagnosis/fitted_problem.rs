@@ -1,7 +1,8 @@
 //! The problem from which a diagnosis starts.
 
+use super::budget::MOST_DIAGNOSED_ROWS;
 use super::fit::Fit;
-use crate::effect::BoundEffect;
+use crate::effect::{BoundEffect, measurements_as_modelled};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 use crate::robot::{PartTolerances, Robot};
@@ -13,6 +14,24 @@ pub(super) fn with_assumed_tolerances(robot: &Robot) -> Robot {
     robot.deviations.clear();
     robot.tolerances.get_or_insert_with(PartTolerances::typical);
     robot
+}
+
+/// What a diagnosis takes of a dataset: channels as the model states them, rows of one standstill averaged, recordings in motion and
+/// very many poses thinned, and the tolerances that it assumes; with the largest number of averaged rows of a standstill.
+pub(super) fn independent_dataset(dataset: &Dataset) -> Result<(Dataset, usize), EstimationError> {
+    let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
+    let (averaged, rows) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
+    let independent = Dataset {
+        robot: with_assumed_tolerances(&dataset.robot),
+        measurements: averaged.into_owned(),
+    };
+    Ok((independent, rows))
+}
+
+/// Chi-square of the model of a dataset without a cause.
+pub(super) fn chi2_without_causes(dataset: &Dataset) -> Result<f64, EstimationError> {
+    let problem = problem_at_fitted_poses(dataset)?;
+    Ok(Fit::new(&problem, &[])?.solution.chi2)
 }
 
 /// The problem with the effects of the model estimated, as far as readings depend on them, and evaluated at the poses of

@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 use super::budget::MIN_REDUNDANCY_OF_TAILS;
 use super::inference::Inference;
 use super::priors::{HEAVY_TAILS, TAIL_FREEDOMS, TAIL_SCALES};
-use super::report::Quantity;
+use super::report::{Cause, Quantity};
 use super::residual_space::ResidualSpace;
 use crate::effect::Search;
 use crate::statistics::log_sum;
@@ -27,13 +27,15 @@ struct WrongReading {
 
 /// For each cause of an inference the odds that heavy tails explain it; 0 for causes other than single wrong readings.
 pub(super) fn odds_of_heavy_tails(inference: &Inference<'_>) -> Vec<f64> {
+    let causes = &inference.fit.causes;
+    let is_wrong_reading = |cause: &Cause| matches!(cause.effect().search(), Search::AtPose(_));
+    if !causes.iter().any(is_wrong_reading) {
+        return vec![0.0; causes.len()];
+    }
     let sds = inference.sds().into_iter().enumerate();
     let wrong: Vec<Option<WrongReading>> = sds
         .map(|(cause, sds)| wrong_reading(inference, cause, &sds))
         .collect();
-    if wrong.iter().all(Option::is_none) {
-        return vec![0.0; wrong.len()];
-    }
     let space = ResidualSpace::new(&inference.fit.linearisation());
     let odds = |own: &Option<WrongReading>| {
         let Some(own) = own else {

@@ -446,6 +446,14 @@ pub struct SlackCable {
     pub log_odds: f64,
 }
 
+impl SlackCable {
+    /// Whether it is likelier than other causes, so that its readings are left out.
+    #[must_use]
+    pub fn is_left_out(&self) -> bool {
+        self.log_odds >= 0.0
+    }
+}
+
 /// An effect that the data cannot reveal at its typical size.
 #[derive(Debug, Clone)]
 pub struct Invisible {

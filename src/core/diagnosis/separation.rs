@@ -4,14 +4,13 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::budget::{
-    MAX_REPEATS, MAX_SEPARATING_POSES, MIN_SEPARATING_POSES, MOST_DIAGNOSED_ROWS, PROPOSED_POSES,
-    SEPARATING_SEED,
+    MAX_REPEATS, MAX_SEPARATING_POSES, MIN_SEPARATING_POSES, PROPOSED_POSES, SEPARATING_SEED,
 };
 use super::calibration::DECISIVE_CHI2;
 use super::fit::Fit;
-use super::fitted_problem::{problem_at_fitted_poses, with_assumed_tolerances};
+use super::fitted_problem::{independent_dataset, problem_at_fitted_poses};
 use super::report::{Cause, Separation};
-use crate::effect::{Search, measurements_as_modelled};
+use crate::effect::Search;
 use crate::estimation::{
     Control, EstimationError, Geometry, Linearisation, Options, Problem, Solution, solve,
 };
@@ -68,12 +67,7 @@ pub fn expected_separation(
     sets: &[&[Cause]],
     poses: &[Pose],
 ) -> Result<Vec<Option<Vec<f64>>>, EstimationError> {
-    let measurements = measurements_as_modelled(&dataset.robot, &dataset.measurements)?;
-    let (averaged, _) = measurements.independent(&dataset.robot, MOST_DIAGNOSED_ROWS);
-    let dataset = Dataset {
-        robot: with_assumed_tolerances(&dataset.robot),
-        measurements: averaged.into_owned(),
-    };
+    let (dataset, _) = independent_dataset(dataset)?;
     let problem = problem_at_fitted_poses(&dataset)?;
     let fits: Result<Vec<Fit<'_>>, _> = sets.iter().map(|set| Fit::new(&problem, set)).collect();
     let fits = fits?;

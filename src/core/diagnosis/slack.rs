@@ -20,7 +20,7 @@ use super::budget::{
     LARGEST_SHARE_OF_SLACK, MAX_SLACK_CABLES, MAX_SLACK_POSES, MIN_REDUNDANCY_OF_SLACK, MIN_RELIEF,
 };
 use super::fit::Fit;
-use super::fitted_problem::problem_at_fitted_poses;
+use super::fitted_problem::{chi2_without_causes, problem_at_fitted_poses};
 use super::priors::{LARGEST_SLACK_M, SLACK_CABLE, SLACK_FORCE};
 use super::report::SlackCable;
 use super::residual_space::ResidualSpace;
@@ -52,7 +52,7 @@ pub(super) struct Rival {
     pub chi2: f64,
 }
 
-/// The slack cable that explains most of the misfit of a dataset, which has tolerances; `None` if none is as good as a rival, or
+/// The slack cable that explains most of the misfit of an independent dataset; `None` if none is as good as a rival, or
 /// `go_on` says no. Without force sensors, only the cables whose readings are too long by most are tried.
 pub(super) fn find_slack(
     dataset: &Dataset,
@@ -120,7 +120,7 @@ fn slack_of(
             leave_out(&mut left, *row, cable);
         }
         let sd_m = dataset.robot.cables[cable].winch.length_sd_m;
-        let chi2 = chi2_of(&left)?;
+        let chi2 = chi2_without_causes(&left)?;
         let log_evidence = log_prior - possible.len() as f64 * price(sd_m) - 0.5 * chi2;
         return Ok(Some(without(left, &possible, None, log_evidence)));
     }
@@ -166,11 +166,6 @@ fn log_share_of(rows: &[usize], possible: &[usize]) -> f64 {
     let whichever = -((all + 1) as f64).ln() - ln_binomial(all, rows.len() as u64);
     let in_runs = -((all / 2 + 1) as f64).ln() - ln_binomial(all + 1, 2 * starts.count() as u64);
     log_sum([whichever, in_runs].into_iter()) - std::f64::consts::LN_2
-}
-
-fn chi2_of(dataset: &Dataset) -> Result<f64, EstimationError> {
-    let problem = problem_at_fitted_poses(dataset)?;
-    Ok(Fit::new(&problem, &[])?.solution.chi2)
 }
 
 /// Whether a cable may be slack at a row: its sensor, if it has one, reads no force.

@@ -44,7 +44,7 @@ impl Diagnosed {
             None => "its force sensor reads nothing there".to_owned(),
         };
         let (yes, no) = (slack.log_odds.exp(), (-slack.log_odds).exp());
-        if slack.log_odds < 0.0 {
+        if !slack.is_left_out() {
             return vec![
                 format!(
                     "{} may instead be slack at {when}: {excess}. The odds are {} to 1 against it.",

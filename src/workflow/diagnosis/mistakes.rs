@@ -1,7 +1,7 @@
 //! Mistakes in the readings that a check finds, undone before a diagnosis: no linear comparison of causes finds what is wrong by
 //! a factor of two or by a whole turn.
 
-use tautline_core::effect::EffectSetting;
+use tautline_core::effect::{EffectSetting, find};
 use tautline_core::measurement::Dataset;
 use tautline_import::{Mistake, Suggestion, check_table};
 
@@ -40,15 +40,14 @@ pub(super) fn without_mistakes(dataset: &Dataset) -> Option<(Dataset, Vec<Sugges
         undone.extend(new);
     }
     if undone.iter().any(|one| one.mistake == Mistake::OtherFrame) {
-        corrected.robot.effects.push(EffectSetting {
+        let frame = find(FRAME).map(|effect| EffectSetting {
             effect: FRAME.to_owned(),
             targets: Vec::new(),
-            parameters: [
-                "shift_x", "shift_y", "shift_z", "turn_x", "turn_y", "turn_z",
-            ]
-            .map(|name| (name.to_owned(), 0.0))
-            .into(),
+            parameters: (effect.parameters().iter())
+                .map(|parameter| (parameter.name.to_owned(), parameter.neutral))
+                .collect(),
         });
+        corrected.robot.effects.extend(frame);
     }
     (!undone.is_empty()).then_some((corrected, undone))
 }

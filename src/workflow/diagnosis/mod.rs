@@ -28,13 +28,12 @@ use tautline_core::measurement::Dataset;
 use tautline_session::Session;
 
 use crate::identification::Identification;
+use mistakes::without_mistakes;
 
 pub use cause::cause_title;
 pub use diagnosed::Diagnosed;
 pub use document::{DiagnosisDocument, FindingDocument, GainDocument, ParameterDocument};
 pub use finding::{gain, is_improvement};
-use mistakes::without_mistakes;
-
 pub use invisible::{HIDDEN, Undetectable};
 pub use proposal::{Proposal, proposal};
 pub use stage::stage;
@@ -46,8 +45,8 @@ pub const TIME_LIMIT_S: f64 = 60.0;
 /// Time that the end of an interrupted diagnosis takes, in multiples of its longest step so far: the model is tested without a cause.
 const END_STEPS: f64 = 2.0;
 
-/// Diagnoses the model of a dataset with its raw measurements, after undoing mistakes that the check finds, averaging the rows of each standstill
-/// and thinning recordings in motion, at a false-alarm probability and within a time limit (s).
+/// Diagnoses the model of a dataset with its raw measurements, after undoing mistakes that the check finds, averaging the rows of
+/// each standstill and thinning recordings in motion, at a false-alarm probability and within a time limit (s).
 ///
 /// # Errors
 /// If the data cannot be used for an identification.

@@ -145,7 +145,7 @@ impl Diagnosed {
     /// Whether readings of a slack cable are left out.
     fn is_slack(&self) -> bool {
         let slack = self.diagnosis.slack.as_ref();
-        slack.is_some_and(|slack| slack.log_odds > 0.0)
+        slack.is_some_and(|slack| slack.is_left_out())
     }
 
     /// Number of findings that are causes.

@@ -9,7 +9,7 @@ use crate::layout::{root, rust_files};
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
     ("cli", 7887),
-    ("core", 36878),
+    ("core", 36862),
     ("import", 17244),
     ("link", 10439),
     ("python", 953),
