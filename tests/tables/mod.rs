@@ -2,6 +2,7 @@
 
 pub mod adjusted;
 pub mod damaged_files;
+pub mod field;
 pub mod formulas;
 pub mod hangprinter;
 pub mod health;

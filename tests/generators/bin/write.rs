@@ -13,9 +13,9 @@ use tautline_validation::support::window;
 use tautline_validation::tables::hidden::Records;
 use tautline_validation::tables::motion::{Late, RECORDING};
 use tautline_validation::tables::{
-    adjusted, damaged_files, formulas, hangprinter, health, hypothesis_files, isolability, kills,
-    live_readings, lives, many_poses, motion, nist, random_robots, soak, study_speed, table1,
-    tolerances, truth, until, which_sensor,
+    adjusted, damaged_files, field, formulas, hangprinter, health, hypothesis_files, isolability,
+    kills, live_readings, lives, many_poses, motion, nist, random_robots, soak, study_speed,
+    table1, tolerances, truth, until, which_sensor,
 };
 
 /// Presets of the truth study.
@@ -46,6 +46,8 @@ const KILLS_SEED: u64 = 50_000;
 const SOAK_SEED: u64 = 52_000;
 /// Seed of the damage to files.
 const DAMAGE_SEED: u64 = 51_000;
+/// Seed of the first machine with a fault of the field.
+const FIELD_SEED: u64 = 53_000;
 /// Seed of the first robot that is measured until it is certain.
 const UNTIL_SEED: u64 = 46_000;
 /// Where the outcomes of the studies are kept, so that they go on where they were interrupted.
@@ -53,7 +55,7 @@ const RECORDS: &str = "target/studies.jsonl";
 const UNTIL_RECORDS: &str = "target/until.jsonl";
 const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], soak [POSES], kills [RUNS [ads | none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], clean-robots [ROBOTS [FIRST_SEED]], over-poses [POSES], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], soak [POSES], kills [RUNS [ads | none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], clean-robots [ROBOTS [FIRST_SEED]], over-poses [POSES], field [EACH [FIRST_SEED [WHAT]]], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, hypotheses, random-runs PROGRAM FOLDER [RUNS]";
 
@@ -92,6 +94,7 @@ fn main() -> Result<()> {
         Some("tolerances") => println!("{}", tolerances_table(argument)?),
         Some("clean-robots") => println!("{}", clean_robots_table(&arguments[1..])?),
         Some("over-poses") => println!("{}", over_poses_table(argument)?),
+        Some("field") => println!("{}", field_table(&arguments[1..])?),
         Some("formulas") => println!("{}", formulas_table(argument)?),
         Some("hypothesis-files") => println!("{}", files_table(&arguments[1..])?),
         Some("health") => println!("{}", health_table(argument)?),
@@ -234,6 +237,16 @@ fn over_poses_table(poses: Option<&str>) -> Result<String> {
     let numbers = one.map_or(NUMBERS_OF_POSES.to_vec(), |poses| vec![poses]);
     let rows = random_robots::over_poses(&numbers, ROBOTS_SEED)?;
     Ok(random_robots::poses_markdown(&rows))
+}
+
+/// Diagnoses so many random machines with each fault of the field, or with one, from a seed on; what is missed or false goes to standard
+/// error.
+fn field_table(arguments: &[String]) -> Result<String> {
+    let number = |k: usize| arguments.get(k).map(|text| text.parse::<u64>()).transpose();
+    let each = number(0)?.unwrap_or(40) as usize;
+    let first_seed = number(1)?.unwrap_or(FIELD_SEED);
+    let rows = field::study(each, first_seed, arguments.get(2).map(String::as_str))?;
+    Ok(field::markdown(&rows))
 }
 
 fn truth_table(data_sets: Option<&str>) -> Result<String> {

@@ -19,7 +19,7 @@ mod names;
 mod outside;
 mod plans;
 mod records;
-mod robots;
+pub mod robots;
 mod run;
 mod setup;
 mod several;

@@ -1,0 +1,115 @@
+//! Right answers as data, and what is made of the answer of a diagnosis.
+
+use tautline_core::diagnosis::{DrawingPattern, Finding, Verdict};
+use tautline_workflow::diagnosis::Diagnosed;
+
+/// What should be said.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Right {
+    /// Causes by effect and cables, counted from 1; an empty list stands for any cables.
+    Causes(Vec<(&'static str, Vec<usize>)>),
+    /// Columns in which there is a mistake, beside which nothing is named but an offset.
+    Mistake(Vec<String>),
+    /// Cable, counted from 1, and labels of the poses at which it is slack.
+    Slack(usize, Vec<i64>),
+    /// The places of the pulleys.
+    Drawing(Option<DrawingPattern>),
+    /// Nothing is wrong, or nothing that these readings say.
+    Nothing,
+    /// Something remains, and one of these may be named.
+    AtMost(Vec<&'static str>),
+}
+
+/// What an answer is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Answer {
+    /// The cause is named or the mistake said; nothing is said where nothing is wrong.
+    Right,
+    /// The cause is among those that are possible.
+    Listed,
+    /// It is not said, and nothing else is named.
+    Missed,
+    /// Something else is named.
+    False(String),
+}
+
+/// Effect and cables, counted from 1.
+type Cause = (&'static str, Vec<usize>);
+
+fn causes(finding: &Finding) -> impl Iterator<Item = Cause> {
+    finding.causes().map(|cause| {
+        let cables = cause.cables().into_iter().map(|cable| cable + 1);
+        (cause.effect().id(), cables.collect())
+    })
+}
+
+/// Causes that may be named beside a mistake in the readings: what its correction leaves.
+const BESIDE_MISTAKES: [&str; 3] = ["winch_offset", "cable_swap", "tracker_frame"];
+
+/// Judges an answer.
+#[must_use]
+pub fn judged(told: &Diagnosed, right: &Right) -> Answer {
+    let findings = &told.diagnosis.findings;
+    let named: Vec<Cause> = (findings.iter())
+        .filter(|finding| finding.verdict() == Verdict::Named)
+        .flat_map(causes)
+        .collect();
+    let listed: Vec<Cause> = findings.iter().flat_map(causes).collect();
+    let is = |one: &Cause, wanted: &Cause| {
+        one.0 == wanted.0 && (wanted.1.is_empty() || one.1 == wanted.1)
+    };
+    let said: Vec<&str> = (told.mistakes.iter())
+        .flat_map(|one| &one.columns)
+        .map(String::as_str)
+        .collect();
+    let slack = told.diagnosis.slack.as_ref();
+    let slack = slack.filter(|slack| slack.is_left_out());
+    let drawing = told.diagnosis.drawing.as_ref();
+    let wanted: &[Cause] = match right {
+        Right::Causes(wanted) => wanted,
+        _ => &[],
+    };
+    let is_meant = |one: &Cause| match right {
+        Right::Mistake(_) => BESIDE_MISTAKES.contains(&one.0),
+        Right::AtMost(effects) => effects.contains(&one.0),
+        _ => wanted.iter().any(|wanted| is(one, wanted)),
+    };
+    let mut other: Vec<String> = (named.iter().filter(|one| !is_meant(one)))
+        .map(|one| format!("{one:?}"))
+        .collect();
+    if !said.is_empty() && !matches!(right, Right::Mistake(_)) {
+        other.push(format!("mistake in {said:?}"));
+    }
+    let has_slack = matches!(right, Right::Slack(..));
+    other
+        .extend((slack.filter(|_| !has_slack)).map(|one| format!("cable {} slack", one.cable + 1)));
+    let has_drawing = matches!(right, Right::Drawing(_) | Right::AtMost(_));
+    other
+        .extend((drawing.filter(|_| !has_drawing)).map(|one| format!("drawing {:?}", one.pattern)));
+    if !other.is_empty() {
+        return Answer::False(other.join(", "));
+    }
+    let all = |among: &[Cause]| {
+        let is_there = |wanted| among.iter().any(|one| is(one, wanted));
+        wanted.iter().all(is_there)
+    };
+    let is_right = match right {
+        Right::Causes(_) if all(&named) => true,
+        Right::Causes(_) if all(&listed) => return Answer::Listed,
+        Right::Causes(_) => false,
+        Right::Mistake(columns) => columns.iter().all(|column| said.contains(&column.as_str())),
+        Right::Slack(cable, poses) => {
+            slack.is_some_and(|slack| slack.cable + 1 == *cable && slack.poses == *poses)
+        }
+        Right::Drawing(pattern) => {
+            drawing.is_some_and(|found| pattern.is_none_or(|p| p == found.pattern))
+        }
+        Right::Nothing => findings.is_empty(),
+        Right::AtMost(_) => true,
+    };
+    if is_right {
+        Answer::Right
+    } else {
+        Answer::Missed
+    }
+}
