@@ -21,7 +21,7 @@ use super::budget::{
 };
 use super::fit::Fit;
 use super::fitted_problem::{chi2_without_causes, problem_at_fitted_poses};
-use super::priors::{LARGEST_SLACK_M, SLACK_CABLE, SLACK_FORCE};
+use super::priors::{LARGEST_SLACK, SLACK_CABLE, SLACK_FORCE};
 use super::report::SlackCable;
 use super::residual_space::ResidualSpace;
 use crate::estimation::EstimationError;
@@ -110,7 +110,8 @@ fn slack_of(
             log_evidence,
         }
     };
-    let price = |sd_m: f64| (LARGEST_SLACK_M / (TAU.sqrt() * sd_m)).ln().max(0.0);
+    let largest_m = largest_slack_m(dataset);
+    let price = |sd_m: f64| (largest_m / (TAU.sqrt() * sd_m)).ln().max(0.0);
     let mut left = dataset.clone();
     if is_read {
         if possible.is_empty() || possible.len() > most {
@@ -207,9 +208,14 @@ fn too_long(fit: &Fit<'_>, dataset: &Dataset, cable: usize) -> Vec<TooLong> {
             relief: space.residual[k].powi(2) / redundancy[k],
         })
     });
+    let largest_m = largest_slack_m(dataset);
     let is_relief =
-        |one: &TooLong| (0.0..LARGEST_SLACK_M).contains(&one.excess_m) && one.relief > MIN_RELIEF;
+        |one: &TooLong| (0.0..largest_m).contains(&one.excess_m) && one.relief > MIN_RELIEF;
     of_cable.filter(is_relief).collect()
+}
+
+fn largest_slack_m(dataset: &Dataset) -> f64 {
+    LARGEST_SLACK * dataset.robot.frame_size_m().unwrap_or(0.0)
 }
 
 fn leave_out(dataset: &mut Dataset, row: usize, cable: usize) {

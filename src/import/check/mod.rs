@@ -31,11 +31,16 @@ pub use suggestion::{Change, Mistake, Suggestion};
 const FEWEST: usize = 6;
 /// A channel fits if the scatter about its line is below this fraction of its own scatter.
 const FITS: f64 = 0.25;
-/// A channel does not fit above this fraction.
-const MISFITS: f64 = 0.4;
+/// A channel is another cable's if its scatter about the line of that is so many times smaller: what places of pulleys that are wrong
+/// by centimetres leave is alike for both.
+const APART: f64 = 3.0;
 /// An offset of a cable above this share of the frame is a piece of cable, if it is this many times the usual one.
 const EXTENSION: f64 = 0.05;
 const EXTENSIONS_APART: f64 = 10.0;
+/// From this share on the readings of all winches are those of other drums, if they are alike within this one: below, the diagnosis
+/// estimates their scale with its uncertainty.
+const OTHER_DRUMS: f64 = 0.05;
+const ALIKE: f64 = 0.02;
 /// A slope is a known factor within this share of it. Drums and pulleys are known far better.
 const FACTOR: f64 = 0.12;
 
@@ -391,21 +396,19 @@ fn compare(
         .zip(&values)
         .map(|(column, values)| fit(column.expected, values))
         .collect();
-    let misfits = |k: usize| own[k].is_some_and(|line| line.scatter > MISFITS);
     let mut exchanged = vec![false; columns.len()];
     for i in 0..columns.len() {
         for j in 0..i {
+            // Whichever way a channel runs, the values of another cable fit it many times better than its own.
             let fits = |value: usize, expected: usize| {
-                fit(columns[expected].expected, &values[value])
-                    .is_some_and(|line| line.scatter < FITS && line.slope > 0.0)
+                let Some(as_other) = fit(columns[expected].expected, &values[value]) else {
+                    return false;
+                };
+                as_other.slope > 0.0
+                    && as_other.scatter < FITS
+                    && own[value].is_some_and(|line| line.scatter > APART * as_other.scatter)
             };
-            if misfits(i)
-                && misfits(j)
-                && !exchanged[i]
-                && !exchanged[j]
-                && fits(i, j)
-                && fits(j, i)
-            {
+            if !exchanged[i] && !exchanged[j] && fits(i, j) && fits(j, i) {
                 exchanged[i] = true;
                 exchanged[j] = true;
                 let (a, b) = (columns[j].quantity.column(), columns[i].quantity.column());
@@ -538,16 +541,17 @@ fn extensions(
 }
 
 fn signs(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
-    // Distances and lengths have no sign that could be reversed.
-    if columns
-        .first()
-        .is_none_or(|column| matches!(column.quantity.kind, Kind::Laser | Kind::Length))
-    {
-        return;
-    }
+    // Distances and lengths have no sign that could be reversed, but one that is wrong.
+    let may_be_reversed = |k: usize| match columns[k].quantity.kind {
+        Kind::Laser | Kind::Length => {
+            let there = columns[k].values.iter().copied();
+            median(there.filter(|value| value.is_finite())).is_some_and(|middle| middle < 0.0)
+        }
+        _ => true,
+    };
     let negative: Vec<usize> = fitting
         .iter()
-        .filter(|(_, line)| line.slope < 0.0)
+        .filter(|(k, line)| line.slope < 0.0 && may_be_reversed(*k))
         .map(|(k, _)| *k)
         .collect();
     let name = |k: usize| columns[k].quantity.column();
@@ -578,6 +582,7 @@ fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
         Kind::Revolutions | Kind::Length => &COUNTS[..],
         _ => &[],
     };
+    let mut is_known = false;
     for (factor, unit) in factors(kind).iter().chain(counts) {
         for (inverse, factor) in [(false, *factor), (true, 1.0 / factor)] {
             let is_factor = |line: &Line| (line.slope.abs() / factor - 1.0).abs() < FACTOR;
@@ -599,7 +604,33 @@ fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
             let sentence =
                 |names: &str| format!("{names}: {times:.4} times {how} for these poses: {why}");
             found.push(Suggestion::multiply(columns, 1.0 / factor, sentence));
+            is_known = true;
         }
+    }
+    if kind == Kind::Revolutions && !is_known && fitting.len() == columns.len() {
+        other_drums(columns, fitting, found);
+    }
+}
+
+/// Finds a ratio by which the readings of all winches differ, as those of a machine with other drums or gears.
+fn other_drums(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Suggestion>) {
+    let slopes = fitting.iter().map(|(_, line)| line.slope);
+    let Some(ratio) = median(slopes.clone()).filter(|ratio| *ratio > 0.0) else {
+        return;
+    };
+    let is_common = slopes.fold(0.0_f64, |most, slope| most.max((slope / ratio - 1.0).abs()));
+    if is_common < ALIKE && (ratio - 1.0).abs() > OTHER_DRUMS {
+        let columns = columns.iter().map(|column| column.quantity.column());
+        let sentence = |names: &str| {
+            format!(
+                "{names}: all {ratio:.3} times what these poses need: drums, gears or counts of another machine"
+            )
+        };
+        found.push(Suggestion::multiply(
+            columns.collect(),
+            1.0 / ratio,
+            sentence,
+        ));
     }
 }
 

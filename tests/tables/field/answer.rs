@@ -43,8 +43,15 @@ fn causes(finding: &Finding) -> impl Iterator<Item = Cause> {
     })
 }
 
+/// The cause that states exchanged channels, which the check may leave to the diagnosis.
+const EXCHANGED: &str = "cable_swap";
 /// Causes that may be named beside a mistake in the readings: what its correction leaves.
-const BESIDE_MISTAKES: [&str; 3] = ["winch_offset", "cable_swap", "tracker_frame"];
+const BESIDE_MISTAKES: [&str; 4] = [
+    "winch_offset",
+    EXCHANGED,
+    "tracker_frame",
+    "winch_scale_common",
+];
 
 /// Judges an answer.
 #[must_use]
@@ -97,7 +104,16 @@ pub fn judged(told: &Diagnosed, right: &Right) -> Answer {
         Right::Causes(_) if all(&named) => true,
         Right::Causes(_) if all(&listed) => return Answer::Listed,
         Right::Causes(_) => false,
-        Right::Mistake(columns) => columns.iter().all(|column| said.contains(&column.as_str())),
+        Right::Mistake(columns) => {
+            let exchanged = named.iter().filter(|(effect, _)| *effect == EXCHANGED);
+            let exchanged: Vec<String> = exchanged
+                .flat_map(|(_, cables)| cables)
+                .flat_map(|cable| [format!("rev_{cable}"), format!("length_{cable}_m")])
+                .collect();
+            let is_said =
+                |column: &String| said.contains(&column.as_str()) || exchanged.contains(column);
+            columns.iter().all(is_said)
+        }
         Right::Slack(cable, poses) => {
             slack.is_some_and(|slack| slack.cable + 1 == *cable && slack.poses == *poses)
         }

@@ -326,7 +326,8 @@ pub fn put(fault: Fault, dataset: &mut Dataset, rng: &mut impl Rng) -> Option<Ri
             for cable in 0..count {
                 wind(dataset, cable, |_, value| factor * value);
             }
-            Some(Right::Causes(vec![("winch_scale_common", vec![])]))
+            let all = (0..count).map(|cable| column(dataset, cable));
+            Some(Right::Mistake(all.collect()))
         }
         Fault::RowsTwice => {
             let mut again = dataset.measurements.clone();

@@ -6,12 +6,14 @@ mod machine;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::Result;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use tautline_core::estimation::Control;
+use tautline_session::{PhaseData, write_dataset};
 use tautline_workflow::diagnosis::{TIME_LIMIT_S, diagnose_dataset};
 
 use super::parallel::in_parallel;
@@ -29,21 +31,33 @@ pub struct Row {
     seconds: Vec<f64>,
 }
 
+/// What is diagnosed, and what is done with it.
+#[derive(Debug, Clone, Default)]
+pub struct Options<'a> {
+    /// Only the fault of this name.
+    pub only: Option<&'a str>,
+    /// Folder for data sets that are not answered well.
+    pub keep: Option<&'a Path>,
+}
+
 /// Diagnoses so many machines with each fault; what is missed or false goes to standard error.
 ///
 /// # Errors
 /// If a machine cannot be simulated or diagnosed.
-pub fn study(each: usize, first_seed: u64, only: Option<&str>) -> Result<BTreeMap<Fault, Row>> {
+pub fn study(each: usize, first_seed: u64, options: &Options<'_>) -> Result<BTreeMap<Fault, Row>> {
     let faults = Fault::ALL.iter().enumerate();
     let cases: Vec<(Fault, u64)> = faults
-        .filter(|(_, fault)| only.is_none_or(|name| fault.name() == name))
+        .filter(|(_, fault)| options.only.is_none_or(|name| fault.name() == name))
         .flat_map(|(index, fault)| {
             let first = first_seed + (index * each) as u64;
             (first..first + each as u64).map(|seed| (*fault, seed))
         })
         .collect();
     let mut rows: BTreeMap<Fault, Row> = BTreeMap::new();
-    for (case, answer) in cases.iter().zip(in_parallel(&cases, None, answer)) {
+    for (case, answer) in cases
+        .iter()
+        .zip(in_parallel(&cases, None, |case| answer(case, options)))
+    {
         let Some((answer, seconds)) = answer? else {
             continue;
         };
@@ -61,7 +75,7 @@ pub fn study(each: usize, first_seed: u64, only: Option<&str>) -> Result<BTreeMa
 }
 
 /// What is made of one data set, and the time that it takes (s); `None` if the machine cannot have the fault.
-fn answer(case: &(Fault, u64)) -> Result<Option<(Answer, f64)>> {
+fn answer(case: &(Fault, u64), options: &Options<'_>) -> Result<Option<(Answer, f64)>> {
     let (fault, seed) = *case;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut dataset = machine::sound(seed, &mut rng)?;
@@ -69,11 +83,19 @@ fn answer(case: &(Fault, u64)) -> Result<Option<(Answer, f64)>> {
         return Ok(None);
     };
     let name = dataset.robot.name.clone();
-    let options = (0.01, TIME_LIMIT_S);
-    let told = diagnose_dataset(Arc::new(dataset), options, &mut |_| Control::Continue)?;
+    let dataset = Arc::new(dataset);
+    let limits = (0.01, TIME_LIMIT_S);
+    let told = diagnose_dataset(Arc::clone(&dataset), limits, &mut |_| Control::Continue)?;
     let answer = judged(&told, &right);
     if !matches!(answer, Answer::Right | Answer::Listed) {
         let said = told.headline();
+        if let Some(folder) = options.keep {
+            write_dataset(
+                &folder.join(seed.to_string()),
+                &dataset,
+                &PhaseData::default(),
+            )?;
+        }
         eprintln!(
             "{}, seed {seed}, {name}: {answer:?}, expected {right:?}; {said}",
             fault.name()
