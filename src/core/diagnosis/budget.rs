@@ -117,6 +117,8 @@ pub(super) const MIN_FREEDOM: f64 = 2.0;
 pub(super) const MIN_CABLES: usize = 3;
 /// Redundancy below which the residual of a reading says nothing about its error.
 pub(super) const MIN_REDUNDANCY_OF_TAILS: f64 = 0.1;
+/// Share of its prior standard deviation from which on a component of a wrong reading is not determined.
+pub(super) const UNDETERMINED: f64 = 0.5;
 
 // What is reported.
 /// Maximum number of alternatives listed with a cause.

@@ -21,6 +21,9 @@ use crate::effect::{
 };
 use crate::estimation::{Linearisation, ParameterId};
 
+/// On a platform that cannot turn, a wrong attachment point is a wrong place of the pulley, the other way: the drawing's.
+const ATTACHMENT: &str = "platform_anchor";
+
 /// All candidates at a fit, with the generators of their columns.
 pub(super) struct Catalogue {
     pub candidates: Vec<Candidate>,
@@ -56,7 +59,11 @@ impl Catalogue {
                 .chain(shown_by_poses)
                 .chain(shown_by_motion)
         };
-        let tested = || known().filter(|e| e.search() != Search::Exchange);
+        let turns = fit.problem.dataset.robot.platform.turns();
+        let tested = || {
+            let tested = known().filter(|e| e.search() != Search::Exchange);
+            tested.filter(|e| turns || e.id() != ATTACHMENT)
+        };
         let each = EXPECTED_CAUSES / tested().count() as f64;
         let hypotheses = hypotheses(fit, each);
         let of_catalogue = tested().map(|effect| (*effect, each));

@@ -6,7 +6,7 @@
 //! readings contradict the stated places so much that no cause explains them, the places are taken as known [`PLACES_WIDER`]
 //! times less well, at the price `n ln k` of log evidence for `n` coordinates.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector3};
 
 use super::budget::MIN_KNOWN_SHARE;
 use super::priors::{PLACES_WIDER, WRONG_DRAWING};
@@ -140,9 +140,22 @@ impl Displacements {
             .filter(|k| self.places[*k].0 == cable)
             .collect();
         let value = self.values.select_rows(&own);
+        let stated = self.stated.select_rows(&own);
+        let least = MIN_KNOWN_SHARE * stated.max();
         let estimated = self.estimated.select_rows(&own).select_columns(&own);
-        let spread = DMatrix::from_diagonal(&self.stated.select_rows(&own)) - estimated;
-        let chi2 = value.dot(&spread.cholesky()?.solve(&value));
+        let spread = SymmetricEigen::new(DMatrix::from_diagonal(&stated) - estimated);
+        // The readings say nothing of the other directions.
+        let axes = spread
+            .eigenvalues
+            .iter()
+            .zip(spread.eigenvectors.column_iter());
+        let seen: Vec<f64> = axes
+            .filter(|(variance, _)| **variance > least)
+            .map(|(variance, axis)| axis.dot(&value).powi(2) / variance)
+            .collect();
+        if seen.is_empty() {
+            return None;
+        }
         let mut weights = DVector::zeros(self.places.len());
         let norm = value.norm().max(f64::MIN_POSITIVE);
         for (k, component) in own.iter().zip(&value) {
@@ -151,8 +164,8 @@ impl Displacements {
         Some(TestedPattern {
             pattern: DrawingPattern::Pulley(cable),
             sizes: self.along(&weights),
-            chi2,
-            numbers: own.len(),
+            chi2: seen.iter().sum(),
+            numbers: seen.len(),
         })
     }
 

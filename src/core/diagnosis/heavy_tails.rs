@@ -7,7 +7,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::budget::MIN_REDUNDANCY_OF_TAILS;
+use super::budget::{MIN_REDUNDANCY_OF_TAILS, UNDETERMINED};
 use super::inference::Inference;
 use super::priors::{HEAVY_TAILS, TAIL_FREEDOMS, TAIL_SCALES};
 use super::report::{Cause, Quantity};
@@ -15,14 +15,24 @@ use super::residual_space::ResidualSpace;
 use crate::effect::Search;
 use crate::statistics::log_sum;
 
-/// A single wrong reading.
-#[derive(Debug, Clone, Copy)]
+/// A single wrong reading, of one number or of a vector.
+#[derive(Debug, Clone)]
 struct WrongReading {
     quantity: Quantity,
-    /// Its error in standard deviations.
-    size: f64,
-    /// Log prior probability of a wrong reading times the prior density of its error, per standard deviation.
+    /// Its errors in standard deviations, without components that the readings do not determine.
+    errors: Vec<f64>,
+    /// Log prior probability of a wrong reading times the prior density of its errors, per standard deviation.
     log_prior: f64,
+}
+
+impl WrongReading {
+    fn size(&self) -> f64 {
+        self.errors
+            .iter()
+            .map(|error| error * error)
+            .sum::<f64>()
+            .sqrt()
+    }
 }
 
 /// For each cause of an inference the odds that heavy tails explain it; 0 for causes other than single wrong readings.
@@ -43,8 +53,8 @@ pub(super) fn odds_of_heavy_tails(inference: &Inference<'_>) -> Vec<f64> {
         };
         // Larger errors may be wrong readings all the same.
         let alike = wrong.iter().flatten();
-        let alike = alike.filter(|w| w.quantity == own.quantity && w.size <= own.size);
-        let alike: Vec<WrongReading> = alike.copied().collect();
+        let alike = alike.filter(|w| w.quantity == own.quantity && w.size() <= own.size());
+        let alike: Vec<&WrongReading> = alike.collect();
         let others = other_residuals(&space, own.quantity, &alike);
         log_odds(&alike, &others).exp()
     };
@@ -60,12 +70,25 @@ fn wrong_reading(
     let Search::AtPose(pose) = bound.effect.search() else {
         return None;
     };
-    let error = (0..bound.values.len()).find(|k| *k != pose)?;
-    let sd = (*sds.first()?)?;
+    let of_errors = (0..bound.values.len()).filter(|k| *k != pose);
+    let known = of_errors
+        .zip(sds)
+        .enumerate()
+        .filter_map(|(column, (k, sd))| {
+            let prior_sd = bound.effect.parameters()[k].prior_sd;
+            let sd = sd.filter(|sd| *sd < UNDETERMINED * prior_sd)?;
+            Some(((column, bound.values[k]), sd))
+        });
+    let (values, sds): (Vec<(usize, f64)>, Vec<f64>) = known.unzip();
+    if values.is_empty() {
+        return None;
+    }
+    let per_sd: f64 = sds.iter().map(|sd| sd.ln()).sum();
+    let errors = values.iter().zip(&sds).map(|((_, value), sd)| value / sd);
     Some(WrongReading {
         quantity: inference.most_affected_class(cause)?.quantity,
-        size: (bound.values[error] / sd).abs(),
-        log_prior: inference.log_prior_density(cause, bound.values[error]) + sd.ln(),
+        errors: errors.collect(),
+        log_prior: inference.log_prior_density(cause, &values) + per_sd,
     })
 }
 
@@ -73,7 +96,7 @@ fn wrong_reading(
 fn other_residuals(
     space: &ResidualSpace,
     quantity: Quantity,
-    wrong: &[WrongReading],
+    wrong: &[&WrongReading],
 ) -> Vec<(f64, f64)> {
     let redundancy = space.redundancy();
     let rows = (0..space.rows()).filter(|row| {
@@ -90,7 +113,8 @@ fn other_residuals(
         .collect();
     // The residual of a wrong reading is zero, because the fit has its error as a parameter.
     residuals.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-    residuals.drain(..wrong.len().min(residuals.len()));
+    let wrong: usize = wrong.iter().map(|one| one.errors.len()).sum();
+    residuals.drain(..wrong.min(residuals.len()));
     let (squares, weight) = residuals
         .iter()
         .fold((0.0, 0.0), |sum, (r, w)| (sum.0 + w * r * r, sum.1 + w));
@@ -100,16 +124,17 @@ fn other_residuals(
 
 /// Log posterior odds of heavy tails over normal noise with some wrong readings, given the residuals of the other
 /// readings with their weights, all in standard deviations.
-fn log_odds(wrong: &[WrongReading], others: &[(f64, f64)]) -> f64 {
+fn log_odds(wrong: &[&WrongReading], others: &[(f64, f64)]) -> f64 {
     let normal = |z: f64| -0.5 * (z * z + TAU.ln());
     let with_wrong_readings = wrong.iter().map(|w| w.log_prior).sum::<f64>()
         + others.iter().map(|(z, w)| w * normal(*z)).sum::<f64>();
+    let errors = wrong.iter().flat_map(|w| &w.errors);
     let mut with_tails = Vec::new();
     for freedom in TAIL_FREEDOMS {
         for scale in TAIL_SCALES {
             let density = |z: f64| log_student_t(z / scale, freedom) - scale.ln();
             with_tails.push(
-                wrong.iter().map(|w| density(w.size)).sum::<f64>()
+                errors.clone().map(|error| density(*error)).sum::<f64>()
                     + others.iter().map(|(z, w)| w * density(*z)).sum::<f64>(),
             );
         }
@@ -138,14 +163,15 @@ mod tests {
     fn wrong(size: f64) -> WrongReading {
         WrongReading {
             quantity: Quantity::Length,
-            size,
+            errors: vec![size],
             log_prior: -13.0,
         }
     }
 
     fn probability(wrong: &[WrongReading], others: &[f64]) -> f64 {
         let others: Vec<(f64, f64)> = others.iter().map(|z| (*z, 1.0)).collect();
-        1.0 / (1.0 + (-log_odds(wrong, &others)).exp())
+        let wrong: Vec<&WrongReading> = wrong.iter().collect();
+        1.0 / (1.0 + (-log_odds(&wrong, &others)).exp())
     }
 
     #[test]

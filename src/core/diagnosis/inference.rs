@@ -117,13 +117,16 @@ impl Inference<'_> {
             .collect()
     }
 
-    /// Log prior odds of a cause with one parameter, times the prior density of a value of it (in SI units).
-    pub fn log_prior_density(&self, cause: usize, value: f64) -> f64 {
+    /// Log prior odds of a cause, times the prior density of values of some of its columns (in SI units).
+    pub fn log_prior_density(&self, cause: usize, values: &[(usize, f64)]) -> f64 {
         let (index, _) = self.present[cause];
         let candidate = &self.catalogue.candidates[index];
         let density = |(scale, log_weight): &(f64, f64)| {
-            let sd = candidate.prior[(0, 0)] * scale;
-            log_weight - 0.5 * ((value / sd).powi(2) + std::f64::consts::TAU.ln()) - sd.ln()
+            let of_value = |(column, value): &(usize, f64)| {
+                let sd = candidate.prior[(*column, *column)] * scale;
+                -0.5 * ((value / sd).powi(2) + std::f64::consts::TAU.ln()) - sd.ln()
+            };
+            log_weight + values.iter().map(of_value).sum::<f64>()
         };
         candidate.log_odds + log_sum(candidate.scales.iter().map(density))
     }

@@ -179,6 +179,12 @@ impl Platform {
         }
     }
 
+    /// Whether it can turn about any axis.
+    #[must_use]
+    pub fn turns(&self) -> bool {
+        self.free.iter().any(|coordinate| coordinate.index() >= 3)
+    }
+
     /// Inertia about the centre of mass in the platform frame (kg m^2); zero if it is not given.
     #[must_use]
     pub fn inertia(&self) -> Matrix3<f64> {

@@ -151,11 +151,7 @@ fn poses(readings: &Readings, robot: &Robot, kind: Kind) -> Vec<Option<Pose>> {
     };
     let home = robot.home;
     let upright = home.map_or([1.0, 0.0, 0.0, 0.0], |home| home.orientation_wxyz);
-    let rotates = robot
-        .platform
-        .free
-        .iter()
-        .any(|coordinate| coordinate.index() >= 3);
+    let rotates = robot.platform.turns();
     let pose = |row: usize| -> Option<Pose> {
         let position = [0, 1, 2].map(|index| value(index, row));
         let turned = [3, 4, 5, 6].map(|index| value(index, row));

@@ -37,6 +37,8 @@ const APART: f64 = 3.0;
 /// An offset of a cable above this share of the frame is a piece of cable, if it is this many times the usual one.
 const EXTENSION: f64 = 0.05;
 const EXTENSIONS_APART: f64 = 10.0;
+/// Share of an offset within which half of its values lie, if it is constant.
+const CONSTANT: f64 = 0.05;
 /// From this share on the readings of all winches are those of other drums, if they are alike within this one: below, the diagnosis
 /// estimates their scale with its uncertainty.
 const OTHER_DRUMS: f64 = 0.05;
@@ -507,19 +509,24 @@ fn extensions(
     };
     let is_right = |line: &Line| (line.slope - 1.0).abs() < FACTOR;
     let of_length = |k: &usize| columns[*k].quantity.kind == Kind::Length;
-    let offsets: Vec<(usize, f64)> = fitting
+    let offsets: Vec<(usize, f64, f64)> = fitting
         .iter()
         .filter(|(k, line)| of_length(k) && is_right(line))
         .filter_map(|(k, _)| {
             let pairs = columns[*k].values.iter().zip(columns[*k].expected);
             let off = pairs.map(|(read, expected)| read - expected);
-            Some((*k, median(off.filter(|v| v.is_finite()))?))
+            let there = off.filter(|off| off.is_finite());
+            let middle = median(there.clone())?;
+            let varies = median(there.map(|off| (off - middle).abs()))?;
+            Some((*k, middle, varies))
         })
         .collect();
-    for (k, off) in &offsets {
-        let others = offsets.iter().filter(|(other, _)| other != k);
-        let usual = median(others.map(|(_, off)| off.abs())).unwrap_or(f64::INFINITY);
-        if off.abs() > EXTENSION * frame_m && off.abs() > EXTENSIONS_APART * usual {
+    for (k, off, varies) in &offsets {
+        let others = offsets.iter().filter(|(other, ..)| other != k);
+        let usual = median(others.map(|(_, off, _)| off.abs())).unwrap_or(f64::INFINITY);
+        // A pulley elsewhere makes a cable longer at some poses than at others.
+        let is_constant = *varies < CONSTANT * off.abs();
+        if is_constant && off.abs() > EXTENSION * frame_m && off.abs() > EXTENSIONS_APART * usual {
             let column = columns[*k].quantity.column();
             let sentence = format!(
                 "{column} is {:.3} m {} at all poses than these require: a piece of cable that robot.json does not state, or another zero",

@@ -101,6 +101,9 @@ impl Diagnosed {
             ),
         };
         let mut lines = vec![format!("The drawing is wrong: {what}.")];
+        if matches!(drawing.pattern, DrawingPattern::Pulley(_)) && !self.robot().platform.turns() {
+            lines.push("On a platform that does not turn, its attachment point may be off by as much the other way instead.".to_owned());
+        }
         let cables = self.robot().cables.iter().zip(&drawing.displacements_m);
         let places = cables.map(|(cable, by)| {
             let by = AXES.iter().zip(by).filter(|(_, by)| by.abs() > 0.0);
