@@ -28,7 +28,7 @@ use super::report::{
     UnseenFault,
 };
 use super::residual_space::ResidualSpace;
-use super::slack::{Rival, find_slack};
+use super::slack::{Rival, find_slack, usual_variance};
 use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
 use super::unseen::unseen_faults;
 use super::{DiagnosisOptions, Observer, Stage};
@@ -89,7 +89,7 @@ fn allow_for_wrong_drawing(
     let in_pattern = patterns.map_or(f64::NEG_INFINITY, |odds| {
         odds - 0.5 * found.base.global.chi2
     });
-    if anywhere.max(in_pattern) < log_evidence(found) {
+    if anywhere.max(in_pattern) < log_evidence(found, 1.0) {
         return Ok(false);
     }
     let other = diagnose_independent((&wider, rows), options, report)?;
@@ -107,8 +107,10 @@ fn allow_for_slack(
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
 ) -> Result<(), EstimationError> {
-    let known = log_evidence(found);
+    let variance = usual_variance(dataset)?;
+    let known = log_evidence(found, variance);
     let rival = Rival {
+        variance,
         least: known - log_naming_odds(),
         chi2: if found.extended.adequate {
             found.extended.global.chi2
@@ -127,7 +129,7 @@ fn allow_for_slack(
         return Ok(());
     }
     let mut other = diagnose_independent((&without.dataset, rows), options, report)?;
-    if other.extended.adequate {
+    if other.extended.adequate || !found.extended.adequate {
         other.slack = Some(slack);
         *found = other;
     }
@@ -135,8 +137,9 @@ fn allow_for_slack(
 }
 
 /// Approximate log evidence of the extended model of a diagnosis: half of chi-square, and for each finding its prior probability and
-/// what the estimation of its parameters costs (Laplace), the more the less usual its size.
-fn log_evidence(found: &Diagnosis) -> f64 {
+/// what the estimation of its parameters costs (Laplace), the more the less usual its size. `variance` is that of the readings in that
+/// stated.
+fn log_evidence(found: &Diagnosis, variance: f64) -> f64 {
     let of_finding = |finding: &Finding| {
         let Some(cause) = finding.cause() else {
             return 0.0;
@@ -165,7 +168,7 @@ fn log_evidence(found: &Diagnosis) -> f64 {
         share.ln() - cost.sum::<f64>() - log_rarity_of(finding)
     };
     let findings = found.findings.iter().map(of_finding);
-    findings.sum::<f64>() - 0.5 * found.extended.global.chi2
+    findings.sum::<f64>() - 0.5 * found.extended.global.chi2 / variance
 }
 
 /// Diagnoses independent rows; `rows` is the largest number that was averaged.

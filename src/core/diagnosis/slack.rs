@@ -28,6 +28,9 @@ use crate::estimation::EstimationError;
 use crate::measurement::Dataset;
 use crate::statistics::log_sum;
 
+/// Median of the square of a standard normal variable.
+const MEDIAN_OF_CHI_SQUARE: f64 = 0.4549;
+
 /// A slack cable with what is left when its readings are left out.
 pub(super) struct WithoutSlack {
     pub slack: SlackCable,
@@ -50,6 +53,26 @@ pub(super) struct Rival {
     pub least: f64,
     /// Chi-square that readings without misfit leave, as far as it is known.
     pub chi2: f64,
+    /// Variance of the readings in that stated.
+    pub variance: f64,
+}
+
+/// Variance of the length readings in that stated, of the middle half of them: a few slack readings do not change it.
+pub(super) fn usual_variance(dataset: &Dataset) -> Result<f64, EstimationError> {
+    let problem = problem_at_fitted_poses(dataset)?;
+    let fit = Fit::new(&problem, &[])?;
+    let space = ResidualSpace::new(&fit.linearisation());
+    let redundancy = space.redundancy();
+    let is_length = |k: &usize| {
+        space.readings[*k].is_some_and(|id| id.quantity == Quantity::Length)
+            && redundancy[*k] > MIN_REDUNDANCY_OF_SLACK
+    };
+    let rows = (0..space.rows()).filter(is_length);
+    let squares = rows.map(|k| space.residual[k].powi(2) / redundancy[k]);
+    let mut squares: Vec<f64> = squares.collect();
+    squares.sort_by(f64::total_cmp);
+    let middle = squares.get(squares.len() / 2).copied().unwrap_or(1.0);
+    Ok((middle / MEDIAN_OF_CHI_SQUARE).max(1.0))
 }
 
 /// The slack cable that explains most of the misfit of an independent dataset; `None` if none is as good as a rival, or
@@ -111,7 +134,10 @@ fn slack_of(
         }
     };
     let largest_m = largest_slack_m(dataset);
-    let price = |sd_m: f64| (largest_m / (TAU.sqrt() * sd_m)).ln().max(0.0);
+    let price = |sd_m: f64| {
+        let sd_m = sd_m * rival.variance.sqrt();
+        (largest_m / (TAU.sqrt() * sd_m)).ln().max(0.0)
+    };
     let mut left = dataset.clone();
     if is_read {
         if possible.is_empty() || possible.len() > most {
@@ -122,7 +148,8 @@ fn slack_of(
         }
         let sd_m = dataset.robot.cables[cable].winch.length_sd_m;
         let chi2 = chi2_without_causes(&left)?;
-        let log_evidence = log_prior - possible.len() as f64 * price(sd_m) - 0.5 * chi2;
+        let log_evidence =
+            log_prior - possible.len() as f64 * price(sd_m) - 0.5 * chi2 / rival.variance;
         return Ok(Some(without(left, &possible, None, log_evidence)));
     }
     let mut rows: Vec<usize> = Vec::new();
@@ -131,13 +158,14 @@ fn slack_of(
     let mut best: Option<WithoutSlack> = None;
     // Leaving out a reading without misfit takes away about one of chi-square.
     let may_win = |cost: f64, count: usize| {
-        log_prior - cost - 0.5 * (rival.chi2 - count as f64) > rival.least
+        log_prior - cost - 0.5 * (rival.chi2 / rival.variance - count as f64) > rival.least
     };
     while rows.len() <= most && may_win(cost, rows.len()) && go_on() {
         let problem = problem_at_fitted_poses(&left)?;
         let fit = Fit::new(&problem, &[])?;
-        let log_evidence =
-            log_prior + log_share_of(&rows, &possible) - cost - 0.5 * fit.solution.chi2;
+        let log_evidence = log_prior + log_share_of(&rows, &possible)
+            - cost
+            - 0.5 * fit.solution.chi2 / rival.variance;
         let is_better = (best.as_ref()).is_none_or(|best| log_evidence > best.log_evidence);
         if !rows.is_empty() && is_better {
             best = Some(without(left.clone(), &rows, Some(excess_m), log_evidence));

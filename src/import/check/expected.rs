@@ -69,12 +69,10 @@ impl Expected {
             };
             for (index, (state, cable)) in states.iter().zip(&robot.cables).enumerate() {
                 let from_home = home.as_ref().map_or(0.0, |home| home[index].length_m);
-                self.set(
-                    Kind::Revolutions,
-                    index,
-                    row,
-                    (state.length_m - from_home) / cable.winch.cable_per_revolution_m(),
-                );
+                let change_m = state.length_m - from_home;
+                let turns = change_m / cable.winch.cable_per_revolution_m();
+                self.set(Kind::Revolutions, index, row, turns);
+                self.set(Kind::Change, index, row, change_m);
                 self.set(Kind::Length, index, row, state.length_m);
                 if let Some(swivel) = state.swivel_rad {
                     self.set(Kind::Swivel, index, row, swivel);

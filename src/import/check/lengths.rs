@@ -116,7 +116,7 @@ fn some_rows(readings: &Readings, count: usize) -> impl Iterator<Item = usize> {
 
 impl<'a> Lengths<'a> {
     fn of(readings: &'a Readings, robot: &Robot) -> Option<Self> {
-        let kind = [Kind::Revolutions, Kind::Length]
+        let kind = [Kind::Revolutions, Kind::Change, Kind::Length]
             .into_iter()
             .find(|kind| readings.of(*kind).len() == robot.cable_count())?;
         let columns: Vec<&[f64]> = readings.of(kind).into_iter().map(|(_, v)| v).collect();
@@ -127,7 +127,9 @@ impl<'a> Lengths<'a> {
         let home_row = readings.labels.iter().position(|label| *label == 0);
         let origin = (0..columns.len()).map(|cable| match (&home, home_row, kind) {
             (Some(home), Some(row), _) => Some([columns[cable][row], home[cable].length_m]),
-            (Some(home), None, Kind::Revolutions) => Some([0.0, home[cable].length_m]),
+            (Some(home), None, Kind::Revolutions | Kind::Change) => {
+                Some([0.0, home[cable].length_m])
+            }
             (_, _, Kind::Length) => Some([0.0; 2]),
             _ => None,
         });

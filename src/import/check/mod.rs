@@ -176,6 +176,7 @@ fn suggestions(readings: &Readings, expected: &Expected, robot: &Robot) -> Vec<S
     {
         for kind in [
             Kind::Revolutions,
+            Kind::Change,
             Kind::Length,
             Kind::Swivel,
             Kind::Laser,
@@ -245,7 +246,13 @@ const COUNTED: &str = "micro-steps or counts per revolution are other ones than 
 
 /// Finds channels that are constant while others of their kind vary.
 fn dead_channels(readings: &Readings, found: &mut Vec<Suggestion>) {
-    for kind in [Kind::Revolutions, Kind::Length, Kind::Force, Kind::Swivel] {
+    for kind in [
+        Kind::Revolutions,
+        Kind::Change,
+        Kind::Length,
+        Kind::Force,
+        Kind::Swivel,
+    ] {
         let columns = readings.of(kind);
         let dead: Vec<(String, usize)> = columns
             .iter()
@@ -444,7 +451,7 @@ fn steps(
         Kind::Revolutions => robot.cables[column.quantity.index]
             .winch
             .cable_per_revolution_m(),
-        Kind::Length => 1.0,
+        Kind::Change | Kind::Length => 1.0,
         _ => return,
     };
     if column.quantity.kind == Kind::Revolutions {
@@ -586,7 +593,7 @@ fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
         return;
     };
     let counts = match kind {
-        Kind::Revolutions | Kind::Length => &COUNTS[..],
+        Kind::Revolutions | Kind::Change | Kind::Length => &COUNTS[..],
         _ => &[],
     };
     let mut is_known = false;
@@ -614,7 +621,8 @@ fn units(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Vec<Sugg
             is_known = true;
         }
     }
-    if kind == Kind::Revolutions && !is_known && fitting.len() == columns.len() {
+    let counts_from_home = matches!(kind, Kind::Revolutions | Kind::Change);
+    if counts_from_home && !is_known && fitting.len() == columns.len() {
         other_drums(columns, fitting, found);
     }
 }

@@ -101,7 +101,7 @@ fn reading_sd(robot: &Robot, quantity: Quantity) -> f64 {
     let winch = robot.cables.get(quantity.index).map(|cable| &cable.winch);
     match (quantity.kind, winch) {
         (Kind::Revolutions, Some(winch)) => winch.revolutions_sd(),
-        (Kind::Length, Some(winch)) => winch.length_sd_m,
+        (Kind::Change | Kind::Length, Some(winch)) => winch.length_sd_m,
         _ => 0.0,
     }
 }

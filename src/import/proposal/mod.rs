@@ -26,6 +26,9 @@ use recognition::{
     kind_name, kind_of, origin_of,
 };
 
+/// The columns of which a table has one kind: where the winches are.
+const OF_WINCHES: [&str; 3] = ["rev_{i}", "change_{i}_m", "length_{i}_m"];
+
 /// Proposes a recipe; the sentences state the assumptions.
 #[must_use]
 pub fn propose(sources: &[Source], robot: &Robot) -> (Recipe, Vec<String>) {
@@ -367,7 +370,7 @@ impl Proposal<'_> {
 
     /// Families whose names say nothing, but whose values follow the cables at the commanded poses.
     fn by_motion(&mut self, sources: &[Source]) {
-        let moves = self.is_given("rev_{i}") || self.is_given("length_{i}_m");
+        let moves = OF_WINCHES.iter().any(|column| self.is_given(column));
         let pulls = self.is_given("force_{i}_n");
         let known = self.recipe.channels.iter().chain(&self.known).cloned();
         let trial = Recipe {
@@ -411,7 +414,7 @@ impl Proposal<'_> {
                 first: family.first,
                 ..Assignment::new(family.pattern.clone(), kind.column_of("{i}"))
             };
-            let is_moving = moves || has("rev_{i}") || has("length_{i}_m");
+            let is_moving = moves || OF_WINCHES.iter().any(|column| has(column));
             let followed = poses.followed_by(&channels, self.robot);
             if let Some((kind, unit, reversed)) = followed.filter(|_| !is_moving) {
                 self.notices.push(format!(
@@ -419,8 +422,10 @@ impl Proposal<'_> {
                     series.name,
                     family.pattern,
                     match (kind, unit) {
-                        (Kind::Length, Some(unit)) => format!("lengths in {unit}"),
-                        (Kind::Length, None) => "lengths in m".to_owned(),
+                        (Kind::Length, unit) => format!("lengths in {}", unit.unwrap_or("m")),
+                        (Kind::Change, unit) => {
+                            format!("lengths since home in {}", unit.unwrap_or("m"))
+                        }
                         (_, unit) => format!("winches in {}", unit.unwrap_or("rev")),
                     }
                 ));
@@ -456,7 +461,9 @@ impl Proposal<'_> {
         let widest = |of: &dyn Fn(&[f64; 2]) -> f64| ranges.iter().map(of).fold(0.0, f64::max);
         let is_ros = matches!(format, Format::Mcap | Format::RosBag);
         let unit = match kind {
-            Kind::Length => (widest(&|range| range[1].abs()) > 30.0 * frame_m).then_some("mm"),
+            Kind::Change | Kind::Length => {
+                (widest(&|range| range[1].abs()) > 30.0 * frame_m).then_some("mm")
+            }
             Kind::Swivel => (widest(&|range| range[1] - range[0]) > 6.5).then_some("deg"),
             Kind::Revolutions => {
                 let per_revolution = self.robot.cables[0].winch.cable_per_revolution_m();

@@ -7,6 +7,7 @@ use tautline_core::geometry::Pose;
 use tautline_core::kinematics::{applied_wrench, inverse_kinematics, structure_matrix};
 use tautline_core::robot::Robot;
 
+use super::recognition::since_home;
 use crate::check::fit;
 use crate::recipe::{Kind, Mapping, Quantity};
 use crate::source::Channel;
@@ -119,7 +120,7 @@ impl CommandedPoses {
         let found = known
             .into_iter()
             .find(|(slope, ..)| is_near(mean.abs(), *slope));
-        found.map(|(_, kind, unit)| (kind, unit, mean < 0.0))
+        found.map(|(_, kind, unit)| (since_home(kind, channels), unit, mean < 0.0))
     }
 
     /// Whether channels are forces that carry the platform.

@@ -30,7 +30,7 @@ pub(super) fn kind_name(kind: Kind) -> &'static str {
     match kind {
         Kind::Force => "forces",
         Kind::Swivel => "swivel angles",
-        Kind::Length => "lengths",
+        Kind::Change | Kind::Length => "lengths",
         _ => "positions",
     }
 }
@@ -90,11 +90,23 @@ pub(super) fn kind_of(channels: &[&Channel]) -> Option<Recognised> {
         && (dimension == Some(Dimension::Number) || are_counts(channels));
     let score = i32::from(named == Some(kind)) + 2 * i32::from(is_any(&words, ACTUAL));
     Some(Recognised {
-        kind,
+        kind: since_home(kind, channels),
         score,
         is_counts,
         by_values,
     })
+}
+
+/// Lengths of which some pass zero count from home: no cable is shorter than nothing.
+pub(super) fn since_home(kind: Kind, channels: &[&Channel]) -> Kind {
+    let passes_zero = |channel: &&Channel| {
+        let [low, high] = channel.summary().range;
+        low < 0.0 && high > 0.0
+    };
+    match kind {
+        Kind::Length if channels.iter().any(passes_zero) => Kind::Change,
+        kind => kind,
+    }
 }
 
 /// The kind that a name states.

@@ -26,6 +26,8 @@ pub enum Kind {
     Commanded,
     /// `rev_1`
     Revolutions,
+    /// `change_1_m`
+    Change,
     /// `length_1_m`
     Length,
     /// `force_1_n`
@@ -81,8 +83,9 @@ const SINGLE: [(Kind, &[&str]); 11] = [
     ),
 ];
 
-const PER_CABLE: [(Kind, &str, &str); 4] = [
+const PER_CABLE: [(Kind, &str, &str); 5] = [
     (Kind::Revolutions, "rev_", ""),
+    (Kind::Change, "change_", "_m"),
     (Kind::Length, "length_", "_m"),
     (Kind::Force, "force_", "_n"),
     (Kind::Swivel, "swivel_", "_rad"),
@@ -176,7 +179,8 @@ impl Quantity {
             }
             Kind::Force => (Dimension::Force, 1.0),
             Kind::Commanded | Kind::Tracked if self.index > 2 => (Dimension::Number, 1.0),
-            Kind::Length
+            Kind::Change
+            | Kind::Length
             | Kind::Laser
             | Kind::Commanded
             | Kind::Tracked
@@ -263,6 +267,7 @@ impl Quantity {
             Kind::Temperature => "Temperature".into(),
             Kind::Commanded => axis("Commanded"),
             Kind::Revolutions => "Winch revolutions".into(),
+            Kind::Change => "Cable paid out since home".into(),
             Kind::Length => "Cable length".into(),
             Kind::Force => "Cable force".into(),
             Kind::Swivel => "Swivel angle".into(),
@@ -283,6 +288,7 @@ impl Quantity {
         matches!(
             self.kind,
             Kind::Revolutions
+                | Kind::Change
                 | Kind::Length
                 | Kind::Swivel
                 | Kind::Commanded

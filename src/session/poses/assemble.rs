@@ -15,12 +15,13 @@ use crate::table::quaternion_fault;
 impl Columns {
     /// The measurements, checked against the robot. Data from tables, session files, the recovery journal and
     /// the instruments all pass through here.
-    pub fn into_measurements(self, robot: &Robot) -> Result<Measurements, Fault> {
+    pub fn into_measurements(mut self, robot: &Robot) -> Result<Measurements, Fault> {
         if self.labels.is_empty() {
             return Ok(Measurements::default());
         }
         self.check_header(robot)?;
         self.check_finite()?;
+        self.count_revolutions(robot);
         let measurements = assemble(self, robot)?;
         check_plausible(&measurements, robot)?;
         Ok(measurements)

@@ -35,6 +35,8 @@ pub(crate) enum Group {
 pub(crate) enum PerCable {
     /// Motor revolutions since home.
     Revolutions,
+    /// Cable paid out since home, another form of revolutions.
+    Change,
     /// Absolute length.
     Length,
     /// Raw force reading.
@@ -71,8 +73,9 @@ impl Group {
 }
 
 impl PerCable {
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Revolutions,
+        Self::Change,
         Self::Length,
         Self::Force,
         Self::Swivel,
@@ -83,6 +86,7 @@ impl PerCable {
     fn around_number(self) -> (&'static str, &'static str) {
         match self {
             Self::Revolutions => ("rev_", ""),
+            Self::Change => ("change_", "_m"),
             Self::Length => ("length_", "_m"),
             Self::Force => ("force_", "_n"),
             Self::Swivel => ("swivel_", "_rad"),

@@ -116,21 +116,43 @@ impl Columns {
     }
 
     fn check_lengths(&self, robot: &Robot) -> Result<(), Fault> {
-        let revolutions = self.has_per_cable(PerCable::Revolutions);
-        let lengths = self.has_per_cable(PerCable::Length);
-        let (column, message) = match (revolutions, lengths) {
-            (true, true) => (
-                "length_1_m",
-                "found beside rev_1, expected one or the other",
+        let kinds = [PerCable::Revolutions, PerCable::Change, PerCable::Length];
+        let found: Vec<PerCable> = kinds
+            .into_iter()
+            .filter(|kind| self.has_per_cable(*kind))
+            .collect();
+        let (column, message) = match found[..] {
+            [] => (
+                PerCable::Revolutions.name(1),
+                "missing, expected rev_1, change_1_m or length_1_m".to_owned(),
             ),
-            (false, false) => ("rev_1", "missing, expected rev_1 or length_1_m"),
-            (true, false) if robot.home.is_none() => (
-                "rev_1",
-                "found revolutions since home but the robot has no home, expected length_1_m",
+            [PerCable::Length] => return Ok(()),
+            [kind] if robot.home.is_none() => (
+                kind.name(1),
+                "found readings since home but the robot has no home, expected length_1_m"
+                    .to_owned(),
             ),
-            _ => return Ok(()),
+            [_] => return Ok(()),
+            [first, second, ..] => (
+                second.name(1),
+                format!("found beside {}, expected one or the other", first.name(1)),
+            ),
         };
         Err(Fault::new(None, column, message))
+    }
+
+    /// Turns lengths of cable paid out since home into the revolutions that pay them out.
+    pub fn count_revolutions(&mut self, robot: &Robot) {
+        for (column, values) in &mut self.numbers {
+            if let Column::Cable(PerCable::Change, number) = *column {
+                let winch = &robot.cables[number - 1].winch;
+                let per_revolution_m = winch.cable_per_revolution_m();
+                values
+                    .iter_mut()
+                    .for_each(|value| *value /= per_revolution_m);
+                *column = Column::Cable(PerCable::Revolutions, number);
+            }
+        }
     }
 
     /// Checks that commanded and true poses have all their columns; a platform needs none of a coordinate in which it cannot move.

@@ -55,7 +55,7 @@ const RECORDS: &str = "target/studies.jsonl";
 const UNTIL_RECORDS: &str = "target/until.jsonl";
 const FILES_RECORDS: &str = "target/hypothesis-files.jsonl";
 
-const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], soak [POSES], kills [RUNS [ads | none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], clean-robots [ROBOTS [FIRST_SEED]], over-poses [POSES], field [EACH [FIRST_SEED [WHAT | all [FOLDER]]]], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
+const USAGE: &str = "expected one of: truth [DATA_SETS], table1, adjusted, many-poses [POSES], live-readings [SECONDS], soak [POSES], kills [RUNS [ads | none | encrypted]], damaged-files [FILES], hangprinter [FOLDER], isolability, motion [RECORDINGS [DIAGNOSED]], tolerances [MACHINES], clean-robots [ROBOTS [FIRST_SEED]], over-poses [POSES], field {exact | rough} [EACH [FIRST_SEED [WHAT | all [FOLDER]]]], lives [LIVES], health [ROBOTS], formulas [DATA_SETS], hypothesis-files [DATA_SETS [FIRST_SEED]], until [ROBOTS [FIRST_SEED]], nist, hidden KIND, workbench [write | PART], \
              studies [FIRST_DATA_SETS], which-sensor [write], study-speed [write | CALIBRATIONS], write [FOLDER], sessions [FOLDER], screenshots [FOLDER], looks FOLDER [PART OF A NAME], \
              your-data, hypotheses, random-runs PROGRAM FOLDER [RUNS]";
 
@@ -242,17 +242,20 @@ fn over_poses_table(poses: Option<&str>) -> Result<String> {
 /// Diagnoses so many random machines with each fault of the field, or with one, from a seed on; what is missed or false goes to standard
 /// error, and to a folder.
 fn field_table(arguments: &[String]) -> Result<String> {
-    let number = |k: usize| arguments.get(k).map(|text| text.parse::<u64>()).transpose();
-    let each = number(0)?.unwrap_or(40) as usize;
-    let first_seed = number(1)?.unwrap_or(FIELD_SEED);
-    let options = field::Options {
-        only: arguments
-            .get(2)
-            .map(String::as_str)
-            .filter(|name| *name != "all"),
-        keep: arguments.get(3).map(Path::new),
+    let text = |k: usize| arguments.get(k).map(String::as_str);
+    let number = |k: usize| text(k).map(str::parse::<u64>).transpose();
+    let is_rough = match text(0) {
+        Some("exact") => false,
+        Some("rough") => true,
+        _ => bail!(USAGE),
     };
-    let rows = field::study(each, first_seed, &options)?;
+    let options = field::Options {
+        only: text(3).filter(|name| *name != "all"),
+        is_rough,
+        keep: text(4).map(Path::new),
+    };
+    let each = number(1)?.unwrap_or(40) as usize;
+    let rows = field::study(each, number(2)?.unwrap_or(FIELD_SEED), &options)?;
     Ok(field::markdown(&rows))
 }
 

@@ -21,19 +21,24 @@ const COMMANDS_SD_M: f64 = 2e-3;
 /// Three of so many machines are planar.
 const MACHINES: u64 = 5;
 
-/// The sound machine of a seed; every second simulated one is exact, the parts of the others are within typical tolerances.
+/// Noise of a rough machine in that stated, and amplitude of a smooth error of its lengths in standard deviations.
+const ROUGH_NOISE: f64 = 1.5;
+const SMOOTH_ERROR: f64 = 2.0;
+
+/// The sound machine of a seed; every second simulated one is exact, the parts of the others are within typical tolerances. The noise of a
+/// rough machine is larger than stated, and its lengths have a smooth error that no cause describes.
 ///
 /// # Errors
 /// If a robot cannot be simulated.
-pub fn sound(seed: u64, rng: &mut impl Rng) -> Result<Dataset> {
+pub fn sound(seed: u64, is_rough: bool, rng: &mut impl Rng) -> Result<Dataset> {
     match seed % MACHINES {
-        0 => Ok(plotter(rng)),
-        1 | 2 => Ok(four_belts(rng)),
-        _ => simulated(seed, rng),
+        0 => Ok(plotter(is_rough, rng)),
+        1 | 2 => Ok(four_belts(is_rough, rng)),
+        _ => simulated(seed, is_rough, rng),
     }
 }
 
-fn simulated(seed: u64, rng: &mut impl Rng) -> Result<Dataset> {
+fn simulated(seed: u64, is_rough: bool, rng: &mut impl Rng) -> Result<Dataset> {
     let all = robots();
     let TestRobot { preset, poses, .. } = &all[rng.random_range(0..all.len())];
     let mut robot = preset.robot.clone();
@@ -46,19 +51,44 @@ fn simulated(seed: u64, rng: &mut impl Rng) -> Result<Dataset> {
     let run = simulate(&robot, &options).context("a sound machine")?;
     let mut dataset = run.dataset;
     dataset.measurements.truth = Default::default();
+    if is_rough {
+        let data = &mut dataset.measurements;
+        for cable in 0..dataset.robot.cable_count() {
+            let winch = &dataset.robot.cables[cable].winch;
+            let (grid, sd) = match data.revolutions.is_empty() {
+                true => (&mut data.length_m, winch.length_sd_m),
+                false => (
+                    &mut data.revolutions,
+                    winch.length_sd_m / winch.cable_per_revolution_m(),
+                ),
+            };
+            let smooth = Smooth::random(rng);
+            let places: Vec<f64> = (0..grid.rows()).map(|row| grid.get(row, cable)).collect();
+            let [low, high] =
+                [f64::min, f64::max].map(|of| places.iter().copied().fold(places[0], of));
+            let more = (ROUGH_NOISE * ROUGH_NOISE - 1.0).sqrt();
+            for (row, place) in places.iter().enumerate() {
+                if data.labels[row] != 0 {
+                    let at = [(place - low) / (high - low), 0.0];
+                    let error = sd * (smooth.at(at) + more * normal(rng));
+                    grid.set(row, cable, place + error);
+                }
+            }
+        }
+    }
     Ok(dataset)
 }
 
-fn plotter(rng: &mut impl Rng) -> Dataset {
+fn plotter(is_rough: bool, rng: &mut impl Rng) -> Dataset {
     let width_m = rng.random_range(1.0..6.0);
     let height_m = width_m * rng.random_range(0.5..0.9);
     let places = [[-0.5, 0.5], [0.5, 0.5]].map(|[x, y]| [x * width_m, y * height_m]);
     let centre = [0.0, -0.05 * height_m];
     let half = [0.35 * width_m, 0.3 * height_m];
-    planar(&places, centre, half, true, rng)
+    planar(&places, (centre, half), (true, is_rough), rng)
 }
 
-fn four_belts(rng: &mut impl Rng) -> Dataset {
+fn four_belts(is_rough: bool, rng: &mut impl Rng) -> Dataset {
     let width_m = rng.random_range(1.5..8.0);
     let height_m = width_m * rng.random_range(0.5..0.9);
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
@@ -68,13 +98,27 @@ fn four_belts(rng: &mut impl Rng) -> Dataset {
     });
     let half = [0.33 * width_m, 0.33 * height_m];
     let is_tracked = rng.random_bool(0.5);
-    planar(
-        &places,
-        [0.5 * width_m, 0.5 * height_m],
-        half,
-        is_tracked,
-        rng,
-    )
+    let centre = [0.5 * width_m, 0.5 * height_m];
+    planar(&places, (centre, half), (is_tracked, is_rough), rng)
+}
+
+/// A smooth error over the place, in standard deviations of a length.
+struct Smooth {
+    waves: [f64; 2],
+    phase: f64,
+}
+
+impl Smooth {
+    fn random(rng: &mut impl Rng) -> Self {
+        Self {
+            waves: [0, 1].map(|_| rng.random_range(1.0..3.0)),
+            phase: rng.random_range(0.0..std::f64::consts::TAU),
+        }
+    }
+
+    fn at(&self, [x, y]: [f64; 2]) -> f64 {
+        SMOOTH_ERROR * (self.waves[0] * x + self.waves[1] * y + self.phase).sin()
+    }
 }
 
 fn normal(rng: &mut impl Rng) -> f64 {
@@ -88,9 +132,8 @@ fn chosen(rng: &mut impl Rng, values: &[f64]) -> f64 {
 /// A pen in a vertical plane of x and y on cables from fixed points, whose lengths are read as such.
 fn planar(
     places: &[[f64; 2]],
-    centre: [f64; 2],
-    half: [f64; 2],
-    is_tracked: bool,
+    (centre, half): ([f64; 2], [f64; 2]),
+    (is_tracked, is_rough): (bool, bool),
     rng: &mut impl Rng,
 ) -> Dataset {
     let poses = rng.random_range(24..42_usize);
@@ -103,6 +146,8 @@ fn planar(
     let commanded: Vec<[f64; 2]> = commanded
         .map(|at| [0, 1].map(|axis| centre[axis] + half[axis] * at[axis]))
         .collect();
+    let noise = if is_rough { ROUGH_NOISE } else { 1.0 };
+    let smooth: Vec<Smooth> = places.iter().map(|_| Smooth::random(rng)).collect();
     let mut around = |at: &[f64; 2], sd_m: f64| at.map(|value| value + sd_m * normal(rng));
     let pulleys: Vec<[f64; 2]> = places.iter().map(|at| around(at, places_sd_m)).collect();
     let mut measurements = Measurements {
@@ -113,16 +158,19 @@ fn planar(
         let at = around(command, COMMANDS_SD_M);
         let lengths = pulleys.iter().map(|[x, y]| (x - at[0]).hypot(y - at[1]));
         let lengths: Vec<f64> = lengths.collect();
-        let read: Vec<f64> = (lengths.iter())
-            .map(|length| around(&[*length; 2], length_sd_m)[0])
-            .collect();
+        let place = [0, 1].map(|axis| (command[axis] - centre[axis]) / half[axis]);
+        let read = lengths.iter().zip(&smooth).map(|(length, smooth)| {
+            let error = if is_rough { smooth.at(place) } else { 0.0 };
+            around(&[length + length_sd_m * error; 2], noise * length_sd_m)[0]
+        });
+        let read: Vec<f64> = read.collect();
         measurements.length_m.push_row(&read);
         measurements.labels.push(row as i64 + 1);
         let [x, y] = *command;
         let pose = Pose::from_parts([x, y, 0.0], [1.0, 0.0, 0.0, 0.0]);
         measurements.commanded.push(Some(pose));
         if is_tracked {
-            let [x, y] = around(&at, instrument_sd_m);
+            let [x, y] = around(&at, noise * instrument_sd_m);
             measurements.tracked_position_m.push([x, y, f64::NAN]);
         }
     }
