@@ -75,6 +75,8 @@ pub(super) const LARGEST_SHARE_OF_SLACK: f64 = 0.4;
 pub(super) const MAX_SLACK_CABLES: usize = 2;
 /// Maximum number of poses at which one is slack without its force sensor saying so.
 pub(super) const MAX_SLACK_POSES: usize = 40;
+/// Redundancy below which the residual of a length says nothing about the noise.
+pub(super) const MIN_REDUNDANCY_OF_NOISE: f64 = 0.05;
 /// Redundancy below which a length says nothing about whether its cable is slack.
 pub(super) const MIN_REDUNDANCY_OF_SLACK: f64 = 0.01;
 /// Smallest decrease of chi-square for which a pose counts as one at which a cable may be slack.

@@ -15,7 +15,10 @@ use super::exchange::{Channels, find_exchange};
 use super::exploration::Visibility;
 use super::finding::FindingBuilder;
 use super::fit::Fit;
-use super::fitted_problem::{chi2_without_causes, independent_dataset, problem_at_fitted_poses};
+use super::fitted_problem::{
+    chi2_without_causes, independent_dataset, problem_at_fitted_poses, usual_variance,
+    with_variance,
+};
 use super::gain::Prediction;
 use super::inference::{Inference, infer, inference_at_fit};
 use super::isolability::log_naming_odds;
@@ -28,7 +31,7 @@ use super::report::{
     UnseenFault,
 };
 use super::residual_space::ResidualSpace;
-use super::slack::{Rival, find_slack, usual_variance};
+use super::slack::{Rival, find_slack};
 use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
 use super::unseen::unseen_faults;
 use super::{DiagnosisOptions, Observer, Stage};
@@ -61,7 +64,7 @@ pub fn diagnose(
         && !found.cancelled
         && !is_slack
         && allow_for_wrong_drawing(data, &mut found, options, &mut report)?;
-    if found.extended.adequate {
+    if found.extended.adequate || is_wrong {
         let solution = &found.extended_solution;
         found.drawing = wrong_drawing(&dataset.robot, solution, options.alpha / 2.0, is_wrong);
     }
@@ -83,17 +86,32 @@ fn allow_for_wrong_drawing(
         robot,
         measurements: dataset.measurements.clone(),
     };
+    // All are compared at the noise that is left with such places.
+    let variance = usual_variance(&wider)?;
+    let [stated, wide] = [dataset, &wider].map(|data| with_variance(data, variance));
+    let nothing = problem_at_fitted_poses(&stated)?;
+    let nothing = Fit::new(&nothing, &[])?.solution;
     // Either the places are anywhere, or they differ in one pattern.
-    let anywhere = -0.5 * (chi2_without_causes(&wider)? + price);
-    let patterns = log_odds_of_patterns(&dataset.robot, &found.base_solution);
-    let in_pattern = patterns.map_or(f64::NEG_INFINITY, |odds| {
-        odds - 0.5 * found.base.global.chi2
-    });
-    if anywhere.max(in_pattern) < log_evidence(found, 1.0) {
+    let anywhere = -0.5 * (chi2_without_causes(&wide)? + price);
+    let patterns = log_odds_of_patterns(&dataset.robot, &nothing);
+    let in_pattern = patterns.map_or(f64::NEG_INFINITY, |odds| odds - 0.5 * nothing.chi2);
+    let wrong = anywhere.max(in_pattern);
+    if wrong < -0.5 * nothing.chi2 {
+        return Ok(false);
+    }
+    let known = match variance > 1.0 {
+        true => log_evidence(
+            &diagnose_independent((&stated, rows), options, report)?,
+            1.0,
+        ),
+        false => log_evidence(found, 1.0),
+    };
+    if wrong < known {
         return Ok(false);
     }
     let other = diagnose_independent((&wider, rows), options, report)?;
-    let is_wrong = other.extended.adequate && other.findings.len() <= found.findings.len();
+    let is_wrong = (other.extended.adequate || !found.extended.adequate)
+        && other.findings.len() <= found.findings.len();
     if is_wrong {
         *found = other;
     }

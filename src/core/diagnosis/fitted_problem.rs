@@ -1,11 +1,16 @@
 //! The problem from which a diagnosis starts.
 
-use super::budget::MOST_DIAGNOSED_ROWS;
+use super::budget::{MIN_REDUNDANCY_OF_NOISE, MOST_DIAGNOSED_ROWS};
 use super::fit::Fit;
+use super::report::Quantity;
+use super::residual_space::ResidualSpace;
 use crate::effect::{BoundEffect, measurements_as_modelled};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
-use crate::robot::{PartTolerances, Robot};
+use crate::robot::{PartTolerances, PerAxis, Robot};
+
+/// Median of the square of a standard normal variable.
+const MEDIAN_OF_CHI_SQUARE: f64 = 0.4549;
 
 /// The robot with the tolerances that a diagnosis assumes: no machine is exact, so what is not stated is typical. The
 /// deviations that a model states are estimated anew.
@@ -32,6 +37,45 @@ pub(super) fn independent_dataset(dataset: &Dataset) -> Result<(Dataset, usize),
 pub(super) fn chi2_without_causes(dataset: &Dataset) -> Result<f64, EstimationError> {
     let problem = problem_at_fitted_poses(dataset)?;
     Ok(Fit::new(&problem, &[])?.solution.chi2)
+}
+
+/// Variance of the lengths in that stated, of the middle half of them: a few wrong ones do not change it.
+pub(super) fn usual_variance(dataset: &Dataset) -> Result<f64, EstimationError> {
+    let problem = problem_at_fitted_poses(dataset)?;
+    let fit = Fit::new(&problem, &[])?;
+    let space = ResidualSpace::new(&fit.linearisation());
+    let redundancy = space.redundancy();
+    let is_read = |k: &usize| {
+        space.readings[*k].is_some_and(|id| id.quantity == Quantity::Length)
+            && redundancy[*k] > MIN_REDUNDANCY_OF_NOISE
+    };
+    let rows = (0..space.rows()).filter(is_read);
+    let mut squares: Vec<f64> = rows
+        .map(|k| space.residual[k].powi(2) / redundancy[k])
+        .collect();
+    squares.sort_by(f64::total_cmp);
+    let middle = squares.get(squares.len() / 2).copied().unwrap_or(1.0);
+    Ok((middle / MEDIAN_OF_CHI_SQUARE).max(1.0))
+}
+
+/// A dataset whose description states so many times the variance of lengths and positions.
+pub(super) fn with_variance(dataset: &Dataset, variance: f64) -> Dataset {
+    let mut noisier = dataset.clone();
+    let factor = variance.sqrt();
+    for cable in &mut noisier.robot.cables {
+        cable.winch.length_sd_m *= factor;
+    }
+    if let Some(laser) = &mut noisier.robot.laser {
+        laser.sd_m *= factor;
+    }
+    if let Some(tracker) = &mut noisier.robot.tracker {
+        let each = tracker.position_sd_m.each();
+        tracker.position_sd_m = PerAxis::Each(each.map(|sd| sd * factor));
+    }
+    for sds in &mut noisier.measurements.tracked_position_sd_m {
+        sds.iter_mut().for_each(|sd| *sd *= factor);
+    }
+    noisier
 }
 
 /// The problem with the effects of the model estimated, as far as readings depend on them, and evaluated at the poses of

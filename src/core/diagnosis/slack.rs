@@ -28,9 +28,6 @@ use crate::estimation::EstimationError;
 use crate::measurement::Dataset;
 use crate::statistics::log_sum;
 
-/// Median of the square of a standard normal variable.
-const MEDIAN_OF_CHI_SQUARE: f64 = 0.4549;
-
 /// A slack cable with what is left when its readings are left out.
 pub(super) struct WithoutSlack {
     pub slack: SlackCable,
@@ -55,24 +52,6 @@ pub(super) struct Rival {
     pub chi2: f64,
     /// Variance of the readings in that stated.
     pub variance: f64,
-}
-
-/// Variance of the length readings in that stated, of the middle half of them: a few slack readings do not change it.
-pub(super) fn usual_variance(dataset: &Dataset) -> Result<f64, EstimationError> {
-    let problem = problem_at_fitted_poses(dataset)?;
-    let fit = Fit::new(&problem, &[])?;
-    let space = ResidualSpace::new(&fit.linearisation());
-    let redundancy = space.redundancy();
-    let is_length = |k: &usize| {
-        space.readings[*k].is_some_and(|id| id.quantity == Quantity::Length)
-            && redundancy[*k] > MIN_REDUNDANCY_OF_SLACK
-    };
-    let rows = (0..space.rows()).filter(is_length);
-    let squares = rows.map(|k| space.residual[k].powi(2) / redundancy[k]);
-    let mut squares: Vec<f64> = squares.collect();
-    squares.sort_by(f64::total_cmp);
-    let middle = squares.get(squares.len() / 2).copied().unwrap_or(1.0);
-    Ok((middle / MEDIAN_OF_CHI_SQUARE).max(1.0))
 }
 
 /// The slack cable that explains most of the misfit of an independent dataset; `None` if none is as good as a rival, or

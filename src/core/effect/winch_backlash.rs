@@ -3,7 +3,8 @@
 //!
 //! The direction is the sign of the change of the reading since the row before, 0 at the first row. So
 //! it is wrong where a cable moved by less than the play; a simulation knows the true direction.
-//! Typical 0.2 to 2 mm. Source: dead band of half the play to either side, as in any drive with play.
+//! Without a reversal of tension the platform lags behind the motor; with one it leads, and the play is negative. Typical 0.2 to
+//! 2 mm. Source: dead band of half the play to either side, as in any drive with play.
 
 use super::words;
 use super::{AsText, Effect, EffectParameter, Scope};
@@ -13,12 +14,12 @@ pub(super) static EFFECT: Effect = Effect {
     id: "winch_backlash",
     title: "Winch backlash",
     scope: Scope::CableOrAll,
-    parameters: &[EffectParameter::new("play", "m", 0.002, [0.0002, 0.002])
-        .within(0.0, f64::INFINITY)
-        .with_tolerance(
+    parameters: &[
+        EffectParameter::new("play", "m", 0.002, [0.0002, 0.002]).with_tolerance(
             [3e-05, 6e-05],
             "Planetary gearboxes of 3 to 5 arc minutes on drums of 50 to 200 mm",
-        )],
+        ),
+    ],
     cause: |found| {
         found.say("{winch} {has|have} {0:mm} of play: at the same reading {its cable is|their cables are} {0:longer|shorter} after paying out than after reeling in.")
     },

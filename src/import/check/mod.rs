@@ -42,7 +42,7 @@ const CONSTANT: f64 = 0.05;
 /// From this share on the readings of all winches are those of other drums, if they are alike within this one: below, the diagnosis
 /// estimates their scale with its uncertainty.
 const OTHER_DRUMS: f64 = 0.05;
-const ALIKE: f64 = 0.02;
+const ALIKE: f64 = 0.06;
 /// A slope is a known factor within this share of it. Drums and pulleys are known far better.
 const FACTOR: f64 = 0.12;
 

@@ -160,17 +160,17 @@ fn an_empty_cell_stops_no_fit() {
     assert_eq!(diagnosis.findings[0].verdict(), Verdict::Named);
 }
 
-/// Play is not negative, whatever the data look like.
+/// Friction is not negative, whatever the data look like.
 #[test]
 fn parameters_keep_their_physical_sign() {
-    let hidden = effect("winch_backlash", &["cable-2"], &[("play", -0.007)]);
+    let hidden = effect("pulley_friction", &["cable-2"], &[("mu", -0.1)]);
     let dataset = measured(&setup("planar", 600_910), vec![hidden]);
     for finding in asked(&dataset).findings {
         if let Some(cause) = finding.cause()
-            && cause.effect().id() == "winch_backlash"
+            && cause.effect().id() == "pulley_friction"
         {
-            let mut plays = cause.instances.iter().map(|bound| bound.values[0]);
-            assert!(plays.all(|play| play >= 0.0), "{cause:?}");
+            let mut found = cause.instances.iter().map(|bound| bound.values[0]);
+            assert!(found.all(|mu| mu >= 0.0), "{cause:?}");
         }
     }
 }
