@@ -9,8 +9,8 @@ use tautline_import::{Mistake, Suggestion, check_table};
 const ROUNDS: usize = 5;
 /// Effect of a model that states exchanged channels.
 const EXCHANGED: &str = "cable_swap";
-/// Effect that estimates what is left of another frame of the instrument.
-const FRAME: &str = "tracker_frame";
+/// Effects that estimate what an alignment leaves of another frame and of another point on the platform.
+const OF_ALIGNMENT: [&str; 3] = ["tracker_frame", "tracker_target", "tracker_tilt"];
 
 /// A dataset with the mistakes undone, and these; `None` if there are none.
 pub(super) fn without_mistakes(dataset: &Dataset) -> Option<(Dataset, Vec<Suggestion>)> {
@@ -40,14 +40,15 @@ pub(super) fn without_mistakes(dataset: &Dataset) -> Option<(Dataset, Vec<Sugges
         undone.extend(new);
     }
     if undone.iter().any(|one| one.mistake == Mistake::OtherFrame) {
-        let frame = find(FRAME).map(|effect| EffectSetting {
-            effect: FRAME.to_owned(),
+        let left = OF_ALIGNMENT.into_iter().filter_map(find);
+        let left = left.map(|effect| EffectSetting {
+            effect: effect.id().to_owned(),
             targets: Vec::new(),
             parameters: (effect.parameters().iter())
                 .map(|parameter| (parameter.name.to_owned(), parameter.neutral))
                 .collect(),
         });
-        corrected.robot.effects.extend(frame);
+        corrected.robot.effects.extend(left);
     }
     (!undone.is_empty()).then_some((corrected, undone))
 }

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use tautline_core::diagnosis::{DiagnosisOptions, diagnose};
 use tautline_core::effect::EffectSetting;
 use tautline_core::estimation::Control;
-use tautline_core::robot::{PartTolerances, Robot, presets};
+use tautline_core::robot::{PartTolerances, PerAxis, Robot, Tracker, presets};
 use tautline_core::simulation::{SimulationOptions, TrueGeometry, simulate};
 use tautline_session::{
     LogEntry, Phase, ResultDocument, Session, Simulator, Timestamp, VersionedFile,
@@ -67,6 +67,10 @@ fn measured(recipe: &Recipe) -> Result<Session> {
     let preset = presets::find(recipe.preset).context("a preset of this name")?;
     let mut drawing = preset.robot.clone();
     drawing.tolerances = Some(PartTolerances::typical());
+    drawing.tracker = recipe.is_tracked.then_some(Tracker {
+        position_sd_m: PerAxis::Same(2e-4),
+        orientation_sd_rad: Some(1e-3),
+    });
     if !recipe.cable_weight_is_stated {
         for cable in &mut drawing.cables {
             cable.cable.weight_n_per_m = 0.0;

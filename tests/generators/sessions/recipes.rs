@@ -39,6 +39,8 @@ pub struct Recipe {
     pub moved: Option<Moved>,
     /// Whether the description has the weight of the cables.
     pub cable_weight_is_stated: bool,
+    /// Whether an external instrument measures the platform at every pose.
+    pub is_tracked: bool,
     /// Whether force sensors, home platform and elongation were measured on the bench before.
     pub has_bench: bool,
     /// Whether the winches were measured there, too.
@@ -61,6 +63,7 @@ const MINI: Recipe = Recipe {
     hidden: &[],
     moved: None,
     cable_weight_is_stated: true,
+    is_tracked: false,
     has_bench: true,
     has_winch_bench: true,
     is_diagnosed: true,
@@ -88,7 +91,7 @@ const MOVED_IN_JUNE: Option<Moved> = Some(Moved {
 const THICKER_CABLE: &[Hidden] = &[("winch_scale", Some("cable-6"), &[("scale", 0.012)])];
 
 /// All sample sessions.
-pub const RECIPES: [Recipe; 13] = [
+pub const RECIPES: [Recipe; 14] = [
     MINI,
     Recipe {
         file: "mini-winch-scale/session.json",
@@ -123,6 +126,24 @@ pub const RECIPES: [Recipe; 13] = [
         hidden: &[("cable_sag", None, &[("weight", 3.0)])],
         cable_weight_is_stated: false,
         has_bench: false,
+        has_winch_bench: false,
+        ..MINI
+    },
+    Recipe {
+        file: "tracker-touched/session.json",
+        name: "MINI, the laser tracker was touched",
+        begun: "2026-03-23T08:30:00Z",
+        hidden: &[(
+            "tracker_moved",
+            None,
+            &[
+                ("shift_x", 0.003),
+                ("shift_y", -0.002),
+                ("turn_z", 0.005),
+                ("pose", 24.0),
+            ],
+        )],
+        is_tracked: true,
         has_winch_bench: false,
         ..MINI
     },

@@ -50,6 +50,12 @@ pub fn readings(measurements: &Measurements) -> Measurements {
         revolutions: grid(REVOLUTION, &measurements.revolutions),
         force_n: grid(NEWTON, &measurements.force_n),
         laser_m: measurements.laser_m.iter().map(|v| to(METRE, *v)).collect(),
+        tracked_position_m: (measurements.tracked_position_m.iter())
+            .map(|at| at.map(|v| to(METRE, v)))
+            .collect(),
+        tracked_orientation_wxyz: (measurements.tracked_orientation_wxyz.iter())
+            .map(|q| q.map(|v| to(EXACT, v)))
+            .collect(),
         truth: Truth::default(),
         ..measurements.clone()
     }

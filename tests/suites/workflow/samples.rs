@@ -143,6 +143,13 @@ fn sag_that_is_not_modelled_is_named() {
 }
 
 #[test]
+fn a_tracker_that_was_touched_is_named() {
+    let made = made("tracker-touched/session.json");
+    assert_eq!(named(&made), [("tracker_moved", vec![])]);
+    assert_quoted(&made, &readme("tracker-touched"));
+}
+
+#[test]
 fn the_pulley_that_was_moved_is_the_only_one() {
     let runs = ["before-after/before.json", "before-after/after.json"].map(read);
     let [before, after] = runs.map(|session| {
