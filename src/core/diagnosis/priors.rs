@@ -61,7 +61,7 @@ pub(super) const LARGEST_DEVIATION: f64 = 4.0;
 /// Prior probability that a cable is slack at some pose.
 pub(super) const SLACK_CABLE: f64 = 0.05;
 /// Largest length by which a slack cable is longer than the distance that it spans, as a share of the frame's size.
-pub(super) const LARGEST_SLACK: f64 = 0.03;
+pub(super) const LARGEST_SLACK: f64 = 0.015;
 /// Force that a slack cable's sensor reads at most, in its standard deviations.
 pub(super) const SLACK_FORCE: f64 = 4.0;
 

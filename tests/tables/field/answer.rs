@@ -27,6 +27,8 @@ pub enum Answer {
     Right,
     /// The cause is among those that are possible.
     Listed,
+    /// The model explains the readings as it is, and nothing is said.
+    Quiet,
     /// It is not said, and nothing else is named.
     Missed,
     /// Something else is named.
@@ -123,9 +125,9 @@ pub fn judged(told: &Diagnosed, right: &Right) -> Answer {
         Right::Nothing => findings.is_empty(),
         Right::AtMost(_) => true,
     };
-    if is_right {
-        Answer::Right
-    } else {
-        Answer::Missed
+    match is_right {
+        true => Answer::Right,
+        false if told.diagnosis.base.adequate && findings.is_empty() => Answer::Quiet,
+        false => Answer::Missed,
     }
 }

@@ -26,6 +26,7 @@ pub struct Row {
     sets: usize,
     right: usize,
     listed: usize,
+    quiet: usize,
     missed: usize,
     false_names: usize,
     seconds: Vec<f64>,
@@ -69,6 +70,7 @@ pub fn study(each: usize, first_seed: u64, options: &Options<'_>) -> Result<BTre
         match answer {
             Answer::Right => row.right += 1,
             Answer::Listed => row.listed += 1,
+            Answer::Quiet => row.quiet += 1,
             Answer::Missed => row.missed += 1,
             Answer::False(_) => row.false_names += 1,
         }
@@ -89,7 +91,7 @@ fn answer(case: &(Fault, u64), options: &Options<'_>) -> Result<Option<(Answer, 
     let limits = (0.01, TIME_LIMIT_S);
     let told = diagnose_dataset(Arc::clone(&dataset), limits, &mut |_| Control::Continue)?;
     let answer = judged(&told, &right);
-    if !matches!(answer, Answer::Right | Answer::Listed) {
+    if !matches!(answer, Answer::Right | Answer::Listed | Answer::Quiet) {
         let said = told.headline();
         if let Some(folder) = options.keep {
             write_dataset(
@@ -109,7 +111,7 @@ fn answer(case: &(Fault, u64), options: &Options<'_>) -> Result<Option<(Answer, 
 /// The table.
 #[must_use]
 pub fn markdown(rows: &BTreeMap<Fault, Row>) -> String {
-    let mut table = "| what happened | data sets | right | listed | missed | false names | median s |\n|---|---|---|---|---|---|---|\n".to_owned();
+    let mut table = "| what happened | data sets | right | listed | rightly quiet | missed | false names | median s |\n|---|---|---|---|---|---|---|---|\n".to_owned();
     let mut all = Row::default();
     let mut line = |name: &str, row: &Row| {
         let mut sorted = row.seconds.clone();
@@ -119,13 +121,14 @@ pub fn markdown(rows: &BTreeMap<Fault, Row>) -> String {
             sets,
             right,
             listed,
+            quiet,
             missed,
             false_names,
             ..
         } = row;
         let _ = writeln!(
             table,
-            "| {name} | {sets} | {right} | {listed} | {missed} | {false_names} | {median:.2} |"
+            "| {name} | {sets} | {right} | {listed} | {quiet} | {missed} | {false_names} | {median:.2} |"
         );
     };
     for (fault, row) in rows {
@@ -133,6 +136,7 @@ pub fn markdown(rows: &BTreeMap<Fault, Row>) -> String {
         all.sets += row.sets;
         all.right += row.right;
         all.listed += row.listed;
+        all.quiet += row.quiet;
         all.missed += row.missed;
         all.false_names += row.false_names;
         all.seconds.extend(&row.seconds);
