@@ -39,6 +39,7 @@ pub mod instrument;
 pub mod kinematics;
 pub mod measurement;
 pub mod planning;
+pub mod projection;
 pub mod real;
 pub mod robot;
 pub mod sequential;

@@ -19,7 +19,7 @@ pub use holding_tensions::{Epoch, ambient_temperature_c};
 pub(crate) use machines::run_of_machine;
 pub use phase_tables::{PhaseTables, approaches, phase_tables};
 pub use quasi_static_robot::{QuasiStaticRobot, RestState};
-pub(crate) use readings::{PlannedRow, planned_readings};
+pub(crate) use readings::{PlannedRow, planned_readings, true_directions};
 pub use recording::{Recording, record};
 pub use repeated_runs::RepeatedRuns;
 pub use virtual_robot::{

@@ -120,7 +120,7 @@ fn nominal_forces(robot: &Robot, tensions: &Grid) -> Grid {
 }
 
 /// Direction of travel of every cable to every pose: the sign of the change of its geometric length.
-pub(super) fn true_directions(robot: &Robot, poses: &[Pose]) -> Result<Grid, SimulationError> {
+pub(crate) fn true_directions(robot: &Robot, poses: &[Pose]) -> Result<Grid, SimulationError> {
     let mut directions = Grid::new(robot.cable_count());
     let mut before: Option<Vec<f64>> = None;
     for pose in poses {

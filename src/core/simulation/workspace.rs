@@ -86,7 +86,8 @@ impl Workspace {
     }
 
     /// The smallest workspace around the given poses; `None` without poses.
-    pub(crate) fn around<'p>(poses: impl Iterator<Item = &'p Pose>) -> Option<Self> {
+    #[must_use]
+    pub fn around<'p>(poses: impl Iterator<Item = &'p Pose>) -> Option<Self> {
         let poses: Vec<&Pose> = poses.collect();
         let centre = *poses.first()?;
         let infinite = Vec3::repeat(f64::INFINITY);
