@@ -50,7 +50,9 @@ pub use recipe::{
     AngleOrder, Angles, Assignment, Clock, Cutting, Instrument, Kind, Placement, Quantity, Recipe,
     Rest, Step, read_recipe,
 };
-pub use robots::read_robot_description;
+pub use robots::{
+    Dialect, ForeignRobot, Meaning, Parameter, read_description_text, read_robot_description,
+};
 pub use source::{Channel, Format, Series, Source, Summary, TextChannel};
 pub use sources::read_sources;
 pub use units::{Dimension, Unit, parse_unit, split_heading};

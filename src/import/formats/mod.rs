@@ -33,6 +33,7 @@ use tautline_session::{Place, ReadError, open_input};
 
 use crate::input::{Input, Watch};
 use crate::memory::{Lease, MemoryBudget, OverBudget};
+use crate::robots::is_description;
 use crate::source::{Format, Source};
 use crate::text::decoded;
 
@@ -142,7 +143,7 @@ fn read(path: &Path, watch: &Watch<'_>) -> Result<Source, ReadError> {
     }
 }
 
-/// Whether a file is a robot description in the XML of CASPR or WireX.
+/// Whether a file is the robot description of another program.
 ///
 /// # Errors
 /// If it cannot be read.
@@ -242,16 +243,11 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
         .unwrap_or_default()
         .trim_matches('"');
     match cell {
+        _ if is_description(text) => RobotDescription,
         "" => Refused("is empty, expected readings"),
-        _ if text.starts_with('<') => match ["<cables", "<links", "<models"]
-            .iter()
-            .any(|tag| text.contains(tag))
-        {
-            true => RobotDescription,
-            false => Refused(
-                "is an XML file of unknown format, expected readings or a robot of CASPR or WireX",
-            ),
-        },
+        _ if text.starts_with('<') => Refused(
+            "is an XML file of unknown format, expected readings or a robot of CASPR, WireX, MuJoCo or Gazebo",
+        ),
         _ if text.starts_with('{') => {
             Refused("is a JSON file, expected readings; robots and sessions need no import")
         }

@@ -1,12 +1,17 @@
 //! What descriptions of robots state, and what they leave to be assumed.
 
 use tautline_core::robot::{
-    Cable, CableMaterial, Home, Limits, PartTolerances, PerAxis, Platform, Pulley, Robot, Winch,
+    Cable, CableMaterial, FrameTransform, Home, Limits, PartTolerances, PerAxis, Platform, Pulley,
+    Robot, Winch,
 };
 use tautline_session::{Loaded, Place, ReadError, VersionedFile};
 
 /// Default standard deviation of a length reading (m): what good winches reach.
 const LENGTH_SD_M: f64 = 1e-3;
+/// Default standard deviation of a coordinate of the home pose (m): what a mark on the floor reaches.
+pub(super) const POSITION_SD_M: f64 = 1e-3;
+/// Default standard deviation of a rotation of the home pose (rad).
+pub(super) const ROTATION_SD_RAD: f64 = 1e-3;
 
 /// Where a cable enters the robot: the point that stays when the pulley swivels (m, robot frame), the axis about which it
 /// swivels, a unit vector in the direction in which the cable arrives, and the radius (m), 0 for an eyelet.
@@ -14,6 +19,17 @@ pub(super) struct Guide {
     pub(super) entry_point_m: [f64; 3],
     pub(super) swivel_axis: [f64; 3],
     pub(super) radius_m: f64,
+}
+
+impl Guide {
+    /// A fixed point, from which the cable leaves in any direction.
+    pub(super) fn eyelet(point_m: [f64; 3]) -> Self {
+        Self {
+            entry_point_m: point_m,
+            swivel_axis: [0.0, 0.0, 1.0],
+            radius_m: 0.0,
+        }
+    }
 }
 
 /// A cable with known geometry and the default winch and noise that [`robot_of`] reports.
@@ -39,6 +55,17 @@ pub(super) fn cable_of(
     }
 }
 
+/// A home pose with the default standard deviations.
+pub(super) fn home_at(pose: FrameTransform) -> Home {
+    Home {
+        position_m: pose.position_m,
+        orientation_wxyz: pose.orientation_wxyz,
+        position_sd_m: POSITION_SD_M,
+        orientation_sd_rad: ROTATION_SD_RAD,
+        covariance: None,
+    }
+}
+
 /// `CoGiRo` of `models/CoGiRo_cables.xml`.
 fn name_of(file: &str) -> String {
     let stem = std::path::Path::new(file)
@@ -53,9 +80,11 @@ pub(super) struct Description {
     pub(super) cables: Vec<Cable>,
     pub(super) home: Option<Home>,
     pub(super) limits: Option<Limits>,
+    /// Whether it states how much cable a revolution winds.
+    pub(super) has_winches: bool,
 }
 
-/// The robot of a description, which states no winches and no noise.
+/// The robot of a description, which states no noise.
 pub(super) fn robot_of(
     file: &str,
     description: Description,
@@ -76,8 +105,20 @@ pub(super) fn robot_of(
             stated => PerAxis::Each(stated.map(|sd| sd.or(Some(sd_m)))),
         };
     }
+    let (winches, revolution) = match description.has_winches {
+        true => ("", ""),
+        false => (
+            "winches, ",
+            "a motor revolution is assumed to wind 1 m of cable, ",
+        ),
+    };
+    let length = if description.has_winches {
+        "a length is assumed"
+    } else {
+        "a length"
+    };
     notices.push(format!(
-        "{file}: does not state winches, noise and tolerances of the pulleys: a motor revolution is assumed to wind 1 m of cable, a length to have a standard deviation of {} mm, entry points one of {} mm, and all other parts to have typical tolerances; correct robot.json",
+        "{file}: does not state {winches}noise and tolerances of the pulleys: {revolution}{length} to have a standard deviation of {} mm, entry points one of {} mm, and all other parts to have typical tolerances; correct robot.json",
         1e3 * LENGTH_SD_M,
         (1e4 * sd_m).round() / 10.0
     ));

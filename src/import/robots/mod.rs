@@ -2,20 +2,47 @@
 
 mod caspr;
 mod description;
+mod dialect;
+mod klipper;
+mod maslow;
+mod reprap;
+mod settings;
 mod wirex;
 mod xml;
 
-use std::path::PathBuf;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
 use tautline_core::robot::Robot;
 use tautline_session::{Loaded, Place, ReadError, open_input};
 
+pub use dialect::{Dialect, ForeignRobot, Meaning, Parameter};
 use xml::Element;
 
 /// Largest description that is read (bytes).
 const MAX_BYTES: u64 = 16 << 20;
 
-/// Reads a robot description: the two files of cables and bodies of CASPR, or a model of WireX.
+/// Whether a text, or its beginning, describes a robot.
+pub(crate) fn is_description(text: &str) -> bool {
+    let is_tag = |tag| text.contains(tag);
+    Dialect::of(text).is_some()
+        || text.starts_with('<') && ["<cables", "<links", "<models"].into_iter().any(is_tag)
+}
+
+/// Reads a text file that describes a robot.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn read_description_text(path: &Path) -> Result<String, ReadError> {
+    let file = path.display().to_string();
+    let mut text = String::new();
+    let mut input = open_input(path, &file)?.take(MAX_BYTES);
+    let read = input.read_to_string(&mut text);
+    read.map_err(|error| ReadError::io(&file, Place::File, &error))?;
+    Ok(text)
+}
+
+/// Reads a robot description: a text in one of the dialects, the two files of cables and bodies of CASPR, or a model of WireX.
 ///
 /// # Errors
 /// If a file is none of these, or does not describe a robot with one platform.
@@ -23,10 +50,15 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
     let (mut cables, mut bodies) = (None, None);
     for path in paths {
         let file = path.display().to_string();
-        let mut text = String::new();
-        let input = open_input(path, &file)?;
-        std::io::Read::read_to_string(&mut std::io::Read::take(input, MAX_BYTES), &mut text)
-            .map_err(|error| ReadError::io(&file, Place::File, &error))?;
+        let text = read_description_text(path)?;
+        if let Some(dialect) = Dialect::of(&text) {
+            only_one(paths, &file)?;
+            let ForeignRobot { robot, notices, .. } = dialect.read(&file, &text)?;
+            return Ok(Loaded {
+                value: robot,
+                notices,
+            });
+        }
         let root = xml::parse(&text, &file)?;
         let slot = match root.name.as_str() {
             "cables" => &mut cables,
@@ -62,6 +94,15 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
             ))
         }
     }
+}
+
+/// Refuses further files beside one that describes the whole robot.
+fn only_one(paths: &[PathBuf], file: &str) -> Result<(), ReadError> {
+    if paths.len() == 1 {
+        return Ok(());
+    }
+    let message = "describes a whole robot, expected no other file beside it";
+    Err(ReadError::new(file, Place::File, message))
 }
 
 #[cfg(test)]

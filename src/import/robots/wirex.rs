@@ -84,6 +84,7 @@ pub(super) fn robot(file: &str, models: &Element) -> Result<Loaded<Robot>, ReadE
         cables,
         home: None,
         limits: None,
+        has_winches: false,
     };
     robot_of(file, description, notices)
 }

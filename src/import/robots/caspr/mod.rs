@@ -13,17 +13,12 @@ mod joint;
 
 use nalgebra::Matrix3;
 use tautline_core::geometry::{Coordinate, Vec3};
-use tautline_core::robot::{Cable, Home, Limits, PerAxis, Platform, Robot};
+use tautline_core::robot::{Cable, Limits, PerAxis, Platform, Robot};
 use tautline_session::{Loaded, ReadError, quoted};
 
 use super::Element;
-use super::description::{Description, robot_of};
+use super::description::{Description, POSITION_SD_M, ROTATION_SD_RAD, home_at, robot_of};
 use joint::Joint;
-
-/// Default standard deviation of a coordinate of the home pose (m): what a mark on the floor reaches.
-const POSITION_SD_M: f64 = 1e-3;
-/// Default standard deviation of a rotation of the home pose (rad).
-const ROTATION_SD_RAD: f64 = 1e-3;
 
 pub(super) fn robot(
     file: &str,
@@ -45,13 +40,7 @@ pub(super) fn robot(
         workspace: body.joint.as_ref().and_then(Joint::workspace),
         tension: cable::tension_limits(file, set, &mut notices)?,
     };
-    let home = body.joint.as_ref().and_then(Joint::home).map(|home| Home {
-        position_m: home.position_m,
-        orientation_wxyz: home.orientation_wxyz,
-        position_sd_m: POSITION_SD_M,
-        orientation_sd_rad: ROTATION_SD_RAD,
-        covariance: None,
-    });
+    let home = body.joint.as_ref().and_then(Joint::home).map(home_at);
     if home.is_some() {
         notices.push(format!(
             "{}: q_initial is the home pose, at which encoders read 0; it is assumed to be known to {} mm and {} mrad",
@@ -65,6 +54,7 @@ pub(super) fn robot(
         cables,
         home,
         limits: (limits != Limits::default()).then_some(limits),
+        has_winches: false,
     };
     robot_of(file, description, notices)
 }
