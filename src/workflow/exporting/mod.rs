@@ -1,5 +1,6 @@
 //! Datasets and results as tables for other programs.
 
+mod dialects;
 mod matlab;
 mod parquet;
 
@@ -9,6 +10,7 @@ use tautline_core::measurement::Measurements;
 use tautline_session::{csv_row, pose_columns};
 
 pub use self::parquet::{ParquetCells, parquet_file};
+pub use dialects::{DialectError, DialectText, WrittenValue, dialect_text};
 
 /// A table with named columns of one length.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,9 +1,12 @@
 //! `tautline export`.
 
+mod dialect;
+
 use std::path::PathBuf;
 
 use anyhow::{Result, anyhow};
 use clap::ValueEnum;
+use clap::builder::PossibleValuesParser;
 use tautline_core::estimation::{Control, Method};
 use tautline_core::measurement::Dataset;
 use tautline_workflow::exporting::{Table, TableFormat, encode, poses_table};
@@ -23,14 +26,23 @@ use crate::replace::OutputFile;
 #[command(after_help = examples(&[
     ("The readings with their residuals, for a spreadsheet", "tautline export mini --table readings -o residuals.csv"),
     ("Poses and identified values, for MATLAB", "tautline export mini --table poses --table values -o mini.mat"),
+    ("The lines of a Hangprinter's firmware that change", "tautline export hp4 --for reprap --onto config.g"),
+    ("A model as a new file of another program", "tautline export model.json --for klipper -o printer.cfg"),
 ]))]
 pub struct Arguments {
-    /// Dataset folder
+    /// Dataset folder; with --for also a session or a model file
     #[arg(value_name = "DATASET")]
     dataset: PathBuf,
-    /// File to write: .csv or .parquet with one table, or .mat (MATLAB version 5) with one struct per table; - is CSV on standard output
-    #[arg(short, long, value_name = "FILE")]
-    out: OutputFile,
+    /// File to write: .csv or .parquet with one table, or .mat (MATLAB version 5) with one struct per table; - is CSV on standard output.
+    /// With --for the text of the other program; without it, only the lines that change are printed
+    #[arg(short, long, value_name = "FILE", required_unless_present = "dialect")]
+    out: Option<OutputFile>,
+    /// Write the identified robot, or the model, as the firmware or simulator describes robots; what it cannot express is said
+    #[arg(long = "for", id = "dialect", value_name = "DIALECT", value_parser = PossibleValuesParser::new(dialect::names()), conflicts_with = "table")]
+    dialect: Option<String>,
+    /// Your file in that dialect, which is not changed: the text that is written has its comments, order and other values
+    #[arg(long, value_name = "FILE", requires = "dialect")]
+    onto: Option<PathBuf>,
     /// What to write: the measured poses, identified values with their standard deviations, or readings with their residuals; may be repeated
     #[arg(long, value_enum, default_value = "poses")]
     table: Vec<Content>,
@@ -48,10 +60,18 @@ enum Content {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let out = arguments.out.display();
-    let format = match is_standard(&arguments.out) {
+    match (&arguments.dialect, &arguments.out) {
+        (Some(name), _) => dialect::run(arguments, name),
+        (None, Some(out)) => tables(arguments, out),
+        (None, None) => Err(BadInput::new("--out: not given, expected a file")),
+    }
+}
+
+fn tables(arguments: &Arguments, file: &OutputFile) -> Result<()> {
+    let out = file.display();
+    let format = match is_standard(file) {
         true => Some(TableFormat::Csv),
-        false => TableFormat::of(&arguments.out),
+        false => TableFormat::of(file),
     };
     let Some(format) = format else {
         let message =
@@ -85,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let tables: Vec<Table> = contents.iter().map(table).collect();
     let bytes =
         encode(format, &tables).map_err(|why| anyhow!("{out}: cannot be created ({why})"))?;
-    write_file(&arguments.out, &bytes)?;
+    write_file(file, &bytes)?;
     for table in &tables {
         let (rows, columns) = (table.rows(), table.columns.len());
         confirm!(
