@@ -11,19 +11,26 @@
 
 use nalgebra::DMatrix;
 
-use crate::effect::{BetterKnown, BoundEffect, PoseContexts};
+use crate::effect::{BetterKnown, PoseContexts};
 use crate::estimation::{EstimationError, Globals, Method, Problem, residuals_in};
 use crate::fitting::{CurveFitOptions, CurveProblem, fit_curve};
 use crate::geometry::Pose;
 use crate::kinematics::{KinematicsError, length_gradients, position_response};
 use crate::measurement::{Dataset, Grid, Measurements};
-use crate::robot::{PerAxis, Robot};
+use crate::robot::{ForceSensor, PerAxis, Robot};
 use crate::simulation::{
     SimulationError, SimulationOptions, TrueGeometry, Workspace, simulate, true_directions,
 };
 
 /// Length error that weighs as much as a parameter at the limit of its search (m).
-const LENGTH_SD_M: f64 = 1e-4;
+const LENGTH_SD_M: f64 = 1e-5;
+
+/// A sensor that reads tensions.
+const PERFECT_SENSOR: ForceSensor = ForceSensor {
+    tension_gain: 1.0,
+    bias_n: 0.0,
+    tension_sd_n: 1.0,
+};
 
 /// What a model expects of its winches at poses of its workspace.
 #[derive(Debug, Clone)]
@@ -32,41 +39,6 @@ pub struct ExpectedLengths {
     poses: Vec<Pose>,
     tensions_n: Grid,
     directions: Grid,
-}
-
-/// Errors of a target at the poses of [`ExpectedLengths`].
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct ProjectionErrors {
-    /// Errors of the cable lengths, cable by cable at each pose (m).
-    pub length_m: Vec<f64>,
-    /// Distance by which the platform misses each pose (m).
-    pub position_m: Vec<f64>,
-}
-
-/// Root mean square.
-fn rms(values: &[f64]) -> f64 {
-    let square_sum: f64 = values.iter().map(|value| value * value).sum();
-    (square_sum / values.len().max(1) as f64).sqrt()
-}
-
-impl ProjectionErrors {
-    /// Root mean square of the length errors (m).
-    #[must_use]
-    pub fn length_rms_m(&self) -> f64 {
-        rms(&self.length_m)
-    }
-
-    /// Root mean square of the position errors (m).
-    #[must_use]
-    pub fn position_rms_m(&self) -> f64 {
-        rms(&self.position_m)
-    }
-
-    /// Largest position error (m).
-    #[must_use]
-    pub fn largest_position_m(&self) -> f64 {
-        self.position_m.iter().copied().fold(0.0, f64::max)
-    }
 }
 
 impl ExpectedLengths {
@@ -84,69 +56,64 @@ impl ExpectedLengths {
             ..SimulationOptions::new(poses, 1)
         };
         let simulated = simulate(&model, &options)?.dataset.measurements;
-        let poses = simulated.truth.poses;
+        let (poses, tensions_n) = (simulated.truth.poses, simulated.truth.tension_n);
         Ok(Self {
-            tensions_n: simulated.truth.tension_n,
             directions: true_directions(&model, &poses)?,
-            // The target has no other instruments.
+            // Tensions as read by perfect sensors; the target has no other instruments.
             measurements: Measurements {
                 labels: simulated.labels,
                 time_s: simulated.time_s,
                 temperature_c: simulated.temperature_c,
                 revolutions: simulated.revolutions,
                 length_m: simulated.length_m,
+                force_n: tensions_n.clone(),
                 ..Measurements::default()
             },
+            tensions_n,
             poses,
         })
     }
 
-    /// Errors of a controller or simulator that knows `target`.
+    /// Distances by which the platform of a machine that knows `target` misses the poses (m).
     ///
     /// # Errors
-    /// If the target has another number of cables, an unknown effect, or no cable path at a pose.
-    pub fn errors_of(&self, target: &Robot) -> Result<ProjectionErrors, SimulationError> {
-        let length_m = self.length_errors_m(target)?;
-        let cables = target.cable_count();
-        let position_m = self.poses.iter().zip(length_m.chunks(cables));
-        let position_m = position_m.map(|(pose, errors)| missed_by_m(target, pose, errors));
-        Ok(ProjectionErrors {
-            position_m: position_m.collect::<Result<_, _>>()?,
-            length_m,
-        })
+    /// If the target has an unknown effect, or no cable path at a pose.
+    pub fn missed_by_m(&self, target: &Robot) -> Result<Vec<f64>, SimulationError> {
+        let errors = self.length_errors_m(target)?;
+        let at_poses = self.poses.iter().zip(errors.chunks(target.cable_count()));
+        let missed = at_poses.map(|(pose, errors)| missed_by_m(target, pose, errors));
+        Ok(missed.collect::<Result<_, _>>()?)
     }
 
     fn length_errors_m(&self, target: &Robot) -> Result<Vec<f64>, EstimationError> {
-        let dataset = Dataset {
+        let mut dataset = Dataset {
             robot: target.clone(),
             measurements: self.measurements.clone(),
         };
+        for cable in &mut dataset.robot.cables {
+            cable.force_sensor = Some(PERFECT_SENSOR);
+        }
         let problem = Problem::new(&dataset)?.with_method(Method::Simple);
         let known = BetterKnown {
             directions: Some(&self.directions),
             tensions_n: Some(&self.tensions_n),
         };
         let home = problem.home_row();
-        let contexts = PoseContexts::new(target, &self.measurements, home, &self.poses, known);
+        let contexts =
+            PoseContexts::new(&dataset.robot, &self.measurements, home, &self.poses, known);
         let rows: Vec<usize> = (0..self.poses.len()).collect();
         let globals = Globals::nominal(&problem);
         let at = (&rows[..], &self.poses[..]);
         let residuals = residuals_in(Some(contexts.into()), &problem, &globals, at);
-        let rows = residuals.iter().enumerate();
+        let mut errors: Vec<Vec<f64>> = residuals.into_iter().map(|row| row.length_m).collect();
         // At home, revolutions are zero by definition.
-        let of_row = |(row, residual): (usize, &crate::estimation::RowResidual)| {
-            let zero = vec![0.0; target.cable_count()];
-            if Some(row) == home {
-                zero
-            } else {
-                residual.length_m.clone()
-            }
-        };
-        Ok(rows.flat_map(of_row).collect())
+        if let Some(home) = home {
+            errors[home].fill(0.0);
+        }
+        Ok(errors.concat())
     }
 
-    /// The parameters near `start`, each within about its range, with which the robot of `target` errs least. A parameter with the
-    /// range 0 stays as it is.
+    /// The parameters near `start`, each within about its positive range, with which the robot of `target` errs least.
     #[must_use]
     pub fn project(
         &self,
@@ -154,33 +121,26 @@ impl ExpectedLengths {
         start: &[f64],
         ranges: &[f64],
     ) -> Vec<f64> {
-        let sought: Vec<usize> = (0..start.len()).filter(|k| ranges[*k] > 0.0).collect();
-        let parameters = |steps: &[f64]| {
-            let mut all = start.to_vec();
-            for (k, step) in sought.iter().zip(steps) {
-                all[*k] += step * ranges[*k];
-            }
-            all
+        let parameters = |steps: &[f64]| -> Vec<f64> {
+            let steps = steps.iter().zip(ranges).map(|(step, range)| step * range);
+            start
+                .iter()
+                .zip(steps)
+                .map(|(start, step)| start + step)
+                .collect()
         };
-        if sought.is_empty() {
-            return start.to_vec();
-        }
         let lengths = self.poses.len() * self.tensions_n.columns();
         let predict = |steps: &[f64], out: &mut [f64]| {
             out.fill(f64::NAN);
             let errors = target(&parameters(steps)).map(|robot| self.length_errors_m(&robot));
-            if let Some(Ok(errors)) = errors
-                && errors.len() == lengths
-            {
-                out[..lengths].copy_from_slice(&errors);
-                out[..lengths]
-                    .iter_mut()
-                    .for_each(|error| *error /= LENGTH_SD_M);
-                out[lengths..].copy_from_slice(steps);
+            if let Some(Ok(errors)) = errors {
+                let weighted = errors.iter().map(|error| error / LENGTH_SD_M);
+                let all: Vec<f64> = weighted.chain(steps.iter().copied()).collect();
+                out.copy_from_slice(&all);
             }
         };
         let problem = CurveProblem {
-            observations: &vec![0.0; lengths + sought.len()],
+            observations: &vec![0.0; lengths + start.len()],
             sd: None,
             predict: &predict,
             jacobian: None,
@@ -189,24 +149,22 @@ impl ExpectedLengths {
             max_iterations: 50,
             ..CurveFitOptions::default()
         };
-        let fit = fit_curve(&problem, &vec![0.0; sought.len()], &options);
+        let fit = fit_curve(&problem, &vec![0.0; start.len()], &options);
         parameters(fit.statistics.parameters.as_slice())
     }
 }
 
-/// The model without effects that act in motion or at single poses, and with entry points that are not drawn.
+/// The model without effects that act in motion or at single poses, and with poses that are not displaced by what is unknown.
 fn at_rest(model: &Robot) -> Robot {
-    let mut model = model.clone();
-    let whole = model.clone();
-    model.effects.retain(|setting| {
-        BoundEffect::from_setting(setting, &whole).map_or(true, |bound| {
-            !bound.effect.is_in_motion() && bound.effect.pose_parameter().is_none()
-        })
+    let mut at_rest = model.clone();
+    at_rest.effects.retain(|setting| {
+        let effect = model.effect(&setting.effect);
+        effect.is_none_or(|effect| !effect.is_in_motion() && effect.pose_parameter().is_none())
     });
-    for cable in &mut model.cables {
+    for cable in &mut at_rest.cables {
         cable.pulley.entry_point_sd_m = PerAxis::known(0.0);
     }
-    model
+    at_rest
 }
 
 /// Distance by which the platform misses a pose with these errors of its cable lengths (m).
@@ -219,4 +177,63 @@ fn missed_by_m(robot: &Robot, pose: &Pose, errors_m: &[f64]) -> Result<f64, Kine
     let errors = DMatrix::from_column_slice(errors_m.len(), 1, errors_m);
     let moved = position_response(by_pose, &errors, freedom);
     Ok(moved.map_or(f64::NAN, |moved| moved.norm()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effect::EffectSetting;
+    use crate::robot::presets;
+
+    fn rms(values: &[f64]) -> f64 {
+        let square_sum: f64 = values.iter().map(|value| value * value).sum();
+        (square_sum / values.len() as f64).sqrt()
+    }
+
+    /// A target with entry points and drums that may be moved, and without pulleys if it has none.
+    fn target(nominal: &Robot, radius: f64, values: &[f64]) -> Robot {
+        let mut robot = nominal.clone();
+        for (cable, values) in robot.cables.iter_mut().zip(values.chunks(4)) {
+            cable.pulley.radius_m *= radius;
+            for (coordinate, value) in cable.pulley.entry_point_m.iter_mut().zip(values) {
+                *coordinate += value;
+            }
+            cable.winch.drum_diameter_m *= 1.0 + values[3];
+        }
+        robot
+    }
+
+    #[test]
+    fn what_a_target_expresses_is_found_and_the_rest_is_its_error() {
+        let preset = presets::find("mini").expect("a preset");
+        let nominal = preset.robot;
+        let scale = EffectSetting {
+            effect: "winch_scale".into(),
+            targets: vec!["cable-3".into()],
+            parameters: [("scale".to_owned(), 0.004)].into(),
+        };
+        let mut model = nominal.clone();
+        model.cables[1].pulley.entry_point_m[0] += 0.003;
+        model.effects = vec![scale];
+        let expected = ExpectedLengths::of(&model, preset.workspace, 40).expect("lengths");
+        let nominal_m = expected.missed_by_m(&nominal).expect("errors");
+        assert!(rms(&nominal_m) > 2e-4, "{}", rms(&nominal_m));
+        let (start, ranges) = (vec![0.0; 32], vec![0.05; 32]);
+        let with_pulleys = |values: &[f64]| Some(target(&nominal, 1.0, values));
+        let found = expected.project(&with_pulleys, &start, &ranges);
+        let errors = expected
+            .missed_by_m(&target(&nominal, 1.0, &found))
+            .expect("errors");
+        assert!(rms(&errors) < 2e-6, "{}", rms(&errors));
+        assert!((found[4] - 0.003).abs() < 1e-5, "{found:?}");
+        assert!((found[11] - 0.004).abs() < 1e-4, "{found:?}");
+        let without = |values: &[f64]| Some(target(&nominal, 0.0, values));
+        let best = expected.project(&without, &start, &ranges);
+        let [unfitted, best] = [&start, &best].map(|values| {
+            rms(&expected
+                .missed_by_m(&target(&nominal, 0.0, values))
+                .expect("errors"))
+        });
+        assert!(best < 0.3 * unfitted && best > 1e-5, "{best} {unfitted}");
+    }
 }

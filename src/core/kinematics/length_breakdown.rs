@@ -138,6 +138,24 @@ pub(super) fn modelled_cables(
         .collect())
 }
 
+/// The robot with the geometry and the stiffness that its effects give it at a pose, and without effects.
+///
+/// # Errors
+/// If a cable has no path, or an effect does not exist.
+pub fn effective_geometry(robot: &Robot, pose: &Pose) -> Result<Robot, LengthBreakdownError> {
+    let mut effective = robot.clone();
+    let cables = modelled_cables(robot, pose, &vec![None; robot.cable_count()])?;
+    for (own, modelled) in effective.cables.iter_mut().zip(cables) {
+        let ModelledCable { cable, ports, .. } = modelled?;
+        *own = cable;
+        let compliance = ports.compliance.value;
+        own.cable.axial_stiffness_n = (compliance > 0.0).then(|| compliance.recip());
+    }
+    effective.effects.clear();
+    effective.deviations.clear();
+    Ok(effective)
+}
+
 impl ModelledCable {
     pub fn path(&self) -> &CablePath<f64> {
         &self.located.path

@@ -20,7 +20,9 @@ pub use inverse::{
     CableState, KinematicsError, LengthGradient, check_path_at, inverse_kinematics,
     length_gradients,
 };
-pub use length_breakdown::{LengthBreakdown, LengthBreakdownError, length_breakdown};
+pub use length_breakdown::{
+    LengthBreakdown, LengthBreakdownError, effective_geometry, length_breakdown,
+};
 pub(crate) use position_response::position_response;
 pub use pulley::{CablePath, PathChange, PulleyGeometry};
 pub(crate) use statics::balanced_tension;

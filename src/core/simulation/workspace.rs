@@ -86,8 +86,7 @@ impl Workspace {
     }
 
     /// The smallest workspace around the given poses; `None` without poses.
-    #[must_use]
-    pub fn around<'p>(poses: impl Iterator<Item = &'p Pose>) -> Option<Self> {
+    pub(crate) fn around<'p>(poses: impl Iterator<Item = &'p Pose>) -> Option<Self> {
         let poses: Vec<&Pose> = poses.collect();
         let centre = *poses.first()?;
         let infinite = Vec3::repeat(f64::INFINITY);
