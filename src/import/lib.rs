@@ -51,7 +51,7 @@ pub use recipe::{
     Rest, Step, read_recipe,
 };
 pub use robots::{
-    Dialect, ForeignRobot, Meaning, Parameter, read_description_text, read_robot_description,
+    Dialect, ForeignRobot, Meaning, Parameter, Row, read_description_text, read_robot_description,
 };
 pub use source::{Channel, Format, Series, Source, Summary, TextChannel};
 pub use sources::read_sources;

@@ -246,7 +246,7 @@ fn recognise(head: &[u8], path: &Path) -> Kind {
         _ if is_description(text) => RobotDescription,
         "" => Refused("is empty, expected readings"),
         _ if text.starts_with('<') => Refused(
-            "is an XML file of unknown format, expected readings or a robot of CASPR, WireX, MuJoCo or Gazebo",
+            "is an XML file of unknown format, expected readings or a robot of CASPR, WireX or MuJoCo",
         ),
         _ if text.starts_with('{') => {
             Refused("is a JSON file, expected readings; robots and sessions need no import")

@@ -1,5 +1,6 @@
 //! What descriptions of robots state, and what they leave to be assumed.
 
+use tautline_core::geometry::Coordinate;
 use tautline_core::robot::{
     Cable, CableMaterial, FrameTransform, Home, Limits, PartTolerances, PerAxis, Platform, Pulley,
     Robot, Winch,
@@ -82,6 +83,25 @@ pub(super) struct Description {
     pub(super) limits: Option<Limits>,
     /// Whether it states how much cable a revolution winds.
     pub(super) has_winches: bool,
+}
+
+impl Description {
+    /// A point that cables of known winches move along some coordinates, whose revolutions may count from the origin.
+    pub(super) fn of_point(cables: Vec<Cable>, free: &[Coordinate], is_homed: bool) -> Self {
+        let origin = FrameTransform {
+            position_m: [0.0; 3],
+            orientation_wxyz: [1.0, 0.0, 0.0, 0.0],
+        };
+        let mut platform = Platform::spatial(None);
+        platform.free = free.to_vec();
+        Self {
+            platform,
+            cables,
+            home: is_homed.then(|| home_at(origin)),
+            limits: None,
+            has_winches: true,
+        }
+    }
 }
 
 /// The robot of a description, which states no noise.

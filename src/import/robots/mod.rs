@@ -5,6 +5,7 @@ mod description;
 mod dialect;
 mod klipper;
 mod maslow;
+mod mujoco;
 mod reprap;
 mod settings;
 mod wirex;
@@ -16,17 +17,17 @@ use std::path::{Path, PathBuf};
 use tautline_core::robot::Robot;
 use tautline_session::{Loaded, Place, ReadError, open_input};
 
-pub use dialect::{Dialect, ForeignRobot, Meaning, Parameter};
+pub use dialect::{Dialect, ForeignRobot, Meaning, Parameter, Row};
 use xml::Element;
 
 /// Largest description that is read (bytes).
 const MAX_BYTES: u64 = 16 << 20;
 
-/// Whether a text, or its beginning, describes a robot.
+/// Whether a text, or its beginning, describes a robot; robots of Gazebo and URDF are refused by name.
 pub(crate) fn is_description(text: &str) -> bool {
-    let is_tag = |tag| text.contains(tag);
+    let tags = ["<cables", "<links", "<models", "<sdf", "<robot"];
     Dialect::of(text).is_some()
-        || text.starts_with('<') && ["<cables", "<links", "<models"].into_iter().any(is_tag)
+        || text.starts_with('<') && tags.iter().any(|tag| text.contains(tag))
 }
 
 /// Reads a text file that describes a robot.
@@ -52,12 +53,13 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
         let file = path.display().to_string();
         let text = read_description_text(path)?;
         if let Some(dialect) = Dialect::of(&text) {
-            only_one(paths, &file)?;
-            let ForeignRobot { robot, notices, .. } = dialect.read(&file, &text)?;
-            return Ok(Loaded {
-                value: robot,
-                notices,
-            });
+            if paths.len() > 1 {
+                let message = "describes a whole robot, expected no other file beside it";
+                return Err(ReadError::new(&file, Place::File, message));
+            }
+            let read = (dialect.read)(&file, &text)?;
+            let (value, notices) = (read.robot, read.notices);
+            return Ok(Loaded { value, notices });
         }
         let root = xml::parse(&text, &file)?;
         let slot = match root.name.as_str() {
@@ -66,7 +68,7 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
             "models" => return wirex::robot(&file, &root),
             name => {
                 let message = format!(
-                    "found <{name}>, expected <cables> or <bodies_system> of CASPR or <models> of WireX"
+                    "found <{name}>, expected <mujoco>, <cables> or <bodies_system> of CASPR or <models> of WireX"
                 );
                 return Err(ReadError::new(&file, Place::File, message));
             }
@@ -94,15 +96,6 @@ pub fn read_robot_description(paths: &[PathBuf]) -> Result<Loaded<Robot>, ReadEr
             ))
         }
     }
-}
-
-/// Refuses further files beside one that describes the whole robot.
-fn only_one(paths: &[PathBuf], file: &str) -> Result<(), ReadError> {
-    if paths.len() == 1 {
-        return Ok(());
-    }
-    let message = "describes a whole robot, expected no other file beside it";
-    Err(ReadError::new(file, Place::File, message))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | G-code | `M669 A1:2:3` | `M669 A.1` is 2 |
 //! | sections | `[stepper_a]`, `anchor_x: 1` | `stepper_a.anchor_x` |
-//! | YAML | `points:`, `- frame: [1, 2]` | `points.0.frame.1` is 2 |
+//! | mappings of YAML | `kinematics:`, below it `tlX: 1` | `kinematics.tlX` |
 //!
 //! Where a key occurs several times, the last one holds, as it does for the programs that read these files.
 
@@ -12,37 +12,43 @@ use std::ops::Range;
 
 use tautline_session::{Place, ReadError, quoted};
 
-/// One value with its place.
-#[derive(Debug, Clone)]
-struct Setting {
-    key: String,
-    /// Bytes of the value.
-    at: Range<usize>,
-}
+use super::dialect::{Parameter, Row};
 
-/// All values of a text, in its order.
-#[derive(Debug, Clone)]
+/// All values of a text, and what was read of them.
+#[derive(Debug)]
 pub(super) struct Settings<'t> {
     pub(super) file: &'t str,
     text: &'t str,
-    all: Vec<Setting>,
+    /// Keys with the bytes of their values.
+    all: Vec<(String, Range<usize>)>,
+    used: Vec<String>,
+    /// Numbers that were read and that a calibration may change.
+    pub(super) parameters: Vec<Parameter>,
 }
 
 impl<'t> Settings<'t> {
-    fn new(file: &'t str, text: &'t str) -> Self {
+    pub(super) fn new(file: &'t str, text: &'t str) -> Self {
         Self {
             file,
             text,
             all: Vec::new(),
+            used: Vec::new(),
+            parameters: Vec::new(),
         }
     }
 
     fn push(&mut self, key: String, value: &str) {
+        let value = value.trim();
         let start = value.as_ptr() as usize - self.text.as_ptr() as usize;
-        self.all.push(Setting {
-            key,
-            at: start..start + value.len(),
-        });
+        self.all.push((key, start..start + value.len()));
+    }
+
+    /// Adds the values in some bytes of the text, which white space separates.
+    pub(super) fn push_list(&mut self, key: &str, at: Range<usize>) {
+        let list = self.text.get(at).unwrap_or_default();
+        for (index, value) in list.split_whitespace().enumerate() {
+            self.push(format!("{key}.{index}"), value);
+        }
     }
 
     /// Commands of G-code: a word in letters and digits, then letters with values, which colons separate.
@@ -50,14 +56,12 @@ impl<'t> Settings<'t> {
         let mut settings = Self::new(file, text);
         for line in text.lines() {
             let mut words = words(line.split(';').next().unwrap_or_default());
-            let Some(command) = words.next().map(str::to_uppercase) else {
-                continue;
-            };
+            let command = words.next().unwrap_or_default().to_uppercase();
             for word in words {
                 let mut letters = word.chars();
                 let letter = letters.next().unwrap_or_default().to_ascii_uppercase();
                 for (index, value) in letters.as_str().split(':').enumerate() {
-                    settings.push(format!("{command} {letter}.{index}"), value.trim());
+                    settings.push(format!("{command} {letter}.{index}"), value);
                 }
             }
         }
@@ -69,112 +73,91 @@ impl<'t> Settings<'t> {
         let mut settings = Self::new(file, text);
         let mut section = "";
         for line in text.lines() {
-            let line = line.split(['#', ';']).next().unwrap_or_default();
-            let name = line.trim().strip_prefix('[');
-            if let Some(name) = name.and_then(|name| name.strip_suffix(']')) {
-                section = name.trim();
+            let line = line.split(['#', ';']).next().unwrap_or_default().trim();
+            if let Some(name) = line.strip_prefix('[') {
+                section = name.trim_end_matches(']');
             } else if let Some((key, value)) = line.split_once([':', '=']) {
-                settings.push(format!("{section}.{}", key.trim()), value.trim());
+                settings.push(format!("{section}.{}", key.trim()), value);
             }
         }
         settings
     }
 
-    /// Mappings and sequences of YAML, in blocks or in `[..]` and `{..}` on one line.
+    /// Mappings of YAML, which are nested by their indentation; sequences have no keys here.
     pub(super) fn of_yaml(file: &'t str, text: &'t str) -> Self {
         let mut settings = Self::new(file, text);
-        let mut open: Vec<Block<'_>> = Vec::new();
+        let mut open: Vec<(usize, &str)> = Vec::new();
         for line in text.lines() {
-            let line = line.split(" #").next().unwrap_or_default().trim_end();
-            let mut rest = line.trim_start();
-            if rest.is_empty() || rest.starts_with(['#', '%']) || rest.starts_with("---") {
+            let line = line.split('#').next().unwrap_or_default().trim_end();
+            let indent = line.len() - line.trim_start().len();
+            let Some((key, value)) = line.trim_start().split_once(':') else {
                 continue;
-            }
-            let mut indent = line.len() - rest.len();
-            loop {
-                let is_item = rest == "-" || rest.starts_with("- ");
-                // The items of a sequence may stand below the first letter of its key.
-                let least = indent + usize::from(is_item);
-                while open.last().is_some_and(|block| block.indent >= least) {
-                    open.pop();
-                }
-                if !is_item {
-                    break;
-                }
-                match open.last_mut() {
-                    Some(Block {
-                        indent: at,
-                        part: Part::Item(count),
-                    }) if *at == indent => *count += 1,
-                    _ => open.push(Block {
-                        indent,
-                        part: Part::Item(0),
-                    }),
-                }
-                let inner = rest[1..].trim_start();
-                indent += rest.len() - inner.len();
-                rest = inner;
-            }
-            let is_flow = rest.is_empty() || rest.starts_with(['[', '{']);
-            match rest.split_once(':').filter(|_| !is_flow) {
-                Some((key, "")) => open.push(Block {
-                    indent,
-                    part: Part::Key(key),
-                }),
-                Some((key, value)) => {
-                    settings.push_flow(&path(&open, Some(key)), value.trim());
-                }
-                None if rest.is_empty() => {}
-                None => settings.push_flow(&path(&open, None), rest),
-            }
+            };
+            open.retain(|(outer, _)| *outer < indent);
+            open.push((indent, key));
+            let path: Vec<&str> = open.iter().map(|(_, key)| *key).collect();
+            settings.push(path.join("."), value);
         }
         settings
     }
 
-    /// A value of YAML on one line, which may be a sequence or a mapping.
-    fn push_flow(&mut self, key: &str, value: &'t str) {
-        let inside = |open: char, close: char| value.strip_prefix(open)?.strip_suffix(close);
-        let Some(items) = inside('[', ']').or_else(|| inside('{', '}')) else {
-            self.push(key.to_owned(), value);
-            return;
-        };
-        let mut depth = 0_i32;
-        let items = items.split(|letter| {
-            depth += i32::from("[{".contains(letter)) - i32::from("]}".contains(letter));
-            letter == ',' && depth == 0
-        });
-        for (index, item) in items.map(str::trim).enumerate() {
-            match item.split_once(':').filter(|_| value.starts_with('{')) {
-                Some((name, value)) => {
-                    self.push_flow(&format!("{key}.{}", name.trim()), value.trim())
-                }
-                None => self.push_flow(&format!("{key}.{index}"), item),
-            }
-        }
+    /// The bytes of the value of a key.
+    fn place(&self, key: &str) -> Option<Range<usize>> {
+        let found = self.all.iter().rev().find(|(known, _)| known == key)?;
+        Some(found.1.clone())
     }
 
     /// The value of a key.
     pub(super) fn text(&self, key: &str) -> Option<&'t str> {
-        let found = self.all.iter().rev().find(|setting| setting.key == key)?;
-        self.text.get(found.at.clone())
+        self.text.get(self.place(key)?)
     }
 
-    /// The bytes of a value.
-    pub(super) fn place(&self, key: &str) -> Option<Range<usize>> {
-        let found = self.all.iter().rev().find(|setting| setting.key == key)?;
-        Some(found.at.clone())
+    /// The number of a row in SI units, for a cable with its index and name.
+    pub(super) fn get(
+        &mut self,
+        row: &Row,
+        (index, name): (usize, &str),
+    ) -> Result<f64, ReadError> {
+        let key = row.key.replace("{cable}", name);
+        let key = key.replace("{index}", &index.to_string());
+        self.number(row, key, name)
     }
 
-    /// The number of a key, `None` where there is none.
-    pub(super) fn number(&self, key: &str) -> Result<Option<f64>, ReadError> {
-        let Some(text) = self.text(key) else {
-            return Ok(None);
+    /// The number of a row that stands under another key, in SI units.
+    pub(super) fn number(&mut self, row: &Row, key: String, cable: &str) -> Result<f64, ReadError> {
+        self.used.push(key.clone());
+        let Some((text, at)) = self.text(&key).zip(self.place(&key)) else {
+            let message = format!("found no {key}, expected a number in {}", row.unit.0);
+            let missing = || self.error(&key, message);
+            return Ok(row.default.ok_or_else(missing)? / row.unit.1);
         };
         let number = text.parse().ok().filter(|value: &f64| value.is_finite());
-        number.map(Some).ok_or_else(|| {
+        let value = number.ok_or_else(|| {
             let message = format!("{key}: found {}, expected a number", quoted(text));
-            self.error(key, message)
-        })
+            self.error(&key, message)
+        })?;
+        if row.range > 0.0 {
+            self.parameters.push(Parameter {
+                key,
+                cable: cable.to_owned(),
+                value,
+                row: *row,
+                at,
+            });
+        }
+        Ok(value / row.unit.1)
+    }
+
+    /// The number of a row, which must be positive.
+    pub(super) fn positive(&mut self, row: &Row, at: (usize, &str)) -> Result<f64, ReadError> {
+        let value = self.get(row, at)?;
+        if value > 0.0 {
+            return Ok(value);
+        }
+        let key = self.used.last().cloned().unwrap_or_default();
+        let found = value * row.unit.1;
+        let message = format!("{key}: found {found}, expected a positive number");
+        Err(self.error(&key, message))
     }
 
     /// An error about the value of a key, or about the file if the key is absent.
@@ -188,56 +171,33 @@ impl<'t> Settings<'t> {
         ReadError::new(self.file, place, message)
     }
 
-    /// The keys, in the order of the text.
-    pub(super) fn keys(&self) -> impl Iterator<Item = &str> {
-        self.all.iter().map(|setting| setting.key.as_str())
+    /// Whether there is a key with this beginning.
+    pub(super) fn has(&self, prefix: &str) -> bool {
+        self.all.iter().any(|(key, _)| key.starts_with(prefix))
     }
-}
 
-/// A mapping or sequence of YAML that is open at a line.
-struct Block<'t> {
-    indent: usize,
-    part: Part<'t>,
-}
-
-enum Part<'t> {
-    Key(&'t str),
-    /// Number of items so far, less one.
-    Item(usize),
-}
-
-/// The key of a value in the open blocks.
-fn path(open: &[Block<'_>], key: Option<&str>) -> String {
-    let parts = open.iter().map(|block| match block.part {
-        Part::Key(key) => key.trim().to_owned(),
-        Part::Item(count) => count.to_string(),
-    });
-    let key = key.map(|key| key.trim().to_owned());
-    parts.chain(key).collect::<Vec<_>>().join(".")
+    /// The keys with one of these beginnings that nothing has read, a list of values as one, in a notice with a reason.
+    pub(super) fn left_out(&self, prefixes: &[&str], why: &str) -> Option<String> {
+        let is_meant = |key: &String| prefixes.iter().any(|prefix| key.starts_with(prefix));
+        let keys = self.all.iter().map(|(key, _)| key);
+        let keys = keys.filter(|key| is_meant(key) && !self.used.contains(key));
+        let digits = |letter: char| letter == '.' || letter.is_ascii_digit();
+        let mut names: Vec<&str> = keys.map(|key| key.trim_end_matches(digits)).collect();
+        names.sort_unstable();
+        names.dedup();
+        let names = names.join(", ");
+        (!names.is_empty()).then(|| format!("{}: left out, as {why}: {names}", self.file))
+    }
 }
 
 /// Words of a line of G-code; a text in quotes is part of its word.
 fn words(line: &str) -> impl Iterator<Item = &str> {
     let mut is_quoted = false;
-    line.split(move |letter: char| {
+    let words = line.split(move |letter: char| {
         is_quoted ^= letter == '"';
         letter.is_whitespace() && !is_quoted
-    })
-    .filter(|word| !word.is_empty())
-}
-
-/// A text with some of its parts replaced, whose places do not overlap.
-pub(super) fn replaced(text: &str, parts: &[(Range<usize>, String)]) -> String {
-    let mut parts: Vec<_> = parts.iter().collect();
-    parts.sort_by_key(|(at, _)| at.start);
-    let (mut result, mut done) = (String::with_capacity(text.len()), 0);
-    for (at, new) in parts {
-        result.push_str(&text[done..at.start]);
-        result.push_str(new);
-        done = at.end;
-    }
-    result.push_str(&text[done..]);
-    result
+    });
+    words.filter(|word| !word.is_empty())
 }
 
 #[cfg(test)]
@@ -246,43 +206,28 @@ mod tests {
 
     #[test]
     fn numbers_keep_their_places_in_every_syntax() {
-        let gcode = "M669 K6 ; A9\nm669 A1.5:-2 B3\nM569 P40.0 S1\nM950 C\"a b\"\n";
+        let gcode = "M669 K6 ; A9\nm669 A1.5:-2 B3\nM950 C\"a b\"\n";
         let sections = "[printer]\nkinematics = winch # no\n[stepper_a]\nanchor_x: 4\n";
-        let yaml = "a:\n  b: 1 # no\n  c: {d: [2, 3], e: x}\npoints:\n- frame: [4, 5]\n  platform:\n    - 6\n    - 7\n-\n  frame: [8]\nlast: 9\n";
+        let yaml = "a:\n  b: 1 # no\n  c:\n    d: 2\n  e: 3\nmeta: \nlast: 9\n";
         let read = [
             Settings::of_gcode("f", gcode),
             Settings::of_sections("f", sections),
             Settings::of_yaml("f", yaml),
         ];
-        let keys: Vec<Vec<&str>> = read.iter().map(|one| one.keys().collect()).collect();
-        let of_gcode = [
-            "M669 K.0", "M669 A.0", "M669 A.1", "M669 B.0", "M569 P.0", "M569 S.0", "M950 C.0",
-        ];
-        assert_eq!(keys[0], of_gcode);
-        assert_eq!(keys[1], ["printer.kinematics", "stepper_a.anchor_x"]);
-        let of_yaml = [
-            "a.b",
-            "a.c.d.0",
-            "a.c.d.1",
-            "a.c.e",
-            "points.0.frame.0",
-            "points.0.frame.1",
-            "points.0.platform.0",
-            "points.0.platform.1",
-            "points.1.frame.0",
-            "last",
-        ];
-        assert_eq!(keys[2], of_yaml);
-        assert_eq!(read[0].number("M669 A.1").unwrap(), Some(-2.0));
-        assert_eq!(read[1].text("printer.kinematics"), Some("winch"));
-        assert_eq!(read[2].number("points.0.platform.1").unwrap(), Some(7.0));
-        let error = read[2].number("a.c.e").unwrap_err().to_string();
+        let keys = |settings: &Settings<'_>| -> Vec<String> {
+            settings.all.iter().map(|(key, _)| key.clone()).collect()
+        };
+        let of_gcode = ["M669 K.0", "M669 A.0", "M669 A.1", "M669 B.0", "M950 C.0"];
+        assert_eq!(keys(&read[0]), of_gcode);
+        assert_eq!(keys(&read[1]), ["printer.kinematics", "stepper_a.anchor_x"]);
         assert_eq!(
-            error,
-            "f, line 3, column 21: a.c.e: found \"x\", expected a number"
+            keys(&read[2]),
+            ["a", "a.b", "a.c", "a.c.d", "a.e", "meta", "last"]
         );
-        let place = read[0].place("M669 A.0").unwrap();
-        let text = replaced(gcode, &[(place, "7".into())]);
-        assert_eq!(text, gcode.replace("1.5", "7"));
+        assert_eq!(read[0].text("M669 A.1"), Some("-2"));
+        assert_eq!(read[1].text("printer.kinematics"), Some("winch"));
+        assert_eq!(read[2].text("a.c.d"), Some("2"));
+        let error = read[2].error("a.e", "no").to_string();
+        assert_eq!(error, "f, line 5, column 6: no");
     }
 }

@@ -1,5 +1,8 @@
 //! XML as a tree.
 
+use std::borrow::Cow;
+use std::ops::Range;
+
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 use tautline_session::{Place, ReadError, quoted};
@@ -12,18 +15,32 @@ const MAX_DEPTH: usize = 64;
 pub(super) struct Element {
     pub name: String,
     pub line: u64,
-    attributes: Vec<(String, String)>,
+    attributes: Vec<Attribute>,
     text: String,
     pub children: Vec<Element>,
 }
 
+#[derive(Debug)]
+struct Attribute {
+    name: String,
+    value: String,
+    /// Bytes of the value in the text.
+    at: Range<usize>,
+}
+
 impl Element {
+    fn found(&self, name: &str) -> Option<&Attribute> {
+        self.attributes.iter().find(|one| one.name == name)
+    }
+
     /// The value of an attribute.
     pub fn attribute(&self, name: &str) -> Option<&str> {
-        self.attributes
-            .iter()
-            .find(|(known, _)| known == name)
-            .map(|(_, value)| value.as_str())
+        self.found(name).map(|one| one.value.as_str())
+    }
+
+    /// The bytes of the value of an attribute in the text.
+    pub fn place(&self, name: &str) -> Option<Range<usize>> {
+        self.found(name).map(|one| one.at.clone())
     }
 
     /// The first child of this name.
@@ -152,10 +169,10 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Element, ReadError> {
                 if open.len() > MAX_DEPTH {
                     return Err(fail(at, "found elements nested too deeply"));
                 }
-                open.push(element(&tag, line_at(at)));
+                open.push(element(&tag, line_at(at), text));
             }
             Event::Empty(tag) => {
-                let element = element(&tag, line_at(at));
+                let element = element(&tag, line_at(at), text);
                 if let Some(parent) = open.last_mut() {
                     parent.children.push(element);
                 }
@@ -196,17 +213,22 @@ pub(super) fn parse(text: &str, file: &str) -> Result<Element, ReadError> {
     }
 }
 
-fn element(tag: &BytesStart<'_>, line: u64) -> Element {
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+fn element(tag: &BytesStart<'_>, line: u64, text: &str) -> Element {
+    let owned = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let attributes = tag.attributes().flatten().filter_map(|attribute| {
         let value = attribute.normalized_value(XmlVersion::Implicit1_0).ok()?;
-        Some((
-            text(attribute.key.local_name().as_ref()),
-            value.into_owned(),
-        ))
+        let start = match &attribute.value {
+            Cow::Borrowed(raw) => raw.as_ptr() as usize - text.as_ptr() as usize,
+            Cow::Owned(_) => 0,
+        };
+        Some(Attribute {
+            name: owned(attribute.key.local_name().as_ref()),
+            at: start..start + attribute.value.len(),
+            value: value.into_owned(),
+        })
     });
     Element {
-        name: text(tag.local_name().as_ref()),
+        name: owned(tag.local_name().as_ref()),
         line,
         attributes: attributes.collect(),
         ..Element::default()

@@ -1,6 +1,9 @@
 //! Descriptions of robots by other programs.
 
 mod caspr;
+mod firmware;
+mod mujoco;
+mod reprap;
 mod wirex;
 
 use super::*;
@@ -17,4 +20,9 @@ fn read(files: &[(&str, &str)]) -> Result<Loaded<Robot>, String> {
         .collect();
     let prefix = format!("{}/", folder.path().display());
     read_robot_description(&paths).map_err(|error| error.to_string().replace(&prefix, ""))
+}
+
+/// What is written of a number: nothing where rounding would not change it.
+fn rounded(parameter: &Parameter, value: f64) -> Option<String> {
+    (!parameter.is_unchanged(value)).then(|| parameter.written(value))
 }
