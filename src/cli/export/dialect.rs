@@ -1,16 +1,14 @@
 //! `tautline export --for`: a model as a text of another program.
 
-use std::path::Path;
-
 use anyhow::Result;
+use tautline_core::estimation::Control;
 use tautline_import::{Dialect, read_description_text};
-use tautline_workflow::exporting::{DialectText, WrittenValue, dialect_text};
-use tautline_workflow::identification::{Identification, identify_session};
+use tautline_workflow::exporting::dialect_text;
+use tautline_workflow::identification::identify_session;
 
 use super::{Arguments, identified};
-use crate::output::{confirm, note, say, write_file};
+use crate::output::{confirm, say, write_file};
 use crate::{BadInput, input, table};
-use tautline_core::estimation::Control;
 
 /// Names of the dialects.
 pub fn names() -> [&'static str; Dialect::ALL.len()] {
@@ -18,73 +16,43 @@ pub fn names() -> [&'static str; Dialect::ALL.len()] {
 }
 
 pub fn run(arguments: &Arguments, name: &str) -> Result<()> {
-    let dialect = Dialect::named(name);
+    let dialect = Dialect::ALL
+        .into_iter()
+        .find(|dialect| dialect.name == name);
     let dialect = dialect.ok_or_else(|| BadInput::new(format!("--for: found no {name}")))?;
     let onto = arguments.onto.as_deref();
     let text = onto.map(read_description_text).transpose()?;
     let file = onto.map(|path| path.display().to_string());
-    let session = input::session(&arguments.dataset)?;
-    let fit = match session.measurements.is_empty() {
-        true => None,
-        false if arguments.effects.is_empty() => Some(of_session(&session)?),
-        false => {
-            let mut dataset = session.dataset();
-            arguments.hypotheses.add_to(&mut dataset.robot)?;
-            Some(identified(arguments, &dataset)?)
+    let mut session = input::session(&arguments.dataset)?;
+    arguments.hypotheses.add_to(&mut session.robot)?;
+    let fit = match (
+        session.measurements.is_empty(),
+        arguments.effects.is_empty(),
+    ) {
+        (true, _) => None,
+        (false, false) => Some(identified(arguments, &session.dataset())?),
+        (false, true) => {
+            let fit = identify_session(&session, &mut |_| Control::Continue);
+            Some(fit.map_err(|error| BadInput::new(format!("{}: {error}", session.name)))?)
         }
     };
     let model = fit.as_ref().map_or(&session.robot, |fit| &fit.model);
-    let written = dialect_text(
-        model,
-        fit.as_ref(),
-        dialect,
-        file.as_deref().zip(text.as_deref()),
-    );
-    let written = written.map_err(BadInput::new)?;
-    for notice in &written.notices {
-        note!("{notice}");
-    }
-    deliver(arguments.out.as_deref(), &written)
-}
-
-fn of_session(session: &tautline_session::Session) -> Result<Identification> {
-    let fit = identify_session(session, &mut |_| Control::Continue);
-    fit.map_err(|error| BadInput::new(format!("{}: {error}", session.name)))
-}
-
-/// Writes the text if it was asked for, and prints the values that change.
-fn deliver(out: Option<&Path>, written: &DialectText) -> Result<()> {
+    let onto = file.as_deref().zip(text.as_deref());
+    let written = dialect_text(model, fit.as_ref(), dialect, onto).map_err(BadInput::new)?;
     let mut lines = table::texts(&["Value", "unit", "old", "new", "sd", "reason"]);
     for value in &written.values {
-        lines.add_row(cells(value));
+        let row = &value.parameter.row;
+        let sd = value.sd.map(|sd| format!("{sd:.*}", row.digits));
+        let old = onto.map(|_| format!("{:.*}", row.digits, value.parameter.value));
+        let [old, sd] = [old, sd].map(|cell| cell.unwrap_or_else(|| "-".to_owned()));
+        let (key, unit) = (value.parameter.key.clone(), row.unit.0.to_owned());
+        lines.add_row([key, unit, old, value.new.clone(), sd, value.reason.clone()]);
     }
-    match written.values.is_empty() {
-        true => say!("No value changes."),
-        false => say!("{lines}"),
-    }
+    say!("{lines}");
     say!("{}", written.loss_in_words());
-    let Some(out) = out else {
-        return Ok(());
-    };
-    write_file(out, written.text.as_bytes())?;
-    confirm!("{}: {} values changed", out.display(), written.values.len());
+    if let Some(out) = &arguments.out {
+        write_file(out, written.text.as_bytes())?;
+        confirm!("{}: {} values written", out.display(), written.values.len());
+    }
     Ok(())
-}
-
-fn cells(value: &WrittenValue) -> [String; 6] {
-    let number = |number: Option<f64>, digits: usize| {
-        number.map_or_else(|| "-".to_owned(), |number| format!("{number:.digits$}"))
-    };
-    let digits = value
-        .new
-        .split_once('.')
-        .map_or(0, |(_, fraction)| fraction.len());
-    [
-        value.key.clone(),
-        value.unit.to_owned(),
-        number(value.old, digits),
-        value.new.clone(),
-        number(value.sd, digits),
-        value.reason.clone(),
-    ]
 }

@@ -1,19 +1,18 @@
 //! A model as a text of another program, and how much of the model the text expresses.
 
-use tautline_core::estimation::Solution;
-use tautline_core::geometry::{Coordinate, Pose};
-use tautline_core::projection::{ExpectedLengths, ProjectionErrors};
-use tautline_core::robot::Robot;
+use tautline_core::kinematics::{LengthBreakdownError, effective_geometry};
+use tautline_core::projection::ExpectedLengths;
+use tautline_core::robot::{CableMaterial, Robot};
 use tautline_core::simulation::{SimulationError, Workspace};
-use tautline_import::{Dialect, ForeignRobot, Meaning, Parameter};
+use tautline_import::{Dialect, Meaning, Parameter};
 use tautline_session::ReadError;
 
 use crate::identification::Identification;
 
 /// Number of poses of the workspace at which model and text are compared.
 const POSES: usize = 100;
-/// Smallest part of the error of a text that is said of one cause (m).
-const LEAST_PART_M: f64 = 1e-5;
+/// Smallest part of the error of a text that is said of one cause (m), and relative to the whole.
+const LEAST_PART: [f64; 2] = [5e-5, 0.1];
 
 /// Why a model cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -21,315 +20,289 @@ pub enum DialectError {
     /// The text of the user, or a new one, cannot be read.
     #[error(transparent)]
     Text(#[from] ReadError),
-    /// The dialect cannot describe such a robot.
-    #[error("{0}")]
-    Robot(String),
+    /// The text describes another robot.
+    #[error("found {found} cables in the model, expected the {expected} of {file}")]
+    Cables {
+        /// Number of cables of the model.
+        found: usize,
+        /// Number of cables of the text.
+        expected: usize,
+        /// Name of the text.
+        file: String,
+    },
     /// The model cannot be evaluated.
-    #[error("{0}")]
+    #[error(transparent)]
     Model(#[from] SimulationError),
+    /// The model has no geometry at its home pose.
+    #[error(transparent)]
+    Geometry(#[from] LengthBreakdownError),
 }
 
 /// A number that is written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrittenValue {
-    /// Name in the text.
-    pub key: String,
-    /// Value before; `None` in a new text.
-    pub old: Option<f64>,
+    /// The number in the text as it was.
+    pub parameter: Parameter,
     /// Value as it is written.
     pub new: String,
     /// Standard deviation in the unit of the text, if it is known.
     pub sd: Option<f64>,
-    /// Unit of the text.
-    pub unit: &'static str,
     /// What the value follows from.
     pub reason: String,
 }
 
-/// A model as a text of another program.
+/// A model as a text of another program. Errors are those of the platform's position (m), root mean square over the workspace.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DialectText {
     /// The text.
     pub text: String,
-    /// The numbers that differ from those of the user's text; all in a new one.
+    /// The numbers that differ from those in the user's text; all in a new one.
     pub values: Vec<WrittenValue>,
-    /// Errors of the user's text as it is.
-    pub before: Option<ProjectionErrors>,
-    /// Errors of the text that is written, by what it cannot express.
-    pub after: ProjectionErrors,
-    /// Expected position error of the model itself (m), if it was identified from measurements.
+    /// Error of the user's text as it is.
+    pub before_m: Option<f64>,
+    /// Error of the text that is written, by what it cannot express.
+    pub after_m: f64,
+    /// Standard deviation of the position of the model itself, if it was identified from measurements.
     pub model_sd_m: Option<f64>,
-    /// What the text cannot express, with its part of the position error (m), the largest first.
+    /// What the text cannot express, with its part of the error, the largest first.
     pub inexpressible: Vec<(String, f64)>,
-    /// What was assumed about the text.
-    pub notices: Vec<String>,
 }
 
 impl DialectText {
-    /// Expected position error of a machine with this text (m).
-    #[must_use]
-    pub fn expected_m(&self) -> f64 {
-        self.after
-            .position_rms_m()
-            .hypot(self.model_sd_m.unwrap_or(0.0))
-    }
-
     /// Expected errors and what the text cannot express, in sentences.
     #[must_use]
     pub fn loss_in_words(&self) -> String {
-        let mut text = match &self.before {
-            Some(before) => format!(
-                "The text as it is: {} expected. ",
-                in_mm(before.position_rms_m())
-            ),
-            None => String::new(),
+        let mm = |metres: f64| format!("{:.2} mm", 1e3 * metres);
+        let sd_m = self.model_sd_m.unwrap_or(0.0);
+        let before = self.before_m.map(|before| mm(before.hypot(sd_m)));
+        let before = before.map_or_else(String::new, |mm| {
+            format!("The text as it is: {mm} expected. ")
+        });
+        let model = match self.model_sd_m {
+            Some(sd_m) => format!("the full model: {}", mm(sd_m)),
+            None => "the model itself counts as exact".to_owned(),
         };
-        text += &format!("These lines: {} expected", in_mm(self.expected_m()));
-        text += &match self.model_sd_m {
-            Some(sd_m) => format!("; the full model: {}.", in_mm(sd_m)),
-            None => format!(
-                ", {} at most, by what they cannot express.",
-                in_mm(self.after.largest_position_m())
-            ),
+        let after = mm(self.after_m.hypot(sd_m));
+        let parts = self.inexpressible.iter();
+        let parts = parts.map(|(name, part_m)| format!("{name} ({})", mm(*part_m)));
+        let parts = parts.collect::<Vec<_>>().join(", ");
+        let parts = if parts.is_empty() {
+            parts
+        } else {
+            format!(" Not expressible: {parts}.")
         };
-        if !self.inexpressible.is_empty() {
-            let parts = self.inexpressible.iter();
-            let parts = parts.map(|(name, part_m)| format!("{name} ({})", in_mm(*part_m)));
-            text += &format!(
-                " Not expressible: {}.",
-                parts.collect::<Vec<_>>().join(", ")
-            );
-        }
-        text
+        format!("{before}These lines: {after} expected; {model}.{parts}")
     }
 }
 
-fn in_mm(metres: f64) -> String {
-    format!("{:.2} mm", 1e3 * metres)
+/// Root mean square.
+fn rms(values: &[f64]) -> f64 {
+    let square_sum: f64 = values.iter().map(|value| value * value).sum();
+    (square_sum / values.len().max(1) as f64).sqrt()
 }
 
 /// Writes a model as a text in a dialect: the numbers in the user's text, which has this name, or a new text. With the identification
-/// from which the model comes, the text fits the box of the measured poses and standard deviations are known.
+/// from which the model comes, more standard deviations are known.
 ///
 /// # Errors
-/// If the text cannot be read, is of another robot, or the dialect cannot describe the model.
+/// If the text cannot be read, is of another robot, or the model cannot be evaluated in its workspace.
 pub fn dialect_text(
     model: &Robot,
     fit: Option<&Identification>,
     dialect: &Dialect,
     onto: Option<(&str, &str)>,
 ) -> Result<DialectText, DialectError> {
-    let (file, text) = match onto {
-        Some((file, text)) => (file.to_owned(), text.to_owned()),
-        None => {
-            let new = dialect.new_text(model).map_err(DialectError::Robot)?;
-            (dialect.title.to_owned(), new)
+    let geometry = |robot: &Robot| match dialect.has_winches {
+        true => Ok(robot.clone()),
+        false => {
+            let home = robot
+                .home
+                .map_or_else(|| Workspace::of(robot).centre, |home| home.pose());
+            effective_geometry(robot, &home)
         }
     };
-    let read = dialect.read(&file, &text)?;
-    let model = comparable(model, &read.robot, &file)?;
-    let target = |values: &[f64]| {
-        let text = read.exact_text(&text, values);
-        let robot = dialect.read(&file, &text).ok()?.robot;
-        Some(with_home_of(&model, robot))
+    let new = match onto {
+        Some(_) => String::new(),
+        None => (dialect.new_text)(&geometry(model)?),
     };
-    let workspace = workspace(&model, &read.robot, fit);
+    let (file, text) = onto.unwrap_or((dialect.name, &new));
+    let read = (dialect.read)(file, text)?;
+    let (found, expected) = (model.cable_count(), read.robot.cable_count());
+    if found != expected {
+        let file = file.to_owned();
+        return Err(DialectError::Cables {
+            found,
+            expected,
+            file,
+        });
+    }
+    let comparable =
+        |robot: &Robot| Ok::<_, DialectError>(in_frame_of(geometry(robot)?, &read.robot, dialect));
+    let own: Robot = comparable(model)?;
+    let of_text = |text: &str| -> Result<Robot, DialectError> {
+        Ok(driven_as(&own, dialect, (dialect.read)(file, text)?.robot))
+    };
+    let exact = |_: &Parameter, value: f64| Some(value.to_string());
+    let target = |values: &[f64]| of_text(&read.text_with(text, values, &exact)).ok();
+    let ranges: Vec<f64> = read.parameters.iter().map(|one| one.row.range).collect();
+    // The values with which the text errs least from a model that starts at these, and the error.
+    let best =
+        |model: &Robot, start: &[f64]| -> Result<(ExpectedLengths, Vec<f64>, f64), DialectError> {
+            let model: Robot = comparable(model)?;
+            let expected = ExpectedLengths::of(&model, workspace(&model, &read.robot), POSES)?;
+            let values = expected.project(&target, start, &ranges);
+            let robot = of_text(&read.text_with(text, &values, &exact))?;
+            let error_m = rms(&expected.missed_by_m(&robot)?);
+            Ok((expected, values, error_m))
+        };
     let start: Vec<f64> = read.parameters.iter().map(|one| one.value).collect();
-    let ranges: Vec<f64> = read.parameters.iter().map(|one| one.range).collect();
-    let expected = ExpectedLengths::of(&model, workspace, POSES)?;
-    let values = expected.project(&target, &start, &ranges);
-    let written = read.text_with(&text, &values);
-    let robot = with_home_of(&model, dialect.read(&file, &written)?.robot);
-    let after = expected.errors_of(&robot)?;
+    let (expected, values, least_m) = best(model, &start)?;
     let mut inexpressible = Vec::new();
-    for (name, simpler) in simpler_models(&model) {
-        let expected = ExpectedLengths::of(&simpler, workspace, POSES)?;
-        let best = target(&expected.project(&target, &values, &ranges)).unwrap_or(robot.clone());
-        let rest_m = expected.errors_of(&best)?.position_rms_m();
-        let part_m = (after.position_rms_m().powi(2) - rest_m.powi(2))
-            .max(0.0)
-            .sqrt();
-        if part_m > LEAST_PART_M {
+    for (name, simpler) in simpler_models(model) {
+        let rest_m = best(&simpler, &values)?.2;
+        let part_m = (least_m.powi(2) - rest_m.powi(2)).max(0.0).sqrt();
+        if part_m > LEAST_PART[0].max(LEAST_PART[1] * least_m) {
             inexpressible.push((name, part_m));
         }
     }
     inexpressible.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let before = onto.map(|_| expected.errors_of(&with_home_of(&model, read.robot.clone())));
+    let has_changed = |one: &Parameter, value: f64| onto.is_none() || !one.is_unchanged(value);
+    let written = read.text_with(text, &values, &|one, value| {
+        has_changed(one, value).then(|| one.written(value))
+    });
+    let error_m = |text: &str| Ok::<_, DialectError>(rms(&expected.missed_by_m(&of_text(text)?)?));
+    let changed = read.parameters.iter().zip(&values);
+    let changed = changed.filter(|(one, value)| has_changed(one, **value));
+    let budget = fit.and_then(Identification::budget);
     Ok(DialectText {
-        text: written,
-        values: written_values(&model, fit, &read, &values, onto.is_some()),
-        before: before.transpose()?,
-        after,
-        model_sd_m: fit
-            .and_then(Identification::budget)
-            .and_then(|budget| Some(budget.position?.sd_m())),
+        before_m: onto.map(|_| error_m(text)).transpose()?,
+        after_m: error_m(&written)?,
+        model_sd_m: budget.and_then(|budget| Some(budget.position?.sd_m())),
         inexpressible,
-        notices: read.notices,
+        values: changed
+            .map(|(one, value)| written_value(model, &read.robot, fit, one, *value))
+            .collect(),
+        text: written,
     })
 }
 
-/// The model in the frame of the text, whose origin is the home pose if the text states one.
-fn comparable(model: &Robot, read: &Robot, file: &str) -> Result<Robot, DialectError> {
-    let (found, expected) = (model.cable_count(), read.cable_count());
-    if found != expected {
-        let message =
-            format!("found {found} cables in the model, expected the {expected} of {file}");
-        return Err(DialectError::Robot(message));
-    }
-    let mut model = model.clone();
-    if let (Some(home), Some(own)) = (&mut model.home, &read.home) {
+/// The model in the frame of a text, whose origin is the home pose if it states winches; without elasticity for geometry alone.
+fn in_frame_of(mut model: Robot, read: &Robot, dialect: &Dialect) -> Robot {
+    if !dialect.has_winches {
+        let cables = model.cables.iter_mut();
+        cables.for_each(|cable| cable.cable = CableMaterial::default());
+    } else if let (Some(home), Some(own)) = (&mut model.home, &read.home) {
         let shift = [0, 1, 2].map(|k| own.position_m[k] - home.position_m[k]);
         let add = |point: &mut [f64; 3]| (0..3).for_each(|k| point[k] += shift[k]);
         add(&mut home.position_m);
-        model
-            .cables
-            .iter_mut()
-            .for_each(|cable| add(&mut cable.pulley.entry_point_m));
-        if let Some(workspace) = model
+        let cables = model.cables.iter_mut();
+        cables.for_each(|cable| add(&mut cable.pulley.entry_point_m));
+        let workspace = model
             .limits
             .as_mut()
-            .and_then(|limits| limits.workspace.as_mut())
-        {
-            add(&mut workspace.center.position_m);
+            .and_then(|limits| limits.workspace.as_mut());
+        workspace
+            .into_iter()
+            .for_each(|limits| add(&mut limits.center.position_m));
+    }
+    model
+}
+
+/// The robot of a text, at home where the model is, and driven by its winches if the text states none.
+fn driven_as(model: &Robot, dialect: &Dialect, mut robot: Robot) -> Robot {
+    (robot.home, robot.limits) = (model.home, model.limits);
+    if !dialect.has_winches {
+        for (cable, own) in robot.cables.iter_mut().zip(&model.cables) {
+            (cable.winch, cable.cable) = (own.winch, own.cable.clone());
         }
     }
-    Ok(model)
+    robot
 }
 
-/// The robot of a text, at home where the model is.
-fn with_home_of(model: &Robot, robot: Robot) -> Robot {
-    Robot {
-        home: model.home,
-        limits: model.limits,
-        ..robot
-    }
-}
-
-/// The poses at which the text is to be good: the box of the measured ones, else the workspace; without rotation if the text
-/// knows none.
-fn workspace(model: &Robot, read: &Robot, fit: Option<&Identification>) -> Workspace {
-    let measured = fit.and_then(|fit| around(&fit.solution, model));
-    let mut workspace = measured.unwrap_or_else(|| Workspace::of(model));
-    let is_rotation = |coordinate: &Coordinate| coordinate.index() >= 3;
-    if !read.platform.free.iter().any(is_rotation) {
+/// The workspace of a model, without rotation if the text knows none.
+fn workspace(model: &Robot, read: &Robot) -> Workspace {
+    let mut workspace = Workspace::of(model);
+    if read
+        .platform
+        .free
+        .iter()
+        .all(|coordinate| coordinate.index() < 3)
+    {
         workspace.half_rotation_rad = 0.0;
     }
     workspace
 }
 
-/// The box of the estimated poses, in the frame of a model that was moved to its home.
-fn around(solution: &Solution, model: &Robot) -> Option<Workspace> {
-    let home = model.home.map(|home| home.pose().position);
-    let shift = home.map(|home| home - solution.globals.home.position);
-    let moved = |pose: &Pose| Pose {
-        position: pose.position + shift.unwrap_or_default(),
-        ..*pose
-    };
-    let poses: Vec<Pose> = solution.poses.iter().map(|(_, pose)| moved(pose)).collect();
-    Workspace::around(poses.iter())
-}
-
 /// The model without one of the things that a text may lack, each with its name.
 fn simpler_models(model: &Robot) -> Vec<(String, Robot)> {
-    let mut models = Vec::new();
-    for (index, setting) in model.effects.iter().enumerate() {
+    let without = |name: String, change: &dyn Fn(&mut Robot)| {
         let mut simpler = model.clone();
-        simpler.effects.remove(index);
-        let title = model
-            .effect(&setting.effect)
-            .map_or(setting.effect.as_str(), |effect| effect.title());
-        let name = match setting.targets.len() {
-            0 => title.to_owned(),
-            _ => format!("{title} of {}", setting.targets.join(", ")),
+        change(&mut simpler);
+        (name, simpler)
+    };
+    let effects = model.effects.iter().enumerate().map(|(index, setting)| {
+        let effect = model.effect(&setting.effect);
+        let title = effect.map_or(setting.effect.as_str(), |effect| effect.title());
+        let targets = setting.targets.join(", ");
+        let name = if targets.is_empty() {
+            title.to_owned()
+        } else {
+            format!("{title} of {targets}")
         };
-        models.push((name, simpler));
-    }
-    if !model.deviations.is_empty() {
-        let simpler = Robot {
-            deviations: Vec::new(),
-            ..model.clone()
-        };
-        models.push((
-            "deviations of parts within their tolerances".to_owned(),
-            simpler,
-        ));
-    }
-    if model.cables.iter().any(|cable| cable.pulley.radius_m > 0.0) {
-        let mut simpler = model.clone();
-        simpler
+        without(name, &|robot| drop(robot.effects.remove(index)))
+    });
+    let mut models: Vec<(String, Robot)> = effects.collect();
+    let deviations = "deviations of parts within their tolerances";
+    models.push(without(deviations.to_owned(), &|robot| {
+        robot.deviations.clear()
+    }));
+    models.push(without("pulleys".to_owned(), &|robot| {
+        robot
             .cables
             .iter_mut()
             .for_each(|cable| cable.pulley.radius_m = 0.0);
-        models.push(("pulleys".to_owned(), simpler));
-    }
+    }));
+    models.retain(|(_, simpler)| simpler != model);
     models
 }
 
-fn written_values(
+fn written_value(
     model: &Robot,
-    fit: Option<&Identification>,
-    read: &ForeignRobot,
-    values: &[f64],
-    has_old: bool,
-) -> Vec<WrittenValue> {
-    let all = read.parameters.iter().zip(values);
-    let written = all.filter(|(parameter, value)| !has_old || !parameter.is_unchanged(**value));
-    written
-        .map(|(parameter, value)| {
-            let name = parameter.cable.as_deref();
-            let cable = name.and_then(|name| read.robot.cable_index(name));
-            WrittenValue {
-                key: parameter.key.clone(),
-                old: has_old.then_some(parameter.value),
-                new: parameter.written(*value),
-                sd: cable.and_then(|cable| sd(model, fit, parameter, cable, *value)),
-                unit: parameter.unit.0,
-                reason: reason(model, parameter, cable),
-            }
-        })
-        .collect()
-}
-
-/// Standard deviation of a value in the unit of the text.
-fn sd(
-    model: &Robot,
+    read: &Robot,
     fit: Option<&Identification>,
     parameter: &Parameter,
-    cable: usize,
     value: f64,
-) -> Option<f64> {
-    let cable = model.cables.get(cable)?;
-    match parameter.meaning {
-        Meaning::EntryPoint(axis) => {
-            Some(cable.pulley.entry_point_sd_m.each()[axis]? / parameter.unit.1)
-        }
-        Meaning::CablePerRevolution => {
-            let effects = fit?.effects();
-            let is_scale = |effect: &str| effect == "winch_scale";
-            let scale = effects
-                .iter()
-                .find(|one| is_scale(&one.effect) && one.targets.contains(&cable.name))?;
-            Some(scale.sd? * value.abs())
-        }
-        Meaning::BuildUp | Meaning::Stiffness | Meaning::Other => None,
-    }
-}
-
-/// What a value follows from.
-fn reason(model: &Robot, parameter: &Parameter, cable: Option<usize>) -> String {
-    let cable = cable.and_then(|cable| model.cables.get(cable));
+) -> WrittenValue {
+    let cable = read
+        .cable_index(&parameter.cable)
+        .map(|index| &model.cables[index]);
     let name = cable.map_or("all cables", |cable| cable.name.as_str());
-    match parameter.meaning {
-        Meaning::EntryPoint(_) => match cable.map(|cable| cable.pulley.radius_m) {
-            Some(radius_m) if radius_m > 0.0 => format!(
-                "entry point of {name}, as a point for its pulley of {:.1} mm",
-                1e3 * radius_m
-            ),
-            _ => format!("entry point of {name}"),
-        },
-        Meaning::CablePerRevolution => format!("cable per revolution of {name}"),
-        Meaning::BuildUp => "build-up of the drums".to_owned(),
-        Meaning::Stiffness => "stiffness of the cables".to_owned(),
-        Meaning::Other => String::new(),
+    let (sd, reason) = match (parameter.row.meaning, cable) {
+        (Meaning::EntryPoint(axis), Some(cable)) => {
+            let sd_m = cable.pulley.entry_point_sd_m.each()[axis];
+            let radius_mm = 1e3 * cable.pulley.radius_m;
+            let pulley = match radius_mm > 0.0 {
+                true => format!(", with its pulley of {radius_mm:.1} mm"),
+                false => String::new(),
+            };
+            let sd = sd_m.map(|sd_m| sd_m * parameter.row.unit.1);
+            (sd, format!("entry point of {name}{pulley}"))
+        }
+        (Meaning::CablePerRevolution, Some(cable)) => {
+            let effects = fit.map(Identification::effects).unwrap_or_default();
+            let mut scales = effects.iter().filter(|one| one.effect == "winch_scale");
+            let scale = scales.find(|one| one.targets.contains(&cable.name));
+            let sd = scale.and_then(|one| one.sd).map(|sd| sd * value.abs());
+            (sd, format!("cable per revolution of {name}"))
+        }
+        (Meaning::BuildUp, _) => (None, "build-up of the drums".to_owned()),
+        (Meaning::Stiffness, _) => (None, "stiffness of the cables".to_owned()),
+        _ => (None, name.to_owned()),
+    };
+    WrittenValue {
+        new: parameter.written(value),
+        parameter: parameter.clone(),
+        sd,
+        reason,
     }
 }
