@@ -36,6 +36,7 @@ const POSES: &str = "poses.csv";
     ("What a log holds, and what would become of it", "tautline import log.csv --robot mini --channels"),
     ("A log and a recording of cameras, to a dataset", "tautline import log.csv capture.csv --robot robot.json -o cell"),
     ("With the mistakes corrected that the check reports", "tautline import log.csv --robot mini -o cell --apply-suggestions"),
+    ("The robot of a Hangprinter's firmware", "tautline import config.g -o robot.json"),
 ]))]
 pub struct Arguments {
     #[arg(value_name = "SOURCE", required = true, help = sources_help())]
@@ -92,7 +93,8 @@ fn sources_help() -> String {
     };
     format!(
         "Files or folders with readings: CSV, TwinCAT Scope, Motive, Nexus, point lists, .c3d, .mat, .npy, .npz, .parquet, .lvm, .tdms, \
-         .mf4, .xlsx, .ods{more}; or a robot description: cables and bodies of CASPR, a model of WireX{left_out}"
+         .mf4, .xlsx, .ods{more}; or a robot description: config.g of a Hangprinter, printer.cfg of Klipper with winches, maslow.yaml, MJCF of MuJoCo, cables and \
+         bodies of CASPR, a model of WireX{left_out}"
     )
 }
 

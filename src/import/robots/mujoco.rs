@@ -154,19 +154,7 @@ fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
         .flat_map(|group| &group.children)
         .filter(|one| one.name == "spatial");
     let tendons: Vec<&Element> = tendons.collect();
-    let mut ends = vec![0_usize; model.bodies.len()];
-    for tendon in &tendons {
-        for body in model.ends_of(tendon)? {
-            ends[body] += usize::from(model.moves(body));
-        }
-    }
-    let platform = (0..ends.len())
-        .max_by_key(|body| ends[*body])
-        .filter(|body| ends[*body] > 0);
-    let platform = platform.ok_or_else(|| {
-        let message = "found no moving body in which spatial tendons end, expected a platform";
-        root.error(file, message)
-    })?;
+    let platform = platform_body(&model, &root, &tendons)?;
     let mut settings = Settings::new(file, text);
     let (mut cables, mut left_out) = (Vec::new(), Vec::new());
     for tendon in tendons {
@@ -216,6 +204,25 @@ fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
         read.value.gravity_m_s2 = [g[0], g[1], g[2]];
     }
     Ok(ForeignRobot::new(read, settings))
+}
+
+/// Number of the moving body in which most tendons end.
+fn platform_body(
+    model: &Model<'_>,
+    root: &Element,
+    tendons: &[&Element],
+) -> Result<usize, ReadError> {
+    let mut ends = vec![0_usize; model.bodies.len()];
+    for tendon in tendons {
+        for body in model.ends_of(tendon)? {
+            ends[body] += usize::from(model.moves(body));
+        }
+    }
+    let most = (0..ends.len()).max_by_key(|body| ends[*body]);
+    most.filter(|body| ends[*body] > 0).ok_or_else(|| {
+        let message = "found no moving body in which spatial tendons end, expected a platform";
+        root.error(model.file, message)
+    })
 }
 
 /// The cable of a tendon; the place from which it comes into the workspace becomes parameters.

@@ -66,10 +66,13 @@ const STIFFNESS: Row = Row {
 fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
     let mut settings = Settings::of_gcode(file, text);
     let common = (0, "");
-    let kind = settings.get(&Row::kept("M669 K.0", ("", 1.0), 6.0), common)?;
-    if kind != 6.0 {
-        let message = format!("M669 K: found {kind}, expected 6, a Hangprinter");
-        return Err(settings.error("M669 K.0", message));
+    // Three values are an anchor, one is the kind of machine.
+    if settings.text("M669 K.1").is_none() {
+        let kind = settings.get(&Row::kept("M669 K.0", ("", 1.0), 6.0), common)?;
+        if kind != 6.0 {
+            let message = format!("M669 K: found {kind}, expected 6, a Hangprinter");
+            return Err(settings.error("M669 K.0", message));
+        }
     }
     let is_stated = |name: &&&str| settings.text(&format!("M669 {name}.0")).is_some();
     let stated = ANCHORS.iter().take_while(is_stated).count() as f64;

@@ -4,7 +4,7 @@ use tautline_core::kinematics::{LengthBreakdownError, effective_geometry};
 use tautline_core::projection::ExpectedLengths;
 use tautline_core::robot::{CableMaterial, Robot};
 use tautline_core::simulation::{SimulationError, Workspace};
-use tautline_import::{Dialect, Meaning, Parameter};
+use tautline_import::{Dialect, ForeignRobot, Meaning, Parameter};
 use tautline_session::ReadError;
 
 use crate::identification::Identification;
@@ -95,12 +95,6 @@ impl DialectText {
     }
 }
 
-/// Root mean square.
-fn rms(values: &[f64]) -> f64 {
-    let square_sum: f64 = values.iter().map(|value| value * value).sum();
-    (square_sum / values.len().max(1) as f64).sqrt()
-}
-
 /// Writes a model as a text in a dialect: the numbers in the user's text, which has this name, or a new text. With the identification
 /// from which the model comes, more standard deviations are known.
 ///
@@ -112,78 +106,147 @@ pub fn dialect_text(
     dialect: &Dialect,
     onto: Option<(&str, &str)>,
 ) -> Result<DialectText, DialectError> {
-    let geometry = |robot: &Robot| match dialect.has_winches {
-        true => Ok(robot.clone()),
-        false => {
-            let home = robot
-                .home
-                .map_or_else(|| Workspace::of(robot).centre, |home| home.pose());
-            effective_geometry(robot, &home)
-        }
-    };
     let new = match onto {
         Some(_) => String::new(),
-        None => (dialect.new_text)(&geometry(model)?),
+        None => (dialect.new_text)(&expressible(model, dialect)?),
     };
     let (file, text) = onto.unwrap_or((dialect.name, &new));
-    let read = (dialect.read)(file, text)?;
-    let (found, expected) = (model.cable_count(), read.robot.cable_count());
-    if found != expected {
-        let file = file.to_owned();
-        return Err(DialectError::Cables {
-            found,
-            expected,
-            file,
-        });
-    }
-    let comparable =
-        |robot: &Robot| Ok::<_, DialectError>(in_frame_of(geometry(robot)?, &read.robot, dialect));
-    let own: Robot = comparable(model)?;
-    let of_text = |text: &str| -> Result<Robot, DialectError> {
-        Ok(driven_as(&own, dialect, (dialect.read)(file, text)?.robot))
-    };
-    let exact = |_: &Parameter, value: f64| Some(value.to_string());
-    let target = |values: &[f64]| of_text(&read.text_with(text, values, &exact)).ok();
-    let ranges: Vec<f64> = read.parameters.iter().map(|one| one.row.range).collect();
-    // The values with which the text errs least from a model that starts at these, and the error.
-    let best =
-        |model: &Robot, start: &[f64]| -> Result<(ExpectedLengths, Vec<f64>, f64), DialectError> {
-            let model: Robot = comparable(model)?;
-            let expected = ExpectedLengths::of(&model, workspace(&model, &read.robot), POSES)?;
-            let values = expected.project(&target, start, &ranges);
-            let robot = of_text(&read.text_with(text, &values, &exact))?;
-            let error_m = rms(&expected.missed_by_m(&robot)?);
-            Ok((expected, values, error_m))
-        };
-    let start: Vec<f64> = read.parameters.iter().map(|one| one.value).collect();
-    let (expected, values, least_m) = best(model, &start)?;
-    let mut inexpressible = Vec::new();
-    for (name, simpler) in simpler_models(model) {
-        let rest_m = best(&simpler, &values)?.2;
-        let part_m = (least_m.powi(2) - rest_m.powi(2)).max(0.0).sqrt();
-        if part_m > LEAST_PART[0].max(LEAST_PART[1] * least_m) {
-            inexpressible.push((name, part_m));
-        }
-    }
-    inexpressible.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let has_changed = |one: &Parameter, value: f64| onto.is_none() || !one.is_unchanged(value);
-    let written = read.text_with(text, &values, &|one, value| {
-        has_changed(one, value).then(|| one.written(value))
+    let target = Target::new(dialect, (file, text), model)?;
+    let parameters = &target.read.parameters;
+    let start: Vec<f64> = parameters.iter().map(|one| one.value).collect();
+    let (expected, values, least_m) = target.best(model, &start)?;
+    let is_written = |one: &Parameter, value: f64| onto.is_none() || !one.is_unchanged(value);
+    let written = target.read.text_with(text, &values, &|one, value| {
+        is_written(one, value).then(|| one.written(value))
     });
-    let error_m = |text: &str| Ok::<_, DialectError>(rms(&expected.missed_by_m(&of_text(text)?)?));
-    let changed = read.parameters.iter().zip(&values);
-    let changed = changed.filter(|(one, value)| has_changed(one, **value));
+    let error_m = |text: &str| {
+        target
+            .robot_of(text)
+            .and_then(|robot| error_of(&expected, &robot))
+    };
+    let changed = parameters.iter().zip(&values);
+    let changed = changed.filter(|(one, value)| is_written(one, **value));
+    let value = |(one, value): (&Parameter, &f64)| {
+        written_value(model, &target.read.robot, fit, one, *value)
+    };
     let budget = fit.and_then(Identification::budget);
     Ok(DialectText {
+        values: changed.map(value).collect(),
         before_m: onto.map(|_| error_m(text)).transpose()?,
         after_m: error_m(&written)?,
         model_sd_m: budget.and_then(|budget| Some(budget.position?.sd_m())),
-        inexpressible,
-        values: changed
-            .map(|(one, value)| written_value(model, &read.robot, fit, one, *value))
-            .collect(),
+        inexpressible: target.inexpressible(model, &values, least_m)?,
         text: written,
     })
+}
+
+/// Position error of a machine with this robot (m), root mean square.
+fn error_of(expected: &ExpectedLengths, robot: &Robot) -> Result<f64, DialectError> {
+    let missed_m = expected.missed_by_m(robot)?;
+    let square_sum: f64 = missed_m.iter().map(|value| value * value).sum();
+    Ok((square_sum / missed_m.len().max(1) as f64).sqrt())
+}
+
+/// The model, or its geometry at home if the dialect states geometry only.
+fn expressible(model: &Robot, dialect: &Dialect) -> Result<Robot, DialectError> {
+    if dialect.has_winches {
+        return Ok(model.clone());
+    }
+    let home = model.home.map(|home| home.pose());
+    let home = home.unwrap_or_else(|| Workspace::of(model).centre);
+    Ok(effective_geometry(model, &home)?)
+}
+
+/// A text in which a model is expressed.
+struct Target<'a> {
+    dialect: &'a Dialect,
+    file: &'a str,
+    text: &'a str,
+    read: ForeignRobot,
+    /// The model in the frame of the text.
+    model: Robot,
+}
+
+impl<'a> Target<'a> {
+    fn new(
+        dialect: &'a Dialect,
+        (file, text): (&'a str, &'a str),
+        model: &Robot,
+    ) -> Result<Self, DialectError> {
+        let read = (dialect.read)(file, text)?;
+        let (found, expected) = (model.cable_count(), read.robot.cable_count());
+        if found != expected {
+            let file = file.to_owned();
+            return Err(DialectError::Cables {
+                found,
+                expected,
+                file,
+            });
+        }
+        let model = in_frame_of(expressible(model, dialect)?, &read.robot, dialect);
+        Ok(Self {
+            dialect,
+            file,
+            text,
+            read,
+            model,
+        })
+    }
+
+    /// The robot of another version of the text, driven as the model is.
+    fn robot_of(&self, text: &str) -> Result<Robot, DialectError> {
+        let read = (self.dialect.read)(self.file, text)?;
+        Ok(driven_as(&self.model, self.dialect, read.robot))
+    }
+
+    /// The robot of the text with exactly these values.
+    fn robot_with(&self, values: &[f64]) -> Result<Robot, DialectError> {
+        let exact = |_: &Parameter, value: f64| Some(value.to_string());
+        self.robot_of(&self.read.text_with(self.text, values, &exact))
+    }
+
+    /// What a model expects, and the values near `start` with which the text errs least, with the error (m).
+    fn best(
+        &self,
+        model: &Robot,
+        start: &[f64],
+    ) -> Result<(ExpectedLengths, Vec<f64>, f64), DialectError> {
+        let model = in_frame_of(
+            expressible(model, self.dialect)?,
+            &self.read.robot,
+            self.dialect,
+        );
+        let workspace = workspace(&model, &self.read.robot);
+        let expected = ExpectedLengths::of(&model, workspace, POSES)?;
+        let ranges: Vec<f64> = self
+            .read
+            .parameters
+            .iter()
+            .map(|one| one.row.range)
+            .collect();
+        let values = expected.project(&|values| self.robot_with(values).ok(), start, &ranges);
+        let error_m = error_of(&expected, &self.robot_with(&values)?)?;
+        Ok((expected, values, error_m))
+    }
+
+    /// Parts of the error `least_m` of the best values, each by something that the text cannot express, the largest first.
+    fn inexpressible(
+        &self,
+        model: &Robot,
+        values: &[f64],
+        least_m: f64,
+    ) -> Result<Vec<(String, f64)>, DialectError> {
+        let mut parts = Vec::new();
+        for (name, simpler) in simpler_models(model) {
+            let rest_m = self.best(&simpler, values)?.2;
+            let part_m = (least_m.powi(2) - rest_m.powi(2)).max(0.0).sqrt();
+            if part_m > LEAST_PART[0].max(LEAST_PART[1] * least_m) {
+                parts.push((name, part_m));
+            }
+        }
+        parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+        Ok(parts)
+    }
 }
 
 /// The model in the frame of a text, whose origin is the home pose if it states winches; without elasticity for geometry alone.
@@ -254,7 +317,7 @@ fn simpler_models(model: &Robot) -> Vec<(String, Robot)> {
     let mut models: Vec<(String, Robot)> = effects.collect();
     let deviations = "deviations of parts within their tolerances";
     models.push(without(deviations.to_owned(), &|robot| {
-        robot.deviations.clear()
+        robot.deviations.clear();
     }));
     models.push(without("pulleys".to_owned(), &|robot| {
         robot

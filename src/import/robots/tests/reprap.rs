@@ -27,7 +27,10 @@ fn a_hangprinter_turns_as_in_its_firmware() {
         let gears = [[2.0, 2.0, 2.0, 4.0][index], 1.0, 18.0, 240.0];
         let cable = &robot.cables[index];
         let growth = robot.effects[index].parameters["growth"];
-        assert_eq!(robot.effects[index].targets, [cable.name.clone()]);
+        assert_eq!(
+            robot.effects[index].targets,
+            std::slice::from_ref(&cable.name)
+        );
         let per_revolution = cable.winch.cable_per_revolution_m();
         for line_mm in [-900.0, -50.0, 0.0, 300.0, 1200.0] {
             let turned = revolutions(line_mm, 0.095, radius, gears);
@@ -65,6 +68,18 @@ fn variants_of_a_hangprinter() {
     assert_eq!(robot.cables.len(), 3);
     assert_eq!(robot.platform.mass_kg, None);
     assert!((robot.cables[2].winch.gear_ratio - 25.5).abs() < 1e-12);
+    // The seventh anchor has the letter of the kind of machine.
+    let letters = ["A", "B", "C", "D", "I", "J", "K", "L"];
+    let anchors = letters.map(|letter| format!(" {letter}1000:{}:2000", letter.len()));
+    let eight = format!("M669 K6 N8\nM669{}\n", anchors.concat());
+    assert_eq!(
+        read(&[("config.g", &eight)])
+            .expect("eight lines")
+            .value
+            .cables
+            .len(),
+        8
+    );
     // The upper anchor by its height, as older firmware has it; the last line holds.
     let height = CONFIG.replace("D4.5:-2.0:2095.0", "D2000") + "M669 D2100.5\n";
     let robot = read(&[("config.g", &height)]).expect("a height").value;
