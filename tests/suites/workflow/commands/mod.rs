@@ -5,6 +5,7 @@ mod check;
 mod command_line;
 mod compare;
 mod diagnose;
+mod dialects;
 mod errors;
 mod formulas;
 mod health;
