@@ -8,9 +8,6 @@ use std::ops::Range;
 use tautline_core::robot::Robot;
 use tautline_session::{Loaded, ReadError};
 
-use super::settings::Settings;
-use super::{klipper, maslow, mujoco, reprap};
-
 /// Meaning of a number for the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {
@@ -116,11 +113,11 @@ pub struct ForeignRobot {
 }
 
 impl ForeignRobot {
-    pub(super) fn new(read: Loaded<Robot>, settings: Settings<'_>) -> Self {
+    pub(super) fn new(read: Loaded<Robot>, parameters: Vec<Parameter>) -> Self {
         Self {
             robot: read.value,
             notices: read.notices,
-            parameters: settings.parameters,
+            parameters,
         }
     }
 
@@ -157,20 +154,4 @@ pub struct Dialect {
     pub read: fn(&str, &str) -> Result<ForeignRobot, ReadError>,
     /// A new text for a robot without effects.
     pub new_text: fn(&Robot) -> String,
-}
-
-impl Dialect {
-    /// All dialects.
-    pub const ALL: [&'static Self; 4] = [
-        &reprap::DIALECT,
-        &maslow::DIALECT,
-        &klipper::DIALECT,
-        &mujoco::DIALECT,
-    ];
-
-    /// The dialect of a text, or of its beginning.
-    #[must_use]
-    pub fn of(text: &str) -> Option<&'static Self> {
-        Self::ALL.into_iter().find(|dialect| (dialect.is_in)(text))
-    }
 }

@@ -60,7 +60,7 @@ fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
     notices.extend(settings.left_out(&["printer.winch_"], why));
     Ok(ForeignRobot::new(
         robot_of(file, description, notices)?,
-        settings,
+        settings.parameters,
     ))
 }
 

@@ -63,7 +63,7 @@ fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
     let description = Description::of_point(cables, &Coordinate::ALL[..2], false);
     Ok(ForeignRobot::new(
         robot_of(file, description, notices)?,
-        settings,
+        settings.parameters,
     ))
 }
 

@@ -23,6 +23,22 @@ use xml::Element;
 /// Largest description that is read (bytes).
 const MAX_BYTES: u64 = 16 << 20;
 
+impl Dialect {
+    /// All dialects.
+    pub const ALL: [&'static Self; 4] = [
+        &reprap::DIALECT,
+        &maslow::DIALECT,
+        &klipper::DIALECT,
+        &mujoco::DIALECT,
+    ];
+
+    /// The dialect of a text, or of its beginning.
+    #[must_use]
+    pub fn of(text: &str) -> Option<&'static Self> {
+        Self::ALL.into_iter().find(|dialect| (dialect.is_in)(text))
+    }
+}
+
 /// Whether a text, or its beginning, describes a robot; robots of Gazebo and URDF are refused by name.
 pub(crate) fn is_description(text: &str) -> bool {
     let tags = ["<cables", "<links", "<models", "<sdf", "<robot"];

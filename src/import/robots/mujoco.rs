@@ -13,7 +13,7 @@ use tautline_session::{ReadError, quoted};
 use super::description::{Description, Guide, cable_of, home_at, robot_of};
 use super::dialect::{Dialect, ForeignRobot, M, Row};
 use super::settings::Settings;
-use super::{Element, xml};
+use super::xml::{self, Element};
 
 pub(super) static DIALECT: Dialect = Dialect {
     name: "mjcf",
@@ -203,7 +203,7 @@ fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
     if let Some(g) = gravity.flatten() {
         read.value.gravity_m_s2 = [g[0], g[1], g[2]];
     }
-    Ok(ForeignRobot::new(read, settings))
+    Ok(ForeignRobot::new(read, settings.parameters))
 }
 
 /// Number of the moving body in which most tendons end.

@@ -114,7 +114,7 @@ fn read(file: &str, text: &str) -> Result<ForeignRobot, ReadError> {
     notices.extend(settings.left_out(&["M666 ", "M669 "], why));
     let mut read = robot_of(file, description, notices)?;
     read.value.effects = effects;
-    Ok(ForeignRobot::new(read, settings))
+    Ok(ForeignRobot::new(read, settings.parameters))
 }
 
 /// The anchor of a line (m); of one that is above the origin, the height alone may be stated.
