@@ -70,7 +70,10 @@ fn variants_of_a_hangprinter() {
     assert!((robot.cables[2].winch.gear_ratio - 25.5).abs() < 1e-12);
     // The seventh anchor has the letter of the kind of machine.
     let letters = ["A", "B", "C", "D", "I", "J", "K", "L"];
-    let anchors = letters.map(|letter| format!(" {letter}1000:{}:2000", letter.len()));
+    let anchors = letters.iter().enumerate();
+    let anchors: Vec<String> = anchors
+        .map(|(index, letter)| format!(" {letter}{index}00:0:2000"))
+        .collect();
     let eight = format!("M669 K6 N8\nM669{}\n", anchors.concat());
     assert_eq!(
         read(&[("config.g", &eight)])
