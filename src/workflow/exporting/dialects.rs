@@ -66,6 +66,8 @@ pub struct DialectText {
     pub model_sd_m: Option<f64>,
     /// What the text cannot express, with its part of the error, the largest first.
     pub inexpressible: Vec<(String, f64)>,
+    /// Effects of the model of which a text of geometry has only what they change at home.
+    pub at_home_only: Vec<String>,
 }
 
 impl DialectText {
@@ -91,7 +93,11 @@ impl DialectText {
         } else {
             format!(" Not expressible: {parts}.")
         };
-        format!("{before}These lines: {after} expected; {model}.{parts}")
+        let at_home = match self.at_home_only.join(", ") {
+            names if names.is_empty() => names,
+            names => format!(" A text of geometry has only what these change at home: {names}."),
+        };
+        format!("{before}These lines: {after} expected; {model}.{parts}{at_home}")
     }
 }
 
@@ -136,6 +142,12 @@ pub fn dialect_text(
         after_m: error_m(&written)?,
         model_sd_m: budget.and_then(|budget| Some(budget.position?.sd_m())),
         inexpressible: target.inexpressible(model, &values, least_m)?,
+        at_home_only: match dialect.has_winches {
+            true => Vec::new(),
+            false => (0..model.effects.len())
+                .map(|index| effect_name(model, index))
+                .collect(),
+        },
         text: written,
     })
 }
@@ -303,16 +315,10 @@ fn simpler_models(model: &Robot) -> Vec<(String, Robot)> {
         change(&mut simpler);
         (name, simpler)
     };
-    let effects = model.effects.iter().enumerate().map(|(index, setting)| {
-        let effect = model.effect(&setting.effect);
-        let title = effect.map_or(setting.effect.as_str(), |effect| effect.title());
-        let targets = setting.targets.join(", ");
-        let name = if targets.is_empty() {
-            title.to_owned()
-        } else {
-            format!("{title} of {targets}")
-        };
-        without(name, &|robot| drop(robot.effects.remove(index)))
+    let effects = (0..model.effects.len()).map(|index| {
+        without(effect_name(model, index), &|robot| {
+            drop(robot.effects.remove(index))
+        })
     });
     let mut models: Vec<(String, Robot)> = effects.collect();
     let deviations = "deviations of parts within their tolerances";
@@ -327,6 +333,16 @@ fn simpler_models(model: &Robot) -> Vec<(String, Robot)> {
     }));
     models.retain(|(_, simpler)| simpler != model);
     models
+}
+
+fn effect_name(model: &Robot, index: usize) -> String {
+    let setting = &model.effects[index];
+    let effect = model.effect(&setting.effect);
+    let title = effect.map_or(setting.effect.as_str(), |effect| effect.title());
+    match setting.targets.join(", ") {
+        targets if targets.is_empty() => title.to_owned(),
+        targets => format!("{title} of {targets}"),
+    }
 }
 
 fn written_value(
