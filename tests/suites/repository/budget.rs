@@ -8,15 +8,15 @@ use crate::layout::{root, rust_files};
 
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
-    ("cli", 7887),
-    ("core", 36862),
-    ("import", 17244),
+    ("cli", 7956),
+    ("core", 37136),
+    ("import", 18349),
     ("link", 10439),
     ("python", 953),
-    ("session", 7944),
+    ("session", 7968),
     ("study", 3110),
     ("workbench", 37518),
-    ("workflow", 19226),
+    ("workflow", 19554),
 ];
 
 fn is_of_tests(path: &Path) -> bool {
