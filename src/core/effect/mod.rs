@@ -222,9 +222,17 @@ impl EffectParameter {
                 small,
                 large,
                 source,
+                is_one_sided: self.bounds[0] == self.neutral,
             }),
             ..self
         }
+    }
+
+    /// Lets the parameter of a broken part have a sign that the tolerance of a sound one excludes.
+    #[must_use]
+    pub const fn of_either_sign_if_broken(mut self) -> Self {
+        self.bounds = [f64::NEG_INFINITY, f64::INFINITY];
+        self
     }
 
     /// Sets another start value.

@@ -35,6 +35,8 @@ pub struct TypicalTolerance {
     pub large: f64,
     /// Where the value comes from.
     pub source: &'static str,
+    /// Whether sound parts deviate to the positive side only, as play without a reversal of tension.
+    pub is_one_sided: bool,
 }
 
 impl TypicalTolerance {

@@ -14,12 +14,13 @@ pub(super) static EFFECT: Effect = Effect {
     id: "winch_backlash",
     title: "Winch backlash",
     scope: Scope::CableOrAll,
-    parameters: &[
-        EffectParameter::new("play", "m", 0.002, [0.0002, 0.002]).with_tolerance(
+    parameters: &[EffectParameter::new("play", "m", 0.002, [0.0002, 0.002])
+        .within(0.0, f64::INFINITY)
+        .with_tolerance(
             [3e-05, 6e-05],
             "Planetary gearboxes of 3 to 5 arc minutes on drums of 50 to 200 mm",
-        ),
-    ],
+        )
+        .of_either_sign_if_broken()],
     cause: |found| {
         found.say("{winch} {has|have} {0:mm} of play: at the same reading {its cable is|their cables are} {0:longer|shorter} after paying out than after reeling in.")
     },

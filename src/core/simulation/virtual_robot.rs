@@ -230,7 +230,10 @@ pub fn draw_deviations(robot: &Robot, seed: u64) -> Vec<EffectSetting> {
         let parameters = bound.effect.parameters().iter().zip(&deviation.prior_sd);
         for (value, (parameter, sd)) in bound.values.iter_mut().zip(parameters) {
             let drawn = normal(&mut rng, *sd);
-            let one_sided = parameter.bounds[0] == parameter.neutral;
+            let one_sided = match parameter.tolerance {
+                Some(tolerance) => tolerance.is_one_sided,
+                None => parameter.bounds[0] == parameter.neutral,
+            };
             *value += if one_sided { drawn.abs() } else { drawn };
         }
         bound.setting(robot)

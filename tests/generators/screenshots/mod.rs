@@ -122,6 +122,11 @@ fn causes(into: &Path) -> Result<()> {
     stage.give(ViewCommand::Select(Selection::cable(5)));
     stage.show("Cable 6 slipped");
     files::write_still(&into.join("doctor-hall.png"), &stage.picture()?)?;
+    open(&mut stage, "tracker-touched/session.json");
+    stage.press("Model doctor");
+    stage.give(ViewCommand::Select(Selection::pose(24)));
+    stage.show("The external instrument was moved");
+    files::write_still(&into.join("doctor-tracker.png"), &stage.picture()?)?;
     open(&mut stage, "suspended-sag/session.json");
     stage.give(ViewCommand::Select(Selection::pose(11)));
     files::write_still(&into.join("suspended.png"), &stage.picture()?)

@@ -111,7 +111,7 @@ pub const RECIPES: [Recipe; 14] = [
             (
                 "cable_slip",
                 Some("cable-6"),
-                &[("step", 0.035), ("pose", 22.0)],
+                &[("step", 0.02), ("pose", 22.0)],
             ),
         ],
         has_bench: false,
