@@ -317,7 +317,7 @@ fn simpler_models(model: &Robot) -> Vec<(String, Robot)> {
     };
     let effects = (0..model.effects.len()).map(|index| {
         without(effect_name(model, index), &|robot| {
-            drop(robot.effects.remove(index))
+            robot.effects.remove(index);
         })
     });
     let mut models: Vec<(String, Robot)> = effects.collect();
