@@ -3,7 +3,9 @@
 //! The winches of the model pay out `L_ij` at pose j (m, cable i, since home or absolute). A target with the parameters `p`
 //! expects `L_ij - e_ij(p)`. It errs least with
 //!
-//!     minimise  sum_ij (e_ij(p) / s)^2 + sum_k ((p_k - p0_k) / t_k)^2,    s = 0.01 mm,
+//! ```text
+//! minimise  sum_ij (e_ij(p) / s)^2 + sum_k ((p_k - p0_k) / t_k)^2,    s = 0.01 mm,
+//! ```
 //!
 //! where `p0` are the parameters that the target has and `t_k` how far a parameter may be sought from there: it decides where the
 //! poses do not. The platform of a robot that is commanded with `p` misses pose j by the position rows of `J^+ e_j`, with
