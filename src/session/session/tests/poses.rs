@@ -108,7 +108,7 @@ fn a_pose_that_makes_no_sense_changes_nothing() {
         ),
         (
             |p| p.readings.length_m = Grid::default(),
-            "/columns/rev_1: missing, expected rev_1 or length_1_m",
+            "/columns/rev_1: missing, expected rev_1, change_1_m or length_1_m",
         ),
         (
             |p| p.readings.revolutions = Grid::of_row(vec![1.0; 2]),
