@@ -52,7 +52,7 @@ fn examples(words: &[&str]) -> Vec<String> {
 }
 
 /// What examples need beyond the program: files of the user, a controller, typed answers, a long time.
-const NEED_MORE: [&str; 9] = [
+const NEED_MORE: [&str; 10] = [
     "--hypothesis",
     "--record",
     "tautline history",
@@ -62,6 +62,7 @@ const NEED_MORE: [&str; 9] = [
     "study ",
     "~/",
     "--roll-back",
+    "config.g",
 ];
 
 #[cfg(unix)]
