@@ -3,7 +3,9 @@
 //! A line to the anchor `a` has the position `l = |a - x| - |a|` (mm). With the spool radius `R` at the origin, where the line is
 //! wound up, `U` strands, `O` lines on a spool, the build-up `Q` and the gear `H / L`, the motor has turned by
 //!
-//!     rev = 2 G / k2 (sqrt(R^2 + k2 l) - R),    G = U H / (2 pi L),    k2 = -U O Q,
+//! ```text
+//! rev = 2 G / k2 (sqrt(R^2 + k2 l) - R),    G = U H / (2 pi L),    k2 = -U O Q,
+//! ```
 //!
 //! which is the inverse of `l = k rev (1 + g rev)`, with `k = R / G` and the growth `g = k2 / (4 G R)` of the effect `drum_growth`.
 //! Where the mover's weight `W` is stated, the firmware subtracts the stretch `F |a - x| / S` of a line.
