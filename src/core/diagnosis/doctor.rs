@@ -66,7 +66,7 @@ pub fn diagnose(
         && allow_for_wrong_drawing(data, &mut found, options, &mut report)?;
     if found.extended.adequate || is_wrong {
         let solution = &found.extended_solution;
-        found.drawing = wrong_drawing(&dataset.robot, solution, log_naming_odds(), is_wrong);
+        found.drawing = wrong_drawing(&dataset.robot, solution, options.alpha / 2.0, is_wrong);
     }
     found.tolerances.are_stated = dataset.robot.tolerances.is_some();
     Ok(found)

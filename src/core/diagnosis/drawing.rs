@@ -13,6 +13,7 @@ use super::priors::{PLACES_WIDER, WRONG_DRAWING};
 use crate::estimation::{ParameterId, Solution};
 use crate::kinematics::{ForwardKinematics, inverse_kinematics};
 use crate::robot::{PerAxis, Robot};
+use crate::statistics::chi_square_survival;
 
 /// How the places of the pulleys differ from the drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +29,7 @@ pub enum DrawingPattern {
 /// A drawing that is wrong.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrongDrawing {
-    /// The likeliest pattern.
+    /// The pattern that stands out most.
     pub pattern: DrawingPattern,
     /// Its size, and its standard deviations as estimated and as stated (m or rad).
     pub size: f64,
@@ -205,35 +206,37 @@ impl Displacements {
     }
 }
 
-/// Log odds of a drawing that is wrong in one of the patterns over a right one, at the fit of a model.
+/// Log odds of a drawing that is wrong in one of the patterns over a right one, at the fit of a model: widening the prior of a pattern of
+/// `k` numbers by the factor of [`with_wider_places`] changes the log evidence by `chi^2/2 - k ln(factor)`.
 pub(super) fn log_odds_of_patterns(robot: &Robot, solution: &Solution) -> Option<f64> {
     let found = Displacements::of(robot, solution)?;
-    likeliest(found.tested(robot)).map(|(odds, _)| odds)
+    let tested = found.tested(robot);
+    let prior = (WRONG_DRAWING / (1.0 - WRONG_DRAWING) / tested.len().max(1) as f64).ln();
+    let odds = tested
+        .iter()
+        .map(|one| 0.5 * one.chi2 - one.numbers as f64 * PLACES_WIDER.ln());
+    odds.max_by(f64::total_cmp).map(|best| best + prior)
 }
 
-/// The likeliest pattern with its log odds over a right drawing: widening the prior of `k` numbers by the factor of
-/// [`with_wider_places`] changes the log evidence by `chi^2/2 - k ln(factor)`.
-fn likeliest(tested: Vec<TestedPattern>) -> Option<(f64, TestedPattern)> {
-    let share = WRONG_DRAWING / (1.0 - WRONG_DRAWING) / tested.len() as f64;
-    let with_odds = tested.into_iter().map(|one| {
-        let evidence = 0.5 * one.chi2 - one.numbers as f64 * PLACES_WIDER.ln();
-        (evidence + share.ln(), one)
-    });
-    with_odds.max_by(|a, b| a.0.total_cmp(&b.0))
-}
-
-/// The likeliest pattern in the places of the pulleys, if its log odds over a right drawing exceed `least`, or if the drawing is known
-/// to be wrong.
+/// The pattern in the places of the pulleys that stands out most, if there is one at a significance level, or if the drawing is
+/// known to be wrong.
 pub(super) fn wrong_drawing(
     robot: &Robot,
     solution: &Solution,
-    least: f64,
+    level: f64,
     is_known: bool,
 ) -> Option<WrongDrawing> {
     let found = Displacements::of(robot, solution)?;
-    let (log_odds, TestedPattern { pattern, sizes, .. }) = likeliest(found.tested(robot))?;
+    let tested = found.tested(robot);
+    let count = tested.len() as f64;
+    let with_survival = tested.into_iter().filter_map(|one| {
+        let survival = chi_square_survival(one.chi2, one.numbers as f64)?;
+        Some((survival, one))
+    });
+    let (survival, TestedPattern { pattern, sizes, .. }) =
+        with_survival.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let [size, stated, estimated] = sizes;
-    (is_known || log_odds > least).then(|| WrongDrawing {
+    (is_known || survival * count < level).then(|| WrongDrawing {
         pattern,
         size,
         sd: estimated.max(0.0).sqrt(),
