@@ -9,7 +9,7 @@ use crate::layout::{root, rust_files};
 /// Crates of `src` with their lines of code: no blanks, no comments, no tests.
 const BUDGET: [(&str, usize); 9] = [
     ("cli", 7956),
-    ("core", 37147),
+    ("core", 37152),
     ("import", 18349),
     ("link", 10439),
     ("python", 953),
