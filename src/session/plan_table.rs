@@ -27,7 +27,7 @@ pub fn read_plan(
     let table = Table::open(reader, file)?;
     let label = table.require(LABEL)?;
     let columns = PoseColumns::find(&table, &POSE)?;
-    let rotates = robot.platform.free.iter().any(|c| c.index() >= 3);
+    let rotates = robot.platform.turns();
     let first_of_quaternion = match rotates {
         true => table.require(POSE[3])?,
         false => label,

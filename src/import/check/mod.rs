@@ -633,8 +633,8 @@ fn other_drums(columns: &[Column<'_>], fitting: &[(usize, Line)], found: &mut Ve
     let Some(ratio) = median(slopes.clone()).filter(|ratio| *ratio > 0.0) else {
         return;
     };
-    let is_common = slopes.fold(0.0_f64, |most, slope| most.max((slope / ratio - 1.0).abs()));
-    if is_common < ALIKE && (ratio - 1.0).abs() > OTHER_DRUMS {
+    let is_alike = |slope: f64| (slope / ratio - 1.0).abs() < ALIKE;
+    if slopes.into_iter().all(is_alike) && (ratio - 1.0).abs() > OTHER_DRUMS {
         let columns = columns.iter().map(|column| column.quantity.column());
         let sentence = |names: &str| {
             format!(

@@ -44,11 +44,7 @@ impl CommandedPoses {
         };
         let position = [mapped(0)?, mapped(1)?, mapped(2)?];
         let rotation = [mapped(3), mapped(4), mapped(5), mapped(6)];
-        let rotates = robot
-            .platform
-            .free
-            .iter()
-            .any(|coordinate| coordinate.index() > 2);
+        let rotates = robot.platform.turns();
         if rotates && rotation.iter().any(Option::is_none) {
             return None;
         }

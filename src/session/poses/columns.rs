@@ -157,7 +157,7 @@ impl Columns {
 
     /// Checks that commanded and true poses have all their columns; a platform needs none of a coordinate in which it cannot move.
     fn check_complete_poses(&self, robot: &Robot) -> Result<(), Fault> {
-        let rotates = robot.platform.free.iter().any(|c| c.index() >= 3);
+        let rotates = robot.platform.turns();
         for group in [Group::Commanded, Group::TruePose, Group::Tracked] {
             let is_free = |k: usize| robot.platform.free.iter().any(|c| c.index() == k);
             let missing = |k: &usize| {

@@ -297,12 +297,7 @@ fn driven_as(model: &Robot, dialect: &Dialect, mut robot: Robot) -> Robot {
 /// The workspace of a model, without rotation if the text knows none.
 fn workspace(model: &Robot, read: &Robot) -> Workspace {
     let mut workspace = Workspace::of(model);
-    if read
-        .platform
-        .free
-        .iter()
-        .all(|coordinate| coordinate.index() < 3)
-    {
+    if !read.platform.turns() {
         workspace.half_rotation_rad = 0.0;
     }
     workspace
