@@ -123,13 +123,13 @@ impl ExpectedLengths {
         start: &[f64],
         ranges: &[f64],
     ) -> Vec<f64> {
+        let free: Vec<usize> = (0..start.len()).filter(|k| ranges[*k] > 0.0).collect();
         let parameters = |steps: &[f64]| -> Vec<f64> {
-            let steps = steps.iter().zip(ranges).map(|(step, range)| step * range);
-            start
-                .iter()
-                .zip(steps)
-                .map(|(start, step)| start + step)
-                .collect()
+            let mut values = start.to_vec();
+            for (k, step) in free.iter().zip(steps) {
+                values[*k] += step * ranges[*k];
+            }
+            values
         };
         let lengths = self.poses.len() * self.tensions_n.columns();
         let predict = |steps: &[f64], out: &mut [f64]| {
@@ -142,7 +142,7 @@ impl ExpectedLengths {
             }
         };
         let problem = CurveProblem {
-            observations: &vec![0.0; lengths + start.len()],
+            observations: &vec![0.0; lengths + free.len()],
             sd: None,
             predict: &predict,
             jacobian: None,
@@ -151,7 +151,7 @@ impl ExpectedLengths {
             max_iterations: 50,
             ..CurveFitOptions::default()
         };
-        let fit = fit_curve(&problem, &vec![0.0; start.len()], &options);
+        let fit = fit_curve(&problem, &vec![0.0; free.len()], &options);
         parameters(fit.statistics.parameters.as_slice())
     }
 }

@@ -160,14 +160,19 @@ pub(super) fn allow_for_errors(
 
 /// Adds an error to the alternatives of a finding, unless its probability is too small to be said.
 fn add_error(finding: &mut Finding, error: Option<UnmodelledError>, probability: f64) {
-    let Some(error) = error.filter(|_| probability >= MIN_POSSIBLE_PROBABILITY) else {
-        return;
+    if let Some(error) = error.filter(|_| probability >= MIN_POSSIBLE_PROBABILITY) {
+        add_alternative(finding, Subject::UnmodelledError(error), probability);
+    }
+}
+
+/// Adds an alternative to a finding, in place of the least probable one if it has many.
+pub(super) fn add_alternative(finding: &mut Finding, subject: Subject, probability: f64) {
+    let alternative = Alternative {
+        subject,
+        probability,
     };
     finding.alternatives.truncate(MAX_ALTERNATIVES - 1);
-    finding.alternatives.push(Alternative {
-        subject: Subject::UnmodelledError(error),
-        probability,
-    });
+    finding.alternatives.push(alternative);
 }
 
 /// Turns the computed probabilities of the findings into stated ones; a name has no alternatives. `posteriors` are those of
@@ -193,7 +198,7 @@ pub(super) fn state_probabilities(
         for other in &mut finding.alternatives {
             other.probability *= match other.subject {
                 Subject::Cause(_) => of_causes,
-                Subject::UnmodelledError(_) => of_errors,
+                Subject::UnmodelledError(_) | Subject::WrongDrawing(_) => of_errors,
             };
         }
         let atypical = finding.probability * (1.0 - share_of_atypical_size(log_rarity_of(finding)));

@@ -7,37 +7,37 @@ use super::candidates::size_parameter;
 use super::cause_posteriors::{CausePosterior, cause_posteriors, stated_causes};
 use super::cause_sets::set_probabilities;
 use super::confidence::{
-    ConfirmedCauses, allow_for_errors, assess_fit, confirm_causes, log_rarity_of,
+    ConfirmedCauses, add_alternative, allow_for_errors, assess_fit, confirm_causes, log_rarity_of,
     reject_replaceable_causes, state_probabilities,
 };
-use super::drawing::{log_odds_of_patterns, with_wider_places, wrong_drawing};
+use super::drawing::{drawing_evidence, with_wider_places, wrong_drawing};
 use super::exchange::{Channels, find_exchange};
 use super::exploration::Visibility;
 use super::finding::FindingBuilder;
 use super::fit::Fit;
 use super::fitted_problem::{
-    chi2_without_causes, independent_dataset, problem_at_fitted_poses, usual_variance,
-    with_variance,
+    independent_dataset, problem_at_fitted_poses, usual_variance, with_variance,
 };
 use super::gain::Prediction;
 use super::inference::{Inference, infer, inference_at_fit};
 use super::isolability::log_naming_odds;
 use super::linear_fit::LinearFit;
 use super::noise::noise_statements;
-use super::priors::{EXPECTED_CAUSES, FACTORS, RELATIVE_SD};
+use super::priors::{AS_STATED, EXPECTED_CAUSES, FACTORS, RELATIVE_SD};
 use super::progress::Reporter;
 use super::report::{
-    Diagnosis, Discrepancy, Finding, Invisible, PossibleCause, SlackCable, ToleranceFactor,
-    UnseenFault,
+    Diagnosis, Discrepancy, Finding, Invisible, PossibleCause, SlackCable, Subject,
+    ToleranceFactor, UnseenFault,
 };
 use super::residual_space::ResidualSpace;
-use super::slack::{Rival, find_slack};
+use super::slack::{Rival, find_slack, without_cables};
 use super::unmodelled_errors::{UnmodelledErrors, WeighedError};
 use super::unseen::unseen_faults;
 use super::{DiagnosisOptions, Observer, Stage};
 use crate::effect::{CATALOGUE, CablePorts, Dual, Scope};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
+use crate::robot::Robot;
 use crate::statistics::normal_quantile;
 
 /// Diagnoses a dataset with the joint problem of its robot. The effects of its model are estimated in every set of
@@ -79,43 +79,87 @@ fn allow_for_wrong_drawing(
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
 ) -> Result<bool, EstimationError> {
-    let Some((robot, price)) = with_wider_places(&dataset.robot) else {
-        return Ok(false);
-    };
     let wider = Dataset {
-        robot,
+        robot: with_wider_places(&dataset.robot),
         measurements: dataset.measurements.clone(),
     };
-    // All are compared at the noise that is left with such places.
-    let variance = usual_variance(&wider)?;
-    let [stated, wide] = [dataset, &wider].map(|data| with_variance(data, variance));
-    let nothing = problem_at_fitted_poses(&stated)?;
-    let nothing = Fit::new(&nothing, &[])?.solution;
-    // Either the places are anywhere, or they differ in one pattern.
-    let anywhere = -0.5 * (chi2_without_causes(&wide)? + price);
-    let patterns = log_odds_of_patterns(&dataset.robot, &nothing);
-    let in_pattern = patterns.map_or(f64::NEG_INFINITY, |odds| odds - 0.5 * nothing.chi2);
-    let wrong = anywhere.max(in_pattern);
-    if wrong < -0.5 * nothing.chi2 {
-        return Ok(false);
-    }
-    let known = match variance > 1.0 {
-        true => log_evidence(
-            &diagnose_independent((&stated, rows), options, report)?,
-            1.0,
-        ),
-        false => log_evidence(found, 1.0),
+    // Both are compared at the noise that is left with such places, unless causes leave none but that stated.
+    let variance = match found.extended.adequate {
+        true => 1.0,
+        false => usual_variance(&wider, FACTORS[AS_STATED])?,
     };
-    if wrong < known {
+    let [stated, wide] = [dataset, &wider].map(|data| with_variance(data, variance));
+    let at_wide = Fit::new(&problem_at_fitted_poses(&wide)?, &[])?.solution;
+    let alone = drawing_evidence(&dataset.robot, &at_wide);
+    if alone.is_none_or(|evidence| evidence.log_odds < 0.0) {
         return Ok(false);
     }
-    let other = diagnose_independent((&wider, rows), options, report)?;
-    let is_wrong = (other.extended.adequate || !found.extended.adequate)
-        && other.findings.len() <= found.findings.len();
-    if is_wrong {
+    let is_noisier = variance > 1.0;
+    let mut diagnosed = |data| diagnose_independent((data, rows), options, report);
+    let as_stated = is_noisier.then(|| diagnosed(&stated)).transpose()?;
+    let other = diagnosed(&wide)?;
+    if other.cancelled {
         *found = other;
+        return Ok(false);
     }
-    Ok(is_wrong)
+    let Some(evidence) = drawing_evidence(&dataset.robot, &other.extended_solution) else {
+        return Ok(false);
+    };
+    let known = evidence.of_stated + log_evidence(as_stated.as_ref().unwrap_or(found), 1.0);
+    let wrong = evidence.of_wider + log_evidence(&other, 1.0);
+    let log_odds = wrong - known;
+    let is_open = log_odds.abs() < log_naming_odds();
+    if (is_open && list_drawing(found, (&dataset.robot, &other), log_odds)) || log_odds < 0.0 {
+        return Ok(false);
+    }
+    let mut doubtful = cables_of_errors(as_stated.as_ref().unwrap_or(found));
+    let also = cables_of_errors(&other);
+    doubtful.retain(|cable| also.contains(cable));
+    if !doubtful.is_empty() {
+        let rest = without_cables(dataset, &doubtful);
+        let Ok(mut of_rest) = diagnosed(&rest) else {
+            // The other readings do not determine the poses.
+            return Ok(false);
+        };
+        let is_wrong = allow_for_wrong_drawing((&rest, rows), &mut of_rest, options, report)?;
+        found.cancelled |= of_rest.cancelled;
+        if !is_wrong || found.cancelled {
+            return Ok(false);
+        }
+    }
+    *found = match is_noisier {
+        true => diagnose_independent((&wider, rows), options, report)?,
+        false => other,
+    };
+    Ok(!found.cancelled)
+}
+
+/// Adds a wrong drawing to what may be there instead of the causes that are found without it, but not with it; whether there are any.
+fn list_drawing(found: &mut Diagnosis, (robot, with): (&Robot, &Diagnosis), log_odds: f64) -> bool {
+    let Some(drawing) = wrong_drawing(robot, &with.extended_solution, 1.0, true) else {
+        return false;
+    };
+    let probability = 1.0 / (1.0 + (-log_odds).exp());
+    let is_known = |finding: &Finding| {
+        let key = |one: &Finding| Some((one.cause()?.effect().id(), one.subject.cables()));
+        key(finding).is_none() || with.findings.iter().any(|one| key(one) == key(finding))
+    };
+    let mut unknown: Vec<&mut Finding> = found.findings.iter_mut().collect();
+    unknown.retain(|finding| !is_known(finding));
+    for finding in &mut unknown {
+        finding.probability *= 1.0 - probability;
+        (finding.alternatives.iter_mut()).for_each(|other| other.probability *= 1.0 - probability);
+        add_alternative(finding, Subject::WrongDrawing(drawing.pattern), probability);
+    }
+    !unknown.is_empty()
+}
+
+/// Cables in whose readings a diagnosis leaves an error without a name. If it is left with wider places, too, they only take up
+/// a part of it, so that these readings say nothing of the drawing.
+fn cables_of_errors(found: &Diagnosis) -> Vec<usize> {
+    let findings = found.findings.iter();
+    let errors = findings.filter(|finding| finding.cause().is_none());
+    errors.flat_map(|error| error.subject.cables()).collect()
 }
 
 /// Diagnoses without the readings of a slack cable, if that is likelier than what was found with them, else says that it may be.
@@ -125,7 +169,7 @@ fn allow_for_slack(
     options: &DiagnosisOptions,
     report: &mut Reporter<'_, '_>,
 ) -> Result<(), EstimationError> {
-    let variance = usual_variance(dataset)?;
+    let variance = usual_variance(dataset, 0.0)?;
     let known = log_evidence(found, variance);
     let rival = Rival {
         variance,

@@ -4,7 +4,7 @@
 //! covariance `S` and that of the estimate `C`, the estimated displacement `d` of a right drawing has the covariance `S - C`. Some
 //! patterns are tested: the distance of the pulleys along an axis, a turn of all about an axis, and one pulley alone. If the
 //! readings contradict the stated places so much that no cause explains them, the places are taken as known [`PLACES_WIDER`]
-//! times less well, at the price `n ln k` of log evidence for `n` coordinates.
+//! times less well, each of its own or all in one pattern.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector3};
 
@@ -13,7 +13,7 @@ use super::priors::{PLACES_WIDER, WRONG_DRAWING};
 use crate::estimation::{ParameterId, Solution};
 use crate::kinematics::{ForwardKinematics, inverse_kinematics};
 use crate::robot::{PerAxis, Robot};
-use crate::statistics::chi_square_survival;
+use crate::statistics::{chi_square_survival, log_sum};
 
 /// How the places of the pulleys differ from the drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +24,12 @@ pub enum DrawingPattern {
     Turn(usize),
     /// One pulley is elsewhere (m).
     Pulley(usize),
+}
+
+impl DrawingPattern {
+    fn of_axes() -> impl Iterator<Item = Self> {
+        (0..3).flat_map(|axis| [Self::Extent(axis), Self::Turn(axis)])
+    }
 }
 
 /// A drawing that is wrong.
@@ -44,22 +50,15 @@ pub struct WrongDrawing {
     pub worth_m: Option<f64>,
 }
 
-/// The robot with places of the pulleys that are known less well, and the price of that in units of chi-square; `None` if no place
-/// is stated with an uncertainty.
-pub(super) fn with_wider_places(robot: &Robot) -> Option<(Robot, f64)> {
+/// The robot with places of the pulleys that are known less well.
+pub(super) fn with_wider_places(robot: &Robot) -> Robot {
     let mut wider = robot.clone();
-    let mut coordinates = 0;
     for cable in &mut wider.cables {
         let mut sds = cable.pulley.entry_point_sd_m.each();
-        for sd in sds.iter_mut().flatten().filter(|sd| **sd > 0.0) {
-            *sd *= PLACES_WIDER;
-            coordinates += 1;
-        }
+        (sds.iter_mut().flatten()).for_each(|sd| *sd *= PLACES_WIDER);
         cable.pulley.entry_point_sd_m = PerAxis::Each(sds);
     }
-    let prior = (WRONG_DRAWING / (1.0 - WRONG_DRAWING)).ln();
-    let price = 2.0 * (f64::from(coordinates) * PLACES_WIDER.ln() - prior);
-    (coordinates > 0).then_some((wider, price))
+    wider
 }
 
 /// Displacements of the coordinates whose places are stated with an uncertainty, in order of cable and axis.
@@ -101,7 +100,7 @@ impl Displacements {
                 stated.push(sd * sd);
             }
         }
-        Some(Self {
+        (!places.is_empty()).then(|| Self {
             places,
             values: DVector::from_vec(values),
             stated: DVector::from_vec(stated),
@@ -116,13 +115,14 @@ impl Displacements {
         [weights.dot(&self.values), stated, estimated]
     }
 
-    /// All patterns of which the readings say something.
-    fn tested(&self, robot: &Robot) -> Vec<TestedPattern> {
-        let axes = (0..3).flat_map(|k| [DrawingPattern::Extent(k), DrawingPattern::Turn(k)]);
-        let on_axes = axes.filter_map(|pattern| {
+    /// All patterns of which the readings say something. An estimated displacement from a right drawing has the covariance `S - C`, or
+    /// `S + C` if it was estimated with wider places, which hardly draw it to the stated ones.
+    fn tested(&self, robot: &Robot, is_wider: bool) -> Vec<TestedPattern> {
+        let sign = if is_wider { 1.0 } else { -1.0 };
+        let on_axes = DrawingPattern::of_axes().filter_map(|pattern| {
             let sizes = self.along(&self.weights(robot, pattern)?);
             let [size, stated, estimated] = sizes;
-            let variance = stated - estimated;
+            let variance = stated + sign * estimated;
             (variance > MIN_KNOWN_SHARE * stated).then(|| TestedPattern {
                 pattern,
                 sizes,
@@ -130,12 +130,33 @@ impl Displacements {
                 numbers: 1,
             })
         });
-        let of_pulleys = (0..robot.cable_count()).filter_map(|cable| self.of_pulley(cable));
+        let of_pulleys = (0..robot.cable_count()).filter_map(|cable| self.of_pulley(cable, sign));
+        on_axes.chain(of_pulleys).collect()
+    }
+
+    /// Prior covariances of the displacements if one of the patterns is known less well than stated.
+    fn priors_of_patterns(&self, robot: &Robot) -> Vec<DMatrix<f64>> {
+        let square = PLACES_WIDER.powi(2);
+        let on_axes = DrawingPattern::of_axes().filter_map(|pattern| {
+            let weights = self.weights(robot, pattern)?;
+            let shape = &weights / weights.norm_squared();
+            Some(
+                DMatrix::from_diagonal(&self.stated)
+                    + &shape * shape.transpose() * (square * self.along(&weights)[1]),
+            )
+        });
+        let of_pulleys = (0..robot.cable_count()).map(|cable| {
+            let mut stated = self.stated.clone();
+            for (variance, place) in stated.iter_mut().zip(&self.places) {
+                *variance *= if place.0 == cable { square } else { 1.0 };
+            }
+            DMatrix::from_diagonal(&stated)
+        });
         on_axes.chain(of_pulleys).collect()
     }
 
     /// The displacement of one pulley, with its size and variances in the direction of it.
-    fn of_pulley(&self, cable: usize) -> Option<TestedPattern> {
+    fn of_pulley(&self, cable: usize, sign: f64) -> Option<TestedPattern> {
         let own: Vec<usize> = (0..self.places.len())
             .filter(|k| self.places[*k].0 == cable)
             .collect();
@@ -146,7 +167,7 @@ impl Displacements {
         let stated = self.stated.select_rows(&own);
         let least = MIN_KNOWN_SHARE * stated.max();
         let estimated = self.estimated.select_rows(&own).select_columns(&own);
-        let spread = SymmetricEigen::new(DMatrix::from_diagonal(&stated) - estimated);
+        let spread = SymmetricEigen::new(DMatrix::from_diagonal(&stated) + estimated * sign);
         // The readings say nothing of the other directions.
         let axes = spread
             .eigenvalues
@@ -206,16 +227,48 @@ impl Displacements {
     }
 }
 
-/// Log odds of a drawing that is wrong in one of the patterns over a right one, at the fit of a model: widening the prior of a pattern of
-/// `k` numbers by the factor of [`with_wider_places`] changes the log evidence by `chi^2/2 - k ln(factor)`.
-pub(super) fn log_odds_of_patterns(robot: &Robot, solution: &Solution) -> Option<f64> {
-    let found = Displacements::of(robot, solution)?;
-    let tested = found.tested(robot);
-    let prior = (WRONG_DRAWING / (1.0 - WRONG_DRAWING) / tested.len().max(1) as f64).ln();
-    let odds = tested
-        .iter()
-        .map(|one| 0.5 * one.chi2 - one.numbers as f64 * PLACES_WIDER.ln());
-    odds.max_by(f64::total_cmp).map(|best| best + prior)
+/// How likely readings make a wrong drawing.
+pub(super) struct DrawingEvidence {
+    /// Log odds of a wrong drawing over the stated one, as far as the model is linear in the places.
+    pub log_odds: f64,
+    /// What makes the log evidence of a wrong drawing of half of chi-square at the fit with wider places.
+    pub of_wider: f64,
+    /// What makes the log evidence of a right drawing of half of chi-square at a fit with the places as stated.
+    pub of_stated: f64,
+}
+
+/// The evidence at a fit with wider places, whose prior covariance is `W`; `None` where it has no covariance. The readings are
+/// like Gaussian ones of the displacements with the information `L = C^-1 - W^-1` and the right side `h = C^-1 d`, so that a
+/// prior covariance `S` has the log evidence `(h^T (L + S^-1)^-1 h - log det(1 + S L)) / 2`. A drawing is wrong anywhere, or in
+/// one of the patterns.
+pub(super) fn drawing_evidence(robot: &Robot, wide: &Solution) -> Option<DrawingEvidence> {
+    let found = Displacements::of(robot, wide)?;
+    let precision = found.estimated.clone().cholesky()?.inverse();
+    let right_side = &precision * &found.values;
+    let wider = &found.stated * PLACES_WIDER.powi(2);
+    let information = precision - DMatrix::from_diagonal(&wider.map(f64::recip));
+    let of_prior = |prior: &DMatrix<f64>| {
+        let root = prior.clone().cholesky()?.unpack();
+        let scaled = root.transpose() * &information * &root;
+        let inner = (scaled + DMatrix::identity(root.nrows(), root.nrows())).cholesky()?;
+        let projected = root.transpose() * &right_side;
+        let explained = projected.dot(&inner.solve(&projected));
+        Some([0.5 * explained, -0.5 * inner.ln_determinant()])
+    };
+    let patterns: Vec<f64> = (found.priors_of_patterns(robot).iter())
+        .filter_map(|prior| Some(of_prior(prior)?.iter().sum()))
+        .collect();
+    let [explained_by_wider, cost] = of_prior(&DMatrix::from_diagonal(&wider))?;
+    let in_pattern = log_sum(patterns.iter().copied()) - (patterns.len() as f64).ln();
+    let wrong = log_sum([explained_by_wider + cost, in_pattern].into_iter());
+    let wrong = wrong + (WRONG_DRAWING / 2.0).ln();
+    let [explained_by_stated, cost] = of_prior(&DMatrix::from_diagonal(&found.stated))?;
+    let of_stated = (1.0 - WRONG_DRAWING).ln() + cost;
+    Some(DrawingEvidence {
+        log_odds: wrong - of_stated - explained_by_stated,
+        of_wider: wrong - explained_by_wider,
+        of_stated,
+    })
 }
 
 /// The pattern in the places of the pulleys that stands out most, if there is one at a significance level, or if the drawing is
@@ -227,14 +280,14 @@ pub(super) fn wrong_drawing(
     is_known: bool,
 ) -> Option<WrongDrawing> {
     let found = Displacements::of(robot, solution)?;
-    let tested = found.tested(robot);
+    let tested = found.tested(robot, is_known);
     let count = tested.len() as f64;
     let with_survival = tested.into_iter().filter_map(|one| {
         let survival = chi_square_survival(one.chi2, one.numbers as f64)?;
         Some((survival, one))
     });
     let (survival, TestedPattern { pattern, sizes, .. }) =
-        with_survival.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        with_survival.min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.chi2.total_cmp(&a.1.chi2)))?;
     let [size, stated, estimated] = sizes;
     (is_known || survival * count < level).then(|| WrongDrawing {
         pattern,

@@ -8,9 +8,7 @@ use crate::effect::{BoundEffect, measurements_as_modelled};
 use crate::estimation::{EstimationError, Problem};
 use crate::measurement::Dataset;
 use crate::robot::{PartTolerances, PerAxis, Robot};
-
-/// Median of the square of a standard normal variable.
-const MEDIAN_OF_CHI_SQUARE: f64 = 0.4549;
+use crate::statistics::chi_square_quantile;
 
 /// The robot with the tolerances that a diagnosis assumes: no machine is exact, so what is not stated is typical. The
 /// deviations that a model states are estimated anew.
@@ -39,10 +37,14 @@ pub(super) fn chi2_without_causes(dataset: &Dataset) -> Result<f64, EstimationEr
     Ok(Fit::new(&problem, &[])?.solution.chi2)
 }
 
-/// Variance of the lengths in that stated, of the middle half of them: a few wrong ones do not change it.
-pub(super) fn usual_variance(dataset: &Dataset) -> Result<f64, EstimationError> {
+/// Variance of the lengths in that stated, of the middle half of them: a few wrong ones do not change it. Parts deviate by their
+/// tolerances times a factor.
+pub(super) fn usual_variance(dataset: &Dataset, factor: f64) -> Result<f64, EstimationError> {
     let problem = problem_at_fitted_poses(dataset)?;
-    let fit = Fit::new(&problem, &[])?;
+    let mut fit = Fit::new(&problem, &[])?;
+    if factor > 0.0 {
+        fit = Fit::new(&fit.problem_with_deviations(factor), &[])?;
+    }
     let space = ResidualSpace::new(&fit.linearisation());
     let redundancy = space.redundancy();
     let is_read = |k: &usize| {
@@ -54,8 +56,9 @@ pub(super) fn usual_variance(dataset: &Dataset) -> Result<f64, EstimationError> 
         .map(|k| space.residual[k].powi(2) / redundancy[k])
         .collect();
     squares.sort_by(f64::total_cmp);
-    let middle = squares.get(squares.len() / 2).copied().unwrap_or(1.0);
-    Ok((middle / MEDIAN_OF_CHI_SQUARE).max(1.0))
+    let middle = squares.get(squares.len() / 2);
+    let of_noise = chi_square_quantile(0.5, 1.0);
+    Ok((middle.zip(of_noise)).map_or(1.0, |(middle, of_noise)| (middle / of_noise).max(1.0)))
 }
 
 /// A dataset whose description states so many times the variance of lengths and positions.

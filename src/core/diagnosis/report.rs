@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::calibration::NAMING_PROBABILITY;
-use super::drawing::WrongDrawing;
+use super::drawing::{DrawingPattern, WrongDrawing};
 use super::reading_id::ReadingId;
 use super::size_posterior::SizePosterior;
 use crate::effect::{BoundEffect, Effect, OnEachCable};
@@ -223,6 +223,8 @@ pub enum Subject {
     Cause(Cause),
     /// An error of readings without a known cause.
     UnmodelledError(UnmodelledError),
+    /// Pulleys that are not where the description states them; an alternative of a cause only.
+    WrongDrawing(DrawingPattern),
 }
 
 impl Subject {
@@ -231,7 +233,7 @@ impl Subject {
     pub fn cause(&self) -> Option<&Cause> {
         match self {
             Self::Cause(cause) => Some(cause),
-            Self::UnmodelledError(_) => None,
+            Self::UnmodelledError(_) | Self::WrongDrawing(_) => None,
         }
     }
 
@@ -241,6 +243,8 @@ impl Subject {
         match self {
             Self::Cause(cause) => cause.cables(),
             Self::UnmodelledError(error) => error.readings.cable.into_iter().collect(),
+            Self::WrongDrawing(DrawingPattern::Pulley(cable)) => vec![*cable],
+            Self::WrongDrawing(_) => Vec::new(),
         }
     }
 }
@@ -405,7 +409,7 @@ impl Finding {
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         match &self.subject {
-            Subject::UnmodelledError(_) => Verdict::Unknown,
+            Subject::UnmodelledError(_) | Subject::WrongDrawing(_) => Verdict::Unknown,
             Subject::Cause(_) if self.probability >= NAMING_PROBABILITY => Verdict::Named,
             Subject::Cause(_) => Verdict::Ambiguous,
         }

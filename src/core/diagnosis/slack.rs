@@ -225,6 +225,18 @@ fn largest_slack_m(dataset: &Dataset) -> f64 {
     LARGEST_SLACK * dataset.robot.frame_size_m().unwrap_or(0.0)
 }
 
+/// The dataset without the readings of some cables, but those at home.
+pub(super) fn without_cables(dataset: &Dataset, cables: &[usize]) -> Dataset {
+    let mut left = dataset.clone();
+    let home = dataset.robot.home.and(dataset.measurements.home_row());
+    for row in (0..dataset.measurements.len()).filter(|row| Some(*row) != home) {
+        cables
+            .iter()
+            .for_each(|cable| leave_out(&mut left, row, *cable));
+    }
+    left
+}
+
 fn leave_out(dataset: &mut Dataset, row: usize, cable: usize) {
     let data = &mut dataset.measurements;
     for grid in [&mut data.revolutions, &mut data.length_m, &mut data.force_n] {

@@ -14,6 +14,7 @@ impl Diagnosed {
         match subject {
             Subject::Cause(cause) => self.title(cause),
             Subject::UnmodelledError(error) => self.error(error),
+            Subject::WrongDrawing(pattern) => self.drawing_title(*pattern),
         }
     }
 

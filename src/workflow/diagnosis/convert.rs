@@ -20,6 +20,8 @@ use super::verdict::residual_ratio;
 
 /// What stands in place of an effect where none explains an error.
 const UNKNOWN: &str = "unknown";
+/// Effect of a drawing that is wrong in machine-readable results.
+const DRAWING: &str = "drawing";
 /// Unit of the held-out figures.
 const HOLDOUT_UNIT: &str = "rms over sd";
 
@@ -145,6 +147,13 @@ impl Diagnosed {
                 effect: UNKNOWN.to_owned(),
                 targets: self.cable(error.readings.cable).into_iter().collect(),
                 error: Some(self.error_document(error)),
+            },
+            Subject::WrongDrawing(_) => SubjectDocument {
+                effect: DRAWING.to_owned(),
+                targets: (subject.cables().into_iter())
+                    .filter_map(|cable| self.cable(Some(cable)))
+                    .collect(),
+                error: None,
             },
         }
     }

@@ -218,7 +218,7 @@ pub struct CauseDocument {
 /// A cause, or an error that no effect explains.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SubjectDocument {
-    /// Effect of the catalogue; "unknown" for an error that none explains.
+    /// Effect of the catalogue; "unknown" for an error that none explains, "drawing" for pulleys elsewhere than stated.
     pub effect: String,
     /// Cables; empty for an effect of the robot, an instrument or all cables together.
     pub targets: Vec<String>,

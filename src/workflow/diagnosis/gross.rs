@@ -68,6 +68,18 @@ impl Diagnosed {
         lines
     }
 
+    /// Title of a wrong drawing: `Wrong drawing (turned about z)`.
+    pub(super) fn drawing_title(&self, pattern: DrawingPattern) -> String {
+        let how = match pattern {
+            DrawingPattern::Extent(axis) => format!("extent along {}", AXES[axis]),
+            DrawingPattern::Turn(axis) => format!("turned about {}", AXES[axis]),
+            DrawingPattern::Pulley(cable) => {
+                format!("pulley of {}", self.robot().cables[cable].name)
+            }
+        };
+        format!("Wrong drawing ({how})")
+    }
+
     fn drawing_lines(&self, drawing: &WrongDrawing) -> Vec<String> {
         let WrongDrawing {
             size,

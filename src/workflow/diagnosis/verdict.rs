@@ -18,6 +18,9 @@ pub fn residual_ratio(test: &GlobalTest) -> Option<f64> {
     (test.degrees_of_freedom > 0.0).then(|| (test.chi2 / test.degrees_of_freedom).sqrt())
 }
 
+/// Probability from which on residuals as large are nothing unusual.
+const USUAL: f64 = 0.05;
+
 /// Goodness of fit in words.
 #[must_use]
 pub fn adequacy(adequacy: &Adequacy) -> String {
@@ -29,6 +32,11 @@ pub fn adequacy(adequacy: &Adequacy) -> String {
                 ratio(by)
             )
         }
+        // The tests of the readings' dependences judge it, not their size.
+        Some(by) if test.p_value > USUAL => format!(
+            "Its residuals are only {} times the expected noise, but they are not random.",
+            ratio(by)
+        ),
         Some(by) if test.p_value.is_finite() => format!(
             "Its residuals are {} times the expected noise; with a correct model they would be as large {}.",
             ratio(by),

@@ -1,6 +1,6 @@
 //! Right answers as data, and what is made of the answer of a diagnosis.
 
-use tautline_core::diagnosis::{DrawingPattern, Finding, Verdict};
+use tautline_core::diagnosis::{DrawingPattern, Finding, Subject, Verdict};
 use tautline_workflow::diagnosis::Diagnosed;
 
 /// What should be said.
@@ -120,7 +120,13 @@ pub fn judged(told: &Diagnosed, right: &Right) -> Answer {
             slack.is_some_and(|slack| slack.cable + 1 == *cable && slack.poses == *poses)
         }
         Right::Drawing(pattern) => {
-            drawing.is_some_and(|found| pattern.is_none_or(|p| p == found.pattern))
+            let is_it = |found| pattern.is_none_or(|wanted| wanted == found);
+            let mut subjects = (findings.iter().flat_map(|finding| &finding.alternatives))
+                .map(|other| &other.subject);
+            if subjects.any(|one| matches!(one, Subject::WrongDrawing(found) if is_it(*found))) {
+                return Answer::Listed;
+            }
+            drawing.is_some_and(|found| is_it(found.pattern))
         }
         Right::Nothing => findings.is_empty(),
         Right::AtMost(_) => true,

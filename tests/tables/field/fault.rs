@@ -5,6 +5,7 @@ use tautline_core::geometry::{Coordinate, Vec3};
 use tautline_core::measurement::{Dataset, Measurements};
 
 use super::answer::Right;
+use super::machine::wind;
 
 /// What happened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -145,19 +146,11 @@ impl Place {
     }
 }
 
-/// The readings of the winches as lengths (m), which are absolute or count from home.
-fn wind(dataset: &mut Dataset, cable: usize, change: impl Fn(usize, f64) -> f64) {
-    let data = &mut dataset.measurements;
-    let (grid, unit_m) = if data.revolutions.is_empty() {
-        (&mut data.length_m, 1.0)
-    } else {
-        let winch = &dataset.robot.cables[cable].winch;
-        (&mut data.revolutions, winch.cable_per_revolution_m())
-    };
-    for row in 0..grid.rows() {
-        let value = unit_m * grid.get(row, cable);
-        grid.set(row, cable, change(row, value) / unit_m);
-    }
+/// Adds a length (m) to the readings of a cable from a row on.
+fn add_from(dataset: &mut Dataset, cable: usize, row: usize, by_m: f64) {
+    wind(dataset, cable, |at, value| {
+        value + if at < row { 0.0 } else { by_m }
+    });
 }
 
 fn column(dataset: &Dataset, cable: usize) -> String {
@@ -202,27 +195,21 @@ pub fn put(fault: Fault, dataset: &mut Dataset, rng: &mut impl Rng) -> Option<Ri
         }
         Fault::Offset => {
             let by_m = sign * share(rng, 0.003, 0.01);
-            wind(dataset, cable, |row, value| {
-                value + if row < first { 0.0 } else { by_m }
-            });
+            add_from(dataset, cable, first, by_m);
             // Two lengths and a frame that nothing fixes do not tell the cables apart.
             let cables = if count > 2 { vec![cable + 1] } else { vec![] };
             Some(Right::Causes(vec![("winch_offset", cables)]))
         }
         Fault::Slip => {
             let by_m = sign * share(rng, 0.002, 0.008);
-            wind(dataset, cable, |at, value| {
-                value + if at < row { 0.0 } else { by_m }
-            });
+            add_from(dataset, cable, row, by_m);
             Some(of_one("cable_slip"))
         }
         Fault::Zeros => {
             for cable in 0..count {
                 let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
                 let by_m = sign * share(rng, 0.002, 0.008);
-                wind(dataset, cable, |at, value| {
-                    value + if at < row { 0.0 } else { by_m }
-                });
+                add_from(dataset, cable, row, by_m);
             }
             let cables = (1..=count).collect();
             Some(Right::Causes(vec![("cable_slip", cables)]))
@@ -286,27 +273,16 @@ pub fn put(fault: Fault, dataset: &mut Dataset, rng: &mut impl Rng) -> Option<Ri
             if by_m.abs() < 0.01 * frame_m {
                 return None;
             }
-            wind(dataset, cable, |at, value| {
-                value + if at < row { 0.0 } else { by_m }
-            });
+            add_from(dataset, cable, row, by_m);
             Some(Right::Mistake(vec![column(dataset, cable)]))
         }
         Fault::Frozen => {
-            let mut last = f64::NAN;
             let row = row.min(dataset.measurements.len() - 8);
-            wind(dataset, cable, |_, value| value);
-            let data = &mut dataset.measurements;
-            let grid = match counts_turns {
-                true => &mut data.revolutions,
-                false => &mut data.length_m,
-            };
-            for at in 0..grid.rows() {
-                if at < row {
-                    last = grid.get(at, cable);
-                } else {
-                    grid.set(at, cable, last);
-                }
-            }
+            let mut last = f64::NAN;
+            wind(dataset, cable, |at, value| {
+                last = if at < row { value } else { last };
+                last
+            });
             Some(Right::Mistake(vec![column(dataset, cable)]))
         }
         Fault::Width | Fault::Turn | Fault::OnePulley => {
@@ -322,7 +298,7 @@ pub fn put(fault: Fault, dataset: &mut Dataset, rng: &mut impl Rng) -> Option<Ri
             )
         }
         Fault::OtherDrums if counts_turns => {
-            let factor = if sign > 0.0 { 1.0 } else { -1.0 } * rng.random_range(0.1..0.3) + 1.0;
+            let factor = 1.0 + sign * rng.random_range(0.1..0.3);
             for cable in 0..count {
                 wind(dataset, cable, |_, value| factor * value);
             }

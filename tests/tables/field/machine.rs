@@ -51,32 +51,47 @@ fn simulated(seed: u64, is_rough: bool, rng: &mut impl Rng) -> Result<Dataset> {
     let run = simulate(&robot, &options).context("a sound machine")?;
     let mut dataset = run.dataset;
     dataset.measurements.truth = Default::default();
-    if is_rough {
-        let data = &mut dataset.measurements;
-        for cable in 0..dataset.robot.cable_count() {
-            let winch = &dataset.robot.cables[cable].winch;
-            let (grid, sd) = match data.revolutions.is_empty() {
-                true => (&mut data.length_m, winch.length_sd_m),
-                false => (
-                    &mut data.revolutions,
-                    winch.length_sd_m / winch.cable_per_revolution_m(),
-                ),
-            };
-            let smooth = Smooth::random(rng);
-            let places: Vec<f64> = (0..grid.rows()).map(|row| grid.get(row, cable)).collect();
-            let [low, high] =
-                [f64::min, f64::max].map(|of| places.iter().copied().fold(places[0], of));
-            let more = (ROUGH_NOISE * ROUGH_NOISE - 1.0).sqrt();
-            for (row, place) in places.iter().enumerate() {
-                if data.labels[row] != 0 {
-                    let at = [(place - low) / (high - low), 0.0];
-                    let error = sd * (smooth.at(at) + more * normal(rng));
-                    grid.set(row, cable, place + error);
-                }
-            }
+    for cable in 0..dataset.robot.cable_count() {
+        if is_rough {
+            roughen(&mut dataset, cable, rng);
         }
     }
     Ok(dataset)
+}
+
+/// Adds noise and a smooth error to the readings of a cable, but those at home.
+fn roughen(dataset: &mut Dataset, cable: usize, rng: &mut impl Rng) {
+    let smooth = Smooth::random(rng);
+    let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
+    wind(dataset, cable, |_, length| {
+        (low, high) = (low.min(length), high.max(length));
+        length
+    });
+    let sd_m = dataset.robot.cables[cable].winch.length_sd_m;
+    let more = (ROUGH_NOISE * ROUGH_NOISE - 1.0).sqrt();
+    let home = dataset.measurements.home_row();
+    wind(dataset, cable, |row, length| {
+        if Some(row) == home {
+            return length;
+        }
+        let at = [(length - low) / (high - low), 0.0];
+        length + sd_m * (smooth.at(at) + more * normal(rng))
+    });
+}
+
+/// Changes the readings of a winch as lengths (m), which are absolute or count from home.
+pub(super) fn wind(dataset: &mut Dataset, cable: usize, mut change: impl FnMut(usize, f64) -> f64) {
+    let data = &mut dataset.measurements;
+    let (grid, unit_m) = if data.revolutions.is_empty() {
+        (&mut data.length_m, 1.0)
+    } else {
+        let winch = &dataset.robot.cables[cable].winch;
+        (&mut data.revolutions, winch.cable_per_revolution_m())
+    };
+    for row in 0..grid.rows() {
+        let value = unit_m * grid.get(row, cable);
+        grid.set(row, cable, change(row, value) / unit_m);
+    }
 }
 
 fn plotter(is_rough: bool, rng: &mut impl Rng) -> Dataset {
